@@ -1,0 +1,3 @@
+"""wmrgen: the compiler for wheeled mobile robots."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,215 @@
+"""Numbers of the field Q(sqrt2, sqrt3): exactly where cosines of multiples of pi/12 live.
+
+An element a + b sqrt2 + c sqrt3 + d sqrt6 is four integers over one common denominator.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import lru_cache
+from math import gcd, isqrt
+
+_DIGITS = 60
+
+
+@lru_cache(maxsize=None)
+def sqrt_rational(n: int, digits: int = _DIGITS) -> Fraction:
+    """sqrt(n) rounded down to ``digits`` decimals, as a fraction."""
+    scale = 10**digits
+    return Fraction(isqrt(n * scale * scale), scale)
+
+
+class Exact:
+    """An immutable element of Q(sqrt2, sqrt3). Hashable, totally ordered, closed under + - * /."""
+
+    __slots__ = ("_hash", "den", "num")
+
+    num: tuple[int, int, int, int]
+    den: int
+
+    def __init__(self, a: int | Fraction = 0, b: int | Fraction = 0, c: int | Fraction = 0, d: int | Fraction = 0):
+        parts = (Fraction(a), Fraction(b), Fraction(c), Fraction(d))
+        den = 1
+        for part in parts:
+            den = den * part.denominator // gcd(den, part.denominator)
+        self.num = tuple(int(part * den) for part in parts)  # type: ignore[assignment]
+        self.den = den
+        self._hash: int | None = None
+
+    @classmethod
+    def _make(cls, num: tuple[int, int, int, int], den: int) -> Exact:
+        g = gcd(den, *num)
+        if den < 0:
+            g = -g
+        self = object.__new__(cls)
+        self.num = num if g == 1 else (num[0] // g, num[1] // g, num[2] // g, num[3] // g)
+        self.den = den // g
+        self._hash = None
+        return self
+
+    @staticmethod
+    def of(value: Exact | Fraction | int) -> Exact:
+        """``value`` as a field element."""
+        return value if isinstance(value, Exact) else Exact(value)
+
+    @property
+    def parts(self) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+        """Coefficients of 1, sqrt2, sqrt3, sqrt6."""
+        a, b, c, d = self.num
+        return Fraction(a, self.den), Fraction(b, self.den), Fraction(c, self.den), Fraction(d, self.den)
+
+    @property
+    def is_rational(self) -> bool:
+        return not any(self.num[1:])
+
+    def __bool__(self) -> bool:
+        return any(self.num)
+
+    def __add__(self, other: Exact | Fraction | int) -> Exact:
+        o = Exact.of(other)
+        p, q = self.den, o.den
+        a, b = self.num, o.num
+        return Exact._make(
+            (a[0] * q + b[0] * p, a[1] * q + b[1] * p, a[2] * q + b[2] * p, a[3] * q + b[3] * p), p * q
+        )
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Exact:
+        a, b, c, d = self.num
+        return Exact._make((-a, -b, -c, -d), self.den)
+
+    def __sub__(self, other: Exact | Fraction | int) -> Exact:
+        return self + (-Exact.of(other))
+
+    def __rsub__(self, other: Exact | Fraction | int) -> Exact:
+        return Exact.of(other) - self
+
+    def __mul__(self, other: Exact | Fraction | int) -> Exact:
+        o = Exact.of(other)
+        a, b, c, d = self.num
+        e, f, g, h = o.num
+        if not (b or c or d):
+            return Exact._make((a * e, a * f, a * g, a * h), self.den * o.den)
+        return Exact._make(
+            (
+                a * e + 2 * b * f + 3 * c * g + 6 * d * h,
+                a * f + b * e + 3 * (c * h + d * g),
+                a * g + c * e + 2 * (b * h + d * f),
+                a * h + d * e + b * g + c * f,
+            ),
+            self.den * o.den,
+        )
+
+    __rmul__ = __mul__
+
+    def inverse(self) -> Exact:
+        """1/self. ZeroDivisionError for 0."""
+        if not self:
+            raise ZeroDivisionError("1/0 in Q(sqrt2, sqrt3)")
+        a, b, c, d = self.num
+        if not (b or c or d):
+            return Exact._make((self.den, 0, 0, 0), a)
+        flip3 = Exact._make((a, b, -c, -d), self.den)  # sqrt3 -> -sqrt3
+        norm3 = self * flip3  # in Q(sqrt2)
+        p, q = norm3.num[0], norm3.num[1]
+        flip2 = Exact._make((p, -q, 0, 0), norm3.den)
+        norm = norm3 * flip2  # in Q
+        return flip3 * flip2 * Fraction(norm.den, norm.num[0])
+
+    def __truediv__(self, other: Exact | Fraction | int) -> Exact:
+        return self * Exact.of(other).inverse()
+
+    def __rtruediv__(self, other: Exact | Fraction | int) -> Exact:
+        return Exact.of(other) * self.inverse()
+
+    def __pow__(self, n: int) -> Exact:
+        if n < 0:
+            return self.inverse() ** -n
+        result = ONE
+        for _ in range(n):
+            result = result * self
+        return result
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, int | Fraction):
+            other = Exact(other)
+        return isinstance(other, Exact) and self.num == other.num and self.den == other.den
+
+    def __hash__(self) -> int:
+        if self._hash is None:
+            self._hash = hash(Fraction(self.num[0], self.den)) if self.is_rational else hash((self.num, self.den))
+        return self._hash
+
+    def rational(self, digits: int = _DIGITS) -> Fraction:
+        """The number itself when rational, else a rational within 10**(3-digits) relative of it."""
+        a, b, c, d = self.num
+        if not (b or c or d):
+            return Fraction(a, self.den)
+        value = a + b * sqrt_rational(2, digits) + c * sqrt_rational(3, digits) + d * sqrt_rational(6, digits)
+        size = max(abs(n) for n in self.num)
+        if abs(value) * 10 ** (digits // 2) < size:  # cancellation: look closer; a non-zero element is never 0
+            return self.rational(2 * digits)
+        return value / self.den
+
+    @property
+    def sign(self) -> int:
+        """-1, 0 or 1, exactly."""
+        if not self:
+            return 0
+        return 1 if self.rational() > 0 else -1
+
+    def __lt__(self, other: Exact | Fraction | int) -> bool:
+        return (self - other).sign < 0
+
+    def __le__(self, other: Exact | Fraction | int) -> bool:
+        return (self - other).sign <= 0
+
+    def __gt__(self, other: Exact | Fraction | int) -> bool:
+        return (self - other).sign > 0
+
+    def __ge__(self, other: Exact | Fraction | int) -> bool:
+        return (self - other).sign >= 0
+
+    def __abs__(self) -> Exact:
+        return -self if self.sign < 0 else self
+
+    def __float__(self) -> float:
+        value = self.rational()
+        return value.numerator / value.denominator
+
+    def __repr__(self) -> str:
+        return f"Exact({self})"
+
+    def __str__(self) -> str:
+        """Plain Python syntax: ``33/200``, ``sqrt(2)/2``, ``1/4 + 3*sqrt(6)/4``."""
+        terms = []
+        for part, root in zip(self.parts, ("", "sqrt(2)", "sqrt(3)", "sqrt(6)"), strict=True):
+            if not part:
+                continue
+            n, q = abs(part.numerator), part.denominator
+            body = root if root and n == 1 else (f"{n}*{root}" if root else str(n))
+            body = body if q == 1 else f"{body}/{q}"
+            sign = "-" if part < 0 else "+"
+            terms.append((f"-{body}" if sign == "-" else body) if not terms else f" {sign} {body}")
+        return "".join(terms) or "0"
+
+
+ZERO = Exact(0)
+ONE = Exact(1)
+SQRT2 = Exact(0, 1)
+SQRT3 = Exact(0, 0, 1)
+
+
+def exact_sqrt(value: Exact | Fraction | int) -> Exact | None:
+    """sqrt(value) when value is rational and the root lies in the field, else None."""
+    v = Exact.of(value)
+    if not v.is_rational or v.sign < 0:
+        return None
+    q = v.parts[0]
+    for n, root in ((1, ONE), (2, SQRT2), (3, SQRT3), (6, SQRT2 * SQRT3)):
+        m = q / n
+        p, r = isqrt(m.numerator), isqrt(m.denominator)
+        if p * p == m.numerator and r * r == m.denominator:
+            return root * Fraction(p, r)
+    return None

@@ -1,0 +1,1 @@
+"""The intermediate representation, its passes, its interpreter and its cost model."""

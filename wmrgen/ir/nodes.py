@@ -1,0 +1,99 @@
+"""The intermediate representation: a flat single-assignment list of scalar operations.
+
+A function is a tuple of nodes; a node's arguments are indices of earlier nodes. Constants are
+exact (`wmrgen.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the backend that prints them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from wmrgen.exact.number import Exact
+
+
+class Op(StrEnum):
+    """The scalar operations. Arity stands in `ARITY`."""
+
+    CONST = "const"
+    INPUT = "input"
+    ADD = "add"
+    SUB = "sub"
+    MUL = "mul"
+    DIV = "div"
+    NEG = "neg"
+    ABS = "abs"
+    MIN = "min"
+    MAX = "max"
+    SQRT = "sqrt"
+    SIN = "sin"
+    COS = "cos"
+    ATAN2 = "atan2"  # atan2(y, x); atan2(0, 0) = 0
+    SELECT = "select"  # select(a, b, x, y): x where a < b, else y
+
+
+ARITY = {
+    Op.CONST: 0, Op.INPUT: 0, Op.NEG: 1, Op.ABS: 1, Op.SQRT: 1, Op.SIN: 1, Op.COS: 1,
+    Op.ADD: 2, Op.SUB: 2, Op.MUL: 2, Op.DIV: 2, Op.MIN: 2, Op.MAX: 2, Op.ATAN2: 2, Op.SELECT: 4,
+}  # fmt: skip
+
+
+class Role(StrEnum):
+    """What an input is, which decides when it is known."""
+
+    GEOMETRY = "geometry"  # a tunable parameter: known before the step
+    PREPARED = "prepared"  # an output of prepare(): a function of the geometry alone
+    STATE = "state"  # steering angles, pose
+    COMMAND = "command"  # twists, joint rates, dt
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.
+
+    ``default`` is the nominal value of a tunable parameter, else None.
+    """
+
+    name: str
+    role: Role
+    unit: str
+    text: str = ""
+    default: Exact | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """One operation. CONST carries ``value``; INPUT carries ``name`` (the name of an input port)."""
+
+    op: Op
+    args: tuple[int, ...] = ()
+    value: Exact | None = None
+    name: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """Straight-line code: ``outputs[k]`` is computed by node ``results[k]``."""
+
+    name: str
+    inputs: tuple[Port, ...]
+    nodes: tuple[Node, ...]
+    outputs: tuple[Port, ...]
+    results: tuple[int, ...]
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """All functions of a robot. ``prepare`` is None when no geometry is tunable.
+
+    The outputs of ``prepare`` are the PREPARED inputs of the other functions, by name.
+    """
+
+    name: str
+    functions: tuple[Function, ...]
+    prepare: Function | None = None
+
+    def function(self, name: str) -> Function:
+        """The function called ``name``; KeyError when there is none."""
+        return {f.name: f for f in self.functions}[name]

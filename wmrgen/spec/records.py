@@ -1,0 +1,130 @@
+"""What a robot file says, as frozen records. Nothing is evaluated here: quantities stay expressions.
+
+Expressions are trees of the classes below, with exact rational leaves. Units are already applied:
+``150 mm`` is ``Num(3/20)``; ``45 deg`` is ``Mul(Num(1/4), Pi())``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from wmrgen.errors import Mark
+
+
+@dataclass(frozen=True, slots=True)
+class Num:
+    value: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Pi:
+    pass
+
+
+@dataclass(frozen=True, slots=True)
+class Param:
+    """A named parameter of the robot file."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """``op`` is one of + - * / ** ; the right side of ** is a whole Num from -4 to 4."""
+
+    op: str
+    left: Expr
+    right: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Neg:
+    arg: Expr
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """``function`` is one of sqrt sin cos tan atan2."""
+
+    function: str
+    args: tuple[Expr, ...]
+
+
+Expr = Num | Pi | Param | Binary | Neg | Call
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A length [m], angle [rad] or rate as written: tree, source text and place."""
+
+    expr: Expr
+    text: str
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    name: str
+    value: Quantity
+    tunable: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """low <= value <= high, in SI units. ``name``: vx vy omega spin steer steer_rate."""
+
+    name: str
+    low: Quantity
+    high: Quantity
+
+
+@dataclass(frozen=True, slots=True)
+class WheelSpec:
+    """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both.
+
+    ``marks`` gives the place of each key that was written.
+    """
+
+    name: str
+    type: str  # fixed steered castor swedish spherical
+    mark: Mark
+    marks: dict[str, Mark]
+    r: Quantity
+    l: Quantity | None = None
+    alpha: Quantity | None = None
+    x: Quantity | None = None
+    y: Quantity | None = None
+    beta: Quantity | None = None
+    heading: Quantity | None = None
+    gamma: Quantity | None = None
+    d: Quantity | None = None
+    offset_y: Quantity | None = None
+    r_sw: Quantity | None = None
+    actuated: tuple[str, ...] = ()  # defaults already applied
+    sensed: tuple[str, ...] = ()
+    limits: tuple[Limit, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """Joints of several wheels that are mechanically equal. ``joint``: spin or steer."""
+
+    joint: str
+    wheels: tuple[str, ...]
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSpec:
+    """A robot file, read and checked for form."""
+
+    name: str
+    description: str
+    source: str
+    snap: bool
+    parameters: tuple[Parameter, ...]
+    wheels: tuple[WheelSpec, ...]
+    couplings: tuple[Coupling, ...]
+    limits: tuple[Limit, ...]
+    mark: Mark

@@ -1,0 +1,205 @@
+"""Writing files: the only module that does.
+
+A set of files is staged beside its directory, synced, and moved into place one by one, the manifest last.
+Files whose bytes are equal are left alone; files that the old manifest lists and that are no longer
+produced are removed. Nothing follows a symbolic link.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from wmrgen.errors import EnvironmentFailure
+
+MANIFEST = "manifest.json"
+_STAGE = ".wmrgen-stage-"
+_PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A file that is not what it should be: ``why`` is ``missing``, ``differs`` or ``not produced``."""
+
+    path: Path
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """What a write did, as relative paths in order."""
+
+    changed: tuple[str, ...]
+    unchanged: tuple[str, ...]
+    removed: tuple[str, ...]
+
+
+def with_manifest(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """``files`` and, last, their manifest: the SHA-256 of each, by name."""
+    names = sorted(files)
+    for name in names:
+        _checked(name)
+    sums = {name: hashlib.sha256(files[name]).hexdigest() for name in names}
+    text = json.dumps({"format": 1, "files": sums}, indent=2) + "\n"
+    return {**{name: files[name] for name in names}, MANIFEST: text.encode()}
+
+
+def write_tree(directory: Path, files: Mapping[str, bytes]) -> Written:
+    """Make ``directory`` hold ``files`` and their manifest. EnvironmentFailure when that cannot be done.
+
+    Every file is staged before the first is replaced, so a full disk or a missing right changes nothing.
+    """
+    wanted = with_manifest(files)
+    try:
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        for path in (directory.parent, directory):
+            _refuse_link(path)
+        with _locked(directory.parent):
+            return _replace(directory, wanted)
+    except OSError as error:
+        place = error.filename if isinstance(error.filename, str) else str(directory)
+        raise EnvironmentFailure(f"cannot write {directory}: {error.strerror or error} ({place})") from error
+
+
+def differences(directory: Path, files: Mapping[str, bytes]) -> list[Difference]:
+    """How ``directory`` differs from what `write_tree` would leave there, by file, in order."""
+    wanted = with_manifest(files)
+    found = []
+    for name, content in wanted.items():
+        path = directory / name
+        try:
+            if path.is_symlink() or path.read_bytes() != content:
+                found.append(Difference(path, "differs"))
+        except OSError:
+            found.append(Difference(path, "missing"))
+    kept = {directory / name for name in wanted}
+    extra = [p for p in sorted(directory.rglob("*")) if not p.is_dir() and p not in kept]
+    return found + [Difference(p, "not produced") for p in extra]
+
+
+def write_log(text: str) -> Path:
+    """Keep the details of a failure in a new temporary file; its path."""
+    handle, name = tempfile.mkstemp(prefix="wmrgen-", suffix=".log")
+    with os.fdopen(handle, "w", encoding="utf-8", errors="backslashreplace") as stream:
+        stream.write(text)
+    return Path(name)
+
+
+def _checked(name: str) -> str:
+    """``name`` when it is a relative path of plain parts that stays inside its directory."""
+    parts = name.split("/")
+    if name == MANIFEST or not all(_PART.fullmatch(part) and not part.endswith(".") for part in parts):
+        raise ValueError(f"not a name for a generated file: {name!r}")
+    return name
+
+
+def _refuse_links(directory: Path, name: str) -> None:
+    """Refuse a link at ``name`` or at a folder between it and ``directory``."""
+    path = directory
+    for part in name.split("/"):
+        path = path / part
+        _refuse_link(path)
+
+
+def _refuse_link(path: Path) -> None:
+    if path.is_symlink():
+        raise EnvironmentFailure(f"{path} is a symbolic link; wmrgen writes only to real directories and files")
+
+
+def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
+    old = _listed(directory)
+    for name in {*wanted, *old}:
+        _refuse_links(directory, name)
+    changed = [name for name, content in wanted.items() if not _holds(directory / name, content)]
+    with tempfile.TemporaryDirectory(prefix=_STAGE, dir=directory.parent) as staging:
+        for name in changed:
+            _stage(Path(staging) / name, wanted[name])
+        directory.mkdir(exist_ok=True)
+        for name in changed:
+            if name != MANIFEST:
+                _move(Path(staging) / name, directory, name)
+        removed = tuple(name for name in old if name not in wanted and _remove(directory, name))
+        if MANIFEST in changed:
+            _sync_directory(directory)
+            _move(Path(staging) / MANIFEST, directory, MANIFEST)
+    _sync_directory(directory)
+    return Written(tuple(changed), tuple(n for n in wanted if n not in changed), removed)
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    if path.is_dir():
+        raise EnvironmentFailure(f"{path} is a directory; wmrgen would write a file of that name")
+    return path.is_file() and path.read_bytes() == content
+
+
+def _stage(path: Path, content: bytes) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("wb") as stream:
+        stream.write(content)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def _move(staged: Path, directory: Path, name: str) -> None:
+    target = directory / name
+    target.parent.mkdir(parents=True, exist_ok=True)
+    staged.replace(target)
+
+
+def _remove(directory: Path, name: str) -> bool:
+    path = directory / name
+    if not path.is_file():
+        return False
+    path.unlink()
+    with contextlib.suppress(OSError):  # the folder stays when something else is in it
+        path.parent.rmdir()
+    return True
+
+
+def _listed(directory: Path) -> list[str]:
+    """The names in the manifest that stands in ``directory``; none when there is no readable one."""
+    try:
+        found = json.loads((directory / MANIFEST).read_bytes())["files"]
+        return [_checked(name) for name in sorted(found)]
+    except (OSError, ValueError, TypeError, KeyError):
+        return []
+
+
+def _sync_directory(directory: Path) -> None:
+    if os.name != "posix":
+        return
+    handle = os.open(directory, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+@contextlib.contextmanager
+def _locked(directory: Path) -> Iterator[None]:
+    """Hold the directory against another wmrgen. Where a file system has no locks, go on without.
+
+    Who holds the lock may clear away the staging of a run that was killed.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    handle = os.open(directory, os.O_RDONLY)
+    try:
+        with contextlib.suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+            for leftover in directory.glob(_STAGE + "*"):
+                shutil.rmtree(leftover, ignore_errors=True)
+        yield
+    finally:
+        os.close(handle)

@@ -1,0 +1,339 @@
+"""A hash-consing builder of IR functions: equal operations get one node, trivial ones none.
+
+Every rewrite here holds for all finite arguments, exactly and (signed zeros aside) in floats.
+Sums keep constants last, products first; otherwise arguments stand in order of their ids.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from fractions import Fraction
+
+from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt
+from wmrgen.ir.nodes import Function, Node, Op, Port
+from wmrgen.ir.prune import prune
+
+MINUS_ONE = -ONE
+Key = tuple[Op, tuple[int, ...], Exact | None, str | None]
+
+
+class Builder:
+    """Makes nodes and hands out their ids; `function` cuts out what some results need."""
+
+    __slots__ = ("_index", "_rules", "nodes")
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._index: dict[Key, int] = {}
+        self._rules: dict[Op, Callable[..., int]] = {
+            Op.ADD: self.add, Op.SUB: self.sub, Op.MUL: self.mul, Op.DIV: self.div, Op.NEG: self.neg,
+            Op.ABS: self.abs, Op.MIN: self.min, Op.MAX: self.max, Op.SQRT: self.sqrt, Op.SIN: self.sin,
+            Op.COS: self.cos, Op.ATAN2: self.atan2, Op.SELECT: self.select,
+        }  # fmt: skip
+
+    # ---- leaves
+
+    def const(self, value: Exact | Fraction | int) -> int:
+        """The node of a constant."""
+        return self._node(Op.CONST, value=Exact.of(value))
+
+    def input(self, name: str) -> int:
+        """The node of an input port."""
+        return self._node(Op.INPUT, name=name)
+
+    # ---- ring operations
+
+    def add(self, a: int, b: int) -> int:
+        """a + b."""
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None:
+            return self.const(x + y)
+        if x is not None:
+            a, b, y = b, a, x
+        if y is not None:
+            return a if not y else self._with_constant(a, y)
+        na, nb = self._negated(a), self._negated(b)
+        if na is not None and nb is not None:
+            return self.neg(self.add(na, nb))
+        if nb is not None:
+            return self.sub(a, nb)
+        if na is not None:
+            return self.sub(b, na)
+        if (positive := self._positive_product(b)) is not None:
+            return self.sub(a, positive)
+        if (positive := self._positive_product(a)) is not None:
+            return self.sub(b, positive)
+        return self._node(Op.ADD, (a, b) if a < b else (b, a))
+
+    def sub(self, a: int, b: int) -> int:
+        """a - b."""
+        if a == b:
+            return self.const(ZERO)
+        x, y = self.value(a), self.value(b)
+        if y is not None:
+            return self.add(a, self.const(-y))
+        if x is not None and not x:
+            return self.neg(b)
+        na, nb = self._negated(a), self._negated(b)
+        if nb is not None:
+            return self.add(a, nb)
+        if na is not None:
+            return self.neg(self.add(na, b))
+        if (positive := self._positive_product(b)) is not None:
+            return self.add(a, positive)
+        return self._node(Op.SUB, (a, b))
+
+    def neg(self, a: int) -> int:
+        """-a; swaps a difference and flips a constant factor instead of adding a node."""
+        node = self.nodes[a]
+        if node.op is Op.CONST:
+            return self.const(-self._constant(a))
+        if node.op is Op.NEG:
+            return node.args[0]
+        if node.op is Op.SUB:
+            return self.sub(node.args[1], node.args[0])
+        scaled = self._scaled(a)
+        if scaled is not None:
+            return self.mul(self.const(-scaled[0]), scaled[1])
+        return self._node(Op.NEG, (a,))
+
+    def mul(self, a: int, b: int) -> int:
+        """a * b; constant factors move to the front and merge."""
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None:
+            return self.const(x * y)
+        if y is not None:
+            a, b, x = b, a, y
+        if x is not None:
+            return self._scale(x, b)
+        na, nb = self._negated(a), self._negated(b)
+        if na is not None:
+            return self.neg(self.mul(na, b))
+        if nb is not None:
+            return self.neg(self.mul(a, nb))
+        sa, sb = self._scaled(a), self._scaled(b)
+        if sa is not None:
+            return self._scale(sa[0], self.mul(sa[1], b))
+        if sb is not None:
+            return self._scale(sb[0], self.mul(a, sb[1]))
+        return self._node(Op.MUL, (a, b) if a < b else (b, a))
+
+    def div(self, a: int, b: int) -> int:
+        """a / b. A constant divisor becomes a factor; a constant zero divisor is an error."""
+        y = self.value(b)
+        if y is not None:
+            if not y:
+                raise ZeroDivisionError("division by the constant zero")
+            return self.mul(self.const(y.inverse()), a)
+        x = self.value(a)
+        if x is not None and not x:
+            return a
+        na, nb = self._negated(a), self._negated(b)
+        if na is not None:
+            return self.neg(self.div(na, b))
+        if nb is not None:
+            return self.neg(self.div(a, nb))
+        if x is not None and x not in (ONE, MINUS_ONE):
+            return self._scale(x, self.div(self.const(ONE), b))
+        if x == MINUS_ONE:
+            return self.neg(self.div(self.const(ONE), b))
+        sa, sb = self._scaled(a), self._scaled(b)
+        if sa is not None:
+            return self._scale(sa[0], self.div(sa[1], b))
+        if sb is not None:
+            return self._scale(sb[0].inverse(), self.div(a, sb[1]))
+        return self._node(Op.DIV, (a, b))
+
+    # ---- order
+
+    def abs(self, a: int) -> int:
+        """|a|."""
+        node = self.nodes[a]
+        if node.op is Op.CONST:
+            return self.const(abs(self._constant(a)))
+        if node.op is Op.NEG:
+            return self.abs(node.args[0])
+        if node.op in (Op.ABS, Op.SQRT):
+            return a
+        if node.op is Op.SUB and node.args[0] > node.args[1]:
+            return self.abs(self.sub(node.args[1], node.args[0]))
+        scaled = self._scaled(a)
+        if scaled is not None and scaled[0].sign < 0:
+            return self.abs(self._scale(-scaled[0], scaled[1]))
+        return self._node(Op.ABS, (a,))
+
+    def min(self, a: int, b: int) -> int:
+        """The smaller of a and b."""
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None:
+            return self.const(min(x, y))
+        return a if a == b else self._node(Op.MIN, (a, b) if a < b else (b, a))
+
+    def max(self, a: int, b: int) -> int:
+        """The larger of a and b."""
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None:
+            return self.const(max(x, y))
+        return a if a == b else self._node(Op.MAX, (a, b) if a < b else (b, a))
+
+    def select(self, a: int, b: int, x: int, y: int) -> int:
+        """x where a < b, else y. Both are always computed."""
+        p, q = self.value(a), self.value(b)
+        if a == b or (p is not None and q is not None):
+            return x if p is not None and q is not None and p < q else y
+        return x if x == y else self._node(Op.SELECT, (a, b, x, y))
+
+    # ---- functions
+
+    def sqrt(self, a: int) -> int:
+        """The square root of a >= 0; folded when it stays in Q(sqrt2, sqrt3)."""
+        value = self.value(a)
+        if value is not None and value.sign < 0:
+            raise ValueError("square root of a negative constant")
+        root = None if value is None else exact_sqrt(value)
+        return self._node(Op.SQRT, (a,)) if root is None else self.const(root)
+
+    def sin(self, a: int) -> int:
+        """sin(a), a in radians."""
+        value, inner = self.value(a), self._positive(a)
+        if value is not None and not value:
+            return a
+        return self._node(Op.SIN, (a,)) if inner is None else self.neg(self.sin(inner))
+
+    def cos(self, a: int) -> int:
+        """cos(a), a in radians."""
+        value, inner = self.value(a), self._positive(a)
+        if value is not None and not value:
+            return self.const(ONE)
+        return self._node(Op.COS, (a,)) if inner is None else self.cos(inner)
+
+    def atan2(self, y: int, x: int) -> int:
+        """atan2(y, x) in radians; atan2(0, 0) = 0."""
+        p, q = self.value(y), self.value(x)
+        if p is not None and q is not None and not p and q.sign >= 0:
+            return self.const(ZERO)
+        return self._node(Op.ATAN2, (y, x))
+
+    # ---- helpers
+
+    def sum(self, terms: Iterable[int]) -> int:
+        """The sum of any number of terms, left to right."""
+        total = self.const(ZERO)
+        for term in terms:
+            total = self.add(total, term)
+        return total
+
+    def product(self, factors: Iterable[int]) -> int:
+        """The product of any number of factors, multiplied in order of their ids."""
+        total = self.const(ONE)
+        for factor in sorted(factors):
+            total = self.mul(total, factor)
+        return total
+
+    def square(self, a: int) -> int:
+        """a * a."""
+        return self.mul(a, a)
+
+    def power(self, a: int, n: int) -> int:
+        """a to a whole power, by repeated squaring; a negative one is one reciprocal."""
+        if n < 0:
+            return self.div(self.const(ONE), self.power(a, -n))
+        if n == 0:
+            return self.const(ONE)
+        half = self.power(self.square(a), n // 2) if n > 1 else self.const(ONE)
+        return self.mul(half, a) if n % 2 else half
+
+    def apply(self, op: Op, args: Sequence[int]) -> int:
+        """Operation ``op`` (neither CONST nor INPUT) through its simplifying rule."""
+        return self._rules[op](*args)
+
+    def copy(self, node: Node, args: Sequence[int]) -> int:
+        """``node`` of another function over ``args``, ids of this builder."""
+        if node.op in self._rules:
+            return self.apply(node.op, args)
+        return self._node(node.op, value=node.value, name=node.name)
+
+    def value(self, a: int) -> Exact | None:
+        """The constant that node ``a`` is, else None."""
+        return self.nodes[a].value
+
+    def function(
+        self,
+        name: str,
+        inputs: tuple[Port, ...],
+        outputs: tuple[Port, ...],
+        results: Sequence[int],
+        text: str = "",
+    ) -> Function:
+        """The function computing ``results``, with the nodes that they need and no others."""
+        nodes, renamed = prune(self.nodes, results)
+        return Function(name, inputs, nodes, outputs, renamed, text)
+
+    # ---- shapes of nodes
+
+    def _node(
+        self, op: Op, args: tuple[int, ...] = (), value: Exact | None = None, name: str | None = None
+    ) -> int:
+        key = (op, args, value, name)
+        found = self._index.get(key)
+        if found is None:
+            found = self._index[key] = len(self.nodes)
+            self.nodes.append(Node(op, args, value, name))
+        return found
+
+    def _constant(self, a: int) -> Exact:
+        value = self.nodes[a].value
+        if value is None:
+            raise TypeError(f"node {a} is no constant")
+        return value
+
+    def _with_constant(self, a: int, value: Exact) -> int:
+        """a + value, value not 0: x + c, x - c with c > 0, or c - x."""
+        inner = self._negated(a)
+        if inner is not None:
+            return self._node(Op.SUB, (self.const(value), inner))
+        op = Op.ADD if value.sign > 0 else Op.SUB
+        return self._node(op, (a, self.const(abs(value))))
+
+    def _scale(self, factor: Exact, a: int) -> int:
+        """factor * a, merged into a constant factor that ``a`` already has."""
+        scaled = self._scaled(a)
+        if scaled is not None:
+            return self._scale(factor * scaled[0], scaled[1])
+        if not factor:
+            return self.const(ZERO)
+        if factor == ONE:
+            return a
+        if factor == MINUS_ONE:
+            return self.neg(a)
+        inner = self._negated(a)
+        if inner is not None:
+            return self._scale(-factor, inner)
+        value = self.value(a)
+        return self._node(Op.MUL, (self.const(factor), a)) if value is None else self.const(factor * value)
+
+    def _scaled(self, a: int) -> tuple[Exact, int] | None:
+        """(c, x) when node ``a`` is constant c times x."""
+        node = self.nodes[a]
+        if node.op is not Op.MUL:
+            return None
+        value = self.nodes[node.args[0]].value
+        return None if value is None else (value, node.args[1])
+
+    def _negated(self, a: int) -> int | None:
+        """x when node ``a`` is -x."""
+        node = self.nodes[a]
+        return node.args[0] if node.op is Op.NEG else None
+
+    def _positive_product(self, a: int) -> int | None:
+        """|c| x when node ``a`` is c x with c < 0."""
+        scaled = self._scaled(a)
+        return self._scale(-scaled[0], scaled[1]) if scaled is not None and scaled[0].sign < 0 else None
+
+    def _positive(self, a: int) -> int | None:
+        """-a when that form is the simpler one: a negation, a negative constant or factor."""
+        value = self.value(a)
+        if value is not None:
+            return self.const(-value) if value.sign < 0 else None
+        inner = self._negated(a)
+        return inner if inner is not None else self._positive_product(a)

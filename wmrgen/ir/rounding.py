@@ -1,0 +1,58 @@
+"""Exact numbers rounded once to binary floating point: to nearest, ties to even."""
+
+from __future__ import annotations
+
+import ctypes
+from fractions import Fraction
+from math import inf, ldexp
+
+from wmrgen.exact.number import Exact
+
+
+def round_rational(value: Fraction, precision: int, lowest: int, highest: int) -> float:
+    """``value`` rounded to a format of ``precision`` bits; the result is returned as a double.
+
+    ``lowest`` is the exponent of the least subnormal, ``highest`` that of the first number
+    beyond the range (float32: 24, -149, 128; float64: 53, -1074, 1024).
+    """
+    n, d = abs(value.numerator), value.denominator
+    if not n:
+        return 0.0
+    exponent = n.bit_length() - d.bit_length()  # |value| lies in (2**(e-1), 2**(e+1))
+    if (n << -exponent if exponent < 0 else n) < (d << exponent if exponent > 0 else d):
+        exponent -= 1
+    unit = max(exponent - precision + 1, lowest)  # exponent of the last bit kept
+    quotient, rest = divmod(n << -unit if unit < 0 else n, d << unit if unit > 0 else d)
+    half = 2 * rest - (d << unit if unit > 0 else d)
+    if half > 0 or (half == 0 and quotient & 1):
+        quotient += 1
+    size = inf if quotient.bit_length() + unit > highest else ldexp(float(quotient), unit)
+    return -size if value < 0 else size
+
+
+def _round(value: Exact, precision: int, lowest: int, highest: int) -> float:
+    if value.is_rational:
+        return round_rational(value.parts[0], precision, lowest, highest)
+    digits = 40
+    while True:  # ends: an irrational number is no tie, so close enough bounds round alike
+        middle = value.rational(digits)
+        slack = abs(middle) * Fraction(1, 10 ** (digits // 2 - 3))
+        low = round_rational(middle - slack, precision, lowest, highest)
+        if low == round_rational(middle + slack, precision, lowest, highest):
+            return low
+        digits *= 2
+
+
+def to_float32(value: Exact) -> float:
+    """The float32 nearest to ``value``, as a double."""
+    return _round(value, 24, -149, 128)
+
+
+def to_float64(value: Exact) -> float:
+    """The float64 nearest to ``value``."""
+    return _round(value, 53, -1074, 1024)
+
+
+def nearest_float32(value: float) -> float:
+    """A double rounded to float32 (overflow gives infinity), as a double."""
+    return ctypes.c_float(value).value

@@ -1,0 +1,116 @@
+"""Rolling and sliding constraints: how a wheel becomes a row, and the rows the matrices.
+
+With e the rolling direction and n = z x e, a contact at B = A + d e + o n gives (Siegwart (3.12)-(3.19))
+
+    rolling  [ e_x,  e_y,  x e_y - y e_x - o ] xi - o steer_rate = r spin          (gamma turns e, times cos gamma)
+    sliding  [ n_x,  n_y,  x n_y - y n_x + d ] xi + d steer_rate = 0
+
+xi = (vx, vy, omega) in the robot frame [m/s, m/s, rad/s]. Rows are in m/s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from wmrgen.exact.poly import Poly, Row
+from wmrgen.layout.records import Geometry, Robot, Wheel
+
+View = Callable[[Wheel], Geometry[Poly]]
+
+
+@dataclass(frozen=True, slots=True)
+class ConstraintRow:
+    """row . xi + rates . (joint rates) = 0.
+
+    ``kind``: rolling or sliding. ``rates`` maps (wheel index, joint) to the coefficient of that joint's rate.
+    """
+
+    wheel: Wheel
+    kind: str
+    row: Row
+    rates: tuple[tuple[tuple[int, str], Poly], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Constraints:
+    """Every row of the robot, in the order of the file."""
+
+    robot: Robot
+    rolling: tuple[ConstraintRow, ...]  # fixed, steered, castor, swedish
+    sliding: tuple[ConstraintRow, ...]  # fixed, steered, castor
+
+    def sliding_of(self, wheel_type: str) -> tuple[ConstraintRow, ...]:
+        """The sliding rows of one wheel type: fixed gives C1f, steered gives C1s."""
+        return tuple(c for c in self.sliding if c.wheel.type == wheel_type)
+
+    @property
+    def joints(self) -> tuple[tuple[int, str], ...]:
+        """The joints whose rates occur: spins, then steering rates, in wheel order."""
+        present = {key for c in (*self.rolling, *self.sliding) for key, k in c.rates if k}
+        return tuple(sorted(present, key=lambda key: (key[1] != "spin", key[0])))
+
+
+def symbolic_view(wheel: Wheel) -> Geometry[Poly]:
+    """Every named parameter a symbol."""
+    return wheel.symbolic
+
+
+def working_view(wheel: Wheel) -> Geometry[Poly]:
+    """Only the tunable parameters are symbols."""
+    return wheel.working
+
+
+def nominal_view(wheel: Wheel) -> Geometry[Poly]:
+    """Numbers only."""
+    g = wheel.nominal
+    return Geometry(*(Poly.of(v) for v in (g.x, g.y, g.ch, g.sh, g.cg, g.sg, g.r, g.d, g.o, g.r_sw)))
+
+
+def steer_gens(wheel: Wheel) -> tuple[Poly, Poly]:
+    """(cos, sin) of the wheel's own joint angle ``<wheel>.steer``."""
+    return Poly.gen("cos", wheel.name), Poly.gen("sin", wheel.name)
+
+
+def heading(wheel: Wheel, g: Geometry[Poly]) -> tuple[Poly, Poly]:
+    """(cos, sin) of the rolling direction e: constant, or turned by the steering joint."""
+    if not wheel.turns:
+        return g.ch, g.sh
+    c, s = steer_gens(wheel)
+    return g.ch * c - g.sh * s, g.sh * c + g.ch * s
+
+
+def along(direction: tuple[Poly, Poly], g: Geometry[Poly]) -> Row:
+    """The row of the pivot's velocity component along ``direction``: [d_x, d_y, x d_y - y d_x]."""
+    dx, dy = direction
+    return dx, dy, g.x * dy - g.y * dx
+
+
+def _plus(row: Row, third: Poly) -> Row:
+    return row[0], row[1], row[2] + third
+
+
+def rolling_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
+    """Siegwart (3.12), (3.15), (3.17) and, for a Swedish wheel, (3.19)."""
+    c, s = heading(wheel, g)
+    if wheel.type == "swedish":
+        e = (c * g.cg - s * g.sg, s * g.cg + c * g.sg)
+        return ConstraintRow(wheel, "rolling", along(e, g), (((wheel.index, "spin"), -(g.r * g.cg)),))
+    rates = [((wheel.index, "spin"), -g.r)]
+    if wheel.turns and g.o:
+        rates.append(((wheel.index, "steer"), -g.o))
+    return ConstraintRow(wheel, "rolling", _plus(along((c, s), g), -g.o), tuple(rates))
+
+
+def sliding_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
+    """Siegwart (3.13), (3.16) and, for a castor, (3.18)."""
+    c, s = heading(wheel, g)
+    rates = (((wheel.index, "steer"), g.d),) if wheel.type == "castor" else ()
+    return ConstraintRow(wheel, "sliding", _plus(along((-s, c), g), g.d), rates)
+
+
+def constrain(robot: Robot, view: View = working_view) -> Constraints:
+    """All rows of the robot in one view of its geometry."""
+    rolling = tuple(rolling_row(w, view(w)) for w in robot.wheels if w.has_spin)
+    sliding = tuple(sliding_row(w, view(w)) for w in robot.wheels if w.type in ("fixed", "steered", "castor"))
+    return Constraints(robot, rolling, sliding)

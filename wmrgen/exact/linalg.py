@@ -1,0 +1,67 @@
+"""Small exact linear algebra over Q(sqrt2, sqrt3): rows of numbers, ranks, null spaces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wmrgen.exact.number import ONE, ZERO, Exact
+
+Vector = tuple[Exact, ...]
+
+
+def reduce_rows(rows: Sequence[Sequence[Exact]]) -> tuple[list[list[Exact]], list[int]]:
+    """Reduced row echelon form and its pivot columns."""
+    work = [list(r) for r in rows]
+    pivots: list[int] = []
+    width = len(work[0]) if work else 0
+    top = 0
+    for column in range(width):
+        pivot = next((i for i in range(top, len(work)) if work[i][column]), None)
+        if pivot is None:
+            continue
+        work[top], work[pivot] = work[pivot], work[top]
+        inverse = work[top][column].inverse()
+        work[top] = [v * inverse for v in work[top]]
+        for i, row in enumerate(work):
+            if i != top and row[column]:
+                k = row[column]
+                work[i] = [a - k * b for a, b in zip(row, work[top], strict=True)]
+        pivots.append(column)
+        top += 1
+    return work[:top], pivots
+
+
+def rank(rows: Sequence[Sequence[Exact]]) -> int:
+    """The exact rank."""
+    return len(reduce_rows(rows)[1])
+
+
+def null_space(rows: Sequence[Sequence[Exact]], width: int) -> list[Vector]:
+    """A basis of {v: rows v = 0}; ``width`` columns."""
+    reduced, pivots = reduce_rows(rows)
+    basis = []
+    for free in (c for c in range(width) if c not in pivots):
+        v = [ZERO] * width
+        v[free] = ONE
+        for row, pivot in zip(reduced, pivots, strict=True):
+            v[pivot] = -row[free]
+        basis.append(tuple(v))
+    return basis
+
+
+def left_null_space(columns: Sequence[Sequence[Exact]]) -> list[Vector]:
+    """A basis of {w: w M = 0} for the matrix M given by its rows."""
+    if not columns:
+        return []
+    transposed = [list(c) for c in zip(*columns, strict=True)]
+    return null_space(transposed, len(columns))
+
+
+def inverse3(m: Sequence[Sequence[Exact]]) -> list[list[Exact]]:
+    """The inverse of a regular 3x3 matrix. ZeroDivisionError when it is singular."""
+    size = len(m)
+    augmented = [[*row, *(ONE if i == j else ZERO for j in range(size))] for i, row in enumerate(m)]
+    reduced, pivots = reduce_rows(augmented)
+    if pivots[:size] != list(range(size)):
+        raise ZeroDivisionError("singular matrix")
+    return [row[size:] for row in reduced]

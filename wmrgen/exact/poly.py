@@ -1,0 +1,227 @@
+"""Sparse polynomials over Q(sqrt2, sqrt3) in named generators: the algebra of the whole derivation.
+
+A generator is a parameter, pi, the cosine or sine of a joint angle, or a function of other polynomials
+that has no polynomial form (sqrt(a**2 + b**2)). Relations are applied on the way: sin**2 = 1 - cos**2 and
+sqrt(p)**2 = p. Exponents may be negative, so a monomial can be divided by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+from wmrgen.exact.number import ONE, Exact
+
+Number = Exact | Fraction | int
+
+
+@dataclass(frozen=True, order=False, slots=True)
+class Gen:
+    """A generator. ``kind``: param, pi, cos, sin (of a joint angle), or sqrt, inv, atan2, tan, cosf, sinf of ``args``."""
+
+    kind: str
+    name: str = ""
+    args: tuple[Poly, ...] = ()
+    key: str = field(init=False, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "key", f"{self.kind}:{self.name}({';'.join(a.key for a in self.args)})")
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Gen) and self.key == other.key
+
+    def __lt__(self, other: Gen) -> bool:
+        return self.key < other.key
+
+
+Monomial = tuple[tuple[Gen, int], ...]
+
+
+class Poly:
+    """An immutable polynomial. ``terms`` maps monomials (sorted by generator key) to coefficients."""
+
+    __slots__ = ("_key", "terms")
+
+    def __init__(self, terms: Mapping[Monomial, Exact]) -> None:
+        self.terms = {m: c for m, c in terms.items() if c}
+        self._key: str | None = None
+
+    @staticmethod
+    def of(value: Poly | Number) -> Poly:
+        """``value`` as a polynomial."""
+        if isinstance(value, Poly):
+            return value
+        e = Exact.of(value)
+        return Poly({(): e} if e else {})
+
+    @staticmethod
+    def gen(kind: str, name: str = "", *args: Poly) -> Poly:
+        """The polynomial that is one generator."""
+        return Poly({((Gen(kind, name, args), 1),): ONE})
+
+    @property
+    def key(self) -> str:
+        """A canonical text: equal polynomials have equal keys."""
+        if self._key is None:
+            parts = sorted(
+                ("*".join(f"{g.key}^{e}" for g, e in m), f"{c.num}/{c.den}") for m, c in self.terms.items()
+            )
+            self._key = "+".join(f"{c}*{m}" for m, c in parts)
+        return self._key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Exact | Fraction | int):
+            other = Poly.of(other)
+        return isinstance(other, Poly) and self.terms == other.terms
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    @property
+    def constant(self) -> Exact | None:
+        """The value when no generator occurs, else None."""
+        if not self.terms:
+            return Exact(0)
+        return self.terms.get(()) if len(self.terms) == 1 else None
+
+    @property
+    def generators(self) -> tuple[Gen, ...]:
+        """The generators that occur, sorted."""
+        return tuple(sorted({g for m in self.terms for g, _ in m}))
+
+    def __add__(self, other: Poly | Number) -> Poly:
+        o = Poly.of(other)
+        if not o.terms:
+            return self
+        if not self.terms:
+            return o
+        terms = dict(self.terms)
+        for m, c in o.terms.items():
+            old = terms.get(m)
+            terms[m] = c if old is None else old + c
+        return Poly(terms)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Poly:
+        return Poly({m: -c for m, c in self.terms.items()})
+
+    def __sub__(self, other: Poly | Number) -> Poly:
+        return self + (-Poly.of(other))
+
+    def __rsub__(self, other: Poly | Number) -> Poly:
+        return Poly.of(other) + (-self)
+
+    def scale(self, k: Number) -> Poly:
+        """k * self for a number k."""
+        e = Exact.of(k)
+        return self if e == 1 else Poly({m: c * e for m, c in self.terms.items()})
+
+    def __mul__(self, other: Poly | Number) -> Poly:
+        o = Poly.of(other)
+        a, b = self.constant, o.constant
+        if b is not None:
+            return self.scale(b)
+        if a is not None:
+            return o.scale(a)
+        result = Poly({})
+        plain: dict[Monomial, Exact] = {}
+        for m1, c1 in self.terms.items():
+            for m2, c2 in o.terms.items():
+                m, special = _merge(m1, m2)
+                if special is None:
+                    old = plain.get(m)
+                    plain[m] = c1 * c2 if old is None else old + c1 * c2
+                else:
+                    result = result + (Poly({m: c1 * c2}) * special)
+        return result + Poly(plain)
+
+    __rmul__ = __mul__
+
+    def __pow__(self, n: int) -> Poly:
+        if n < 0:
+            return self.inverse() ** -n
+        result = Poly.of(1)
+        for _ in range(n):
+            result = result * self
+        return result
+
+    def inverse(self) -> Poly:
+        """1/self: a number's inverse, a monomial with negated exponents, or the generator inv(self)."""
+        value = self.constant
+        if value is not None:
+            return Poly.of(value.inverse())
+        if len(self.terms) == 1:
+            ((m, c),) = self.terms.items()
+            return Poly({tuple((g, -e) for g, e in m): c.inverse()})
+        return Poly.gen("inv", "", self)
+
+    def substitute(self, value: Callable[[Gen], Poly | None]) -> Poly:
+        """Replace generators for which ``value`` returns a polynomial; the others stay."""
+        if self.constant is not None:
+            return self
+        result = Poly({})
+        plain: dict[Monomial, Exact] = {}
+        cache: dict[Gen, Poly | None] = {}
+        for m, c in self.terms.items():
+            kept: list[tuple[Gen, int]] = []
+            factor = Poly.of(c)
+            for g, e in m:
+                if g not in cache:
+                    cache[g] = value(g)
+                v = cache[g]
+                if v is None:
+                    kept.append((g, e))
+                else:
+                    factor = factor * v**e
+            number = factor.constant
+            if number is not None:
+                old = plain.get(tuple(kept))
+                plain[tuple(kept)] = number if old is None else old + number
+            else:
+                result = result + Poly({tuple(kept): ONE}) * factor
+        return result + Poly(plain)
+
+    def __repr__(self) -> str:
+        return f"Poly({self.key})"
+
+
+def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
+    """The product of two monomials; the second part is a factor that a relation produced, or None."""
+    if not a:
+        return b, None
+    if not b:
+        return a, None
+    powers = dict(a)
+    for g, e in b:
+        powers[g] = powers.get(g, 0) + e
+    special: Poly | None = None
+    for g in [g for g, e in powers.items() if e >= 2 and g.kind in ("sin", "sqrt", "sinf")]:
+        half, powers[g] = divmod(powers[g], 2)
+        if g.kind == "sqrt":
+            square = g.args[0]
+        else:
+            cosine = Poly({((Gen("cos" if g.kind == "sin" else "cosf", g.name, g.args), 2),): ONE})
+            square = 1 - cosine
+        special = square**half if special is None else special * square**half
+    return tuple(sorted((g, e) for g, e in powers.items() if e)), special
+
+
+Row = tuple[Poly, Poly, Poly]
+
+
+def cross(a: Row, b: Row) -> Row:
+    """a x b: the null vector of two independent rows."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def dot(a: Row, b: Row) -> Poly:
+    """a . b"""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

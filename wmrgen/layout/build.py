@@ -1,0 +1,188 @@
+"""From what the robot file says to an exact layout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from fractions import Fraction
+from math import atan2, hypot, pi, remainder
+
+from wmrgen.errors import RobotFileError
+from wmrgen.exact.angles import cos_sin
+from wmrgen.exact.evaluate import fix, number
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.layout.expressions import PI, evaluate, to_poly
+from wmrgen.layout.records import Geometry, Interval, Parameter, Robot, Wheel
+from wmrgen.layout.snap import snap
+from wmrgen.spec.records import Limit, Quantity, RobotSpec, WheelSpec
+
+HALF_PI = PI.scale(Fraction(1, 2))
+Values = Mapping[str, Poly]
+
+
+def build(spec: RobotSpec) -> Robot:
+    """The exact layout of a robot file. RobotFileError where a value makes no sense."""
+    parameters, values = _parameters(spec)
+    tunable = frozenset(p.name for p in parameters if p.tunable)
+    known = {name: value for name, value in values.items() if name not in tunable}
+    notes: list[str] = []
+    wheels = tuple(
+        _wheel(i, w, values, known, tunable if spec.snap else None, notes) for i, w in enumerate(spec.wheels)
+    )
+    _check_names(spec, parameters)
+    names = [w.name for w in wheels]
+    return Robot(
+        name=spec.name,
+        description=spec.description,
+        source=spec.source,
+        parameters=parameters,
+        wheels=wheels,
+        steer_group=_groups(spec, "steer", names),
+        spin_group=_groups(spec, "spin", names),
+        couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
+        limits=_limits(spec.limits, values),
+        notes=tuple(notes),
+    )
+
+
+def _parameters(spec: RobotSpec) -> tuple[tuple[Parameter, ...], dict[str, Poly]]:
+    """Parameters and their nominal values, other parameters resolved, pi kept."""
+    values: dict[str, Poly] = {}
+    found: list[Parameter] = []
+    pending = list(spec.parameters)
+    while pending:
+        ready = [p for p in pending if _uses(p.value) <= values.keys()]
+        if not ready:
+            raise RobotFileError("parameters refer to each other in a circle", pending[0].value.mark)
+        for p in ready:
+            symbolic = to_poly(p.value, values)
+            values[p.name] = symbolic.substitute(lambda g: values.get(g.name) if g.kind == "param" else None)
+            found.append(Parameter(p.name, symbolic, number(symbolic, values), p.tunable))
+            pending.remove(p)
+    order = [p.name for p in spec.parameters]
+    return tuple(sorted(found, key=lambda p: order.index(p.name))), values
+
+
+def _uses(quantity: Quantity) -> set[str]:
+    from wmrgen.spec.records import Binary, Call, Expr, Neg, Param
+
+    def walk(expr: Expr) -> set[str]:
+        match expr:
+            case Param(name):
+                return {name}
+            case Neg(arg):
+                return walk(arg)
+            case Binary(_, left, right):
+                return walk(left) | walk(right)
+            case Call(_, args):
+                return set().union(*(walk(a) for a in args))
+        return set()
+
+    return walk(quantity.expr)
+
+
+def _wheel(
+    index: int, w: WheelSpec, values: Values, known: Values, tunable: frozenset[str] | None, notes: list[str]
+) -> Wheel:
+    """One wheel. ``tunable`` is None when snapping is off."""
+
+    def angle(quantity: Quantity | None, key: str) -> Poly:
+        return Poly.of(0) if quantity is None else snapped(to_poly(quantity, values), key)
+
+    def snapped(value: Poly, key: str) -> Poly:
+        if tunable is None:
+            return value
+        value, note = snap(value, values, tunable, f"{w.name}.{key}")
+        if note:
+            notes.append(note)
+        return value
+
+    def length(quantity: Quantity | None) -> Poly:
+        return Poly.of(0) if quantity is None else to_poly(quantity, values)
+
+    if w.x is not None and w.y is not None:
+        x, y = length(w.x), length(w.y)
+        at_origin = not number(x, values) and not number(y, values)
+        alpha = Poly.of(0) if at_origin else Poly.gen("atan2", "", y, x)
+    else:
+        alpha = angle(w.alpha, "alpha")
+        c, s = cos_sin(alpha)
+        x, y = length(w.l) * c, length(w.l) * s
+    if w.heading is not None:
+        heading = angle(w.heading, "heading")
+    else:
+        beta = angle(w.beta, "beta") if w.beta is not None else HALF_PI - alpha
+        heading = snapped(alpha + beta - HALF_PI, "heading (alpha + beta - pi/2)")
+    gamma = angle(w.gamma, "gamma")
+    (ch, sh), (cg, sg) = cos_sin(heading), cos_sin(gamma)
+    symbolic = Geometry(x, y, ch, sh, cg, sg, length(w.r), length(w.d), length(w.offset_y), length(w.r_sw))
+    nominal = Geometry(*(number(getattr(symbolic, f.name), values) for f in fields(Geometry)))
+    _check(w, nominal)
+    return _display(
+        Wheel(
+            index=index, name=w.name, type=w.type, symbolic=symbolic,
+            working=Geometry(*(fix(getattr(symbolic, f.name), known) for f in fields(Geometry))),
+            nominal=nominal, l=0.0, alpha=float(number(alpha, values)), beta=0.0, gamma=float(number(gamma, values)),
+            heading=float(number(heading, values)), actuated=w.actuated, sensed=w.sensed,
+            limits=_limits(w.limits, values),
+        )
+    )  # fmt: skip
+
+
+def _display(wheel: Wheel) -> Wheel:
+    x, y = float(wheel.nominal.x), float(wheel.nominal.y)
+    alpha = wheel.alpha if wheel.alpha else atan2(y, x)
+    beta = remainder(wheel.heading + pi / 2 - alpha, 2 * pi)
+    return replace(wheel, l=hypot(x, y), alpha=alpha, beta=beta)
+
+
+def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
+    """What no value may be: r <= 0, a castor without offset, a roller axis across the wheel."""
+    if w.r is not None and w.type != "spherical" and g.r.sign <= 0:
+        raise RobotFileError(f"{w.name}: wheel radius r = {w.r.text} is not positive", w.r.mark, "",
+                             "r is the radius in metres, not the diameter, and larger than 0")  # fmt: skip
+    if w.r_sw is not None and g.r_sw.sign <= 0:
+        raise RobotFileError(f"{w.name}: roller radius r_sw = {w.r_sw.text} is not positive", w.r_sw.mark)
+    if w.type == "castor" and w.d is not None and not g.d:
+        raise RobotFileError(
+            f"{w.name}: a castor with d = 0 is a steered wheel", w.d.mark,
+            "with the contact point under the pivot the wheel cannot follow: it constrains the robot",
+            "write type: steered, or give d, the distance from the pivot to the contact along the rolling direction",
+        )  # fmt: skip
+    if w.type == "swedish" and w.gamma is not None and abs(float(g.cg)) < 1e-9:
+        raise RobotFileError(
+            f"{w.name}: gamma = {w.gamma.text} puts the roller axis across the wheel plane", w.gamma.mark,
+            "the wheel could not drive: its rim speed would turn the rollers only",
+            "gamma is the angle from the wheel plane to the roller axis at the ground: "
+            "0 for an omni wheel, 45 deg or -45 deg for a mecanum wheel",
+        )  # fmt: skip
+
+
+def _check_names(spec: RobotSpec, parameters: tuple[Parameter, ...]) -> None:
+    joints = {f"{w.name}_{joint}" for w in spec.wheels for joint in ("spin", "steer", "steer_rate")}
+    wheels = {w.name for w in spec.wheels}
+    for p, read in zip(parameters, spec.parameters, strict=True):
+        if p.name in joints or p.name in wheels:
+            raise RobotFileError(f"parameter {p.name} has the name of a joint or wheel", read.value.mark)
+
+
+def _groups(spec: RobotSpec, joint: str, names: list[str]) -> tuple[int, ...]:
+    """Union of the coupled sets: per wheel the lowest index it is coupled to."""
+    leader = list(range(len(names)))
+    for coupling in spec.couplings:
+        if coupling.joint != joint:
+            continue
+        members = {leader[names.index(n)] for n in coupling.wheels}
+        leader = [min(members) if k in members else k for k in leader]
+    return tuple(leader)
+
+
+def _limits(limits: tuple[Limit, ...], values: Values) -> dict[str, Interval]:
+    result = {}
+    for limit in limits:
+        low, high = evaluate(limit.low, values), evaluate(limit.high, values)
+        if low > high:
+            raise RobotFileError(f"limit {limit.name}: {limit.low.text} is above {limit.high.text}", limit.low.mark)
+        result[limit.name] = Interval(low, high)
+    return result

@@ -1,0 +1,113 @@
+"""A wheel layout: every quantity exact, in three views of the same geometry.
+
+``symbolic`` keeps every named parameter as a symbol, ``working`` only the tunable ones,
+``nominal`` is numbers. Robot frame: x forward, y left, origin P. SI units, radians.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
+
+T = TypeVar("T", Poly, Exact)
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry(Generic[T]):
+    """One wheel's constants.
+
+    (x, y): pivot A [m]. (ch, sh): cosine and sine of the zero heading alpha + beta - pi/2.
+    (cg, sg): cosine and sine of gamma, wheel plane to roller axis at the ground. r: wheel radius [m];
+    d: castor offset along the rolling direction e [m]; o: lateral offset along n [m]; r_sw: roller radius [m].
+    """
+
+    x: T
+    y: T
+    ch: T
+    sh: T
+    cg: T
+    sg: T
+    r: T
+    d: T
+    o: T
+    r_sw: T
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """low <= quantity <= high, SI units."""
+
+    low: Exact
+    high: Exact
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """A wheel of the layout. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display."""
+
+    index: int
+    name: str
+    type: str  # fixed steered castor swedish spherical
+    symbolic: Geometry[Poly]
+    working: Geometry[Poly]
+    nominal: Geometry[Exact]
+    l: float
+    alpha: float
+    beta: float
+    gamma: float
+    heading: float
+    actuated: tuple[str, ...]
+    sensed: tuple[str, ...]
+    limits: dict[str, Interval]
+
+    @property
+    def has_spin(self) -> bool:
+        """Every wheel but a spherical one rolls about an axle."""
+        return self.type != "spherical"
+
+    @property
+    def turns(self) -> bool:
+        """True for steered and castor wheels: the orientation is a joint."""
+        return self.type in ("steered", "castor")
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A named length or angle; ``symbolic`` may refer to other parameters."""
+
+    name: str
+    symbolic: Poly
+    nominal: Exact
+    tunable: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """A layout, ready for derivation.
+
+    ``steer_group`` and ``spin_group`` give, per wheel index, the first wheel of its coupled set
+    (itself when uncoupled). ``notes`` are the snaps made.
+    """
+
+    name: str
+    description: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    wheels: tuple[Wheel, ...]
+    steer_group: tuple[int, ...]
+    spin_group: tuple[int, ...]
+    couplings: tuple[tuple[str, tuple[str, ...]], ...]
+    limits: dict[str, Interval]
+    notes: tuple[str, ...]
+
+    @property
+    def tunable(self) -> tuple[Parameter, ...]:
+        """The parameters that stay inputs of the generated code."""
+        return tuple(p for p in self.parameters if p.tunable)
+
+    def wheel(self, name: str) -> Wheel:
+        """The wheel called ``name``. KeyError when there is none."""
+        return {w.name: w for w in self.wheels}[name]

@@ -1,0 +1,55 @@
+"""Angles that were meant to be special: 1.57 for pi/2.
+
+An unsnapped 1.57 turns a differential drive into a robot that cannot move. Within 1e-3 rad of a
+multiple of pi/12 an angle is taken as that multiple, and a note says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from wmrgen.exact.angles import pi_multiple, pi_rational
+from wmrgen.exact.evaluate import angle_value, number
+from wmrgen.exact.poly import Gen, Poly
+
+TOLERANCE = Fraction(1, 1000)
+_SAME = Fraction(1, 10**35)
+
+
+def snap(angle: Poly, values: Mapping[str, Poly], tunable: frozenset[str], what: str) -> tuple[Poly, str | None]:
+    """The angle, or the multiple of pi/12 it stands for, and the note that says so.
+
+    An angle that depends on a tunable parameter is left alone: it is an input.
+    """
+    if _depends(angle, tunable):
+        return angle, None
+    exact = pi_multiple(angle_value(angle, values))
+    if exact is not None and (12 * exact).denominator == 1:
+        return angle, None
+    value = number(angle, values).rational()
+    step = pi_rational() / 12
+    k = round(value / step)
+    error = abs(value - k * step)
+    if error >= TOLERANCE:
+        return angle, None
+    snapped = Poly.gen("pi").scale(Fraction(k, 12))
+    if error < _SAME:
+        return snapped, None
+    return snapped, f"{what}: {float(value):.12g} rad taken as {pi_text(k)} ({float(error):.2g} rad away)"
+
+
+def _depends(poly: Poly, names: frozenset[str]) -> bool:
+    def in_gen(gen: Gen) -> bool:
+        return (gen.kind == "param" and gen.name in names) or any(_depends(a, names) for a in gen.args)
+
+    return any(in_gen(g) for g in poly.generators)
+
+
+def pi_text(k: int) -> str:
+    """k pi/12 in words a reader would write: pi/2, -3*pi/4, 0."""
+    f = Fraction(k, 12)
+    if not f:
+        return "0"
+    head = {1: "pi", -1: "-pi"}.get(f.numerator, f"{f.numerator}*pi")
+    return head if f.denominator == 1 else f"{head}/{f.denominator}"

@@ -1,0 +1,163 @@
+"""The admissible twists: those for which steering exists that lets every wheel roll.
+
+Without couplings these are the null space of the constant rows: any twist in it tells each steered wheel
+where to point. Wheels that must steer alike, or turn alike, each add a quadratic equation in the twist;
+their common zeros are planes, cones or lines through the origin. The component kept is the one that leaves
+most freedom of steering.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Array
+
+SMALL = 1e-9
+_SAMPLES = ((0.83, -0.41, 0.57), (0.29, 0.71, -0.47), (-0.61, 0.37, 0.89))
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """One component of the admissible twists: ``basis`` rows span it; ``sample`` is a generic twist in it."""
+
+    dimension: int
+    basis: Array
+    sample: Array
+    linear: bool
+
+
+def _pivot(w: Wheel, turned: bool) -> Array:
+    """2x3: twist to pivot velocity, in the joint frame at zero steering when ``turned``."""
+    g = w.nominal
+    p = np.array([[1.0, 0.0, -float(g.y)], [0.0, 1.0, float(g.x)]])
+    c, s = float(g.ch), float(g.sh)
+    return np.array([[c, s], [-s, c]]) @ p if turned else p
+
+
+def quadrics(robot: Robot) -> list[Array]:
+    """Symmetric 3x3 forms that vanish on twists allowed by the couplings of steered wheels."""
+    forms: list[Array] = []
+    for i, leader in enumerate(robot.steer_group):
+        a, b = robot.wheels[leader], robot.wheels[i]
+        if i != leader and a.type == b.type == "steered":
+            p, q = _pivot(a, True), _pivot(b, True)
+            forms.append(np.outer(p[0], q[1]) - np.outer(p[1], q[0]))
+    for i, leader in enumerate(robot.spin_group):
+        a, b = robot.wheels[leader], robot.wheels[i]
+        if i != leader and "steered" in (a.type, b.type) and not (a.nominal.o or b.nominal.o):
+            forms.append(_speed(a) * float(b.nominal.r) ** 2 - _speed(b) * float(a.nominal.r) ** 2)
+    forms = [(f + f.T) / 2 for f in forms]
+    return [f for f in forms if np.abs(f).max() > SMALL]
+
+
+def _speed(w: Wheel) -> Array:
+    """The form of the squared rim speed."""
+    p = _pivot(w, True)
+    return p.T @ p if w.type == "steered" else np.outer(p[0], p[0])
+
+
+def components(constant_null: Array, forms: list[Array]) -> list[Component]:
+    """Components of {xi in span(rows of constant_null): every form vanishes}."""
+    size = len(constant_null)
+    reduced = [constant_null @ f @ constant_null.T for f in forms]
+    reduced = [f for f in reduced if np.abs(f).max() > SMALL]
+
+    def linear(rows: Array) -> Component:
+        rows = rows @ constant_null
+        weights = np.array(_SAMPLES[0][: len(rows)])
+        return Component(len(rows), rows, weights @ rows, True)
+
+    if not reduced:
+        return [linear(np.eye(size))] if size else []
+    if size == 2:
+        return [linear(v[None, :]) for v in _binary_roots(reduced)]
+    if size == 3:
+        return _ternary(reduced, linear, constant_null)
+    return []
+
+
+def _binary_roots(forms: list[Array]) -> list[Array]:
+    """Common real zeros (unit vectors) of binary quadratic forms."""
+    f = forms[0]
+    a, b, c = f[0, 0], 2 * f[0, 1], f[1, 1]
+    disc = b * b - 4 * a * c
+    scale = np.abs(f).max() ** 2
+    if disc < -SMALL * scale:
+        return []
+    root = np.sqrt(max(disc, 0.0))
+    if abs(disc) <= SMALL * scale:
+        root = 0.0
+    found: list[Array] = []
+    for sign in (1.0, -1.0):
+        v = np.array([-b + sign * root, 2 * a]) if abs(a) > SMALL * np.sqrt(scale) else np.array([1.0, 0.0])
+        if abs(a) <= SMALL * np.sqrt(scale) and sign < 0:
+            v = np.array([-c, b])
+        if np.abs(v).max() < SMALL:
+            continue
+        v = v / np.linalg.norm(v)
+        new = all(abs(v[0] * w[1] - v[1] * w[0]) > 1e-6 for w in found)
+        if new and all(abs(v @ g @ v) < 1e-7 * np.abs(g).max() for g in forms):
+            found.append(v)
+    return found
+
+
+def _planes(form: Array) -> list[Array]:
+    """Normals of the real planes that a degenerate ternary form factors into; [] when it does not."""
+    values, vectors = np.linalg.eigh(form)
+    top = np.abs(values).max()
+    live = [k for k in range(3) if abs(values[k]) > 1e-9 * top]
+    if len(live) == 1:
+        return [vectors[:, live[0]]]
+    if len(live) == 2 and values[live[0]] * values[live[1]] < 0:
+        p = np.sqrt(abs(values[live[0]])) * vectors[:, live[0]]
+        q = np.sqrt(abs(values[live[1]])) * vectors[:, live[1]]
+        return [(p + q) / np.linalg.norm(p + q), (p - q) / np.linalg.norm(p - q)]
+    return []
+
+
+def _on_plane(form: Array, normal: Array) -> Array:
+    plane = np.linalg.svd(normal[None, :])[2][1:]
+    return np.asarray(plane @ form @ plane.T)
+
+
+def _ternary(forms: list[Array], linear: Callable[[Array], Component], null: Array) -> list[Component]:
+    first = forms[0]
+    proportional = all(
+        np.abs(f / np.linalg.norm(f) - first / np.linalg.norm(first)).max() < 1e-9
+        or np.abs(f / np.linalg.norm(f) + first / np.linalg.norm(first)).max() < 1e-9
+        for f in forms
+    )
+    planes = _planes(first)
+    if not planes and proportional:
+        return _conic(first, null)
+    if not planes:
+        other = next(f for f in forms if np.linalg.matrix_rank(np.stack([f.ravel(), first.ravel()])) == 2)
+        roots = np.roots(np.poly(np.linalg.solve(first, other)))
+        planes = [n for r in roots if abs(r.imag) < 1e-9 for n in _planes(other - r.real * first)]
+    found: list[Component] = []
+    for normal in planes:
+        plane = np.linalg.svd(normal[None, :])[2][1:]
+        rest = [f for f in (_on_plane(g, normal) for g in forms) if np.abs(f).max() > 1e-8]
+        if not rest:
+            found.append(linear(plane))
+        else:
+            found += [linear((v @ plane)[None, :]) for v in _binary_roots(rest)]
+    return found
+
+
+def _conic(form: Array, null: Array) -> list[Component]:
+    """A real, non-degenerate cone of twists: dimension 2, not linear."""
+    values, vectors = np.linalg.eigh(form)
+    if (values > 0).all() or (values < 0).all():
+        return []
+    odd = 0 if values[0] * values[1] < 0 else 2
+    others = [k for k in range(3) if k != odd]
+    u = np.array([0.6, 0.8])
+    z = np.zeros(3)
+    z[others] = u
+    z[odd] = np.sqrt(-sum(values[k] * z[k] ** 2 for k in others) / values[odd])
+    return [Component(2, null, (vectors @ z) @ null, False)]

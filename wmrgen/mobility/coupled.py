@@ -1,0 +1,82 @@
+"""Couplings: what is left of the constraints when joint rates are eliminated.
+
+In general the left null space of the joint-rate columns, couplings applied, times the xi columns constrains
+the twist. An uncoupled wheel needs no elimination: its spin takes the rolling row, a castor's steering rate
+takes the sliding row. Only coupled sets of wheels are worked out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wmrgen.constraints import ConstraintRow, Constraints
+from wmrgen.exact.linalg import left_null_space
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Poly, Row
+from wmrgen.layout.records import Robot
+
+ExactRow = tuple[Exact, Exact, Exact]
+
+
+def coupled_sets(robot: Robot) -> list[frozenset[int]]:
+    """Connected sets of wheels that share a coupled joint, each of two wheels or more."""
+    sets: list[set[int]] = []
+    for group in (robot.spin_group, robot.steer_group):
+        for leader in dict.fromkeys(group):
+            members = {i for i, g in enumerate(group) if g == leader}
+            if len(members) < 2:
+                continue
+            touching = [s for s in sets if s & members]
+            sets = [s for s in sets if not s & members]
+            sets.append(members.union(*touching))
+    return [frozenset(s) for s in sets]
+
+
+def eliminate(robot: Robot, rows: Sequence[ConstraintRow]) -> list[Row]:
+    """The combinations of ``rows`` (numeric joint coefficients) in which no joint rate occurs."""
+    if not rows:
+        return []
+
+    def column(key: tuple[int, str]) -> tuple[int, str]:
+        wheel, joint = key
+        return (robot.spin_group if joint == "spin" else robot.steer_group)[wheel], joint
+
+    keys = sorted({column(key) for c in rows for key, _ in c.rates})
+    table = []
+    for c in rows:
+        line = [ZERO] * len(keys)
+        for key, k in c.rates:
+            number = k.constant
+            line[keys.index(column(key))] += number if number is not None else ZERO
+        table.append(line)
+    if not keys:
+        return [c.row for c in rows]
+    combined: list[Row] = []
+    for weights in left_null_space(table):
+        parts = [Poly({}), Poly({}), Poly({})]
+        for w, c in zip(weights, rows, strict=True):
+            parts = [p + v.scale(w) for p, v in zip(parts, c.row, strict=True)] if w else parts
+        combined.append((parts[0], parts[1], parts[2]))
+    return combined
+
+
+def constant_rows(c: Constraints, has_steered: frozenset[int]) -> list[Row]:
+    """Rows on xi that do not depend on a steered wheel: fixed sliding rows and couplings of unsteered wheels.
+
+    A castor's angle may remain in a row (two castors turned by one motor). ``has_steered``: wheels whose
+    coupled set contains a steered wheel; their couplings are treated with the steering.
+    """
+    rows: list[Row] = []
+    sets = [s for s in coupled_sets(c.robot) if not s & has_steered]
+    inside = frozenset().union(*sets)
+    for s in sets:
+        rows += eliminate(c.robot, [r for r in (*c.rolling, *c.sliding) if r.wheel.index in s])
+    rows += [r.row for r in c.sliding_of("fixed") if r.wheel.index not in inside]
+    return [r for r in rows if any(r)]
+
+
+def steered_sets(robot: Robot) -> frozenset[int]:
+    """Wheels that are coupled, directly or through others, to a steered wheel."""
+    return frozenset().union(
+        *(s for s in coupled_sets(robot) if any(robot.wheels[i].type == "steered" for i in s))
+    )

@@ -1,0 +1,94 @@
+"""What the analysis finds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmrgen.exact.poly import Poly, Row
+
+Array = NDArray[np.float64]
+TOLERANCE = 1e-9  # relative to the largest singular value
+
+
+@dataclass(frozen=True, slots=True)
+class Rank:
+    """A rank decided twice: exactly, and at TOLERANCE relative to the largest singular value.
+
+    ``exact`` is None where no exact configuration exists. ``value`` follows the tolerance.
+    """
+
+    value: int
+    exact: int | None
+    singular_values: tuple[float, ...]
+
+    @property
+    def margin(self) -> float:
+        """The smallest singular value that counts over the tolerance line: how far from a lower rank."""
+        if not self.value:
+            return float("inf")
+        return self.singular_values[self.value - 1] / (TOLERANCE * self.singular_values[0])
+
+    @property
+    def disagrees(self) -> bool:
+        """True where exact arithmetic sees more than a rounding-sized difference justifies."""
+        return self.exact is not None and self.exact != self.value
+
+
+@dataclass(frozen=True, slots=True)
+class Admissible:
+    """The twists that some steering permits: a cone of dimension ``dimension`` inside null(C0).
+
+    ``constant``: independent constant rows (fixed wheels and couplings). ``normal``: the row of a further
+    linear constraint that coupled steering imposes, or None. ``basis``: spans the cone (rows, numbers).
+    ``sample``: one generic twist of the cone. ``linear`` is False when the cone is a conic.
+    """
+
+    constant: tuple[Row, ...]
+    normal: Row | None
+    dimension: int
+    basis: Array
+    sample: Array
+    linear: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Singularity:
+    """Where a rank drops or an angle is undefined. ``conditions`` all vanish there.
+
+    ``twist`` is True when a condition is a row to be multiplied with (vx, vy, omega).
+    """
+
+    kind: str
+    conditions: tuple[Poly | Row, ...]
+    meaning: str
+    wheels: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Mobility:
+    """Degrees, ranks and their reasons (Siegwart (3.40)-(3.42); Campion, Bastin, d'Andrea-Novel 1996)."""
+
+    degree_of_mobility: int
+    degree_of_steerability: int
+    degree_of_maneuverability: int
+    rank_C1f: Rank
+    rank_C1: Rank
+    ddof: int
+    dof: int
+    holonomic: bool
+    omnidirectional: bool
+    robot_type: tuple[int, int] | None
+    degenerate: bool
+    reasons: tuple[str, ...]
+    actuation: tuple[str, ...]
+    growth_vector: tuple[int, ...]
+    degree_of_nonholonomy: int
+    singularities: tuple[Singularity, ...]
+    admissible: Admissible
+    basis_rows: tuple[Row, ...]  # independent rows of C1 (working view), steering symbolic
+    basis_wheels: tuple[str, ...]  # the steered wheels among them
+    null_space: tuple[Row, ...]  # columns, working view
+    null_space_symbolic: tuple[Row, ...]

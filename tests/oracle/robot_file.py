@@ -19,7 +19,7 @@ NAMES = {"pi": math.pi, "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "ta
 
 def value(text: str, names: dict[str, float], scale: float = 1.0) -> float:
     """A number, a number with a unit, or an expression over ``names``. ``scale`` applies to bare numbers."""
-    found = re.fullmatch(r"([-+.\deE]+)\s*([a-z]*)", text.strip())
+    found = re.fullmatch(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([a-z]*)", text.strip())
     if found:
         return float(found[1]) * (UNITS[found[2]] if found[2] else scale)
     return float(eval(text, {"__builtins__": {}}, NAMES | names))  # only this project's own gallery files

@@ -88,9 +88,7 @@ def _atan2_exact(y: Exact, x: Exact) -> Exact:
 
     if not y and x.sign >= 0:
         return ZERO
-    p, q = (
-        libmp.from_rational(v.numerator, v.denominator, _BITS) for v in (y.rational(), x.rational())
-    )
+    p, q = (libmp.from_rational(v.numerator, v.denominator, _BITS) for v in (y.rational(), x.rational()))
     return _dyadic(libmp.to_rational(libmp.mpf_atan2(p, q, _BITS)))
 
 
@@ -154,7 +152,4 @@ def _rounded(operation: Callable[..., float]) -> Callable[..., float]:
 
 
 FLOAT64 = Arithmetic("float64", _enter64, _DOUBLE)
-FLOAT32 = Arithmetic(
-    "float32", _enter32, {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}}
-)
-
+FLOAT32 = Arithmetic("float32", _enter32, {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}})

@@ -59,10 +59,6 @@ class Builder:
             return self.sub(a, nb)
         if na is not None:
             return self.sub(b, na)
-        if (positive := self._positive_product(b)) is not None:
-            return self.sub(a, positive)
-        if (positive := self._positive_product(a)) is not None:
-            return self.sub(b, positive)
         return self._node(Op.ADD, (a, b) if a < b else (b, a))
 
     def sub(self, a: int, b: int) -> int:
@@ -79,8 +75,6 @@ class Builder:
             return self.add(a, nb)
         if na is not None:
             return self.neg(self.add(na, b))
-        if (positive := self._positive_product(b)) is not None:
-            return self.add(a, positive)
         return self._node(Op.SUB, (a, b))
 
     def neg(self, a: int) -> int:

@@ -1,0 +1,64 @@
+"""Operation counts of functions."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import astuple, dataclass
+
+from wmrgen.ir.nodes import Function, Op
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """How many operations of each kind one call takes."""
+
+    additions: int = 0
+    multiplications: int = 0
+    divisions: int = 0
+    roots: int = 0
+    sines: int = 0  # and cosines
+    arctangents: int = 0
+    comparisons: int = 0  # select, min, max
+    signs: int = 0  # negation, absolute value
+
+    @property
+    def flops(self) -> int:
+        """Additions and multiplications: the figure that robots are compared by."""
+        return self.additions + self.multiplications
+
+    @property
+    def weight(self) -> int:
+        """All operations in units of an addition, roughly as a Cortex-M4F has them."""
+        return (
+            self.flops + 14 * (self.divisions + self.roots) + 60 * self.sines + 90 * self.arctangents
+            + 2 * self.comparisons + self.signs
+        )  # fmt: skip
+
+    def __add__(self, other: Cost) -> Cost:
+        return Cost(*(a + b for a, b in zip(astuple(self), astuple(other), strict=True)))
+
+    def __str__(self) -> str:
+        """``6 additions, 3 multiplications``; ``no operations``."""
+        names = (
+            ("addition", "additions"), ("multiplication", "multiplications"), ("division", "divisions"),
+            ("square root", "square roots"), ("sine or cosine", "sines and cosines"),
+            ("arctangent", "arctangents"), ("comparison", "comparisons"),
+            ("sign operation", "sign operations"),
+        )  # fmt: skip
+        counted = zip(astuple(self), names, strict=True)
+        return ", ".join(f"{n} {name[n != 1]}" for n, name in counted if n) or "no operations"
+
+
+def count(function: Function) -> Cost:
+    """The operations in the list of ``function``; unused nodes count too."""
+    ops = Counter(node.op for node in function.nodes)
+    return Cost(
+        additions=ops[Op.ADD] + ops[Op.SUB],
+        multiplications=ops[Op.MUL],
+        divisions=ops[Op.DIV],
+        roots=ops[Op.SQRT],
+        sines=ops[Op.SIN] + ops[Op.COS],
+        arctangents=ops[Op.ATAN2],
+        comparisons=ops[Op.SELECT] + ops[Op.MIN] + ops[Op.MAX],
+        signs=ops[Op.NEG] + ops[Op.ABS],
+    )

@@ -1,0 +1,91 @@
+"""A linear program as operations of a builder, with signs placed so that no negation is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.build import Builder
+from wmrgen.ir.linear.graph import Coefficient, Edge, Graph, Magnitudes
+
+Scale = Callable[[Coefficient, int], int]  # coefficient times node
+
+
+class Emitter:
+    """Emits the nodes that an output needs, when it is asked for. Terms must stand by then."""
+
+    def __init__(self, graph: Graph, magnitudes: Magnitudes, builder: Builder, scale: Scale) -> None:
+        self._graph, self._builder, self._scale = graph, builder, scale
+        self._table = magnitudes.table
+        self._signs = polarities(graph)
+        self._made: dict[int, int] = {}
+
+    def output(self, index: int, term: Callable[[int], int]) -> int:
+        """The builder's node of output ``index``; ``term(j)`` is that of input j."""
+        edge = self._graph.outputs[index]
+        if edge is None:
+            return self._builder.const(Exact(0))
+        made, graph = self._made, self._graph
+        stack = [edge[0]]
+        while stack:
+            node = stack[-1]
+            missing = [source for source, _ in graph.sources[node] if source not in made]
+            if node in made or not missing:
+                stack.pop()
+                if node not in made:
+                    made[node] = term(node) if node < graph.inputs else self._emit(node)
+            else:
+                stack += missing
+        result = made[edge[0]]
+        return result if edge[1] == self._signs[edge[0]] else self._builder.neg(result)
+
+    def _emit(self, node: int) -> int:
+        signs, polarity = self._signs, self._signs[node]
+        edges = [(source, sign * signs[source]) for source, sign in self._graph.sources[node]]
+        factor = self._table[self._graph.factors[node]]
+        if self._graph.factors[node]:
+            flip = 1 if any(sign > 0 for _, sign in edges) else -1
+            total = self._sum([(source, sign * flip) for source, sign in edges])
+            value = factor.value if flip == polarity else -factor.value
+            return self._scale(Coefficient(value, factor.atom), total)
+        return self._sum([(source, sign * polarity) for source, sign in edges])
+
+    def _sum(self, edges: Sequence[Edge]) -> int:
+        """The sum of the signed nodes, a positive one first."""
+        first = next((k for k, (_, sign) in enumerate(edges) if sign > 0), None)
+        builder, made = self._builder, self._made
+        if first is None:
+            return builder.neg(self._sum([(node, -sign) for node, sign in edges]))
+        total = made[edges[first][0]]
+        for k, (node, sign) in enumerate(edges):
+            if k != first:
+                total = builder.add(total, made[node]) if sign > 0 else builder.sub(total, made[node])
+        return total
+
+
+def polarities(graph: Graph) -> list[int]:
+    """For every node whether it or its negative is computed, so that every sum has a positive term.
+
+    Products take either sign for free (the constant changes), sums wherever one term is positive.
+    """
+    size = len(graph.factors)
+    wish = [0] * size
+    for output in graph.outputs:
+        if output is not None and not wish[output[0]]:
+            wish[output[0]] = output[1]
+    for node in range(graph.inputs):
+        wish[node] = 1
+    for node in range(size - 1, graph.inputs - 1, -1):
+        sign = wish[node] or 1
+        wish[node] = sign
+        edges = graph.sources[node]
+        if graph.factors[node] or any(wish[source] == s * sign for source, s in edges):
+            continue
+        free = [(source, s) for source, s in edges if not wish[source]]
+        for source, s in sorted(free, key=lambda edge: not graph.factors[edge[0]])[:1]:
+            wish[source] = s * sign
+    for node in range(graph.inputs, size):
+        edges = graph.sources[node]
+        if not graph.factors[node] and all(wish[source] * s != wish[node] for source, s in edges):
+            wish[node] = -wish[node]
+    return wish

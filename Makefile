@@ -16,7 +16,7 @@ $(STAMP): pyproject.toml constraints.txt
 	@touch $@
 
 demo: setup
-	$(BIN)/wmrgen derive robots/pioneer_3dx.yaml -o build/demo
+	$(BIN)/wmrgen derive robots/pioneer3dx.yaml -o build/demo
 	@ls build/demo/*
 
 test: setup

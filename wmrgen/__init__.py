@@ -1,3 +1,34 @@
-"""wmrgen: the compiler for wheeled mobile robots."""
+"""wmrgen: from the wheel layout of a robot to its verified kinematic model.
+
+>>> import wmrgen
+>>> derivation = wmrgen.derive(wmrgen.load("robots/pioneer.yaml"))
+
+Importing the package loads neither sympy nor casadi nor numpy: `load` and `derive` do, when called.
+"""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wmrgen.derivation import Derivation
+    from wmrgen.layout.records import Robot
 
 __version__ = "0.1.0"
+__all__ = ["__version__", "derive", "load"]
+
+
+def load(path: str | PathLike[str]) -> Robot:
+    """The robot that a file describes. RobotFileError, with the place, where the file cannot be accepted."""
+    from wmrgen.layout import build
+    from wmrgen.spec import read
+
+    return build(read(path))
+
+
+def derive(robot: Robot) -> Derivation:
+    """Everything that follows from the robot's layout. NotDerivableError where nothing does."""
+    from wmrgen.derivation import derive as derive_robot
+
+    return derive_robot(robot)

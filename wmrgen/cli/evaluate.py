@@ -1,0 +1,102 @@
+"""``wmrgen eval``: a calculator over the functions of a model, and the way backends are compared."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import wmrgen
+from wmrgen.cli import console
+from wmrgen.cli.values import Case, from_file, from_words
+from wmrgen.errors import UsageError
+from wmrgen.exact.number import ZERO, Exact
+
+if TYPE_CHECKING:
+    from wmrgen.derivation import Derivation
+    from wmrgen.ir.nodes import Function
+
+
+def run(
+    path: Path, name: str, words: Sequence[str], *, backend: str, cases: str | None, as_json: bool
+) -> int:
+    """Evaluate one case from the words, or every case of a file."""
+    if cases is not None and words:
+        raise UsageError("give NAME=VALUE words or --cases, not both")
+    with console.progress() as step:
+        step(f"deriving {path}")
+        robot = wmrgen.load(path)
+        for text in robot.notes:
+            console.note(f"{robot.name}: note: {text}")
+        derivation = wmrgen.derive(robot)
+        function = _function(derivation, name)
+        names = [port.name for port in function.inputs]
+        given = [from_words(words, names)] if cases is None else from_file(cases, names)
+        step(f"computing {name} with {backend}")
+        results = _compute(derivation, function, [_completed(function, case) for case in given], backend)
+    _say_zeros(function, given)
+    if cases is not None:
+        console.result(json.dumps(results, indent=2))
+    elif as_json:
+        console.result(json.dumps(results[0], indent=2))
+    else:
+        width = max(map(len, results[0]), default=0)
+        for key, value in results[0].items():
+            console.result(f"{key:<{width}} = {value!r}")
+    return 0
+
+
+def _function(derivation: Derivation, name: str) -> Function:
+    known = {f.name: f for f in derivation.raw_module.functions}
+    if name not in known:
+        raise UsageError(f"{derivation.robot.name} has no function {name!r}; it has: {' '.join(known)}")
+    return known[name]
+
+
+def _completed(function: Function, case: Case) -> dict[str, Exact]:
+    """Every input: as given, else nominal for a tunable parameter, else 0."""
+    return {p.name: case.get(p.name, ZERO if p.default is None else p.default) for p in function.inputs}
+
+
+def _say_zeros(function: Function, cases: Sequence[Case]) -> None:
+    zeros = [p.name for p in function.inputs if p.default is None and any(p.name not in c for c in cases)]
+    if zeros:
+        console.note(f"not given, taken as 0: {' '.join(zeros)}")
+
+
+def _compute(
+    derivation: Derivation, function: Function, cases: Sequence[dict[str, Exact]], backend: str
+) -> list[dict[str, float]]:
+    if backend == "exact":
+        from wmrgen.ir.interpret import EXACT, evaluate_module
+
+        module = derivation.raw_module
+        return [_doubles(evaluate_module(module, function.name, case, EXACT)) for case in cases]
+    from wmrgen.backends.registry import BACKENDS
+
+    entry = BACKENDS[{"c": "c99"}.get(backend, backend)]
+    module = getattr(derivation, entry.source)
+    has = [f.name for f in module.functions]
+    # A backend may give the residual in a function of its own, so that who does not need it does not pay.
+    parts = [part for part in (function.name, f"{function.name}_slip") if part in has]
+    if not parts:
+        raise UsageError(
+            f"{backend} has no function {function.name!r} of {derivation.robot.name}; it has: {' '.join(has)}"
+        )
+    results: list[dict[str, float]] = [{} for _ in cases]
+    for part in parts:
+        for result, more in zip(
+            results, entry.load().evaluate(module, part, [_doubles(c) for c in cases]), strict=True
+        ):
+            result.update(more)
+    order = [port.name for port in function.outputs]
+    return [{name: result[name] for name in order if name in result} for result in results]
+
+
+def _doubles(values: dict[str, Exact]) -> dict[str, float]:
+    """Each value rounded to the nearest double."""
+    try:
+        return {name: float(value) for name, value in values.items()}
+    except OverflowError as error:
+        raise UsageError("a value is beyond the range of a double") from error

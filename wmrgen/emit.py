@@ -38,7 +38,7 @@ def artifacts(derivation: Derivation, scalar: str = "float") -> dict[str, bytes]
 
 
 def meta(derivation: Derivation, scalar: str, model: bytes) -> Meta:
-    """What the generated files say about themselves. The hash covers the model, the scalar type and wmrgen."""
+    """What the generated files say about themselves. The hash covers model, scalar type and version."""
     digest = hashlib.sha256(model)
     digest.update(f"{scalar} {__version__}".encode())
     return Meta(

@@ -1,4 +1,4 @@
-"""The commands and their options. Each command's work stands in a module of its own, imported when it runs."""
+"""The commands and their options. Each command's work stands in its own module, imported when it runs."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ _BUG = 70  # exit code of an internal error, as in sysexits.h
 _INTERRUPTED = 130
 
 app = typer.Typer(
-    help="""Compile a wheel layout into a verified kinematic model.
+    help="""Example:  wmrgen derive robots/pioneer3dx.yaml
 
-\b
-Example:  wmrgen derive robots/pioneer3dx.yaml
-""",
+    Compile a wheel layout into a verified kinematic model.
+    """,
     epilog="Exit codes: 0 ok, 1 stale output, 2 bad robot file or usage, 3 not derivable, 4 environment.",
     no_args_is_help=True,
     add_completion=False,
@@ -111,7 +110,7 @@ def _main(
     pass
 
 
-@app.command()
+@app.command(short_help="Derive robots and write their model, report and code.")
 @guarded
 def derive(
     robots: Robots,
@@ -121,17 +120,16 @@ def derive(
     ] = False,
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = Scalar.float,
 ) -> int:
-    """Derive robots and write DIR/<name>/: model, report, C, CasADi, NumPy.
+    """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
 
-    \b
-    Example:  wmrgen derive robots/pioneer3dx.yaml -o build
+    Derive robots and write DIR/<name>/: model, report, C, CasADi, NumPy.
     """
     from wmrgen.cli.derive import run
 
     return run(robots, out, as_json=json, scalar=scalar.value)
 
 
-@app.command("eval")
+@app.command("eval", short_help="Compute a function of a robot's model.")
 @guarded
 def evaluate(
     robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
@@ -156,17 +154,16 @@ def evaluate(
     ] = None,
     json: Json = False,
 ) -> int:
-    """Compute a function of a robot's model. Inputs that are not given are 0, parameters nominal.
+    """Example:  wmrgen eval robots/pioneer3dx.yaml inverse vx=0.5 omega="30 deg"
 
-    \b
-    Example:  wmrgen eval robots/pioneer3dx.yaml inverse vx=0.5 omega="30 deg"
+    Compute a function of a robot's model. Inputs that are not given are 0, parameters nominal.
     """
     from wmrgen.cli.evaluate import run
 
     return run(robot, function, values or [], backend=backend.value, cases=cases, as_json=json)
 
 
-@app.command()
+@app.command(short_help="Say which generated files are out of date.")
 @guarded
 def check(
     robots: Annotated[
@@ -175,10 +172,9 @@ def check(
     ] = None,
     out: Out = Path("generated"),
 ) -> int:
-    """Say which generated files are not what the robot files give today.
+    """Example:  wmrgen check
 
-    \b
-    Example:  wmrgen check
+    Say which generated files are not what the robot files give today. Exit code 1 when there are any.
     """
     from wmrgen.cli.check import run
 

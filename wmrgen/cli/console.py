@@ -50,7 +50,7 @@ def failure(text: str) -> None:
 
 @contextlib.contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """A progress line on a terminal's stderr, once the work has taken a second. Call it with the present step."""
+    """A line on a terminal's stderr once the work has taken a second. Call what it gives with each step."""
     if not sys.stderr.isatty():
         yield lambda step: None
         return

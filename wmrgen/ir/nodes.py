@@ -10,6 +10,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from wmrgen.exact.number import Exact
+from wmrgen.ports import Port, Role
+
+__all__ = ["ARITY", "Function", "Module", "Node", "Op", "Port", "Role"]
 
 
 class Op(StrEnum):
@@ -36,29 +39,6 @@ ARITY = {
     Op.CONST: 0, Op.INPUT: 0, Op.NEG: 1, Op.ABS: 1, Op.SQRT: 1, Op.SIN: 1, Op.COS: 1,
     Op.ADD: 2, Op.SUB: 2, Op.MUL: 2, Op.DIV: 2, Op.MIN: 2, Op.MAX: 2, Op.ATAN2: 2, Op.SELECT: 4,
 }  # fmt: skip
-
-
-class Role(StrEnum):
-    """What an input is, which decides when it is known."""
-
-    GEOMETRY = "geometry"  # a tunable parameter: known before the step
-    PREPARED = "prepared"  # an output of prepare(): a function of the geometry alone
-    STATE = "state"  # steering angles, pose
-    COMMAND = "command"  # twists, joint rates, dt
-
-
-@dataclass(frozen=True, slots=True)
-class Port:
-    """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.
-
-    ``default`` is the nominal value of a tunable parameter, else None.
-    """
-
-    name: str
-    role: Role
-    unit: str
-    text: str = ""
-    default: Exact | None = None
 
 
 @dataclass(frozen=True, slots=True)

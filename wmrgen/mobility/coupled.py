@@ -11,11 +11,10 @@ from collections.abc import Sequence
 
 from wmrgen.constraints import ConstraintRow, Constraints
 from wmrgen.exact.linalg import left_null_space
-from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Robot
 
-ExactRow = tuple[Exact, Exact, Exact]
 
 
 def coupled_sets(robot: Robot) -> list[frozenset[int]]:
@@ -57,26 +56,29 @@ def eliminate(robot: Robot, rows: Sequence[ConstraintRow]) -> list[Row]:
         for w, c in zip(weights, rows, strict=True):
             parts = [p + v.scale(w) for p, v in zip(parts, c.row, strict=True)] if w else parts
         combined.append((parts[0], parts[1], parts[2]))
-    return combined
+    return [row for row in combined if any(row)]
 
 
-def constant_rows(c: Constraints, has_steered: frozenset[int]) -> list[Row]:
-    """Rows on xi that do not depend on a steered wheel: fixed sliding rows and couplings of unsteered wheels.
+def constant_rows(c: Constraints, has_steered: frozenset[int]) -> list[tuple[Row, int | None]]:
+    """Rows on xi that do not depend on a steered wheel, each with the fixed wheel it comes from.
 
-    A castor's angle may remain in a row (two castors turned by one motor). ``has_steered``: wheels whose
-    coupled set contains a steered wheel; their couplings are treated with the steering.
+    The wheel is None for a combination that a coupling produced. A castor's angle may remain in a row (two
+    castors turned by one motor). ``has_steered``: wheels whose coupled set contains a steered wheel; their
+    couplings are treated with the steering.
     """
-    rows: list[Row] = []
+    rows: list[tuple[Row, int | None]] = []
     sets = [s for s in coupled_sets(c.robot) if not s & has_steered]
-    inside = frozenset().union(*sets)
+    inside = frozenset[int]().union(*sets)
     for s in sets:
-        rows += eliminate(c.robot, [r for r in (*c.rolling, *c.sliding) if r.wheel.index in s])
-    rows += [r.row for r in c.sliding_of("fixed") if r.wheel.index not in inside]
-    return [r for r in rows if any(r)]
+        members = [r for r in (*c.rolling, *c.sliding) if r.wheel.index in s]
+        free = {id(r) for r in members if r.kind == "sliding" and not r.rates}
+        rows += [(r.row, r.wheel.index) for r in members if id(r) in free]
+        rows += [(row, None) for row in eliminate(c.robot, [r for r in members if id(r) not in free])]
+    rows += [(r.row, r.wheel.index) for r in c.sliding_of("fixed") if r.wheel.index not in inside]
+    return [(row, wheel) for row, wheel in rows if any(row)]
 
 
 def steered_sets(robot: Robot) -> frozenset[int]:
     """Wheels that are coupled, directly or through others, to a steered wheel."""
-    return frozenset().union(
-        *(s for s in coupled_sets(robot) if any(robot.wheels[i].type == "steered" for i in s))
-    )
+    sets = [s for s in coupled_sets(robot) if any(robot.wheels[i].type == "steered" for i in s)]
+    return frozenset[int]().union(*sets)

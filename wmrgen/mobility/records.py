@@ -41,12 +41,12 @@ class Rank:
 class Admissible:
     """The twists that some steering permits: a cone of dimension ``dimension`` inside null(C0).
 
-    ``constant``: independent constant rows (fixed wheels and couplings). ``normal``: the row of a further
+    ``chosen``: indices of independent constant rows (fixed wheels and couplings). ``normal``: the row of a further
     linear constraint that coupled steering imposes, or None. ``basis``: spans the cone (rows, numbers).
     ``sample``: one generic twist of the cone. ``linear`` is False when the cone is a conic.
     """
 
-    constant: tuple[Row, ...]
+    chosen: tuple[int, ...]
     normal: Row | None
     dimension: int
     basis: Array

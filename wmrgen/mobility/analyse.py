@@ -1,0 +1,113 @@
+"""Mobility, steerability, maneuverability: one rule for every layout."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmrgen.constraints import (
+    Constraints,
+    View,
+    constrain,
+    nominal_view,
+    sliding_row,
+    symbolic_view,
+    working_view,
+)
+from wmrgen.exact.poly import Row
+from wmrgen.layout.records import Robot
+from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1, rows_at
+from wmrgen.mobility.coupled import constant_rows, steered_sets
+from wmrgen.mobility.freedom import closure, growth_vector
+from wmrgen.mobility.nullspace import null_columns
+from wmrgen.mobility.ranks import decide, independent, null_basis, to_array, unit_rows
+from wmrgen.mobility.reasons import Findings, actuation, reasons
+from wmrgen.mobility.records import Admissible, Array, Mobility, Rank
+from wmrgen.mobility.singular import singularities
+
+CAMPION = ((3, 0), (2, 0), (2, 1), (1, 1), (1, 2))
+
+
+@dataclass(frozen=True, slots=True)
+class _Basis:
+    """Independent rows of C1 at a generic admissible configuration, and where they come from."""
+
+    sources: tuple[int | None, ...]  # constant rows: the fixed wheel, or None for a coupling
+    coupled: tuple[Row, ...]  # the rows of the None sources, in order
+    steered: tuple[int, ...]
+
+    def rows(self, robot: Robot, view: View) -> tuple[Row, ...]:
+        """The rows in one view of the geometry."""
+        spare = iter(self.coupled)
+        found = [
+            next(spare) if i is None else sliding_row(robot.wheels[i], view(robot.wheels[i])).row for i in self.sources
+        ]
+        found += [sliding_row(robot.wheels[i], view(robot.wheels[i])).row for i in self.steered]
+        return tuple(found)
+
+
+def analyse(robot: Robot) -> Mobility:
+    """Degrees, ranks, reachable dimensions and the reasons for them."""
+    c = constrain(robot, nominal_view)
+    constant = constant_rows(c, steered_sets(robot))
+    picked, numbers = admissible(c, [row for row, _ in constant])
+    rank, at = rank_C1(robot, numbers, picked)
+    mobility = 3 - rank.value
+    steerability = max(picked.dimension - mobility, 0) if mobility else 0
+    basis = _basis(robot, constant, picked, at, rank)
+    rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_of("fixed")]))
+    dof = closure(_all_twists(c, [row for row, _ in constant], picked))
+    now = null_basis(unit_rows(at)) if mobility else np.zeros((0, 3))
+    growth = growth_vector(now, _tangent(picked, now), steerability)
+    degenerate = (mobility, steerability) not in CAMPION
+    found = Findings(robot, c, picked, rank_fixed, rank, mobility, steerability, basis.steered, at, degenerate)
+    columns = null_columns(basis.rows(robot, working_view)) if mobility else ()
+    return Mobility(
+        degree_of_mobility=mobility, degree_of_steerability=steerability,
+        degree_of_maneuverability=mobility + steerability,
+        rank_C1f=rank_fixed, rank_C1=rank, ddof=mobility, dof=dof, holonomic=mobility == dof,
+        omnidirectional=mobility == 3, robot_type=None if degenerate else (mobility, steerability),
+        degenerate=degenerate, reasons=reasons(found), actuation=actuation(found), growth_vector=growth,
+        degree_of_nonholonomy=len(growth), singularities=singularities(found, columns), admissible=picked,
+        basis_rows=basis.rows(robot, working_view), basis_wheels=tuple(robot.wheels[i].name for i in basis.steered),
+        null_space=columns,
+        null_space_symbolic=null_columns(basis.rows(robot, symbolic_view)) if mobility else (),
+    )  # fmt: skip
+
+
+def _basis(
+    robot: Robot, constant: list[tuple[Row, int | None]], picked: Admissible, at: Array, rank: Rank
+) -> _Basis:
+    """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs."""
+    sources: list[int | None] = [constant[i][1] for i in picked.chosen]
+    coupled = [constant[i][0] for i in picked.chosen if constant[i][1] is None]
+    head = at[: len(sources)]
+    if picked.normal is not None:
+        sources.append(None)
+        coupled.append(picked.normal)
+        values = [p.constant for p in picked.normal]
+        head = np.vstack([head, [[float(v) if v is not None else 0.0 for v in values]]])
+    steered = [w.index for w in robot.wheels if w.type == "steered"]
+    rows = unit_rows(np.vstack([head, at[len(picked.chosen) : len(picked.chosen) + len(steered)]]))
+    chosen = independent(rows, rank.value)
+    keep = [i for i in chosen if i < len(head)]
+    if len(keep) < len(head):
+        coupled = [row for i, row in zip([k for k, s in enumerate(sources) if s is None], coupled, strict=True) if i in keep]
+        sources = [sources[i] for i in keep]
+    return _Basis(tuple(sources), tuple(coupled), tuple(steered[i - len(head)] for i in chosen if i >= len(head)))
+
+
+def _tangent(picked: Admissible, now: Array) -> Array:
+    """Twists that the null space and one steering rate together reach."""
+    return picked.basis if picked.linear else np.vstack([now, picked.basis])
+
+
+def _all_twists(c: Constraints, rows: list[Row], picked: Admissible) -> Array:
+    """A spanning set of every admissible twist, over castor angles where those matter."""
+    if any(g.kind in ("cos", "sin") for row in rows for p in row for g in p.generators):
+        return np.vstack([null_basis(unit_rows(to_array(fixed_numbers(c, rows, seed)))) for seed in range(3)])
+    return picked.basis
+
+
+__all__ = ["analyse", "rows_at"]

@@ -1,0 +1,159 @@
+"""A generic admissible configuration, and the ranks there.
+
+A twist of the admissible set tells every steered wheel where to point: along the velocity (a, b) of its
+pivot. Its sliding row, scaled by the pivot's speed, is then [-b, a, x a + y b], which is exact when the
+twist is.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from wmrgen.constraints import Constraints
+from wmrgen.exact.linalg import null_space
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.admissible import Component, components, quadrics
+from wmrgen.mobility.coupled import steered_sets
+from wmrgen.mobility.ranks import decide, independent, null_basis, numeric_rank, to_array, unit_rows
+from wmrgen.mobility.records import Admissible, Array, Rank
+
+ExactRow = tuple[Exact, Exact, Exact]
+_WEIGHTS = ((7, -5, 3), (-4, 9, 5), (11, 2, -6))
+
+
+def castor_angles(robot: Robot, seed: int) -> dict[Gen, Poly]:
+    """Rational points of the circle for the castors' joint angles; coupled castors share one."""
+    values: dict[Gen, Poly] = {}
+    for w in robot.wheels:
+        if w.type != "castor":
+            continue
+        t = Fraction(2 + 3 * robot.steer_group[w.index] + seed, 7 + 2 * seed)
+        c, s = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
+        values[Gen("cos", w.name)] = Poly.of(c)
+        values[Gen("sin", w.name)] = Poly.of(s)
+    return values
+
+
+def fixed_numbers(c: Constraints, rows: list[Row], seed: int = 0) -> list[ExactRow]:
+    """Constant rows as numbers, at generic castor angles where those occur."""
+    angles = castor_angles(c.robot, seed)
+    numbers: list[ExactRow] = []
+    for row in rows:
+        values = [p.substitute(angles.get).constant for p in row]
+        a, b, k = (v if v is not None else Exact(0) for v in values)
+        numbers.append((a, b, k))
+    return numbers
+
+
+def admissible(c: Constraints, rows: list[Row]) -> tuple[Admissible, list[ExactRow]]:
+    """The admissible cone of the layout and its constant rows. ``c``, ``rows``: nominal."""
+    robot = c.robot
+    numbers = fixed_numbers(c, rows)
+    array = unit_rows(to_array(numbers))
+    value, _ = numeric_rank(array)
+    chosen = independent(array, value)
+    found = components(null_basis(array[chosen]), quadrics(robot))
+    best = _freest(robot, array[chosen], found)
+    normal = _normal(best, len(chosen))
+    picked = Admissible(
+        chosen=tuple(chosen), normal=normal, dimension=best.dimension,
+        basis=best.basis, sample=best.sample, linear=best.linear,
+    )  # fmt: skip
+    return picked, [numbers[i] for i in chosen]
+
+
+def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
+    """The component with most freedom of steering; none at all when no twist is admissible."""
+    empty = Component(0, np.zeros((0, 3)), np.zeros(3), True)
+    best, score = empty, (-1, -1)
+    for component in found:
+        mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant)))[0]
+        new = (component.dimension - mobility, mobility)
+        if new > score:
+            best, score = component, new
+    return best
+
+
+def _normal(best: Component, constant: int) -> Row | None:
+    """The extra row that coupled steering imposes on a linear component of dimension 2 in the plane case."""
+    if not best.linear or constant or best.dimension != 2:
+        return None
+    n = np.linalg.svd(best.basis)[2][2]
+    n = n / n[np.argmax(np.abs(n))]
+    a, b, k = (Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n))
+    return a, b, k
+
+
+def pivot_velocity(w: Wheel, twist: Array) -> tuple[float, float]:
+    """Velocity of the pivot [m/s]."""
+    x, y = float(w.nominal.x), float(w.nominal.y)
+    return float(twist[0] - y * twist[2]), float(twist[1] + x * twist[2])
+
+
+def steering_for(w: Wheel, twist: Array) -> tuple[float, float]:
+    """(cos, sin) of the heading that lets the wheel roll under ``twist``; its zero heading when it stands still."""
+    a, b = pivot_velocity(w, twist)
+    size = float(np.hypot(a, b))
+    return (a / size, b / size) if size > 1e-12 else (float(w.nominal.ch), float(w.nominal.sh))
+
+
+def rows_at(robot: Robot, twist: Array, constant: Array) -> Array:
+    """All rows on xi at the steering that ``twist`` asks for, couplings eliminated: (N, 3)."""
+    free = steered_sets(robot)
+    rows = [constant]
+    for w in robot.wheels:
+        if w.type == "steered":
+            c, s = steering_for(w, twist)
+            x, y = float(w.nominal.x), float(w.nominal.y)
+            rows.append(np.array([[-s, c, x * c + y * s]]))
+    rows.append(_coupled_spins(robot, twist, free))
+    return np.vstack(rows)
+
+
+def _coupled_spins(robot: Robot, twist: Array, free: frozenset[int]) -> Array:
+    """Rows that equal spins among steered wheels impose at the steering that ``twist`` asks for."""
+    rows = []
+    for i, leader in enumerate(robot.spin_group):
+        pair = (robot.wheels[leader], robot.wheels[i])
+        if i == leader or i not in free or any(w.nominal.o for w in pair):
+            continue
+        speeds = []
+        for w in pair:
+            c, s = steering_for(w, twist) if w.type == "steered" else (float(w.nominal.ch), float(w.nominal.sh))
+            x, y, r = float(w.nominal.x), float(w.nominal.y), float(w.nominal.r)
+            speeds.append(np.array([c, s, x * s - y * c]) / r)
+        sign = 1.0 if speeds[0] @ twist * (speeds[1] @ twist) >= 0 else -1.0
+        rows.append(speeds[0] - sign * speeds[1])
+    return np.array(rows).reshape(-1, 3)
+
+
+def rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[Rank, Array]:
+    """Rank of C1 on the admissible set, with the float rows it was decided on."""
+    at = rows_at(robot, picked.sample, to_array(numbers))
+    value, singular = numeric_rank(unit_rows(at))
+    if not picked.dimension:
+        value = 3
+    coupled = bool(steered_sets(robot))
+    exact = None if coupled else _exact_rank(robot, numbers)
+    return Rank(value, exact, singular), at
+
+
+def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
+    """The exact rank at generic exact twists of null(C0)."""
+    basis = null_space(numbers or [(ZERO, ZERO, ZERO)], 3)
+    best = 0
+    for weights in _WEIGHTS:
+        twist = [sum((b[k] * w for b, w in zip(basis, weights, strict=False)), ZERO) for k in range(3)]
+        rows: list[ExactRow] = list(numbers)
+        for w in robot.wheels:
+            if w.type == "steered":
+                a = twist[0] - w.nominal.y * twist[2]
+                b = twist[1] + w.nominal.x * twist[2]
+                rows.append((-b, a, w.nominal.x * a + w.nominal.y * b))
+        best = max(best, decide(rows).exact or 0) if rows else 0
+    return best
+

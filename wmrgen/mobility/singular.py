@@ -1,0 +1,114 @@
+"""Where the model is singular, kept in symbols."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmrgen.constraints import heading, rolling_row, working_view
+from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.layout.records import Wheel
+from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
+from wmrgen.mobility.reasons import Findings
+from wmrgen.mobility.records import Singularity
+
+
+def singularities(found: Findings, columns: tuple[Row, ...]) -> tuple[Singularity, ...]:
+    """All singular sets of the layout, each with the conditions that vanish there."""
+    return (*_icr_on_pivot(found), *_shared_axles(found), *_drive(found, columns), *_rolling_rank(found))
+
+
+def _icr_on_pivot(found: Findings) -> list[Singularity]:
+    """A steered wheel whose pivot is the ICR: every heading rolls, the inverse holds the present one."""
+    result = []
+    one, zero = Poly.of(1), Poly({})
+    for w in found.robot.wheels:
+        if w.type != "steered":
+            continue
+        g = working_view(w)
+        conditions: tuple[Row, ...] = ((one, zero, -g.y), (zero, one, g.x))
+        text = f"the ICR lies on the pivot of {w.name}: its heading is undefined, and inverse holds the present angle"
+        result.append(Singularity("icr_on_pivot", conditions, text, (w.name,)))
+    return result
+
+
+def _shared_axles(found: Findings) -> list[Singularity]:
+    """The independent axles of C1 fall into one line: its rank drops."""
+    wheels = found.basis_wheels
+    if found.mobility != 1 or not wheels:
+        return []
+    if len(wheels) == 2:
+        a, b = wheels
+        conditions = (_towards(a, b), _towards(b, a))
+        many = sum(w.type == "steered" for w in found.robot.wheels) > 2 and not _pivots_in_line(found)
+        what = (
+            f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
+            if many
+            else "rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+        )
+        text = f"the axles of {a.name} and {b.name} lie on one line: {what}"
+        return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
+    fixed = [w for w in found.robot.wheels if w.type == "fixed"]
+    if not fixed:
+        return []
+    f, s = fixed[0], wheels[0]
+    offset = _towards(f, s)
+    number = offset.constant
+    if number is None or abs(float(number)) > 1e-9:
+        return []
+    text = f"{s.name} stands on the axle line of {f.name}: with parallel axles rank C1 falls from 2 to 1"
+    return [Singularity("shared_axle", (_parallel(f, s),), text, (f.name, s.name))]
+
+
+def _towards(a: Wheel, b: Wheel) -> Poly:
+    """e_a . (A_b - A_a): zero when the axle of a passes through the pivot of b."""
+    ga, gb = working_view(a), working_view(b)
+    ex, ey = heading(a, ga)
+    return ex * (gb.x - ga.x) + ey * (gb.y - ga.y)
+
+
+def _parallel(a: Wheel, b: Wheel) -> Poly:
+    """e_a x e_b: zero when the axles are parallel."""
+    ax, ay = heading(a, working_view(a))
+    bx, by = heading(b, working_view(b))
+    return ax * by - ay * bx
+
+
+def _pivots_in_line(found: Findings) -> bool:
+    points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.type == "steered"])
+    return int(np.linalg.matrix_rank(points - points[0], tol=1e-9)) < 2
+
+
+def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
+    """The driven wheels lose their grip on the motion: every rolling row vanishes on the null space."""
+    driven = [w for w in found.robot.wheels if "spin" in w.actuated]
+    if len(columns) != 1 or not driven:
+        return []
+    rates = [dot(rolling_row(w, working_view(w)).row, columns[0]) for w in driven]
+    rates = [r for r in dict.fromkeys(rates)]
+    if any(r.constant is not None and r for r in rates) or not all(any(g.kind in ("cos", "sin") for g in r.generators) for r in rates):
+        return []
+    names = tuple(w.name for w in driven)
+    if len(rates) > 2:
+        return []
+    text = f"{' and '.join(names)} stand still whatever the robot does there: forward kinematics cannot see the motion"
+    return [Singularity("drive", tuple(rates), text, names)]
+
+
+def _rolling_rank(found: Findings) -> list[Singularity]:
+    """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
+    wheels = [w for w in found.robot.wheels if w.type == "swedish"]
+    if found.mobility != 3 or not wheels or any(w.type == "castor" and w.actuated for w in found.robot.wheels):
+        return []
+    rows = [tuple(p.constant for p in rolling_row(w, working_view(w)).row) for w in wheels]
+    if any(v is None for row in rows for v in row):
+        return []
+    numbers = [[v for v in row if v is not None] for row in rows]
+    rank, _ = numeric_rank(unit_rows(to_array(numbers)))
+    if rank == 3:
+        return []
+    text = (
+        f"the rolling rows of {', '.join(w.name for w in wheels)} have rank {rank}: one motion of the body turns no "
+        "wheel, so the wheels cannot drive it. Mecanum rollers at the ground must form an O (seen from above the "
+        "roller lines form a diamond around the centre), not an X through one point"
+    )
+    return [Singularity("rolling_rank", (), text, tuple(w.name for w in wheels))]

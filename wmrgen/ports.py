@@ -1,0 +1,31 @@
+"""Named inputs and outputs: the contract's names with their roles and units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from wmrgen.exact.number import Exact
+
+
+class Role(StrEnum):
+    """What an input is, which decides when it is known."""
+
+    GEOMETRY = "geometry"  # a tunable parameter: known before the step
+    PREPARED = "prepared"  # an output of prepare(): a function of the geometry alone
+    STATE = "state"  # steering angles, pose
+    COMMAND = "command"  # twists, joint rates, dt
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.
+
+    ``default`` is the nominal value of a tunable parameter, else None.
+    """
+
+    name: str
+    role: Role
+    unit: str
+    text: str = ""
+    default: Exact | None = None

@@ -90,7 +90,7 @@ class WheelSpec:
     type: str  # fixed steered castor swedish spherical
     mark: Mark
     marks: dict[str, Mark]
-    r: Quantity
+    r: Quantity | None  # None for a spherical wheel only
     l: Quantity | None = None
     alpha: Quantity | None = None
     x: Quantity | None = None

@@ -1,0 +1,1 @@
+"""Robot files: from YAML text to frozen records, checked for form, nothing evaluated."""

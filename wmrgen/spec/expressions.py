@@ -1,0 +1,206 @@
+"""Expressions of robot files: a whitelist over Python's grammar, parsed and never evaluated.
+
+Every token is checked before Python's parser sees the text, so that it gets numbers, known names,
+operators and parentheses only, at most 200 characters of them.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection
+from fractions import Fraction
+
+from wmrgen.errors import RobotFileError
+from wmrgen.spec.nodes import Scalar
+from wmrgen.spec.numbers import NUMBER, UNITS, number
+from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi
+from wmrgen.spec.text import quoted, suggestion
+
+MAX_CHARACTERS = 200
+MAX_NODES = 128
+MAX_POWER = 4
+ARITY = {"sqrt": 1, "sin": 1, "cos": 1, "tan": 1, "atan2": 2}
+
+_TOKEN = re.compile(
+    rf"(?P<number>{NUMBER})|(?P<name>[A-Za-z_πΠ][A-Za-z0-9_π]*)|(?P<operator>\*\*|[-+*/(),])|(?P<space>[ \t]+)"
+)
+_OPERATORS: dict[type[ast.operator], str] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Pow: "**",
+}
+_GRAMMAR = "Allowed are numbers, parameters, pi, + - * / ** ( ) sqrt sin cos tan atan2."
+_FUNCTION_ALIASES = {
+    **dict.fromkeys(("atan", "arctan", "arctan2"), "Write atan2(y, x)."),
+    **dict.fromkeys(("asin", "acos", "arcsin", "arccos"), "Write the angle with atan2(y, x)."),
+    **dict.fromkeys(("radians", "deg2rad"), "Write 45 deg, or a*pi/180."),
+}
+
+
+def parse_expression(node: Scalar, names: Collection[str]) -> Expr:
+    """The tree of the node's text over the parameters ``names``. RobotFileError otherwise."""
+    if len(node.text) > MAX_CHARACTERS:
+        raise node.error(
+            f"an expression of {len(node.text)} characters",
+            f"At most {MAX_CHARACTERS} are read.",
+            "Split it over several parameters.",
+        )
+    return _Parser(node, names).tree()
+
+
+class _Parser:
+    """One expression: its tokens as Python text, and where each stood in the file."""
+
+    def __init__(self, node: Scalar, names: Collection[str]) -> None:
+        self._node = node
+        self._names = names
+        self._numbers: dict[int, str] = {}  # column in the Python text -> the number as written
+        self._columns: dict[int, int] = {}  # column in the Python text -> offset in the node
+        self._text = ""
+        self._scan()
+
+    def _error(self, what: str, why: str = "", instead: str = "", offset: int = 0) -> RobotFileError:
+        return self._node.error(what, why, instead, offset)
+
+    def _scan(self) -> None:
+        text = self._node.text
+        position = len(text) - len(text.lstrip())
+        end, before = len(text.rstrip()), ""
+        while position < end:
+            token = _TOKEN.match(text, position, end)
+            if not token:
+                raise self._stray(position)
+            if token.lastgroup != "space":
+                word = token.group()
+                after = text[token.end() : end].lstrip(" \t")[:1]
+                self._columns[len(self._text)] = position
+                self._text += self._checked(word, str(token.lastgroup), before, after, position)
+                before = word
+            position = token.end()
+
+    def _stray(self, position: int) -> RobotFileError:
+        character = self._node.text[position]
+        what = f"{quoted(character)} cannot stand in an expression"
+        special = {
+            "^": "Write ** for powers.",
+            "%": "Write the number itself.",
+            "°": "Write deg after a plain number.",
+            "=": "Comparisons and assignments have no meaning here.",
+            "−": "Write the hyphen-minus '-' of the keyboard.",
+            "·": "Write *.",
+            "×": "Write *.",
+            "\n": "Keep the expression on one line.",
+        }
+        return self._error(what, _GRAMMAR, special.get(character, ""), position)
+
+    def _checked(self, word: str, kind: str, before: str, after: str, at: int) -> str:
+        """The token as Python text, after the checks that need its neighbours."""
+        if before and kind != "operator" and (before[-1].isalnum() or before[-1] in "._)"):
+            raise self._juxtaposed(before, word, at)
+        if kind == "number":
+            number(word, self._node, at)
+            self._numbers[len(self._text)] = word
+            return word
+        if kind == "name":
+            return self._name("pi" if word in ("π", "Π") else word, after == "(", at)
+        if word == "(" and before and (before[-1] == ")" or before[0] in "0123456789."):
+            raise self._juxtaposed(before, word, at)
+        return word
+
+    def _juxtaposed(self, before: str, word: str, at: int) -> RobotFileError:
+        if word in UNITS:
+            return self._error(
+                f"the unit {quoted(word)} stands after an expression",
+                "A unit can follow a plain number only.",
+                "Give the number its unit as a parameter, and use the parameter here.",
+                at,
+            )
+        return self._error(f"an operator is missing between {quoted(before)} and {quoted(word)}", "", "Write *.", at)
+
+    def _name(self, word: str, called: bool, at: int) -> str:
+        if called:
+            if word in ARITY:
+                return word
+            instead = suggestion(word, ARITY, _FUNCTION_ALIASES)
+            why = "It is a name, not a function: a product needs *." if word in self._names or word == "pi" else _GRAMMAR
+            raise self._error(f"{quoted(word)} is not a function", why, instead, at)
+        if word == "pi" or word in self._names:
+            return word
+        if word in ARITY:
+            raise self._error(f"the function {word} needs its argument", "", f"Write {word}(…).", at)
+        known = [*self._names, "pi"]
+        raise self._error(
+            f"{quoted(word)} is not a declared parameter",
+            "Every name in an expression stands under parameters: or is pi.",
+            suggestion(word, known),
+            at,
+        )
+
+    def tree(self) -> Expr:
+        """Parse, count, convert."""
+        try:
+            body = ast.parse(self._text, mode="eval").body
+        except SyntaxError as error:
+            column = min(max((error.offset or 1) - 1, 0), len(self._text))
+            raise self._error(
+                f"{quoted(self._node.text)} is not a complete expression", _GRAMMAR, "", self._offset(column)
+            ) from None
+        except (ValueError, MemoryError, RecursionError):
+            raise self._error(f"{quoted(self._node.text)} is nested too deeply") from None
+        if sum(isinstance(n, ast.expr) for n in ast.walk(body)) > MAX_NODES:
+            raise self._error(
+                f"an expression of more than {MAX_NODES} parts", "", "Split it over several parameters."
+            )
+        return self._convert(body)
+
+    def _offset(self, column: int) -> int:
+        starts = [start for start in self._columns if start <= column]
+        return self._columns[max(starts)] if starts else 0
+
+    def _convert(self, node: ast.expr) -> Expr:
+        match node:
+            case ast.Constant():
+                return Num(number(self._numbers[node.col_offset], self._node))
+            case ast.Name(id=name):
+                return Pi() if name == "pi" else Param(name)
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                return Neg(self._convert(operand))
+            case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+                return self._convert(operand)
+            case ast.BinOp(op=ast.Pow(), left=left, right=right):
+                return Binary("**", self._convert(left), self._power(right))
+            case ast.BinOp(op=op, left=left, right=right) if type(op) in _OPERATORS:
+                return Binary(_OPERATORS[type(op)], self._convert(left), self._convert(right))
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
+                return self._call(node, name, args)
+        raise self._error("this cannot stand in an expression", _GRAMMAR, "", self._offset(node.col_offset))
+
+    def _power(self, node: ast.expr) -> Num:
+        value: Fraction | None = None
+        match node:
+            case ast.Constant():
+                value = number(self._numbers[node.col_offset], self._node)
+            case ast.UnaryOp(op=ast.USub(), operand=ast.Constant() as operand):
+                value = -number(self._numbers[operand.col_offset], self._node)
+        if value is None or value.denominator != 1 or abs(value) > MAX_POWER:
+            raise self._error(
+                "the exponent is not a whole number from -4 to 4",
+                "Powers of any size would take for ever, and fractional ones are roots.",
+                "Write sqrt(…) for a root, or multiply out.",
+                self._offset(node.col_offset),
+            )
+        return Num(value)
+
+    def _call(self, node: ast.expr, name: str, args: list[ast.expr]) -> Expr:
+        if len(args) != ARITY[name]:
+            form = "atan2(y, x)" if name == "atan2" else f"{name}(…)"
+            raise self._error(
+                f"{name} takes {ARITY[name]} argument{'s' * (ARITY[name] > 1)}, not {len(args)}",
+                "",
+                f"Write {form}.",
+                self._offset(node.col_offset),
+            )
+        return Call(name, tuple(self._convert(a) for a in args))

@@ -1,0 +1,133 @@
+"""The keys of a robot file: one table that the checks, the messages and the JSON Schema share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmrgen.spec.numbers import Kind
+
+
+@dataclass(frozen=True, slots=True)
+class WheelType:
+    """``keys``: those beyond the common ones. ``joints`` in the order of the contract."""
+
+    meaning: str
+    joints: tuple[str, ...]
+    actuated: tuple[str, ...]
+    keys: tuple[str, ...] = ()
+    required: tuple[str, ...] = ()
+    oriented: bool = True  # beta or heading must be given
+
+
+WHEEL_TYPES: dict[str, WheelType] = {
+    "fixed": WheelType("a standard wheel that does not steer", ("spin",), ("spin",), required=("r",)),
+    "steered": WheelType(
+        "a standard wheel that steers about its own contact point",
+        ("spin", "steer"), ("spin", "steer"), ("offset_y",), ("r",),
+    ),
+    "castor": WheelType(
+        "a wheel whose contact point trails its steering axis by d",
+        ("spin", "steer"), (), ("d", "offset_y"), ("r", "d"), oriented=False,
+    ),
+    "swedish": WheelType(
+        "an omni or mecanum wheel: rollers on its rim", ("spin",), ("spin",), ("gamma", "r_sw"), ("r",)
+    ),
+    "spherical": WheelType("a ball that rolls every way", (), (), oriented=False),
+}  # fmt: skip
+
+# Nearest types for what people also call wheels.
+TYPE_ALIASES = {
+    **dict.fromkeys(("caster", "trailing"), "Did you mean castor?"),
+    **dict.fromkeys(("omni", "omniwheel", "swedish90", "swedish-90"), "Did you mean swedish? An omni wheel is swedish with gamma: 0."),
+    **dict.fromkeys(("mecanum", "swedish45", "swedish-45"), "Did you mean swedish? A mecanum wheel is swedish with gamma: 45 deg or -45 deg."),
+    **dict.fromkeys(("standard", "drive", "driven", "wheel", "conventional"), "Did you mean fixed?"),
+    **dict.fromkeys(("steerable", "swerve", "orientable", "centered"), "Did you mean steered?"),
+    **dict.fromkeys(("ball", "sphere", "slider"), "Did you mean spherical?"),
+}  # fmt: skip
+
+# Key -> (what it measures, meaning). Order is the order of messages and of the schema.
+QUANTITIES: dict[str, tuple[Kind, str]] = {
+    "l": (Kind.LENGTH, "distance from the robot's origin to the wheel's pivot; with alpha"),
+    "alpha": (Kind.ANGLE, "direction of the pivot from the origin, counter-clockwise from x (forward); with l"),
+    "x": (Kind.LENGTH, "pivot position forward of the origin; with y"),
+    "y": (Kind.LENGTH, "pivot position left of the origin; with x"),
+    "beta": (Kind.ANGLE, "angle of the axle from the line origin-pivot, for steering wheels at zero steer"),
+    "heading": (Kind.ANGLE, "rolling direction in the robot frame, instead of beta: heading = alpha + beta - pi/2"),
+    "r": (Kind.LENGTH, "wheel radius, not diameter"),
+    "gamma": (Kind.ANGLE, "angle from the wheel plane to the roller axis at the ground: 0 omni, ±45 deg mecanum"),
+    "d": (Kind.LENGTH, "castor offset: from the steering axis to the contact point along the rolling direction"),
+    "offset_y": (Kind.LENGTH, "contact point left of the steering axis, along the axle"),
+    "r_sw": (Kind.LENGTH, "roller radius"),
+}
+COMMON_KEYS = ("name", "type", "l", "alpha", "x", "y", "beta", "heading", "r", "actuated", "sensed", "limits")
+WHEEL_KEYS = ("name", "type", *QUANTITIES, "actuated", "sensed", "limits")
+ROBOT_KEYS = (
+    "wmrgen", "name", "description", "source", "angles", "snap", "parameters", "wheels", "couplings", "limits",
+)  # fmt: skip
+ROBOT_REQUIRED = ("wmrgen", "name", "wheels")
+
+# Limit -> what it measures.
+LIMITS: dict[str, Kind] = {
+    "vx": Kind.SPEED,
+    "vy": Kind.SPEED,
+    "omega": Kind.RATE,
+    "spin": Kind.RATE,
+    "steer": Kind.ANGLE,
+    "steer_rate": Kind.RATE,
+}
+LIMITS_OF_JOINT = {"spin": ("spin",), "steer": ("steer", "steer_rate")}
+
+KEY_ALIASES = {
+    **dict.fromkeys(("radius", "wheel_radius"), "Did you mean r?"),
+    **dict.fromkeys(("diameter", "dia"), "Did you mean r? It is the radius: half the diameter."),
+    **dict.fromkeys(("theta", "yaw", "orientation", "angle", "direction"), "Did you mean heading?"),
+    **dict.fromkeys(("trail", "offset", "offset_x", "castor_offset"), "Did you mean d?"),
+    **dict.fromkeys(("lateral_offset", "scrub", "axle_offset"), "Did you mean offset_y?"),
+    **dict.fromkeys(("roller_radius", "r_roller"), "Did you mean r_sw?"),
+    **dict.fromkeys(("roller_angle", "rollers"), "Did you mean gamma?"),
+    **dict.fromkeys(("pos", "position", "pose", "xy"), "Write x: and y:."),
+    **dict.fromkeys(("powered", "driven", "drive"), "Write actuated: [spin], or actuated: [] for a passive wheel."),
+    "version": "Write wmrgen: 1.",
+    "distance": "Did you mean l?",
+}
+
+# (type, key) and (any, key): why a key that exists does not fit, and what to write.
+MISFITS: dict[tuple[str, str], tuple[str, str]] = {
+    ("steered", "d"): (
+        "d moves the contact point behind the steering axis, which makes the wheel a castor.",
+        "Write type: castor, or delete d (a lateral axle offset is offset_y).",
+    ),
+    ("", "d"): (
+        "d is the castor offset from the steering axis, and this wheel has none.",
+        "Put the contact point itself in l, alpha or x, y.",
+    ),
+    ("", "offset_y"): (
+        "offset_y is the lateral offset from the steering axis, and this wheel has none.",
+        "Put the contact point itself in l, alpha or x, y.",
+    ),
+    ("", "gamma"): (
+        "gamma is the angle from the wheel plane to the roller axis at the ground; only swedish wheels have rollers.",
+        "Write type: swedish for an omni or mecanum wheel, or delete gamma.",
+    ),
+    ("", "r_sw"): (
+        "r_sw is the roller radius; only swedish wheels have rollers.",
+        "Write type: swedish for an omni or mecanum wheel, or delete r_sw.",
+    ),
+}
+
+# Why each required key matters.
+MISSING: dict[str, tuple[str, str]] = {
+    "wmrgen": ("It tells the format version.", "Begin the file with wmrgen: 1."),
+    "name": ("Names become identifiers in the generated code.", "Write name: and a word such as front_left."),
+    "wheels": ("A robot without wheels has no kinematics.", "Write wheels: and a list of wheels."),
+    "type": ("It decides which constraints the wheel makes.", f"Write type: and one of {' '.join(WHEEL_TYPES)}."),
+    "r": ("The wheel radius turns spin [rad/s] into speed [m/s].", "Write r: and the radius, such as r: 50 mm."),
+    "d": (
+        "d is the distance from the steering axis back to the contact point; with d = 0 it is a steered wheel.",
+        "Write d: and the trail, such as d: 40 mm, or type: steered.",
+    ),
+    "l": ("A place is l with alpha.", "Write l: and the distance from the origin to the pivot."),
+    "alpha": ("A place is l with alpha.", "Write alpha: and the direction of the pivot seen from the origin."),
+    "x": ("A place is x with y.", "Write x: and the distance forward of the origin."),
+    "y": ("A place is x with y.", "Write y: and the distance left of the origin."),
+}

@@ -1,0 +1,149 @@
+"""Joints of wheels: which are driven, measured, limited or coupled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from wmrgen.spec.fields import LIMITS, LIMITS_OF_JOINT, WHEEL_TYPES
+from wmrgen.spec.mappings import Table, table_of
+from wmrgen.spec.nodes import Node, Scalar, Sequence, kind_of
+from wmrgen.spec.quantities import read_quantity, scalar_of
+from wmrgen.spec.records import Binary, Coupling, Limit, Neg, Num, Pi, Quantity, WheelSpec
+from wmrgen.spec.scope import Scope
+from wmrgen.spec.text import quoted, suggestion
+
+
+def list_of(node: Node, what: str, example: str) -> Sequence:
+    if not isinstance(node, Sequence):
+        raise node.error(f"{what} must be a list, not {kind_of(node)}", "", f"Write {example}.")
+    return node
+
+
+def read_joints(node: Node | None, key: str, type_name: str, default: tuple[str, ...]) -> tuple[str, ...]:
+    """``actuated`` or ``sensed``, in the order spin, steer."""
+    if node is None:
+        return default
+    joints = WHEEL_TYPES[type_name].joints
+    found: list[str] = []
+    for item in list_of(node, key, f"{key}: [{', '.join(joints)}]").items:
+        scalar = scalar_of(item, f"an item of {key}")
+        if scalar.text in found:
+            raise scalar.error(f"{quoted(scalar.text)} stands twice in {key}", "", "Delete one of them.")
+        if scalar.text not in joints:
+            raise scalar.error(
+                f"a {type_name} wheel has no joint {quoted(scalar.text)}",
+                f"Its joints are: {' '.join(joints)}." if joints else "It has no joint.",
+                suggestion(scalar.text, joints) if joints else f"Write {key}: [] or delete the key.",
+            )
+        found.append(scalar.text)
+    return tuple(joint for joint in joints if joint in found)
+
+
+def limits_of_type(type_name: str) -> tuple[str, ...]:
+    """Names of the limits that a wheel of this type can have."""
+    return tuple(name for joint in WHEEL_TYPES[type_name].joints for name in LIMITS_OF_JOINT[joint])
+
+
+def read_limits(node: Node | None, valid: tuple[str, ...], what: str, scope: Scope) -> tuple[Limit, ...]:
+    """Limits in the order of the file. A single value v means [-v, v]."""
+    if node is None:
+        return ()
+    table = table_of(node, valid, f"limits of {what}", "limits: {omega: 4.0}")
+    return tuple(_limit(name, table, scope) for name in table.values)
+
+
+def _limit(name: str, table: Table, scope: Scope) -> Limit:
+    node, kind, what = table.values[name], LIMITS[name], f"limit {name}"
+    if isinstance(node, Sequence):
+        if len(node.items) != 2:
+            raise node.error(
+                f"{what} has {len(node.items)} values", "A range has two.", f"Write {name}: [low, high], or one value."
+            )
+        low, high = (read_quantity(item, kind, what, scope) for item in node.items)
+    else:
+        high = read_quantity(node, kind, what, scope)
+        low = replace(high, expr=Neg(high.expr), text=f"-({high.text})")
+    if _sign_of_difference(low, high) < 0:
+        raise node.error(
+            f"{what} runs from {low.text} to {high.text}", "The lower end is above the upper end.",
+            f"Write {name}: [low, high]; one positive value v means [-v, v].",
+        )  # fmt: skip
+    return Limit(name, low, high)
+
+
+def _sign_of_difference(low: Quantity, high: Quantity) -> int:
+    """-1 when both are plain numbers and high < low, else 0: anything else is left to the layout."""
+    ends = []
+    for quantity in (low, high):
+        match quantity.expr:
+            case Num(value) | Binary("*", Num(value), Pi()):
+                ends.append(value)
+            case Neg(Num(value)) | Neg(Binary("*", Num(value), Pi())):
+                ends.append(-value)
+    if len(ends) < 2 or ("pi" in _form(low)) != ("pi" in _form(high)):
+        return 0
+    return -1 if ends[1] < ends[0] else 0
+
+
+def _form(quantity: Quantity) -> str:
+    expr = quantity.expr.arg if isinstance(quantity.expr, Neg) else quantity.expr
+    return "pi" if isinstance(expr, Binary) else ""
+
+
+def read_couplings(node: Node | None, wheels: Iterable[WheelSpec]) -> tuple[Coupling, ...]:
+    """Sets of joints that move alike: each names one joint of at least two wheels."""
+    if node is None:
+        return ()
+    types = {wheel.name: wheel.type for wheel in wheels}
+    found: dict[tuple[str, frozenset[str]], Coupling] = {}
+    for item in list_of(node, "couplings", "couplings: [{equal: [a.steer, b.steer]}]").items:
+        table = table_of(item, ("equal",), "a coupling", "{equal: [a.steer, b.steer]}")
+        coupling = _coupling(table, types)
+        key = coupling.joint, frozenset(coupling.wheels)
+        if key in found:
+            line = found[key].mark.line
+            raise table.node.error(f"this coupling stands on line {line} already", "", "Delete one of them.")
+        found[key] = coupling
+    return tuple(found.values())
+
+
+def _coupling(table: Table, types: dict[str, str]) -> Coupling:
+    node = list_of(table.require("equal", "a coupling"), "equal", "equal: [a.steer, b.steer]")
+    joint, names = "", list[str]()
+    for item in node.items:
+        scalar = scalar_of(item, "a coupled joint")
+        name, this = _joint(scalar, types)
+        if joint and this != joint:
+            raise scalar.error(
+                f"{quoted(scalar.text)} is not a {joint} joint like the first",
+                "A coupling makes angles of one kind equal.",
+                f"Write {name}.{joint}, or a coupling of its own.",
+            )
+        if name in names:
+            raise scalar.error(f"{quoted(scalar.text)} stands twice in the coupling", "", "Delete one of them.")
+        joint = this
+        names.append(name)
+    if len(names) < 2:
+        raise node.error(
+            f"a coupling of {len(names)} joint{'s' * (len(names) != 1)}",
+            "It takes two to be equal.",
+            "Write equal: [a.steer, b.steer].",
+        )
+    return Coupling(joint, tuple(names), table.mark)
+
+
+def _joint(scalar: Scalar, types: dict[str, str]) -> tuple[str, str]:
+    name, dot, joint = scalar.text.strip().partition(".")
+    if not dot:
+        raise scalar.error(f"{quoted(scalar.text)} is not a joint", "", "Write wheel.steer or wheel.spin.")
+    if name not in types:
+        raise scalar.error(f"there is no wheel {quoted(name)}", "", suggestion(name, types))
+    joints = WHEEL_TYPES[types[name]].joints
+    if joint not in joints:
+        what = f"the {types[name]} wheel {name} has no joint {quoted(joint)}"
+        if joint == "steer_rate":
+            raise scalar.error(what, "Coupled angles have coupled rates.", f"Write {name}.steer.")
+        why = f"Its joints are: {' '.join(joints)}." if joints else "It has no joint."
+        raise scalar.error(what, why, suggestion(joint, joints) if joints else "Delete it from the coupling.")
+    return name, joint

@@ -1,0 +1,187 @@
+"""YAML text to a raw tree, under caps. The only module that knows yaml.
+
+PyYAML's pure-Python scanner is run event by event; nothing is resolved or constructed, so a scalar is the
+text that was written. Anchors, aliases, tags and directives stop the scanner where they stand.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NoReturn
+
+import yaml
+from yaml.parser import Parser
+from yaml.reader import Reader
+from yaml.scanner import Scanner
+
+from wmrgen.errors import RobotFileError
+from wmrgen.spec.nodes import Mapping, Node, Scalar, Sequence
+from wmrgen.spec.text import Source, normalise, quoted, refused_character
+
+MAX_DEPTH = 16
+MAX_NODES = 20_000
+_KEY_LIMIT = 100
+
+_DEPTH = (
+    f"nested deeper than {MAX_DEPTH} levels",
+    "A robot file needs five levels; more is refused.",
+    "Look for brackets or dashes that do not end.",
+)
+# What PyYAML says, and the same for people: (part of its text, what, instead).
+_PLAIN_WORDS = (
+    ("'\\t'", "a tab where spaces are needed", "YAML indents with spaces: replace the tab."),
+    ("mapping values are not allowed", "a ':' where none can stand", "Put text that contains ': ' in quotes."),
+    ("could not find expected ':'", "a line without ':'", "Write key: value, and indent lists and mappings."),
+    ("unexpected end of stream", "a quote that is never closed", "Close the quote."),
+    ("expected ',' or ']'", "a list that is not closed here", "Separate items by ',' and end the list with ']'."),
+    ("expected ',' or '}'", "a mapping that is not closed here", "Separate keys by ',' and end with '}'."),
+    ("expected <block end>", "this line does not fit the indentation above", "Align it with its neighbours."),
+    ("did not find expected <document start>", "text after the end of the document", "Delete it."),
+    ("did not find expected node content", "a value is missing here", "Write the value or delete the comma."),
+    ("escape", "an unknown escape in double quotes", "Use single quotes, or none."),
+)
+
+
+class _Refusal(Exception):
+    """Raised inside the scanner, where only line and column are known."""
+
+    def __init__(self, line: int, column: int, what: str, why: str, instead: str) -> None:
+        super().__init__(what)
+        self.line, self.column, self.what, self.why, self.instead = line, column, what, why, instead
+
+
+class _Events(Reader, Scanner, Parser):
+    """PyYAML's event stream without anchors, aliases, tags, directives and deep nesting."""
+
+    def __init__(self, text: str) -> None:
+        Reader.__init__(self, text)
+        Scanner.__init__(self)
+        Parser.__init__(self)
+
+    def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
+        raise _Refusal(self.line, self.column, what, why, instead)
+
+    def fetch_anchor(self) -> None:
+        self._refuse("'&' marks an anchor", "Anchors and aliases are refused.", "Write the value out, or quote it.")
+
+    def fetch_alias(self) -> None:
+        self._refuse(
+            "'*' marks an alias",
+            "Anchors and aliases are refused.",
+            "Use a parameter for a shared value; an expression cannot begin with '*'.",
+        )
+
+    def fetch_tag(self) -> None:
+        self._refuse("'!' marks a tag", "A robot file holds plain data; tags are refused.", "Delete it, or quote it.")
+
+    def fetch_directive(self) -> None:
+        self._refuse("'%' begins a directive", "Directives are refused.", "Delete the line.")
+
+    def fetch_flow_collection_start(self, TokenClass: Any) -> None:
+        # The scanner runs ahead of the parser: without this cap it would look 1024 brackets forward.
+        if self.flow_level >= MAX_DEPTH:
+            self._refuse(*_DEPTH)
+        super().fetch_flow_collection_start(TokenClass)
+
+
+class _Composer:
+    """Events to nodes, counting nodes and levels."""
+
+    def __init__(self, text: str, source: Source) -> None:
+        self._events: Any = _Events(text)
+        self._source = source
+        self._nodes = 0
+
+    def document(self) -> Node | None:
+        """The one document of the stream; None when there is none."""
+        self._events.get_event()
+        if self._events.check_event(yaml.StreamEndEvent):
+            return None
+        self._events.get_event()
+        node = self._node(0)
+        self._events.get_event()
+        if not self._events.check_event(yaml.StreamEndEvent):
+            mark = self._events.peek_event().start_mark
+            raise _Refusal(
+                mark.line, 0, "a second document begins here", "One file describes one robot.", "Use a file per robot."
+            )
+        return node
+
+    def _node(self, depth: int) -> Node:
+        event = self._events.get_event()
+        mark = self._source.mark(event.start_mark.line, event.start_mark.column)
+        self._nodes += 1
+        if depth > MAX_DEPTH:
+            raise RobotFileError(_DEPTH[0], mark, *_DEPTH[1:])
+        if self._nodes > MAX_NODES:
+            raise RobotFileError(f"more than {MAX_NODES} values in one file", mark, "Larger input is refused.")
+        if isinstance(event, yaml.ScalarEvent):
+            return self._scalar(Scalar(event.value, event.style is None, mark))
+        if isinstance(event, yaml.SequenceStartEvent):
+            items = []
+            while not self._events.check_event(yaml.SequenceEndEvent):
+                items.append(self._node(depth + 1))
+            self._events.get_event()
+            return Sequence(tuple(items), mark)
+        entries: dict[str, tuple[Scalar, Node]] = {}
+        while not self._events.check_event(yaml.MappingEndEvent):
+            key = self._key(depth + 1, entries)
+            entries[key.text] = (key, self._node(depth + 1))
+        self._events.get_event()
+        return Mapping(tuple(entries.values()), mark)
+
+    def _scalar(self, scalar: Scalar) -> Scalar:
+        found = refused_character(scalar.text)  # escapes in double quotes can make any character
+        if found:
+            raise scalar.error(f"{found[1]} in a text", found[2], "Delete it.")
+        return scalar
+
+    def _key(self, depth: int, seen: dict[str, tuple[Scalar, Node]]) -> Scalar:
+        key = self._node(depth)
+        if not isinstance(key, Scalar) or "\n" in key.text or len(key.text) > _KEY_LIMIT:
+            raise RobotFileError("a key must be a short word", key.mark, "", "Write key: value.")
+        if key.text in seen:
+            first = seen[key.text][0].mark.line
+            raise key.error(
+                f"duplicate key {quoted(key.text)}",
+                f"It stands on line {first} already, and only one of the two could count.",
+                "Delete one of them.",
+            )
+        return key
+
+
+def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
+    problem = str(error.problem or error.context or "")
+    for part, what, instead in _PLAIN_WORDS:
+        if part in problem:
+            break
+    else:
+        what, instead = f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."
+    mark = error.problem_mark or error.context_mark
+    if "never closed" in what and error.context_mark:
+        mark = error.context_mark
+    why = ""
+    if error.context_mark and error.context_mark is not mark and "not closed" in what:
+        why = f"It was opened on line {error.context_mark.line + 1}."
+    return RobotFileError(what, source.mark(mark.line, mark.column) if mark else None, why, instead)
+
+
+def read_tree(text: str, file: str) -> tuple[Node | None, Source]:
+    """The raw tree of ``text`` (None for an empty file), and its lines."""
+    text = normalise(text, file)
+    source = Source.of(text, file)
+    composer = _Composer(text, source)
+    try:
+        return composer.document(), source
+    except _Refusal as refusal:
+        mark = source.mark(refusal.line, refusal.column)
+        raise RobotFileError(refusal.what, mark, refusal.why, refusal.instead) from None
+    except yaml.MarkedYAMLError as error:
+        raise _from_yaml(error, source) from None
+    except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
+        # PyYAML's own slips, such as the escape "\\UFFFFFFFF"
+        raise RobotFileError(
+            f"not YAML: {quoted(str(error), 120)}",
+            source.mark(composer._events.line, composer._events.column),
+            "",
+            "Compare with a file under robots/.",
+        ) from None

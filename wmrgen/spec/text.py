@@ -1,0 +1,129 @@
+"""The text of a robot file: its bytes, its characters, its lines."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from wmrgen.errors import Mark, RobotFileError
+
+MAX_BYTES = 256 * 1024
+
+# Controls other than tab and newline, surrogates, line and paragraph separators, bidirectional controls,
+# invisible operators, byte order marks inside the text, tag characters and non-characters.
+_REFUSED = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff"
+    "\ufdd0-\ufdef\ufeff\ufff0-\ufffb\ufffe\uffff\U000e0000-\U000e0fff\U0001fffe-\U0001ffff"
+    "\U0010fffe-\U0010ffff]"
+)
+_BIDI = re.compile("[\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+
+
+def printable(text: str) -> str:
+    """``text`` with every refused character shown as U+FFFD and tabs as one space."""
+    return _REFUSED.sub("\ufffd", text.replace("\t", " "))
+
+
+def quoted(text: str, limit: int = 60) -> str:
+    """``text`` in quotes for an error message: one line, printable, at most ``limit`` characters."""
+    line = printable(text.replace("\n", " "))
+    return f"'{line if len(line) <= limit else line[: limit - 1] + '…'}'"
+
+
+def refused_character(text: str) -> tuple[int, str, str] | None:
+    """Index, description and reason of the first character that no robot file may hold, or None."""
+    found = _REFUSED.search(text)
+    if not found:
+        return None
+    code = ord(found.group())
+    if 0xD800 <= code <= 0xDFFF:
+        return found.start(), f"lone surrogate U+{code:04X}", "It is half a character and cannot be written out."
+    if _BIDI.match(found.group()):
+        kind, why = "bidirectional control", "It makes text read differently from what it says."
+    elif code < 0x20 or 0x7F <= code < 0xA0:
+        kind, why = "control character", "It cannot be seen and may end up in generated code."
+    else:
+        kind, why = "invisible character", "It cannot be seen and may end up in generated code."
+    return found.start(), f"{kind} U+{code:04X}", why
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file name and the lines of its text, to give marks."""
+
+    file: str
+    lines: tuple[str, ...]
+
+    @classmethod
+    def of(cls, text: str, file: str) -> Source:
+        return cls(printable(file), tuple(printable(line) for line in text.split("\n")))
+
+    def mark(self, line: int, column: int) -> Mark:
+        """The mark of a zero-based line and column."""
+        line = max(0, min(line, len(self.lines) - 1))
+        return Mark(self.file, line + 1, column + 1, self.lines[line])
+
+    def mark_at(self, text: str, index: int) -> Mark:
+        """The mark of a character index into the whole text."""
+        start = text.rfind("\n", 0, index) + 1
+        return self.mark(text.count("\n", 0, index), index - start)
+
+
+def too_large(size: str, file: str) -> RobotFileError:
+    return RobotFileError(
+        f"{printable(file)}: the file is larger than {MAX_BYTES // 1024} KiB{size}",
+        None,
+        "A robot file is a page of text; larger input is refused unread.",
+        "Give the robot file itself, not a log, an image or a generated file.",
+    )
+
+
+def decode(data: bytes, file: str) -> str:
+    """UTF-8 bytes as text, the byte order mark dropped, line ends made ``\\n``."""
+    if len(data) > MAX_BYTES:
+        raise too_large("", file)
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise RobotFileError(
+            f"{printable(file)}: the file is UTF-16", None, "Robot files are UTF-8.", "Save it as UTF-8."
+        )
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8-sig", "replace")
+        line = data[error.start :].split(b"\n", 1)[0].decode("utf-8", "replace")
+        source = Source.of(before + line, file)
+        raise RobotFileError(
+            f"byte 0x{data[error.start]:02x} is not UTF-8",
+            source.mark_at(before + line, len(before)),
+            "Robot files are UTF-8; this one was saved in another encoding or is not text.",
+            "Save the file as UTF-8.",
+        ) from None
+    return text
+
+
+def normalise(text: str, file: str) -> str:
+    """``text`` with ``\\n`` line ends. Refuses over-long text and characters that must not appear."""
+    if len(text) > MAX_BYTES:
+        raise too_large("", file)
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    found = refused_character(text)
+    if found:
+        index, name, why = found
+        raise RobotFileError(
+            f"{name} in the file", Source.of(text, file).mark_at(text, index), why, "Delete it."
+        )
+    return text
+
+
+def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | None = None) -> str:
+    """What to write instead of ``wrong``: the nearest valid word, else all of them."""
+    words = list(valid)
+    known = (aliases or {}).get(wrong.lower())
+    if known:
+        return known
+    near = get_close_matches(wrong.lower()[:40], words, n=1, cutoff=0.5)
+    if near:
+        return f"Did you mean {near[0]}?"
+    return f"Valid here: {' '.join(words)}." if words else ""

@@ -95,7 +95,7 @@ def _version(wanted: bool) -> None:
 
 
 Robots = Annotated[
-    list[Path], typer.Argument(metavar="ROBOT.yaml...", help="Robot files.", show_default=False)
+    list[Path], typer.Argument(metavar="ROBOT.yaml", help="Robot files.", show_default=False)
 ]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where the robots' folders stand.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
@@ -142,7 +142,7 @@ def evaluate(
     values: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="NAME=VALUE...", help="Inputs in SI units: 0.5, 1/3, pi/2, '45 deg'.", show_default=False
+            metavar="NAME=VALUE", help="Inputs in SI units: 0.5, 1/3, pi/2, '45 deg'.", show_default=False
         ),
     ] = None,
     backend: Annotated[Backend, typer.Option(help="What computes; c needs a C compiler.")] = Backend.exact,
@@ -168,7 +168,7 @@ def evaluate(
 def check(
     robots: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[ROBOT.yaml...]", help="Default: robots/*.yaml.", show_default=False),
+        typer.Argument(metavar="ROBOT.yaml", help="Default: robots/*.yaml.", show_default=False),
     ] = None,
     out: Out = Path("generated"),
 ) -> int:

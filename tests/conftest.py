@@ -1,0 +1,71 @@
+"""Shared by all tests: where things are, and the command line in-process and as a process."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+ROOT = Path(__file__).resolve().parent.parent
+GALLERY = tuple(sorted((ROOT / "robots").glob("*.yaml")))
+
+DIFFERENTIAL = """\
+wmrgen: 1
+name: pair
+parameters:
+  half_track: 0.1655
+wheels:
+  - {name: left,  type: fixed, l: half_track, alpha: pi/2,  beta: 0,  r: 0.0975}
+  - {name: right, type: fixed, l: half_track, alpha: -pi/2, beta: pi, r: 0.0975}
+"""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def robot_file(tmp_path: Path) -> Path:
+    """A differential drive, in a folder of its own."""
+    path = tmp_path / "pair.yaml"
+    path.write_text(DIFFERENTIAL)
+    return path
+
+
+@pytest.fixture
+def wmrgen_cli() -> Callable[..., Outcome]:
+    """The command line in this process."""
+
+    def call(*words: object, stdin: str | None = None) -> Outcome:
+        from wmrgen.cli.app import app
+
+        done = CliRunner().invoke(app, [str(word) for word in words], input=stdin, prog_name="wmrgen")
+        assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
+        return Outcome(done.exit_code, done.stdout, done.stderr)
+
+    return call
+
+
+def process(
+    *words: object, cwd: Path | None = None, env: dict[str, str] | None = None, python: Sequence[str] = ()
+) -> Outcome:
+    """The command line as a process of its own."""
+    command = [*(python or (sys.executable, "-m", "wmrgen")), *map(str, words)]
+    done = subprocess.run(
+        command, cwd=cwd, env={**os.environ, **(env or {})}, stdin=subprocess.DEVNULL, capture_output=True
+    )
+    return Outcome(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    """Every file under ``folder``, by relative name."""
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}

@@ -14,6 +14,7 @@ from wmrgen.ir.nodes import Function, Node, Op, Port
 from wmrgen.ir.prune import prune
 
 MINUS_ONE = -ONE
+_COMMUTATIVE = (Op.ADD, Op.MUL, Op.MIN, Op.MAX)
 Key = tuple[Op, tuple[int, ...], Exact | None, str | None]
 
 
@@ -86,7 +87,7 @@ class Builder:
             return node.args[0]
         if node.op is Op.SUB:
             return self.sub(node.args[1], node.args[0])
-        scaled = self._scaled(a)
+        scaled = self.scaled(a)
         if scaled is not None:
             return self.mul(self.const(-scaled[0]), scaled[1])
         return self._node(Op.NEG, (a,))
@@ -105,7 +106,7 @@ class Builder:
             return self.neg(self.mul(na, b))
         if nb is not None:
             return self.neg(self.mul(a, nb))
-        sa, sb = self._scaled(a), self._scaled(b)
+        sa, sb = self.scaled(a), self.scaled(b)
         if sa is not None:
             return self._scale(sa[0], self.mul(sa[1], b))
         if sb is not None:
@@ -131,7 +132,7 @@ class Builder:
             return self._scale(x, self.div(self.const(ONE), b))
         if x == MINUS_ONE:
             return self.neg(self.div(self.const(ONE), b))
-        sa, sb = self._scaled(a), self._scaled(b)
+        sa, sb = self.scaled(a), self.scaled(b)
         if sa is not None:
             return self._scale(sa[0], self.div(sa[1], b))
         if sb is not None:
@@ -151,7 +152,7 @@ class Builder:
             return a
         if node.op is Op.SUB and node.args[0] > node.args[1]:
             return self.abs(self.sub(node.args[1], node.args[0]))
-        scaled = self._scaled(a)
+        scaled = self.scaled(a)
         if scaled is not None and scaled[0].sign < 0:
             return self.abs(self._scale(-scaled[0], scaled[1]))
         return self._node(Op.ABS, (a,))
@@ -247,6 +248,15 @@ class Builder:
             return self.apply(node.op, args)
         return self._node(node.op, value=node.value, name=node.name)
 
+    def make(self, op: Op, args: Sequence[int]) -> int:
+        """Operation ``op`` as it stands: shared, but simplified only over a constant or a negation.
+
+        For passes that have chosen where a factor stands and want it left there.
+        """
+        if any(self.nodes[arg].op in (Op.CONST, Op.NEG) for arg in args):
+            return self.apply(op, args)
+        return self._node(op, tuple(sorted(args)) if op in _COMMUTATIVE else tuple(args))
+
     def value(self, a: int) -> Exact | None:
         """The constant that node ``a`` is, else None."""
         return self.nodes[a].value
@@ -291,7 +301,7 @@ class Builder:
 
     def _scale(self, factor: Exact, a: int) -> int:
         """factor * a, merged into a constant factor that ``a`` already has."""
-        scaled = self._scaled(a)
+        scaled = self.scaled(a)
         if scaled is not None:
             return self._scale(factor * scaled[0], scaled[1])
         if not factor:
@@ -306,7 +316,7 @@ class Builder:
         value = self.value(a)
         return self._node(Op.MUL, (self.const(factor), a)) if value is None else self.const(factor * value)
 
-    def _scaled(self, a: int) -> tuple[Exact, int] | None:
+    def scaled(self, a: int) -> tuple[Exact, int] | None:
         """(c, x) when node ``a`` is constant c times x."""
         node = self.nodes[a]
         if node.op is not Op.MUL:
@@ -321,7 +331,7 @@ class Builder:
 
     def _positive_product(self, a: int) -> int | None:
         """|c| x when node ``a`` is c x with c < 0."""
-        scaled = self._scaled(a)
+        scaled = self.scaled(a)
         return self._scale(-scaled[0], scaled[1]) if scaled is not None and scaled[0].sign < 0 else None
 
     def _positive(self, a: int) -> int | None:

@@ -1,0 +1,128 @@
+"""Which nodes are known before the step, and their canonical form as coefficients.
+
+A geometry-only value is a constant times a monomial: a product of whole powers of atoms. Atoms
+are nodes of the builder: inputs, functions, and sums whose first coefficient is one. So
+proportional values meet in one monomial, whatever way they were written.
+"""
+
+from __future__ import annotations
+
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.ir.build import Builder
+from wmrgen.ir.linear import Coefficient
+from wmrgen.ir.nodes import Function, Op, Role
+
+Monomial = tuple[tuple[int, int], ...]  # ((builder's node, power), ...) by node
+Form = dict[Monomial, Exact]  # a sum of monomials with non-zero coefficients
+
+
+def geometry_only(function: Function) -> list[bool]:
+    """For every node whether it depends on constants, geometry and prepared inputs alone."""
+    early = {port.name for port in function.inputs if port.role in (Role.GEOMETRY, Role.PREPARED)}
+    known: list[bool] = []
+    for node in function.nodes:
+        known.append(node.name in early if node.op is Op.INPUT else all(known[arg] for arg in node.args))
+    return known
+
+
+def times(a: Monomial, b: Monomial, power: int = 1) -> Monomial:
+    """a * b**power."""
+    if not b:
+        return a
+    powers = dict(a)
+    for atom, n in b:
+        powers[atom] = powers.get(atom, 0) + n * power
+    return tuple(sorted((atom, n) for atom, n in powers.items() if n))
+
+
+def accumulate(form: Form, monomial: Monomial, value: Exact) -> None:
+    """form += value * monomial."""
+    total = form.get(monomial, ZERO) + value
+    if total:
+        form[monomial] = total
+    else:
+        form.pop(monomial, None)
+
+
+class Scalars:
+    """The geometry-only nodes of a function as canonical sums of monomials."""
+
+    __slots__ = ("_builder", "_forms", "_function")
+
+    def __init__(self, function: Function, builder: Builder, known: list[bool]) -> None:
+        self._function, self._builder = function, builder
+        self._forms: dict[int, Form] = {}
+        for i, geometry in enumerate(known):
+            if geometry:
+                self._forms[i] = self._form(i)
+
+    def _form(self, i: int) -> Form:
+        node, forms, builder = self._function.nodes[i], self._forms, self._builder
+        if node.value is not None:
+            return {(): node.value} if node.value else {}
+        args = [forms[arg] for arg in node.args]
+        if node.op in (Op.ADD, Op.SUB):
+            total = dict(args[0])
+            for monomial, value in args[1].items():
+                accumulate(total, monomial, value if node.op is Op.ADD else -value)
+            return total
+        if node.op is Op.NEG:
+            return {monomial: -value for monomial, value in args[0].items()}
+        if node.op is Op.MUL:
+            for scalar, other in ((args[0], args[1]), (args[1], args[0])):
+                if set(scalar) <= {()}:
+                    c = scalar.get((), ZERO)
+                    return {m: c * value for m, value in other.items()} if c else {}
+        if node.op in (Op.MUL, Op.DIV):
+            (p, a), (q, b) = self.single(args[0]), self.single(args[1])
+            if not p:
+                return {}
+            power = 1 if node.op is Op.MUL else -1
+            return {times(a, b, power): p * q if power > 0 else p / q}
+        made = builder.copy(node, [self.node_of(arg) for arg in args])
+        constant = builder.value(made)
+        return self._atom(made) if constant is None else ({(): constant} if constant else {})
+
+    def _atom(self, node: int) -> Form:
+        scaled = self._builder.scaled(node)
+        return {((node, 1),): ONE} if scaled is None else {((scaled[1], 1),): scaled[0]}
+
+    def form(self, i: int) -> Form:
+        """Node ``i`` of the function, geometry-only, as a sum of monomials."""
+        return self._forms[i]
+
+    def single(self, form: Form) -> tuple[Exact, Monomial]:
+        """``form`` as one constant times one monomial; a sum becomes an atom of its own."""
+        if not form:
+            return ZERO, ()
+        items = sorted(form.items(), key=lambda item: (not item[0], item[0]))
+        monomial, lead = items[0]
+        if len(items) == 1:
+            return lead, monomial
+        ratio = lead.inverse()
+        total = self._builder.sum(self._scaled(value * ratio, m) for m, value in items)
+        return lead, ((total, 1),)
+
+    def coefficient(self, form: Form) -> Coefficient:
+        """``form`` as a coefficient of a linear map."""
+        value, monomial = self.single(form)
+        return Coefficient(value, monomial or None)
+
+    def node_of(self, form: Form) -> int:
+        """The builder's node of ``form``."""
+        return self._scaled(*self.single(form))
+
+    def scale(self, coefficient: Coefficient, node: int) -> int:
+        """coefficient * node, the coefficient computed apart from the node."""
+        monomial = coefficient.atom
+        if not isinstance(monomial, tuple):
+            return self._builder.mul(self._builder.const(coefficient.value), node)
+        return self._builder.make(Op.MUL, (self._scaled(coefficient.value, monomial), node))
+
+    def _scaled(self, value: Exact, monomial: Monomial) -> int:
+        builder = self._builder
+        factors = []
+        for atom, power in monomial:
+            base = atom if power > 0 else builder.div(builder.const(ONE), atom)
+            factors += [base] * abs(power)
+        return builder.mul(builder.const(value), builder.product(factors))

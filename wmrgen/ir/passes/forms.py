@@ -1,0 +1,238 @@
+"""Linear forms: all sums of a function together, as maps over its non-linear terms.
+
+A row is an output or an argument of a non-linear operation; its terms are inputs and non-linear
+operations, its coefficients constants or geometry-only values. Rows that share terms are given
+to the search of `wmrgen.ir.linear` at once. How far sums are expanded is tried three ways: into
+each other entirely, down to other rows, down to every shared sum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from wmrgen.exact.number import ONE, Exact
+from wmrgen.ir.build import Builder
+from wmrgen.ir.geometry import Form, Monomial, Scalars, accumulate, geometry_only, times
+from wmrgen.ir.linear import Coefficient, Emitter, Graph, Magnitudes, cheapest
+from wmrgen.ir.nodes import Function, Op
+
+Rows = dict[int, dict[int, Coefficient]]  # row's node -> term -> coefficient
+_SUMS = (Op.ADD, Op.SUB)
+_GROWTH = 3  # expanding may make the rows this many times longer than keeping shared sums
+
+
+def share_linear_forms(function: Function) -> Function:
+    """``function`` with every sum computed by the cheapest program found."""
+    shape = _Shape.of(function)
+    builder = Builder()
+    scalars = Scalars(function, builder, shape.known)
+    best: _Plan | None = None
+    tried: list[Rows] = []
+    limit = len(function.nodes)
+    for kept in shape.boundaries():
+        rows = _rows(function, shape, scalars, builder, kept, limit)
+        if rows is None or rows in tried:
+            continue
+        tried.append(rows)
+        limit = min(limit, 64 + _GROWTH * sum(len(row) for row in rows.values()))
+        plan = _plan(function, rows)
+        if best is None or plan.cost < best.cost:
+            best = plan
+    if best is None:
+        return function
+    return _emit(function, shape, scalars, builder, best)
+
+
+@dataclass(frozen=True, slots=True)
+class _Shape:
+    """What kind every node is: known before the step, part of a sum, a row."""
+
+    known: list[bool]
+    linear: list[bool]
+    sums: list[bool]
+    rows: list[int]
+    shared: list[int]
+
+    @staticmethod
+    def of(function: Function) -> _Shape:
+        known = geometry_only(function)
+        nodes = function.nodes
+        linear: list[bool] = []
+        sums: list[bool] = []
+        uses = [0] * len(nodes)
+        wanted = set(function.results)
+        for i, node in enumerate(nodes):
+            args = node.args
+            part = not known[i] and (
+                node.op in _SUMS
+                or node.op is Op.NEG
+                or (node.op is Op.MUL and (known[args[0]] or known[args[1]]))
+                or (node.op is Op.DIV and known[args[1]])
+            )
+            linear.append(part)
+            sums.append(part and (node.op in _SUMS or any(sums[arg] for arg in args)))
+            for arg in set(args):
+                uses[arg] += 1
+            if not part and not known[i]:
+                wanted.update(args)
+        rows = [i for i in sorted(wanted) if linear[i]]
+        shared = [i for i, node in enumerate(nodes) if linear[i] and node.op in _SUMS and uses[i] > 1]
+        return _Shape(known, linear, sums, rows, shared)
+
+    def boundaries(self) -> Iterator[frozenset[int]]:
+        """Where expansion stops, from the nearest stop to none."""
+        rows = frozenset(i for i in self.rows if self.sums[i])
+        yield rows | frozenset(self.shared)
+        yield rows
+        yield frozenset()
+
+
+def _rows(
+    function: Function,
+    shape: _Shape,
+    scalars: Scalars,
+    builder: Builder,
+    kept: frozenset[int],
+    limit: int,
+) -> Rows | None:
+    """Every row over its terms, None where they grow beyond ``limit`` entries.
+
+    A term is a node of the function, or -1 - n for node n of the builder (a geometry-only addend).
+    """
+    rows: Rows = {}
+    size = 0
+    for root in sorted(kept.union(shape.rows)):
+        forms = _expand(function, shape, scalars, root, kept, limit)
+        if forms is None:
+            return None
+        terms, constant = forms
+        row = {term: scalars.coefficient(form) for term, form in sorted(terms.items()) if form}
+        if constant:
+            row[-1 - scalars.node_of(constant)] = Coefficient(ONE)
+        rows[root] = row
+        size += len(row)
+        if size > limit:
+            return None
+    return rows
+
+
+def _expand(
+    function: Function, shape: _Shape, scalars: Scalars, root: int, kept: frozenset[int], limit: int
+) -> tuple[dict[int, Form], Form] | None:
+    """The sum at ``root``: coefficients by term, and the geometry-only addend."""
+    terms: dict[int, Form] = {}
+    constant: Form = {}
+    stack: list[tuple[int, Exact, Monomial]] = [(root, ONE, ())]
+    visits = 0
+    while stack:
+        i, value, monomial = stack.pop()
+        visits += 1
+        if visits > 4 * limit:
+            return None
+        if shape.known[i]:
+            for m, c in scalars.form(i).items():
+                accumulate(constant, times(monomial, m), value * c)
+        elif not shape.linear[i] or (i != root and i in kept):
+            accumulate(terms.setdefault(i, {}), monomial, value)
+        else:
+            stack += _parts(function, shape, scalars, i, value, monomial)
+    return terms, constant
+
+
+def _parts(
+    function: Function, shape: _Shape, scalars: Scalars, i: int, value: Exact, monomial: Monomial
+) -> list[tuple[int, Exact, Monomial]]:
+    """The addends of linear node ``i`` times a coefficient, the last one first."""
+    node = function.nodes[i]
+    if node.op in _SUMS:
+        a, b = node.args
+        return [(b, value if node.op is Op.ADD else -value, monomial), (a, value, monomial)]
+    if node.op is Op.NEG:
+        return [(node.args[0], -value, monomial)]
+    a, b = node.args
+    if node.op is Op.DIV:
+        c, m = scalars.single(scalars.form(b))
+        return [(a, value / c, times(monomial, m, -1))]
+    scalar, other = (a, b) if shape.known[a] else (b, a)
+    c, m = scalars.single(scalars.form(scalar))
+    return [(other, value * c, times(monomial, m))] if c else []
+
+
+@dataclass(slots=True)
+class _Plan:
+    """Programs of all groups of rows with their terms, and each row's (group, output)."""
+
+    magnitudes: Magnitudes = field(default_factory=Magnitudes)
+    groups: list[tuple[Graph, list[int]]] = field(default_factory=list)
+    place: dict[int, tuple[int, int]] = field(default_factory=dict)
+
+    @property
+    def cost(self) -> tuple[int, int]:
+        """(additions + multiplications, multiplications) of all programs."""
+        costs = [graph.cost for graph, _ in self.groups]
+        return sum(cost[0] for cost in costs), sum(cost[1] for cost in costs)
+
+
+def _plan(function: Function, rows: Rows) -> _Plan:
+    plan = _Plan()
+    for members in _groups(function, rows):
+        columns = sorted({term for root in members for term in rows[root]})
+        index = {term: j for j, term in enumerate(columns)}
+        matrix: list[Mapping[int, Coefficient]] = [
+            {index[term]: c for term, c in rows[root].items()} for root in members
+        ]
+        for i, root in enumerate(members):
+            plan.place[root] = (len(plan.groups), i)
+        plan.groups.append((cheapest(matrix, len(columns), plan.magnitudes), columns))
+    return plan
+
+
+def _groups(function: Function, rows: Rows) -> list[list[int]]:
+    """Rows that share terms and stand on the same level of nesting, in order of their first row."""
+    level = [0] * len(function.nodes)
+    leader: dict[tuple[int, int], int] = {}
+    parent: dict[int, int] = {root: root for root in rows}
+
+    def find(root: int) -> int:
+        while parent[root] != root:
+            root = parent[root]
+        return root
+
+    for i, node in enumerate(function.nodes):
+        row = rows.get(i)
+        if row is None:
+            level[i] = max((level[arg] for arg in node.args), default=0)
+            continue
+        below = max((level[term] for term in row if term >= 0), default=0)
+        level[i] = below + (len(row) > 1)
+        for term in row:
+            other = leader.setdefault((below, term), i)
+            a, b = sorted((find(other), find(i)))
+            parent[b] = a
+    grouped: dict[int, list[int]] = {}
+    for root in rows:
+        grouped.setdefault(find(root), []).append(root)
+    return list(grouped.values())
+
+
+def _emit(function: Function, shape: _Shape, scalars: Scalars, builder: Builder, plan: _Plan) -> Function:
+    emitters = [Emitter(graph, plan.magnitudes, builder, scalars.scale) for graph, _ in plan.groups]
+    made: dict[int, int] = {}
+
+    def value(i: int) -> int:
+        return scalars.node_of(scalars.form(i)) if shape.known[i] else made[i]
+
+    for i, node in enumerate(function.nodes):
+        if shape.known[i]:
+            continue
+        if i in plan.place:
+            group, k = plan.place[i]
+            terms = [-1 - term if term < 0 else made.get(term, -1) for term in plan.groups[group][1]]
+            made[i] = emitters[group].output(k, terms.__getitem__)
+        elif node.op is Op.INPUT:
+            made[i] = builder.copy(node, ())
+        elif not shape.linear[i]:
+            made[i] = builder.make(node.op, [value(arg) for arg in node.args])
+    results = [value(result) for result in function.results]
+    return builder.function(function.name, function.inputs, function.outputs, results, function.text)

@@ -1,0 +1,51 @@
+"""An order of evaluation that keeps few values alive at once.
+
+Depth first from the outputs in their order; of an operation's arguments, the one that needs more
+registers first (Sethi and Ullman 1970, which is optimal for trees).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from wmrgen.ir.nodes import Function, Node, Op
+
+
+def schedule(function: Function) -> Function:
+    """``function`` with its nodes in a new order; unneeded ones are left out."""
+    nodes = function.nodes
+    needs = _registers(nodes)
+    place: dict[int, int] = {}
+    order: list[int] = []
+    for result in function.results:
+        stack = [result]
+        while stack:
+            i = stack[-1]
+            if i in place:
+                stack.pop()
+                continue
+            args = sorted(set(nodes[i].args), key=lambda arg: (-needs[arg], nodes[i].args.index(arg)))
+            waiting = [arg for arg in args if arg not in place]
+            if waiting:
+                stack += reversed(waiting)
+            else:
+                place[i] = len(order)
+                order.append(stack.pop())
+    moved = tuple(_renumbered(nodes[i], place) for i in order)
+    return replace(function, nodes=moved, results=tuple(place[result] for result in function.results))
+
+
+def _renumbered(node: Node, place: dict[int, int]) -> Node:
+    return Node(node.op, tuple(place[arg] for arg in node.args), node.value, node.name)
+
+
+def _registers(nodes: tuple[Node, ...]) -> list[int]:
+    """Registers that each node needs when nothing is shared; constants need none."""
+    needs: list[int] = []
+    for node in nodes:
+        if not node.args:
+            needs.append(0 if node.op is Op.CONST else 1)
+            continue
+        wanted = sorted((needs[arg] for arg in set(node.args)), reverse=True)
+        needs.append(max(1, *(need + k for k, need in enumerate(wanted))))
+    return needs

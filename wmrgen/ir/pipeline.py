@@ -1,0 +1,62 @@
+"""The order of the passes, and the check of what they did."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from wmrgen.ir.nodes import Function, Module, Port, Role
+from wmrgen.ir.passes.canonicalise import canonicalise
+from wmrgen.ir.passes.dead_code import drop_dead_code
+from wmrgen.ir.passes.factor import factor
+from wmrgen.ir.passes.forms import share_linear_forms
+from wmrgen.ir.passes.hoist import hoist
+from wmrgen.ir.passes.regroup import regroup_products
+from wmrgen.ir.passes.schedule import schedule
+from wmrgen.ir.passes.strength import reduce_strength
+from wmrgen.ir.verify import verify_function, verify_module
+
+Pass = Callable[[Function], Function]
+
+BEFORE_HOIST: tuple[Pass, ...] = (
+    canonicalise, reduce_strength, factor, share_linear_forms, regroup_products,
+)  # fmt: skip
+AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
+
+
+def optimise(functions: tuple[Function, ...], name: str, verify: bool = False) -> Module:
+    """The module of ``functions``, in as few operations as the passes find.
+
+    The result is always checked against ``functions`` at one exact point; ``verify`` checks
+    every pass at several.
+    """
+    steps = tuple(_run(function, BEFORE_HOIST, verify) for function in functions)
+    module = hoist(steps, name)
+    if verify:
+        verify_module(steps, module, "hoist")
+    steps = tuple(_run(function, AFTER_HOIST, verify) for function in module.functions)
+    prepare = None if module.prepare is None else _prepare(module.prepare, verify)
+    module = Module(name, steps, prepare)
+    verify_module(functions, module, "the pipeline", 3 if verify else 1)
+    return module
+
+
+def _run(function: Function, passes: tuple[Pass, ...], verify: bool) -> Function:
+    for step in passes:
+        changed = step(function)
+        if verify:
+            verify_function(function, changed, step.__name__)
+        function = changed
+    return function
+
+
+def _prepare(prepare: Function, verify: bool) -> Function:
+    """`prepare` through the same passes, its parameters taken for ordinary inputs."""
+    roles = {port.name: port for port in prepare.inputs}
+
+    def plain(port: Port) -> Port:
+        return replace(port, role=Role.STATE)
+
+    ordinary = replace(prepare, inputs=tuple(plain(port) for port in prepare.inputs))
+    run = _run(ordinary, BEFORE_HOIST + AFTER_HOIST, verify)
+    return replace(run, inputs=tuple(roles[port.name] for port in run.inputs))

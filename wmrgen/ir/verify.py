@@ -1,0 +1,109 @@
+"""Exact checks that a pass changed no output.
+
+Both functions are evaluated over the field at pseudo-random rational points. A square root, sine,
+cosine or arctangent is replaced by an opaque rational function of its exact arguments, the same
+before and after, so that equality stays a matter of exact numbers. Opaque sines are odd and
+opaque cosines even; no pass uses any other property of these functions.
+Comparisons are made on the exact values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.arithmetic import EXACT, Arithmetic
+from wmrgen.ir.interpret import evaluate
+from wmrgen.ir.nodes import Function, Module, Op
+
+_MODULUS = 2**61 - 1
+
+
+class PassError(AssertionError):
+    """A pass changed the value of an output: a bug of wmrgen."""
+
+
+def _mix(*numbers: int) -> int:
+    """A deterministic hash of integers, independent of the interpreter's own."""
+    state = 0x2545F4914F6CDD1D
+    for number in numbers:
+        state = (state * 6364136223846793005 + number % _MODULUS + 1442695040888963407) % 2**64
+        state ^= state >> 29
+    return state
+
+
+def _digest(value: Exact) -> tuple[int, ...]:
+    return (*value.num, value.den)
+
+
+def _opaque(salt: int) -> Callable[..., Exact]:
+    """A rational number in [1/64, 4) decided by the arguments."""
+    return lambda *args: Exact(Fraction(_mix(salt, *(n for a in args for n in _digest(a))) % 255 + 1, 64))
+
+
+_SIN, _COS = _opaque(2), _opaque(3)
+OPAQUE = Arithmetic(
+    "opaque",
+    EXACT.enter,
+    {
+        **EXACT.apply,
+        Op.SQRT: _opaque(1),
+        Op.SIN: lambda a: _SIN(a) if a.sign > 0 else -_SIN(-a),
+        Op.COS: lambda a: _COS(abs(a)),
+        Op.ATAN2: _opaque(4),
+    },
+)
+
+
+def points(function: Function, count: int) -> list[dict[str, Exact]]:
+    """``count`` rational points of the inputs, which depend on their names alone."""
+    names = [port.name for port in function.inputs]
+    return [{name: _number(name, k) for name in names} for k in range(count)]
+
+
+def _number(name: str, k: int) -> Exact:
+    seed = _mix(k, *name.encode())
+    return Exact(Fraction(seed % 1999 - 999 or 7, 16 + (seed >> 32) % 5))
+
+
+def verify_function(before: Function, after: Function, step: str, count: int = 2) -> None:
+    """PassError unless both functions have the same outputs at ``count`` points."""
+    for point in points(before, count):
+        _compare(_values(before, point), _values(after, point), f"{step} of {before.name}")
+
+
+def verify_module(before: tuple[Function, ...], after: Module, step: str, count: int = 2) -> None:
+    """PassError unless the module's functions, after its `prepare`, have the outputs of ``before``."""
+    prepared: dict[int, dict[str, Any]] = {}
+    for function in before:
+        for k, point in enumerate(points(function, count)):
+            if after.prepare is not None and k not in prepared:
+                prepared[k] = _prepared(after.prepare, k)
+            whole = {**prepared.get(k, {}), **point}
+            new = _values(after.function(function.name), whole)
+            _compare(_values(function, point), new, f"{step} of {function.name}")
+
+
+def _prepared(prepare: Function, k: int) -> dict[str, Any]:
+    point = {port.name: _number(port.name, k) for port in prepare.inputs}
+    return evaluate(prepare, point, OPAQUE)
+
+
+def _values(function: Function, point: dict[str, Exact]) -> dict[str, Any] | None:
+    """The outputs, None where the point is outside the domain."""
+    try:
+        return evaluate(function, point, OPAQUE)
+    except ZeroDivisionError:
+        return None
+
+
+def _compare(before: dict[str, Any] | None, after: dict[str, Any] | None, step: str) -> None:
+    if before is None:
+        return
+    if after is None:
+        raise PassError(f"{step}: defined before, undefined after")
+    for name, value in before.items():
+        if after.get(name) != value:
+            raise PassError(f"{step}: {name} was {value} and is {after.get(name)}")

@@ -23,7 +23,8 @@ MAX_POWER = 4
 ARITY = {"sqrt": 1, "sin": 1, "cos": 1, "tan": 1, "atan2": 2}
 
 _TOKEN = re.compile(
-    rf"(?P<number>{NUMBER})|(?P<name>[A-Za-z_πΠ][A-Za-z0-9_π]*)|(?P<operator>\*\*|[-+*/(),])|(?P<space>[ \t]+)"
+    rf"(?P<number>{NUMBER})|(?P<name>[A-Za-z_πΠ][A-Za-z0-9_π]*)"
+    r"|(?P<operator>\*\*|[-+*/(),])|(?P<space>[ \t]+)"
 )
 _OPERATORS: dict[type[ast.operator], str] = {
     ast.Add: "+",
@@ -118,15 +119,18 @@ class _Parser:
                 "Give the number its unit as a parameter, and use the parameter here.",
                 at,
             )
-        return self._error(f"an operator is missing between {quoted(before)} and {quoted(word)}", "", "Write *.", at)
+        return self._error(
+            f"an operator is missing between {quoted(before)} and {quoted(word)}", "", "Write *.", at
+        )
 
     def _name(self, word: str, called: bool, at: int) -> str:
         if called:
             if word in ARITY:
                 return word
             instead = suggestion(word, ARITY, _FUNCTION_ALIASES)
-            why = "It is a name, not a function: a product needs *." if word in self._names or word == "pi" else _GRAMMAR
-            raise self._error(f"{quoted(word)} is not a function", why, instead, at)
+            if word in self._names or word == "pi":
+                raise self._error(f"{quoted(word)} is a value, not a function", "", f"Write {word}*(…).", at)
+            raise self._error(f"{quoted(word)} is not a function", _GRAMMAR, instead, at)
         if word == "pi" or word in self._names:
             return word
         if word in ARITY:

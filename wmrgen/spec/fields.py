@@ -38,8 +38,14 @@ WHEEL_TYPES: dict[str, WheelType] = {
 # Nearest types for what people also call wheels.
 TYPE_ALIASES = {
     **dict.fromkeys(("caster", "trailing"), "Did you mean castor?"),
-    **dict.fromkeys(("omni", "omniwheel", "swedish90", "swedish-90"), "Did you mean swedish? An omni wheel is swedish with gamma: 0."),
-    **dict.fromkeys(("mecanum", "swedish45", "swedish-45"), "Did you mean swedish? A mecanum wheel is swedish with gamma: 45 deg or -45 deg."),
+    **dict.fromkeys(
+        ("omni", "omniwheel", "swedish90", "swedish-90"),
+        "Did you mean swedish? An omni wheel is swedish with gamma: 0.",
+    ),
+    **dict.fromkeys(
+        ("mecanum", "swedish45", "swedish-45"),
+        "Did you mean swedish? A mecanum wheel is swedish with gamma: 45 deg or -45 deg at the ground.",
+    ),
     **dict.fromkeys(("standard", "drive", "driven", "wheel", "conventional"), "Did you mean fixed?"),
     **dict.fromkeys(("steerable", "swerve", "orientable", "centered"), "Did you mean steered?"),
     **dict.fromkeys(("ball", "sphere", "slider"), "Did you mean spherical?"),
@@ -48,21 +54,25 @@ TYPE_ALIASES = {
 # Key -> (what it measures, meaning). Order is the order of messages and of the schema.
 QUANTITIES: dict[str, tuple[Kind, str]] = {
     "l": (Kind.LENGTH, "distance from the robot's origin to the wheel's pivot; with alpha"),
-    "alpha": (Kind.ANGLE, "direction of the pivot from the origin, counter-clockwise from x (forward); with l"),
+    "alpha": (Kind.ANGLE, "direction of the pivot seen from the origin, 0 is forward, pi/2 left; with l"),
     "x": (Kind.LENGTH, "pivot position forward of the origin; with y"),
     "y": (Kind.LENGTH, "pivot position left of the origin; with x"),
     "beta": (Kind.ANGLE, "angle of the axle from the line origin-pivot, for steering wheels at zero steer"),
-    "heading": (Kind.ANGLE, "rolling direction in the robot frame, instead of beta: heading = alpha + beta - pi/2"),
+    "heading": (Kind.ANGLE, "rolling direction in the robot frame, alpha + beta - pi/2; instead of beta"),
     "r": (Kind.LENGTH, "wheel radius, not diameter"),
-    "gamma": (Kind.ANGLE, "angle from the wheel plane to the roller axis at the ground: 0 omni, ±45 deg mecanum"),
-    "d": (Kind.LENGTH, "castor offset: from the steering axis to the contact point along the rolling direction"),
+    "gamma": (
+        Kind.ANGLE,
+        "from the wheel plane to the roller axis at the ground: 0 omni, 45 or -45 deg mecanum",
+    ),
+    "d": (Kind.LENGTH, "castor offset: steering axis to contact point, along the rolling direction"),
     "offset_y": (Kind.LENGTH, "contact point left of the steering axis, along the axle"),
     "r_sw": (Kind.LENGTH, "roller radius"),
 }
 COMMON_KEYS = ("name", "type", "l", "alpha", "x", "y", "beta", "heading", "r", "actuated", "sensed", "limits")
 WHEEL_KEYS = ("name", "type", *QUANTITIES, "actuated", "sensed", "limits")
 ROBOT_KEYS = (
-    "wmrgen", "name", "description", "source", "angles", "snap", "parameters", "wheels", "couplings", "limits",
+    "wmrgen", "name", "description", "source", "angles", "snap",
+    "parameters", "wheels", "couplings", "limits",
 )  # fmt: skip
 ROBOT_REQUIRED = ("wmrgen", "name", "wheels")
 
@@ -86,7 +96,7 @@ KEY_ALIASES = {
     **dict.fromkeys(("roller_radius", "r_roller"), "Did you mean r_sw?"),
     **dict.fromkeys(("roller_angle", "rollers"), "Did you mean gamma?"),
     **dict.fromkeys(("pos", "position", "pose", "xy"), "Write x: and y:."),
-    **dict.fromkeys(("powered", "driven", "drive"), "Write actuated: [spin], or actuated: [] for a passive wheel."),
+    **dict.fromkeys(("powered", "driven", "drive"), "Write actuated: [spin], or actuated: []."),
     "version": "Write wmrgen: 1.",
     "distance": "Did you mean l?",
 }
@@ -106,7 +116,7 @@ MISFITS: dict[tuple[str, str], tuple[str, str]] = {
         "Put the contact point itself in l, alpha or x, y.",
     ),
     ("", "gamma"): (
-        "gamma is the angle from the wheel plane to the roller axis at the ground; only swedish wheels have rollers.",
+        "gamma is the roller axis at the ground against the wheel plane; only swedish wheels have rollers.",
         "Write type: swedish for an omni or mecanum wheel, or delete gamma.",
     ),
     ("", "r_sw"): (
@@ -120,14 +130,14 @@ MISSING: dict[str, tuple[str, str]] = {
     "wmrgen": ("It tells the format version.", "Begin the file with wmrgen: 1."),
     "name": ("Names become identifiers in the generated code.", "Write name: and a word such as front_left."),
     "wheels": ("A robot without wheels has no kinematics.", "Write wheels: and a list of wheels."),
-    "type": ("It decides which constraints the wheel makes.", f"Write type: and one of {' '.join(WHEEL_TYPES)}."),
-    "r": ("The wheel radius turns spin [rad/s] into speed [m/s].", "Write r: and the radius, such as r: 50 mm."),
+    "type": ("It decides what the wheel constrains.", f"Write type: and one of {' '.join(WHEEL_TYPES)}."),
+    "r": ("The radius turns spin [rad/s] into speed [m/s].", "Write r: and the radius, such as r: 50 mm."),
     "d": (
-        "d is the distance from the steering axis back to the contact point; with d = 0 it is a steered wheel.",
+        "d is how far the contact point trails the steering axis; with d = 0 it is a steered wheel.",
         "Write d: and the trail, such as d: 40 mm, or type: steered.",
     ),
     "l": ("A place is l with alpha.", "Write l: and the distance from the origin to the pivot."),
-    "alpha": ("A place is l with alpha.", "Write alpha: and the direction of the pivot seen from the origin."),
+    "alpha": ("A place is l with alpha.", "Write alpha: and the direction of the pivot from the origin."),
     "x": ("A place is x with y.", "Write x: and the distance forward of the origin."),
     "y": ("A place is x with y.", "Write y: and the distance left of the origin."),
 }

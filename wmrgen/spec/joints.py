@@ -58,7 +58,9 @@ def _limit(name: str, table: Table, scope: Scope) -> Limit:
     if isinstance(node, Sequence):
         if len(node.items) != 2:
             raise node.error(
-                f"{what} has {len(node.items)} values", "A range has two.", f"Write {name}: [low, high], or one value."
+                f"{what} has {len(node.items)} values",
+                "A range has two.",
+                f"Write {name}: [low, high], or one value.",
             )
         low, high = (read_quantity(item, kind, what, scope) for item in node.items)
     else:
@@ -121,7 +123,9 @@ def _coupling(table: Table, types: dict[str, str]) -> Coupling:
                 f"Write {name}.{joint}, or a coupling of its own.",
             )
         if name in names:
-            raise scalar.error(f"{quoted(scalar.text)} stands twice in the coupling", "", "Delete one of them.")
+            raise scalar.error(
+                f"{quoted(scalar.text)} stands twice in the coupling", "", "Delete one of them."
+            )
         joint = this
         names.append(name)
     if len(names) < 2:

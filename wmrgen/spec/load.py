@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import RobotFileError
 from wmrgen.spec.fields import LIMITS, ROBOT_KEYS, ROBOT_REQUIRED
 from wmrgen.spec.joints import read_couplings, read_limits
 from wmrgen.spec.mappings import Table, mapping_of, table_of
@@ -107,7 +107,9 @@ def _free_text(table: Table, key: str) -> str:
     scalar = scalar_of(node, key)
     text = scalar.text.strip()
     if len(text) > MAX_TEXT:
-        raise scalar.error(f"{key} has {len(text)} characters", f"At most {MAX_TEXT} are kept.", "Shorten it.")
+        raise scalar.error(
+            f"{key} has {len(text)} characters", f"At most {MAX_TEXT} are kept.", "Shorten it."
+        )
     if "\t" in text:
         raise scalar.error(f"{key} holds a tab", "Control characters are refused.", "Write spaces.")
     if _DUNDER.search(text):

@@ -33,7 +33,9 @@ class Table:
     def require(self, key: str, what: str) -> Node:
         """The value of a key that must be there."""
         if key not in self.values:
-            raise self.node.error(f"{what} has no {key}", *MISSING.get(key, ("", f"Write {key}: and its value.")))
+            raise self.node.error(
+                f"{what} has no {key}", *MISSING.get(key, ("", f"Write {key}: and its value."))
+            )
         return self.values[key]
 
 
@@ -72,11 +74,15 @@ def unknown_key(key: Scalar, value: Node, valid: Iterable[str], what: str) -> Ro
     empty = isinstance(value, Scalar) and not value.text
     if re.fullmatch(r"[0-9]+", key.text) and empty:
         return key.error(
-            f"{quoted(key.text)} stands where a key is expected", "Commas separate entries.", "Write a decimal point."
+            f"{quoted(key.text)} stands where a key is expected",
+            "Commas separate entries.",
+            "Write a decimal point.",
         )
     if key.plain and ":" in key.text and empty:
         word, _, rest = key.text.partition(":")
-        return key.error(f"no space after the colon in {quoted(key.text)}", "YAML needs one.", f"Write {word}: {rest}")
+        return key.error(
+            f"no space after the colon in {quoted(key.text)}", "YAML needs one.", f"Write {word}: {rest}"
+        )
     if key.text == "<<":
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
     aliases = {alias: text for alias, text in KEY_ALIASES.items() if any(f" {n}" in text for n in names)}

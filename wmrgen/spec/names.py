@@ -11,35 +11,37 @@ _FORM = re.compile(r"[a-z][a-z0-9_]{0,30}")
 NAME_PATTERN = "^[a-z][a-z0-9_]{0,30}$"
 
 _LANGUAGE = """
-alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break case catch
-char class compl concept const const_cast consteval constexpr constinit continue co_await co_return co_yield
-decltype default delete do double dynamic_cast else enum explicit export extern false final float for friend goto
-if import inline int long module mutable namespace new noexcept not not_eq nullptr operator or or_eq override
-private protected public reflexpr register reinterpret_cast requires restrict return short signed sizeof static
-static_assert static_cast struct switch synchronized template this thread_local throw true try typedef typeid
-typename typeof typeof_unqual union unsigned using virtual void volatile wchar_t while xor xor_eq main fortran
-as assert async await def del elif except from global in is lambda nonlocal pass raise with yield none null jac
-hess nan inf infinity unix linux near far errno offsetof complex imaginary
+alignas alignof and and_eq asm atomic_cancel atomic_commit atomic_noexcept auto bitand bitor bool break case
+catch char class compl concept const const_cast consteval constexpr constinit continue co_await co_return
+co_yield decltype default delete do double dynamic_cast else enum explicit export extern false final float
+for friend goto if import inline int long module mutable namespace new noexcept not not_eq nullptr operator
+or or_eq override private protected public reflexpr register reinterpret_cast requires restrict return short
+signed sizeof static static_assert static_cast struct switch synchronized template this thread_local throw
+true try typedef typeid typename typeof typeof_unqual union unsigned using virtual void volatile wchar_t
+while xor xor_eq main fortran as assert async await def del elif except from global in is lambda nonlocal
+pass raise with yield none null jac hess nan inf infinity unix linux near far errno offsetof complex
+imaginary
 """
 _LIBRARY = """
-acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 exp10 expm1 fabs fdim floor
-fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log log10 log1p log2 logb lrint
-lround modf nearbyint nextafter nexttoward pow pow10 powi remainder remquo rint round roundeven scalbln scalbn
-scalb sin sincos sinh sqrt tan tanh tgamma trunc y0 y1 yn drem finite significand signbit isnan isinf isfinite
-isnormal fpclassify signgam abs labs llabs div ldiv lldiv min max
-clearerr fclose feof ferror fflush fgetc fgetpos fgets fopen fprintf fputc fputs fread freopen fscanf fseek
-fsetpos ftell fwrite getc getchar gets perror printf putc putchar puts remove rename rewind scanf setbuf setvbuf
-snprintf sprintf sscanf tmpfile tmpnam ungetc vfprintf vfscanf vprintf vscanf vsnprintf vsprintf vsscanf stdin
-stdout stderr dprintf getline getdelim fileno fdopen popen pclose
-abort atexit atof atoi atol atoll bsearch calloc exit free getenv malloc mblen mbstowcs mbtowc qsort rand realloc
-srand strtod strtof strtol strtold strtoll strtoul strtoull system wcstombs wctomb random srandom
-memchr memcmp memcpy memmove memset strcat strchr strcmp strcoll strcpy strcspn strerror strlen strncat strncmp
-strncpy strpbrk strrchr strspn strstr strtok strxfrm index rindex bcmp bcopy bzero
-asctime clock ctime difftime gmtime localtime mktime strftime time signal raise setjmp longjmp
+acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 exp10 expm1 fabs fdim
+floor fma fmax fmin fmod frexp gamma hypot ilogb j0 j1 jn ldexp lgamma llrint llround log log10 log1p log2
+logb lrint lround modf nearbyint nextafter nexttoward pow pow10 powi remainder remquo rint round roundeven
+scalbln scalbn scalb sin sincos sinh sqrt tan tanh tgamma trunc y0 y1 yn drem finite significand signbit
+isnan isinf isfinite isnormal fpclassify signgam abs labs llabs div ldiv lldiv min max clearerr fclose feof
+ferror fflush fgetc fgetpos fgets fopen fprintf fputc fputs fread freopen fscanf fseek fsetpos ftell fwrite
+getc getchar gets perror printf putc putchar puts remove rename rewind scanf setbuf setvbuf snprintf sprintf
+sscanf tmpfile tmpnam ungetc vfprintf vfscanf vprintf vscanf vsnprintf vsprintf vsscanf stdin stdout stderr
+dprintf getline getdelim fileno fdopen popen pclose abort atexit atof atoi atol atoll bsearch calloc exit
+free getenv malloc mblen mbstowcs mbtowc qsort rand realloc srand strtod strtof strtol strtold strtoll
+strtoul strtoull system wcstombs wctomb random srandom memchr memcmp memcpy memmove memset strcat strchr
+strcmp strcoll strcpy strcspn strerror strlen strncat strncmp strncpy strpbrk strrchr strspn strstr strtok
+strxfrm index rindex bcmp bcopy bzero asctime clock ctime difftime gmtime localtime mktime strftime time
+signal raise setjmp longjmp
 """
 _WINDOWS = " ".join(["con prn aux nul clock", *(f"com{i} lpt{i}" for i in range(10))])
 _FILES = """
-math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes numpy sympy casadi wmrgen
+math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes numpy sympy casadi
+wmrgen
 """
 
 RESERVED: dict[str, str] = {}
@@ -53,7 +55,9 @@ for _words, _reason in (
         RESERVED.update(dict.fromkeys(_words.split(), _reason))
 
 _FILE_NAMES = frozenset(_FILES.split())
-_EXPRESSION_WORDS = frozenset("pi sqrt sin cos tan atan2 vx vy omega slip x y theta dt".split())
+_EXPRESSION_WORDS = frozenset(
+    ["pi", "sqrt", "sin", "cos", "tan", "atan2", "vx", "vy", "omega", "slip", "x", "y", "theta", "dt"]
+)
 
 
 def _check(node: Scalar, what: str) -> str:

@@ -91,7 +91,9 @@ def number(text: str, node: Scalar, offset: int = 0) -> Fraction:
             offset,
         )
     if len(digits) > MAX_DIGITS:
-        raise node.error(f"a number of more than {MAX_DIGITS} digits", "", "Round it: exact means as written.", offset)
+        raise node.error(
+            f"a number of more than {MAX_DIGITS} digits", "", "Round it: exact means as written.", offset
+        )
     power = exponent.lstrip("+-").lstrip("0") or "0"
     if len(power) > 3 or int(power) > MAX_EXPONENT:
         raise node.error(
@@ -107,9 +109,15 @@ def refuse_lookalikes(node: Scalar) -> None:
     """Refuse what YAML or people would take for a number and this grammar does not."""
     text = node.text.strip()
     if _NOT_FINITE.fullmatch(text):
-        raise node.error(f"{quoted(text)} is not a finite number", "A length or an angle is finite.", "Write the value.")
+        raise node.error(
+            f"{quoted(text)} is not a finite number", "A length or an angle is finite.", "Write the value."
+        )
     for pattern, what, instead in (
-        (r"[+-]?[0-9]+(:[0-9.]+)+", "is not a number (YAML 1.1 reads it in base 60)", "Write a decimal number."),
+        (
+            r"[+-]?[0-9]+(:[0-9.]+)+",
+            "is not a number (YAML 1.1 reads it in base 60)",
+            "Write a decimal number.",
+        ),
         (r"[+-]?[0-9.]+,[0-9]+", "has a decimal comma", "Write a decimal point."),
         (r"[+-]?0[xobXOB][0-9a-fA-F_]+", "is not decimal", "Write a decimal number."),
         (r"[+-]?[0-9][0-9_.]*_[0-9_.eE]*", "has underscores", "Write the digits without them."),
@@ -124,7 +132,7 @@ def plain_number(node: Scalar) -> tuple[Fraction, Unit | None] | None:
     if _SIGNED.fullmatch(text):
         return number(text, node), None
     found = _WITH_UNIT.fullmatch(text)
-    if not found:
+    if not found or found[2] in ("pi", "π"):
         return None
     digits, name = found.groups()
     unit = UNITS.get(_SPELLINGS.get(name, name))

@@ -29,19 +29,27 @@ _DEPTH = (
 # What PyYAML says, and the same for people: (part of its text, what, instead).
 _PLAIN_WORDS = (
     ("'\\t'", "a tab where spaces are needed", "YAML indents with spaces: replace the tab."),
-    ("mapping values are not allowed", "a ':' where none can stand", "Put text that contains ': ' in quotes."),
+    (
+        "mapping values are not allowed",
+        "a ':' where none can stand",
+        "Put text that contains ': ' in quotes.",
+    ),
     ("could not find expected ':'", "a line without ':'", "Write key: value, and indent lists and mappings."),
     ("unexpected end of stream", "a quote that is never closed", "Close the quote."),
-    ("expected ',' or ']'", "a list that is not closed here", "Separate items by ',' and end the list with ']'."),
+    (
+        "expected ',' or ']'",
+        "a list that is not closed here",
+        "Separate items by ',' and end the list with ']'.",
+    ),
     ("expected ',' or '}'", "a mapping that is not closed here", "Separate keys by ',' and end with '}'."),
     ("expected <block end>", "this line does not fit the indentation above", "Align it with its neighbours."),
     ("did not find expected <document start>", "text after the end of the document", "Delete it."),
-    ("did not find expected node content", "a value is missing here", "Write the value or delete the comma."),
+    ("expected the node content", "a value is missing here", "Write the value, or delete what asks for one."),
     ("escape", "an unknown escape in double quotes", "Use single quotes, or none."),
 )
 
 
-class _Refusal(Exception):
+class _RefusedError(Exception):
     """Raised inside the scanner, where only line and column are known."""
 
     def __init__(self, line: int, column: int, what: str, why: str, instead: str) -> None:
@@ -58,10 +66,12 @@ class _Events(Reader, Scanner, Parser):
         Parser.__init__(self)
 
     def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
-        raise _Refusal(self.line, self.column, what, why, instead)
+        raise _RefusedError(self.line, self.column, what, why, instead)
 
     def fetch_anchor(self) -> None:
-        self._refuse("'&' marks an anchor", "Anchors and aliases are refused.", "Write the value out, or quote it.")
+        self._refuse(
+            "'&' marks an anchor", "Anchors and aliases are refused.", "Write the value out, or quote it."
+        )
 
     def fetch_alias(self) -> None:
         self._refuse(
@@ -71,7 +81,9 @@ class _Events(Reader, Scanner, Parser):
         )
 
     def fetch_tag(self) -> None:
-        self._refuse("'!' marks a tag", "A robot file holds plain data; tags are refused.", "Delete it, or quote it.")
+        self._refuse(
+            "'!' marks a tag", "A robot file holds plain data; tags are refused.", "Delete it, or quote it."
+        )
 
     def fetch_directive(self) -> None:
         self._refuse("'%' begins a directive", "Directives are refused.", "Delete the line.")
@@ -101,8 +113,12 @@ class _Composer:
         self._events.get_event()
         if not self._events.check_event(yaml.StreamEndEvent):
             mark = self._events.peek_event().start_mark
-            raise _Refusal(
-                mark.line, 0, "a second document begins here", "One file describes one robot.", "Use a file per robot."
+            raise _RefusedError(
+                mark.line,
+                0,
+                "a second document begins here",
+                "One file describes one robot.",
+                "Use a file per robot.",
             )
         return node
 
@@ -113,7 +129,9 @@ class _Composer:
         if depth > MAX_DEPTH:
             raise RobotFileError(_DEPTH[0], mark, *_DEPTH[1:])
         if self._nodes > MAX_NODES:
-            raise RobotFileError(f"more than {MAX_NODES} values in one file", mark, "Larger input is refused.")
+            raise RobotFileError(
+                f"more than {MAX_NODES} values in one file", mark, "Larger input is refused."
+            )
         if isinstance(event, yaml.ScalarEvent):
             return self._scalar(Scalar(event.value, event.style is None, mark))
         if isinstance(event, yaml.SequenceStartEvent):
@@ -151,11 +169,9 @@ class _Composer:
 
 def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
     problem = str(error.problem or error.context or "")
-    for part, what, instead in _PLAIN_WORDS:
-        if part in problem:
-            break
-    else:
-        what, instead = f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."
+    plain = [(what, instead) for part, what, instead in _PLAIN_WORDS if part in problem]
+    plain.append((f"not YAML: {quoted(problem, 120)}", "Compare with a file under robots/."))
+    what, instead = plain[0]
     mark = error.problem_mark or error.context_mark
     if "never closed" in what and error.context_mark:
         mark = error.context_mark
@@ -172,7 +188,7 @@ def read_tree(text: str, file: str) -> tuple[Node | None, Source]:
     composer = _Composer(text, source)
     try:
         return composer.document(), source
-    except _Refusal as refusal:
+    except _RefusedError as refusal:
         mark = source.mark(refusal.line, refusal.column)
         raise RobotFileError(refusal.what, mark, refusal.why, refusal.instead) from None
     except yaml.MarkedYAMLError as error:

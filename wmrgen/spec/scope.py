@@ -22,7 +22,7 @@ _ROUNDED_BITS = 280  # a 40-digit point of the unit circle
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """``bits`` bounds the exact result, ``terms`` its expanded sum; ``in_radians`` says how an angle reads."""
+    """``bits`` bounds the exact result, ``terms`` its expanded sum; ``in_radians``: an angle as it stands."""
 
     bits: int
     terms: int
@@ -144,4 +144,6 @@ def _circle(names: list[str], node: Scalar) -> RobotFileError:
     if len(names) == 1:
         return node.error(f"parameter {names[0]} refers to itself", "", "Give it a number.")
     chain = " -> ".join([*names[:6], *(["…"] if len(names) > 6 else []), names[0]])
-    return node.error(f"parameters refer to each other in a circle: {chain}", "", "Give one of them a number.")
+    return node.error(
+        f"parameters refer to each other in a circle: {chain}", "", "Give one of them a number."
+    )

@@ -39,7 +39,11 @@ def refused_character(text: str) -> tuple[int, str, str] | None:
         return None
     code = ord(found.group())
     if 0xD800 <= code <= 0xDFFF:
-        return found.start(), f"lone surrogate U+{code:04X}", "It is half a character and cannot be written out."
+        return (
+            found.start(),
+            f"lone surrogate U+{code:04X}",
+            "It is half a character and cannot be written out.",
+        )
     if _BIDI.match(found.group()):
         kind, why = "bidirectional control", "It makes text read differently from what it says."
     elif code < 0x20 or 0x7F <= code < 0xA0:

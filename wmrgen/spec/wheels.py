@@ -21,7 +21,9 @@ def read_wheels(node: Node, scope: Scope) -> tuple[WheelSpec, ...]:
     """The list of wheels, names distinct."""
     items = list_of(node, "wheels", f"wheels: and a list of items - {_EXAMPLE}").items
     if not items:
-        raise node.error("the list of wheels is empty", "A robot without wheels has no kinematics.", "Add a wheel.")
+        raise node.error(
+            "the list of wheels is empty", "A robot without wheels has no kinematics.", "Add a wheel."
+        )
     if len(items) > MAX_WHEELS:
         raise RobotFileError(
             f"{len(items)} wheels",
@@ -36,7 +38,7 @@ def read_wheels(node: Node, scope: Scope) -> tuple[WheelSpec, ...]:
             raise RobotFileError(
                 f"a second wheel has the name {quoted(wheel.name)}",
                 wheel.marks["name"],
-                f"The first stands on line {wheels[wheel.name].mark.line}; joints are called by the wheel's name.",
+                f"The first stands on line {wheels[wheel.name].mark.line}; joints are called after their wheel.",
                 "Give each wheel a name of its own.",
             )
         wheels[wheel.name] = wheel
@@ -62,7 +64,9 @@ def _wheel(node: Node, scope: Scope) -> WheelSpec:
         **quantities,
         actuated=actuated,
         sensed=read_joints(table.get("sensed"), "sensed", type_name, actuated),
-        limits=read_limits(table.get("limits"), limits_of_type(type_name), f"the {type_name} wheel {name}", scope),
+        limits=read_limits(
+            table.get("limits"), limits_of_type(type_name), f"the {type_name} wheel {name}", scope
+        ),
     )
 
 
@@ -98,7 +102,8 @@ def _check_placement(table: Table, wheel: str) -> None:
     polar = [key for key in ("l", "alpha") if key in table.keys]
     cartesian = [key for key in ("x", "y") if key in table.keys]
     if polar and cartesian:
-        raise table.keys[cartesian[0] if polar[0] == next(k for k in table.keys if k in "l alpha x y".split()) else polar[0]].error(
+        later = max(polar[0], cartesian[0], key=list(table.keys).index)
+        raise table.keys[later].error(
             f"the wheel {wheel} is placed twice: by {' and '.join(polar)} and by {' and '.join(cartesian)}",
             "They say the same thing and could disagree.",
             "Keep l and alpha, or x and y.",
@@ -116,7 +121,8 @@ def _check_placement(table: Table, wheel: str) -> None:
 def _check_orientation(table: Table, wheel: str, type_name: str) -> None:
     """beta or heading, not both; wheels without a working direction need neither."""
     if "beta" in table.keys and "heading" in table.keys:
-        raise max((table.keys["beta"], table.keys["heading"]), key=lambda k: (k.mark.line, k.mark.column)).error(
+        later = max("beta", "heading", key=list(table.keys).index)
+        raise table.keys[later].error(
             f"the wheel {wheel} has beta and heading",
             "Both give the orientation: heading = alpha + beta - pi/2.",
             "Keep one of them.",
@@ -124,6 +130,6 @@ def _check_orientation(table: Table, wheel: str, type_name: str) -> None:
     if WHEEL_TYPES[type_name].oriented and "beta" not in table.keys and "heading" not in table.keys:
         raise table.node.error(
             f"the {type_name} wheel {wheel} has no beta or heading",
-            "The rolling direction decides what the wheel allows; for a steered wheel it is the zero of steer.",
+            "The rolling direction decides what the wheel allows; where it steers it is the zero of steer.",
             "Write heading: 0 for a wheel that rolls forward, or beta: as in the literature.",
         )

@@ -1,0 +1,71 @@
+"""Every robot file of the gallery: readable, named after its file, and with the mobility that is known for it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmrgen
+from tests.oracle import oracle, robot_file
+from tests.oracle.harness import Model
+
+ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
+# (mobility, steerability, rank C1f, dof): real robots from their sources' geometry, textbook robots from Campion's
+# five types and Siegwart 3.3 and 3.4.
+EXPECTED = json.loads((Path(__file__).parent / "expected.json").read_text(encoding="utf-8"))
+TYPES = [[3, 0], [2, 0], [2, 1], [1, 1], [1, 2]]
+
+
+def test_gallery_is_complete() -> None:
+    assert {p.stem for p in ROBOTS} == set(EXPECTED)
+    assert len(ROBOTS) >= 30
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda p: p.stem)
+def test_file_names_its_robot_and_source(path: Path) -> None:
+    robot = wmrgen.load(path)
+    assert robot.name == path.stem
+    assert robot.description
+    if EXPECTED[path.stem]["real"]:
+        repo, _, commit = robot.source.partition(" @ ")
+        assert "/" in repo and len(commit) == 40
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda p: p.stem)
+def test_layout_is_what_a_second_reader_reads(path: Path) -> None:
+    """Pivot, heading, radius and offsets against `tests.oracle.robot_file`, which shares no code."""
+    robot, other = wmrgen.load(path), robot_file.read(path)
+    for wheel, w in zip(robot.wheels, other["wheels"], strict=True):
+        g = wheel.nominal
+        assert (wheel.name, wheel.type) == (w["name"], w["type"])
+        found = [g.x, g.y, g.r, g.d, g.o, g.ch, g.sh, g.cg, g.sg]
+        wanted = [w["x"], w["y"], w["r"], w["d"], w["o"], np.cos(w["heading"]), np.sin(w["heading"]),
+                  np.cos(w["gamma"]), np.sin(w["gamma"])]  # fmt: skip
+        if wheel.type == "spherical":
+            found, wanted = found[:3], wanted[:3]
+        np.testing.assert_allclose([float(v) for v in found], wanted, atol=1e-15)
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda p: p.stem)
+def test_mobility(path: Path) -> None:
+    data, known = Model(path).data, EXPECTED[path.stem]
+    found = [data["degree_of_mobility"], data["degree_of_steerability"], data["rank_C1f"], data["dof"]]
+    assert found == known["mobility"]
+    kind = known["mobility"][:2]
+    assert data["robot_type"] == (kind if kind in TYPES and not known["degenerate"] else None)
+    assert data["degenerate"] == known["degenerate"]
+    assert data["degree_of_maneuverability"] == sum(kind)
+    assert data["omnidirectional"] == (kind[0] == 3)
+    assert data["holonomic"] == (data["ddof"] == data["dof"])
+    assert data["reasons"]
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda p: p.stem)
+def test_mobility_by_singular_values(path: Path) -> None:
+    """The oracle's numbers, from contact velocities at steering angles that meet in one ICR."""
+    data = Model(path).data
+    for key, value in oracle.mobility(robot_file.read(path)).items():
+        assert data[key] == value, key

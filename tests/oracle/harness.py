@@ -1,0 +1,123 @@
+"""The public interface of wmrgen as the tests of truth use it: robot file text in, numbers out."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import wmrgen
+
+Array = NDArray[np.float64]
+Layout = dict[str, Any]
+_MATH = {"pi": math.pi, "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "atan2": math.atan2}
+
+
+def robot_text(layout: Layout, name: str = "case", polar: bool = False, extra: str = "") -> str:
+    """A robot file for a layout of floats (see `tests.oracle.oracle`); ``polar`` places by l, alpha, beta."""
+    lines = [f"wmrgen: 1\nname: {name}\n{extra}wheels:"]
+    for w in layout["wheels"]:
+        x, y, heading = float(w["x"]), float(w["y"]), float(w["heading"])
+        if polar:
+            alpha = math.atan2(y, x)
+            place = f"l: {math.hypot(x, y)!r}, alpha: {alpha!r}, beta: {heading + math.pi / 2 - alpha!r}"
+        else:
+            place = f"x: {x!r}, y: {y!r}, heading: {heading!r}"
+        keys = [f"name: {w['name']}", f"type: {w['type']}", place, f"r: {float(w['r'])!r}"]
+        for key, own in (("gamma", "gamma"), ("d", "d"), ("offset_y", "o"), ("r_sw", "r_sw")):
+            if w.get(own):
+                keys.append(f"{key}: {float(w[own])!r}")
+        if "actuated" in w:
+            keys.append(f"actuated: [{', '.join(w['actuated'])}]")
+        if "sensed" in w:
+            keys.append(f"sensed: [{', '.join(w['sensed'])}]")
+        lines.append("  - {" + ", ".join(keys) + "}")
+    if layout.get("couplings"):
+        lines.append("couplings:")
+        for joint, names in layout["couplings"]:
+            lines.append(f"  - equal: [{', '.join(f'{n}.{joint}' for n in names)}]")
+    return "\n".join(lines) + "\n"
+
+
+def plain(name: str) -> str:
+    """A contract name as CasADi spells it: ``left.spin`` is ``left_spin``."""
+    return name.replace(".", "_")
+
+
+class Model:
+    """A derived robot: functions by contract names, matrices at given steering angles."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.robot = wmrgen.load(path)
+        self.derivation = wmrgen.derive(self.robot)
+        self.data = json.loads(json.dumps(self.derivation.model()))
+        self.functions = self.derivation.casadi()
+        self.nominal = {p.name: float(p.nominal) for p in self.robot.parameters}
+
+    @classmethod
+    def of(cls, text: str, folder: Path, stem: str = "case") -> Model:
+        """The model of a robot file's text."""
+        path = folder / f"{stem}.yaml"
+        path.write_text(text, encoding="utf-8")
+        return cls(path)
+
+    def ports(self, function: str) -> tuple[list[str], list[str]]:
+        """Contract names of the inputs and outputs of a function."""
+        f = self.derivation.module.function(function)
+        tunable = [p.name for p in self.robot.tunable]
+        inputs = [p.name for p in f.inputs if p.role in ("state", "command")]
+        return inputs + tunable, [p.name for p in f.outputs]
+
+    def call(self, function: str, values: dict[str, float] | None = None) -> dict[str, float]:
+        """A function by contract names; inputs not given are 0, parameters nominal."""
+        f = self.functions[function]
+        values = values or {}
+        defaults = {plain(p.name): self.nominal[p.name] for p in self.robot.tunable}
+        given = {plain(name): value for name, value in values.items()}
+        unknown = given.keys() - set(f.name_in())
+        assert not unknown, f"{function} has no input {sorted(unknown)}"
+        result = f(*(given.get(n, defaults.get(n, 0.0)) for n in f.name_in()))
+        result = result if isinstance(result, tuple | list) else [result]
+        names = {plain(name): name for name in self.ports(function)[1]}
+        return {names[n]: float(v) for n, v in zip(f.name_out(), result, strict=True)}
+
+    def matrix(self, name: str, steer: dict[str, float] | None = None) -> Array:
+        """A matrix of model.json at the steering angles (by wheel name, 0 where not given)."""
+        scope = _MATH | self.nominal
+        scope |= {f"{w.name}_steer": (steer or {}).get(w.name, 0.0) for w in self.robot.wheels}
+        rows = [[float(eval(entry, {"__builtins__": {}}, scope)) for entry in row] for row in self.data[name]]
+        return np.array(rows, dtype=float).reshape(len(rows), -1)
+
+
+def twist_of(values: dict[str, float]) -> Array:
+    """(vx, vy, omega) of a function's result."""
+    return np.array([values["vx"], values["vy"], values["omega"]])
+
+
+def named(twist: Array | list[float]) -> dict[str, float]:
+    """A twist as named inputs."""
+    return dict(zip(("vx", "vy", "omega"), map(float, twist), strict=True))
+
+
+def turn(phi: float) -> Array:
+    """Body to world: [[c, -s, 0], [s, c, 0], [0, 0, 1]]."""
+    c, s = math.cos(phi), math.sin(phi)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def rank(matrix: Array, tol: float = 1e-8) -> int:
+    """Rank relative to the largest singular value."""
+    if not matrix.size:
+        return 0
+    s = np.linalg.svd(matrix, compute_uv=False)
+    return int((s > tol * max(s[0], 1e-300)).sum())
+
+
+def same_span(a: Array, b: Array) -> bool:
+    """True when the rows of a and b span the same space."""
+    return rank(a) == rank(b) == rank(np.vstack([a, b]))

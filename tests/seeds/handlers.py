@@ -1,0 +1,320 @@
+"""What each seed case claims, checked on a derived model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tests.oracle.harness import Model, named, rank, same_span, turn, twist_of
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A case with the model of its layout; ``steer``: steering angle by wheel where the case is evaluated."""
+
+    case: dict[str, Any]
+    model: Model
+    layout: dict[str, Any]
+    steer: dict[str, float]
+
+    @property
+    def given(self) -> dict[str, Any]:
+        return self.case["given"]
+
+    @property
+    def expect(self) -> dict[str, Any]:
+        return self.case["expect"]
+
+    @property
+    def names(self) -> list[str]:
+        return [w["name"] for w in self.layout["wheels"]]
+
+    @property
+    def present(self) -> dict[str, float]:
+        """The steering angles as inputs."""
+        turning = [w["name"] for w in self.layout["wheels"] if w["type"] in ("steered", "castor")]
+        return {f"{n}.steer": self.steer.get(n, 0.0) for n in turning}
+
+    def close(self, found: Any, expected: Any) -> None:
+        np.testing.assert_allclose(
+            np.asarray(found, float), np.asarray(expected, float), rtol=self.case["tol"], atol=self.case["tol"]
+        )
+
+    def heading(self, name: str) -> float:
+        """Rolling direction of a wheel at steering zero."""
+        return float(next(w["heading"] for w in self.layout["wheels"] if w["name"] == name))
+
+    def inverse(self, twist: Any) -> dict[str, float]:
+        return self.model.call("inverse", named(twist) | self.present)
+
+    def spins(self, twist: Any, order: list[str] | None = None) -> list[float]:
+        found = self.inverse(twist)
+        return [found[f"{n}.spin"] for n in order or self.names]
+
+    def forward(self, rates: dict[str, float]) -> Array:
+        """Twist from joint rates, at the case's steering angles where they are inputs."""
+        inputs = set(self.model.ports("forward")[0])
+        return twist_of(self.model.call("forward", {k: v for k, v in (self.present | rates).items() if k in inputs}))
+
+
+def deltas(s: Seed) -> None:
+    m, e = s.model.data, s.expect
+    long = {"delta_m": "degree_of_mobility", "delta_s": "degree_of_steerability", "delta_M": "degree_of_maneuverability"}
+    long |= {"DDOF": "ddof", "DOF": "dof"}
+    for key, value in e.items():
+        if key == "rank_C1s_literal":
+            assert rank(s.model.matrix("C1s", s.steer)) == value
+        else:
+            assert m[long.get(key, key)] == value, key
+    mobility = s.model.derivation.mobility
+    assert mobility.degree_of_mobility == e["delta_m"] and mobility.holonomic == e["holonomic"]
+    null = s.model.matrix("null_space", s.steer)
+    rows = [s.model.matrix(k, s.steer) for k in ("C1f", "C1s") if s.model.data[k]]
+    if rows and e["delta_m"]:
+        assert null.shape == (3, e["delta_m"]) and rank(null) == e["delta_m"]
+        s.close(np.vstack(rows) @ null, np.zeros((sum(map(len, rows)), e["delta_m"])))
+
+
+def ik_columns(s: Seed, frame: Array) -> None:
+    order = s.given.get("wheel_order")
+    s.close(np.array([s.spins(frame @ axis, order) for axis in np.eye(3)]).T, s.expect["value"])
+
+
+def fk_columns(s: Seed, frame: Array) -> None:
+    order = s.given.get("wheel_order") or s.names
+    columns = [frame @ s.forward({f"{n}.spin": float(n == m) for m in order}) for n in order]
+    s.close(np.array(columns).T, s.expect["value"])
+
+
+def ik_body(s: Seed) -> None:
+    ik_columns(s, np.eye(3))
+
+
+def ik_world(s: Seed) -> None:
+    ik_columns(s, turn(-s.given["phi"]))
+
+
+def fk_body(s: Seed) -> None:
+    fk_columns(s, np.eye(3))
+
+
+def fk_world(s: Seed) -> None:
+    fk_columns(s, turn(s.given["phi"]))
+
+
+def m_world(s: Seed) -> None:
+    rows = np.vstack([s.model.matrix(k, s.steer) for k in ("C1f", "C1s") if s.model.data[k]])
+    expected = np.array(s.expect["value"], float)
+    assert not expected[:, 3:].any()  # the steering angle's own column
+    world = rows @ turn(-s.given["phi"])
+    assert same_span(world, expected[:, :3])
+    s.close(np.abs(world), np.abs(expected[:, :3]))
+
+
+def g_world(s: Seed) -> None:
+    """Columns of q' = G u: the first input drives along the null space, psi_dot steers only."""
+    inputs, expected = s.given["inputs"], np.array(s.expect["value"], float)
+    state = {"theta": s.given["phi"]} | s.present
+    null = turn(s.given["phi"]) @ s.model.matrix("null_space", s.steer)
+    if inputs == ["v", "omega"]:
+        assert same_span(null.T, expected.T)
+        return
+    out = s.model.call("dynamics", state | {"eta1": 1.0})
+    rates = np.array([out["x"], out["y"], out["theta"], out["front.steer"]])
+    body = turn(-s.given["phi"]) @ rates[:3]
+    wheel = "rear" if "rear" in inputs[0] else "front"
+    spin = s.inverse(body)[f"{wheel}.spin"]
+    radius = 1.0 if inputs[0] == "theta_w" else next(w["r"] for w in s.layout["wheels"] if w["name"] == wheel)
+    s.close(rates / (spin * radius), expected[:, 0])
+    steering = s.model.call("dynamics", state | {"front.steer_rate": 1.0})
+    s.close([steering["x"], steering["y"], steering["theta"], steering["front.steer"]], expected[:, 1])
+
+
+def rows_j1(s: Seed) -> None:
+    s.close(s.model.matrix("J1", s.steer), s.expect["value"])
+    if s.given.get("J2"):
+        s.close(s.model.matrix("J2", s.steer), s.expect["J2"])
+
+
+def rows_c1(s: Seed) -> None:
+    s.close(s.model.matrix("C1f", s.steer), s.expect["value"])
+
+
+def rows_steered(s: Seed) -> None:
+    s.close(s.model.matrix("J1", s.steer), s.expect["J1"])
+    s.close(s.model.matrix("C1s", s.steer), s.expect["C1"])
+
+
+def stack(s: Seed) -> None:
+    sliding = s.model.matrix("C1f", s.steer)
+    assert rank(sliding) == 1 and len(sliding) == 2
+    s.close(np.vstack([s.model.matrix("J1", s.steer), sliding[:1]]), s.expect["value"])
+
+
+def castor_rows(s: Seed) -> None:
+    """The sliding row of a castor stands in the inverse: steer_rate = -(row . twist) / d."""
+    s.close(s.model.matrix("J1", s.steer), s.expect["J1"])
+    d = s.expect["beta_dot_coeff"]
+    found = [-d * s.inverse(axis)["c.steer_rate"] for axis in np.eye(3)]
+    s.close([found], s.expect["C1"])
+
+
+def offset_rows(s: Seed) -> None:
+    """H and Q of contact velocities: rotate (rolling, sliding) rows back by each wheel's heading."""
+    j1, c1 = s.model.matrix("J1", s.steer), s.model.matrix("C1s", s.steer)
+    h, q = np.array(s.expect["H"]), np.array(s.expect["Q"])
+    for i, name in enumerate(s.names):
+        angle = s.heading(name) + s.steer.get(name, 0.0)
+        back = turn(angle)[:2, :2]
+        s.close(back @ np.vstack([j1[i], c1[i]]), h[2 * i : 2 * i + 2])
+        arm = back.T @ q[2 * i : 2 * i + 2, i]  # in the wheel's own axes: (-offset_y, 0)
+        s.close(steer_column(s, name), arm)
+    s.close(np.abs(q).sum(axis=1) > 0, np.ones(len(q)))
+
+
+def steer_column(s: Seed, name: str) -> Array:
+    """(rolling, sliding) velocity of a wheel's contact per unit steering rate, from the Pfaffian matrix."""
+    rolling, sliding = pfaffian_rows(s, name)
+    return np.array([rolling[f"{name}.steer"], sliding[f"{name}.steer"]])
+
+
+def pfaffian_rows(s: Seed, name: str) -> tuple[dict[str, float], dict[str, float]]:
+    """The rolling and the sliding row of a wheel in A(q) q' = 0, at theta = 0, by column name."""
+    matrix = s.model.matrix("pfaffian", s.steer)
+    columns = s.model.data["pfaffian_columns"]
+    rows = [dict(zip(columns, row, strict=True)) for row in matrix]
+    rolling = next(row for row in rows if row[f"{name}.spin"])
+    count = len(s.model.data["J1"])
+    sliding = [w["name"] for w in s.layout["wheels"] if w["type"] in ("fixed", "steered", "castor")]
+    return rolling, rows[count + sliding.index(name)]
+
+
+def two_axis_balls(s: Seed) -> None:
+    """Each powered ball as two omni wheels at right angles (see `split_balls`)."""
+    order = ["b1x", "b1y", "b2x", "b2y"]
+    columns = [s.forward({f"{n}.spin": float(n == m) for m in order}) for n in order]
+    s.close(np.array(columns).T, s.expect["value"])
+
+
+def split_balls(layout: dict[str, Any]) -> dict[str, Any]:
+    """A ball driven about two axes transmits force like two omni wheels in one place."""
+    wheels = []
+    for w in layout["wheels"]:
+        if w["type"] != "spherical":
+            wheels.append(w)
+            continue
+        for suffix, heading in (("x", 0.0), ("y", math.pi / 2)):
+            wheels.append(w | {"name": w["name"] + suffix, "type": "swedish", "gamma": 0.0, "heading": heading})
+    return layout | {"wheels": wheels}
+
+
+def mecanum_jacobians(s: Seed) -> None:
+    """Columns of each wheel's Jacobian are twists: spin alone, roller alone, turning about the contact.
+
+    Rolling sees the first with its spin and not the others; the three span all twists.
+    """
+    j1, j2 = s.model.matrix("J1"), s.model.matrix("J2")
+    for i, jacobian in enumerate(np.array(s.expect["value"], float)):
+        s.close(j1[i] @ jacobian, [j2[i, i], 0.0, 0.0])
+        roller = s.model.call("inverse", named(jacobian[:, 1])).get(f"{s.names[i]}.spin")
+        s.close(roller, 0.0)
+
+
+def ik(s: Seed) -> None:
+    e, g = s.expect, s.given
+    twist = g.get("twist_body")
+    if "twist_world" in g:
+        twist = turn(-g["phi"]) @ np.array(g["twist_world"])
+    if "v_x" in g:
+        twist = [g["v_x"], 0.0, g["omega"]]
+    found = s.inverse(twist)
+    if "wheel_rates" in e:
+        s.close([found[f"{n}.spin"] for n in s.names], e["wheel_rates"])
+    if "wheel_linear_speeds" in e:
+        s.close([found[f"{n}.spin"] for n in e["wheel_linear_speeds"]], list(e["wheel_linear_speeds"].values()))
+    if "phi_dot" in e:
+        values = e["phi_dot"] if isinstance(e["phi_dot"], list) else [e["phi_dot"]]
+        s.close([found[f"{n}.spin"] for n in s.names], values)
+    if "beta_dot" in e:
+        s.close([found[f"{n}.steer_rate"] for n in s.names], e["beta_dot"])
+    if "matrix" in e:
+        s.close([[s.inverse(a)[f"{n}.spin"] * w["r"] for a in np.eye(3)] for n, w in zip(s.names, s.layout["wheels"], strict=True)]
+                if len(e["matrix"][0]) == 3 else
+                [[s.inverse(a)[f"{n}.spin"] for a in ([1, 0, 0], [0, 0, 1])] for n in s.names], e["matrix"])  # fmt: skip
+    if "gamma" in e:
+        steering(s, np.array(twist, float), found)
+    elif "v_c" in e:
+        contact_velocities(s, np.array(twist, float))
+
+
+def steering(s: Seed, twist: Array, found: dict[str, float]) -> None:
+    """Steering angle and rim speed; the case's steering rate, if any, enters through the Pfaffian matrix."""
+    steered = [w["name"] for w in s.layout["wheels"] if w["type"] == "steered"]
+    gammas = np.atleast_1d(s.expect["gamma"])
+    s.close([s.heading(n) + found[f"{n}.steer"] for n in steered], gammas)
+    radius = [w["r"] for w in s.layout["wheels"] if w["type"] == "steered"]
+    speeds = np.array([found[f"{n}.spin"] for n in steered]) * radius
+    if "speed" in s.expect:
+        s.close(speeds, s.expect["speed"])
+    if "wheel_rate" in s.expect:
+        rolling, sliding = pfaffian_rows(s, steered[0])
+        rates = dict(zip(("x", "y", "theta"), twist, strict=True))
+        rates |= {f"{steered[0]}.spin": s.expect["wheel_rate"], f"{steered[0]}.steer": s.given["gamma_dot"]}
+        s.close([sum(row[k] * v for k, v in rates.items()) for row in (rolling, sliding)], [0.0, 0.0])
+    elif "wheel_speed" in s.expect:
+        s.close(speeds, s.expect["wheel_speed"])
+    if "v_f" in s.expect:
+        s.close(np.hypot(*s.expect["v_f"]), abs(speeds[0]))
+
+
+def contact_velocities(s: Seed, twist: Array) -> None:
+    """v_c of every wheel: rows at the given angles, plus the steering-rate columns."""
+    j1, c1 = s.model.matrix("J1", s.steer), s.model.matrix("C1s", s.steer)
+    v = []
+    for i, name in enumerate(s.names):
+        own = np.array([j1[i] @ twist, c1[i] @ twist])
+        own += steer_column(s, name) * s.given["gamma_dot"][i]
+        v += list(turn(s.heading(name) + s.steer.get(name, 0.0))[:2, :2] @ own)
+    s.close(v, s.expect["v_c"])
+
+
+def fk(s: Seed) -> None:
+    g, e = s.given, s.expect
+    rates: dict[str, float] = {}
+    given = g.get("wheel_rates", g.get("wheel_linear_speeds", g.get("phi_dot")))
+    if "phi_dot_common" in g:
+        given = [g["phi_dot_common"]] * len(s.names)
+    if isinstance(given, list):
+        given = dict(zip(s.names, given, strict=True))
+    rates |= {f"{n}.spin": v for n, v in given.items()}
+    rates |= {f"{n}.steer_rate": v for n, v in zip(s.names, g.get("beta_dot", []), strict=False)}
+    twist = s.forward(rates)
+    if "twist_body" in e:
+        s.close(twist, e["twist_body"])
+    if "twist_world" in e:
+        s.close(turn(g["phi"]) @ twist, e["twist_world"])
+    if "v_x" in e:
+        s.close(twist, [e["v_x"], 0.0, e["omega"]])
+
+
+ADAPT: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"S-3.7.2": split_balls}
+_WHAT: dict[str, Callable[[Seed], None]] = {
+    "IK_body": ik_body, "IK_world": ik_world, "FK_body": fk_body, "FK_world": fk_world, "M_world": m_world,
+    "G_world": g_world, "J1": rows_j1, "C1": rows_c1, "J1_C1": rows_steered, "stack_J1_C1": stack,
+    "castor_rows": castor_rows, "H_Q": offset_rows, "FK_body_two_axis_balls": two_axis_balls,
+    "mecanum_wheel_jacobians": mecanum_jacobians,
+}  # fmt: skip
+
+
+def handler(case: dict[str, Any]) -> Callable[[Seed], None]:
+    """The check of a case."""
+    if case["kind"] == "matrix":
+        return _WHAT[case["given"]["what"]]
+    return {"deltas": deltas, "ik": ik, "fk": fk}[case["kind"]]

@@ -17,9 +17,9 @@ def to_array(rows: Sequence[Sequence[Exact]]) -> Array:
 
 
 def unit_rows(rows: Array) -> Array:
-    """Each row scaled to a unit direction part, so that every row is in m/s; zero rows stay."""
+    """Each row scaled to a unit direction part, so that every row is in m/s; pure rotation rows to 1."""
     size = np.hypot(rows[:, 0], rows[:, 1])
-    size = np.where(size > 0, size, np.abs(rows[:, 2]))
+    size = np.where(size > TOLERANCE * np.abs(rows[:, 2]), size, np.abs(rows[:, 2]))
     return np.asarray(rows / np.where(size > 0, size, 1.0)[:, None])
 
 

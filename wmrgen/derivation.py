@@ -1,0 +1,190 @@
+"""The whole pipeline of one robot, each stage computed when first asked for."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wmrgen.layout import Robot, build
+from wmrgen.spec.load import read_robot
+
+if TYPE_CHECKING:
+    import sympy
+
+    from wmrgen.constraints import Constraints
+    from wmrgen.ir.nodes import Module
+    from wmrgen.mobility import Mobility
+    from wmrgen.program import Program
+    from wmrgen.symbolic import Expr
+
+TWIST = frozenset({"vx", "vy", "omega"})
+
+
+def load(path: str | Path) -> Robot:
+    """The exact layout of a robot file. RobotFileError when it cannot be accepted."""
+    return build(read_robot(path))
+
+
+def derive(robot: Robot) -> Derivation:
+    """The model of a robot."""
+    return Derivation(robot)
+
+
+class Derivation:
+    """The exact model of a robot: matrices, mobility, kinematics and code.
+
+    Matrices (J1, J2, C1f, C1s, pfaffian, null_space) keep named parameters as symbols.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+
+    @cached_property
+    def constraints(self) -> Constraints:
+        """All rows, parameters as symbols."""
+        from wmrgen.constraints import constrain, symbolic_view
+
+        return constrain(self.robot, symbolic_view)
+
+    @cached_property
+    def mobility(self) -> Mobility:
+        """Degrees, ranks and reasons."""
+        from wmrgen.mobility import analyse
+
+        return analyse(self.robot)
+
+    @cached_property
+    def J1(self) -> sympy.Matrix:
+        """Rolling rows, (number of rolling wheels) x 3: J1 xi = J2 spin (Siegwart (3.24))."""
+        return self._matrix([c.row for c in self.constraints.rolling])
+
+    @cached_property
+    def J2(self) -> sympy.Matrix:
+        """Diagonal of r cos gamma [m] (Siegwart (3.24))."""
+        import sympy
+
+        from wmrgen.symbolic import expression
+
+        return sympy.diag(*(expression(-dict(c.rates)[c.wheel.index, "spin"]) for c in self.constraints.rolling))
+
+    @cached_property
+    def C1f(self) -> sympy.Matrix:
+        """Sliding rows of fixed wheels, N x 3 (Siegwart (3.26))."""
+        return self._matrix([c.row for c in self.constraints.sliding_of("fixed")])
+
+    @cached_property
+    def C1s(self) -> sympy.Matrix:
+        """Sliding rows of steered wheels, N x 3 (Siegwart (3.26))."""
+        return self._matrix([c.row for c in self.constraints.sliding_of("steered")])
+
+    @cached_property
+    def pfaffian(self) -> sympy.Matrix:
+        """A with A (vx, vy, omega, joint rates) = 0; joints in the order of `pfaffian_rates`."""
+        from wmrgen.exact.poly import Poly
+        from wmrgen.symbolic import matrix
+
+        joints = self.constraints.joints
+        rows = []
+        for c in (*self.constraints.rolling, *self.constraints.sliding):
+            rates = dict(c.rates)
+            rows.append([*c.row, *(rates.get(j, Poly({})) for j in joints)])
+        return matrix(rows, 3 + len(joints))
+
+    @property
+    def pfaffian_rates(self) -> tuple[str, ...]:
+        """Names of the Pfaffian matrix's columns."""
+        names = self.robot.wheels
+        rates = (f"{names[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in self.constraints.joints)
+        return ("vx", "vy", "omega", *rates)
+
+    @cached_property
+    def null_space(self) -> sympy.Matrix:
+        """3 x delta_m: columns span the admissible twists at steering angles that meet in one ICR."""
+        return self._matrix(self.mobility.null_space_symbolic).T
+
+    @staticmethod
+    def _matrix(rows: Any) -> sympy.Matrix:
+        from wmrgen.symbolic import matrix
+
+        return matrix(rows, 3)
+
+    @cached_property
+    def program(self) -> Program:
+        """The functions of the model in symbols."""
+        from wmrgen.program import program
+
+        return program(self.robot, self.mobility)
+
+    @property
+    def inverse(self) -> dict[str, Expr]:
+        """Output name -> expression: joint commands of a twist."""
+        return self.program.formula("inverse").closed()
+
+    @property
+    def forward(self) -> dict[str, Expr]:
+        """Output name -> expression: twist and slip of sensed joint rates."""
+        return self.program.formula("forward").closed()
+
+    @property
+    def odometry(self) -> dict[str, Expr]:
+        """Output name -> expression: pose after a step."""
+        return self.program.formula("odometry").closed()
+
+    @property
+    def dynamics(self) -> dict[str, Expr]:
+        """Output name -> expression: rates of the posture model."""
+        return self.program.formula("dynamics").closed()
+
+    @cached_property
+    def raw_module(self) -> Module:
+        """The functions as written, not optimised: what the exact backend evaluates."""
+        from wmrgen.ir.nodes import Module
+        from wmrgen.lower import lower
+
+        return Module(self.robot.name, tuple(lower(f) for f in self.program.formulas))
+
+    @cached_property
+    def module(self) -> Module:
+        """The functions with every output of the contract, optimised."""
+        from wmrgen.ir.pipeline import optimise
+
+        return optimise(self.raw_module.functions, self.robot.name)
+
+    @cached_property
+    def c_module(self) -> Module:
+        """The functions for C: forward with and without the residual."""
+        from wmrgen.ir.pipeline import optimise
+        from wmrgen.lower import lower
+
+        p = self.program
+        functions = (
+            self.raw_module.function("inverse"),
+            lower(p.formula("forward"), TWIST),
+            lower(p.formula("forward"), None, "forward_slip"),
+            self.raw_module.function("odometry"),
+        )
+        return optimise(functions, self.robot.name)
+
+    def model(self) -> dict[str, Any]:
+        """The content of model.json."""
+        from wmrgen.model import model
+
+        return model(self)
+
+    def casadi(self) -> dict[str, Any]:
+        """Function name -> casadi.Function."""
+        from wmrgen.backends.casadi import functions
+
+        return functions(self.module)
+
+    def numpy(self) -> Any:
+        """The functions, vectorised over NumPy arrays."""
+        from wmrgen.backends.numpy import functions
+
+        return functions(self.module)
+
+    def _repr_latex_(self) -> str:
+        import sympy
+
+        return f"$$C_1 N = 0,\\quad N = {sympy.latex(self.null_space)}$$"

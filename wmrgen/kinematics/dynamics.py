@@ -1,0 +1,52 @@
+"""The continuous posture model (Siegwart 3.4; Campion (1996)): what a model predictive controller integrates.
+
+    d/dt (x, y, theta) = R(theta)^T N(beta) eta,    d/dt beta = steering rates
+
+eta (as many as delta_m) are coordinates of the twist in the null space of C1; beta are the steering angles of
+the wheels that choose the ICR, the others follow. N is polynomial in cosines and sines: its Jacobian exists
+everywhere.
+"""
+
+from __future__ import annotations
+
+import sympy
+
+from wmrgen.exact.poly import Poly
+from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
+from wmrgen.layout.records import Robot
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import Expr, signal
+
+RATES = (
+    Port("x_rate", Role.COMMAND, "m/s", "velocity of P along world x"),
+    Port("y_rate", Role.COMMAND, "m/s", "velocity of P along world y"),
+    Port("theta_rate", Role.COMMAND, "rad/s", "yaw rate"),
+)
+
+
+def dynamics(robot: Robot, mobility: Mobility) -> Formula:
+    """x y theta, steering, eta and steering rates to the rates of the state."""
+    names = Locals()
+    columns = mobility.null_space
+    etas = [Port(f"eta{k + 1}", Role.COMMAND, "", f"coordinate along column {k + 1} of the null space") for k in range(len(columns))]
+    wheels = [robot.wheel(n) for n in mobility.basis_wheels]
+    twist: list[Expr] = []
+    for i, name in enumerate(("vx_body", "vy_body", "omega_body")):
+        value = sum((column[i] * Poly.gen("input", e.name) for column, e in zip(columns, etas, strict=True)), Poly({}))
+        twist.append(names.define(name, value) if value else sympy.S.Zero)
+    theta = signal("theta")
+    c, s = sympy.cos(theta), sympy.sin(theta)
+    steering = [joint_port(w, "steer_rate", Role.COMMAND) for w in wheels]
+    outputs = (
+        (RATES[0], twist[0] * c - twist[1] * s),
+        (RATES[1], twist[0] * s + twist[1] * c),
+        (RATES[2], twist[2]),
+        *((p, signal(p.name)) for p in steering),
+    )
+    steers = [joint_port(w, "steer", Role.STATE) for w in wheels]
+    inputs = (*POSE, *steers, *etas, *steering, *tunable_ports(robot))
+    return Formula("dynamics", inputs, tuple(names.items), outputs, "rates of pose and steering: the posture model")
+
+

@@ -1,0 +1,145 @@
+"""Inverse kinematics: a twist to joint rates and steering angles, in closed form.
+
+Steering comes from atan2 of the pivot's velocity seen from the present wheel, so the swing is at most
+90 degrees with the drive reversed where that is shorter, and a pivot that stands still holds its angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy
+
+from wmrgen.constraints import along, rolling_row, sliding_row, working_view
+from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.project import Projection, project
+from wmrgen.kinematics.records import (
+    Formula,
+    Locals,
+    given,
+    joint_port,
+    slip_port,
+    tunable_ports,
+    twist_ports,
+)
+from wmrgen.kinematics.rootsum import norm
+from wmrgen.kinematics.steer import Target, steer_group, steer_one
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import Expr, expression
+
+
+@dataclass(frozen=True, slots=True)
+class _Joints:
+    """What the inverse commands for one wheel; ``spin`` is the rim speed [m/s] before coupling."""
+
+    rim: Expr
+    radius: Poly
+    steer: Expr | None = None
+    steer_rate: Expr | None = None
+    lateral: Poly | None = None
+
+
+def inverse(robot: Robot, mobility: Mobility) -> Formula:
+    """vx vy omega and the present steering angles to every joint's command."""
+    names = Locals()
+    projection = project(robot, mobility)
+    twist = _named_twist(projection, names)
+    targets = _steering(robot, twist, names)
+    joints = {w.index: _joints(w, twist, targets) for w in robot.wheels if w.has_spin}
+    spins = _spins(robot, joints)
+    outputs: list[tuple[Port, Expr]] = []
+    for w in robot.wheels:
+        if w.index not in joints:
+            continue
+        outputs.append((joint_port(w, "spin", Role.COMMAND), spins[w.index]))
+        j = joints[w.index]
+        if j.steer is not None:
+            outputs.append((joint_port(w, "steer", Role.COMMAND), j.steer))
+        if j.steer_rate is not None:
+            outputs.append((joint_port(w, "steer_rate", Role.COMMAND), j.steer_rate))
+    outputs.append((slip_port("sliding that the ground must give: RMS over the constraining wheels"), _slip(projection)))
+    steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
+    return Formula(
+        "inverse", (*twist_ports(), *steers, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
+        "twist of P in the robot frame to joint commands",
+    )  # fmt: skip
+
+
+def _named_twist(projection: Projection, names: Locals) -> Row:
+    """The twist to be driven; components that the projection changed get names."""
+    plain = (given("vx"), given("vy"), given("omega"))
+    parts = [
+        p if p == q or not p else names.poly(f"{n}_driven", p)
+        for p, q, n in zip(projection.twist, plain, ("vx", "vy", "omega"), strict=True)
+    ]
+    return parts[0], parts[1], parts[2]
+
+
+def _slip(projection: Projection) -> Expr:
+    return norm(projection.residuals, projection.weight)
+
+
+def pivot(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
+    """Velocity of the pivot A in the robot frame [m/s]."""
+    g = working_view(w)
+    one, zero = Poly.of(1), Poly({})
+    return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
+
+
+def _steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
+    """Targets of all steered wheels, coupled ones together."""
+    result: dict[int, Target] = {}
+    groups: dict[int, list[Wheel]] = {}
+    for w in robot.wheels:
+        if w.type == "steered":
+            groups.setdefault(robot.steer_group[w.index], []).append(w)
+    for members in groups.values():
+        velocities = {w.index: pivot(w, twist) for w in members}
+        same = len({(velocities[w.index], w.working.ch, w.working.sh) for w in members}) == 1
+        lead = members[0]
+        if same:
+            one = steer_one(robot, lead, velocities[lead.index], names)
+            result.update({w.index: one for w in members})
+        else:
+            result.update(steer_group(robot, members, velocities, names))
+    return result
+
+
+def _joints(w: Wheel, twist: Row, targets: dict[int, Target]) -> _Joints:
+    g = working_view(w)
+    if w.type == "steered":
+        target = targets[w.index]
+        rim = target.rim - expression(g.o * twist[2]) if g.o else target.rim
+        return _Joints(rim, g.r, target.steer)
+    rolling = dot(rolling_row(w, g).row, twist)
+    if w.type == "castor":
+        slide = dot(sliding_row(w, g).row, twist)
+        over = g.d.inverse()
+        rim = rolling + g.o * slide * over if g.o else rolling
+        return _Joints(expression(rim), g.r, None, expression(-(slide * over)))
+    return _Joints(expression(rolling), g.r * g.cg)
+
+
+def _spins(robot: Robot, joints: dict[int, _Joints]) -> dict[int, Expr]:
+    """Rim speeds to wheel speeds; wheels that must turn alike share the least-squares speed."""
+    groups: dict[int, list[int]] = {}
+    for i in joints:
+        groups.setdefault(robot.spin_group[i], []).append(i)
+    result = {}
+    for members in groups.values():
+        if len(members) == 1:
+            j = joints[members[0]]
+            result[members[0]] = _scaled(j.rim, j.radius.inverse())
+            continue
+        total = sum((joints[i].radius * joints[i].radius for i in members), Poly({})).inverse()
+        shared = sympy.Add(*(_scaled(joints[i].rim, joints[i].radius * total) for i in members))
+        result.update(dict.fromkeys(members, shared))
+    return result
+
+
+def _scaled(rim: Expr, factor: Poly) -> Expr:
+    return sympy.Mul(expression(factor), rim)
+
+

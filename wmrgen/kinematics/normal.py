@@ -1,0 +1,85 @@
+"""The inverse of a constant normal matrix, at derivation time.
+
+Exact numbers are inverted exactly; with tunable geometry each connected block is inverted by cofactors, so that
+prepare() is left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse.
+"""
+
+from __future__ import annotations
+
+from wmrgen.exact.linalg import inverse3
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.mobility.ranks import independent, numeric_rank, to_array
+
+Matrix = list[list[Poly]]
+
+
+def pseudo_inverse(normal: Matrix) -> Matrix:
+    """The (pseudo-)inverse of a symmetric positive semidefinite 3x3 matrix of constants."""
+    result = [[Poly({}) for _ in range(3)] for _ in range(3)]
+    for block in _blocks(normal):
+        part = [[normal[i][j] for j in block] for i in block]
+        for i, row in zip(block, _invert(part), strict=True):
+            for j, value in zip(block, row, strict=True):
+                result[i][j] = value
+    return result
+
+
+def _blocks(m: Matrix) -> list[list[int]]:
+    """Indices that are connected by non-zero entries."""
+    blocks: list[list[int]] = []
+    for i in range(3):
+        linked = [b for b in blocks if any(m[i][j] for j in b)]
+        blocks = [b for b in blocks if b not in linked] + [sorted([*(j for b in linked for j in b), i])]
+    return sorted(blocks)
+
+
+def _invert(part: Matrix) -> Matrix:
+    numbers = [[p.constant for p in row] for row in part]
+    if any(v is None for row in numbers for v in row):
+        return _cofactors(part)
+    exact = [[v for v in row if v is not None] for row in numbers]
+    return [[Poly.of(v) for v in row] for row in _exact(exact)]
+
+
+def _exact(m: list[list[Exact]]) -> list[list[Exact]]:
+    """Moore-Penrose inverse over the field: rank by tolerance, then B^T (B m B^T)^-1 B with the rows B spanning range(m)."""
+    size = len(m)
+    padded = to_array([[*row, *[Exact(0)] * (3 - size)] for row in m])
+    rank, _ = numeric_rank(padded)
+    if rank == size:
+        return inverse3(m)
+    if not rank:
+        return [[Exact(0)] * size for _ in range(size)]
+    rows = [m[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
+    core = [[_dot(a, _times(m, b)) for b in rows] for a in rows]  # B m B^T
+    left = inverse3(core)
+    return [
+        [sum((rows[p][i] * left[p][q] * rows[q][j] for p in range(rank) for q in range(rank)), Exact(0)) for j in range(size)]
+        for i in range(size)
+    ]
+
+
+def _dot(a: list[Exact], b: list[Exact]) -> Exact:
+    return sum((x * y for x, y in zip(a, b, strict=True)), Exact(0))
+
+
+def _times(m: list[list[Exact]], v: list[Exact]) -> list[Exact]:
+    return [_dot(row, v) for row in m]
+
+
+def _cofactors(part: Matrix) -> Matrix:
+    """The inverse of a block that contains tunable parameters."""
+    if len(part) == 1:
+        return [[part[0][0].inverse()]]
+    if len(part) == 2:
+        (a, b), (c, d) = part
+        over = (a * d - b * c).inverse()
+        return [[d * over, -b * over], [-c * over, a * over]]
+    m = part
+    cof = [
+        [m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3] - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3] for j in range(3)]
+        for i in range(3)
+    ]
+    over = (m[0][0] * cof[0][0] + m[0][1] * cof[0][1] + m[0][2] * cof[0][2]).inverse()
+    return [[cof[j][i] * over for j in range(3)] for i in range(3)]

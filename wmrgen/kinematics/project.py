@@ -1,0 +1,78 @@
+"""Twists that the wheels forbid: the nearest admissible one, and how far away it is.
+
+One axle line forbids motion along the axle: that component of the velocity is taken away. Coupled steering
+that keeps all axles parallel forbids rotation: the centroid of the wheels keeps its velocity. Distances are
+velocities of contact points [m/s], so they do not change with the frame or the unit of length. A degenerate
+robot (skid-steer) would have next to nothing left to drive: it keeps the commanded twist, its wheels follow
+in the least-squares sense, and the sliding is reported.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from wmrgen.constraints import sliding_row, working_view
+from wmrgen.exact.angles import sqrt_poly
+from wmrgen.exact.evaluate import fix
+from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.records import given
+from wmrgen.layout.records import Robot
+from wmrgen.mobility.records import Mobility
+
+
+@dataclass(frozen=True, slots=True)
+class Projection:
+    """``twist``: what is driven. slip = sqrt(weight * sum of residuals**2)."""
+
+    twist: Row
+    residuals: tuple[Poly, ...]
+    weight: Exact
+
+
+def project(robot: Robot, mobility: Mobility) -> Projection:
+    """The driven twist of a commanded one, and the residuals of the difference."""
+    twist: Row = (given("vx"), given("vy"), given("omega"))
+    fixed = [w for w in robot.wheels if w.type == "fixed"]
+    picked = mobility.admissible
+    if len(picked.chosen) == 1 and mobility.rank_C1f.value == 1:
+        nx, ny, k = sliding_row(fixed[0], working_view(fixed[0])).row
+        lateral = dot((nx, ny, k), twist)
+        return Projection((twist[0] - nx * lateral, twist[1] - ny * lateral, twist[2]), (lateral,), ONE)
+    if picked.normal is not None and not picked.normal[0] and not picked.normal[1]:
+        return _translate(robot, twist)
+    residuals = [dot(sliding_row(w, working_view(w)).row, twist) for w in fixed]
+    residuals += _spin_residuals(robot, twist)
+    return Projection(twist, tuple(residuals), ONE / max(len(fixed), 1))
+
+
+def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
+    """Rim-speed differences that equal spins cannot follow (unsteered wheels)."""
+    from wmrgen.constraints import rolling_row
+
+    groups: dict[int, list[int]] = {}
+    for w in robot.wheels:
+        if w.type in ("fixed", "swedish"):
+            groups.setdefault(robot.spin_group[w.index], []).append(w.index)
+    found: list[Poly] = []
+    for members in (m for m in groups.values() if len(m) > 1):
+        views = [working_view(robot.wheels[i]) for i in members]
+        radii = [g.r * g.cg for g in views]
+        rims = [dot(rolling_row(robot.wheels[i], g).row, twist) for i, g in zip(members, views, strict=True)]
+        total = sum((r * r for r in radii), Poly({})).inverse()
+        speed = sum((r * z for r, z in zip(radii, rims, strict=True)), Poly({})) * total
+        found += [z - r * speed for r, z in zip(radii, rims, strict=True)]
+    return found
+
+
+def _translate(robot: Robot, twist: Row) -> Projection:
+    """Rotation taken away about the centroid of the steered wheels."""
+    wheels = [working_view(w) for w in robot.wheels if w.type == "steered"]
+    share = Fraction(1, len(wheels))
+    gx = sum((g.x for g in wheels), Poly({})).scale(share)
+    gy = sum((g.y for g in wheels), Poly({})).scale(share)
+    spread = sum(((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels), Poly({})).scale(share)
+    root = fix(sqrt_poly(spread), {})
+    omega = twist[2]
+    return Projection((twist[0] - omega * gy, twist[1] + omega * gx, Poly({})), (omega * root,), ONE)

@@ -1,0 +1,86 @@
+"""A function of the model: named inputs, named intermediate results, named outputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmrgen.exact.poly import Poly
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import Expr, Local, expression, local
+
+JOINT_UNIT = {"spin": "rad/s", "steer": "rad", "steer_rate": "rad/s"}
+_SPIN = "wheel speed about its axle, positive rolls along the rolling direction"
+JOINT_TEXT = {
+    "spin": _SPIN,
+    "steer": "steering angle, counter-clockwise from the zero of the robot file",
+    "steer_rate": "steering rate, counter-clockwise",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Formula:
+    """One function of the model in symbols. ``locals`` may refer to earlier ones."""
+
+    name: str
+    inputs: tuple[Port, ...]
+    locals: tuple[tuple[Local, Expr], ...]
+    outputs: tuple[tuple[Port, Expr], ...]
+    text: str
+
+    def closed(self) -> dict[str, Expr]:
+        """Output name -> expression in the inputs alone."""
+        known: dict[Expr, Expr] = {}
+        for symbol, expr in self.locals:
+            known[symbol] = expr.xreplace(known)
+        return {port.name: expr.xreplace(known) for port, expr in self.outputs}
+
+
+class Locals:
+    """Collects intermediate results while a formula is written down."""
+
+    def __init__(self) -> None:
+        self.items: list[tuple[Local, Expr]] = []
+
+    def define(self, name: str, value: Expr | Poly) -> Local:
+        """A new intermediate result; returns its symbol."""
+        symbol = local(name)
+        self.items.append((symbol, expression(value) if isinstance(value, Poly) else value))
+        return symbol
+
+    def poly(self, name: str, value: Expr | Poly) -> Poly:
+        """A new intermediate result as a generator of polynomials."""
+        self.define(name, value)
+        return Poly.gen("local", name)
+
+
+TWIST = (
+    ("vx", "m/s", "velocity of P forward, robot frame"),
+    ("vy", "m/s", "velocity of P to the left, robot frame"),
+    ("omega", "rad/s", "yaw rate, counter-clockwise"),
+)
+
+
+def twist_ports(role: Role = Role.COMMAND) -> tuple[Port, ...]:
+    """vx, vy, omega."""
+    return tuple(Port(name, role, unit, text) for name, unit, text in TWIST)
+
+
+def joint_port(wheel: Wheel, joint: str, role: Role) -> Port:
+    """``<wheel>.<joint>``"""
+    return Port(f"{wheel.name}.{joint}", role, JOINT_UNIT[joint], JOINT_TEXT[joint])
+
+
+def slip_port(text: str) -> Port:
+    """``slip``"""
+    return Port("slip", Role.COMMAND, "m/s", text)
+
+
+def tunable_ports(robot: Robot) -> tuple[Port, ...]:
+    """The tunable parameters, in file order, with their nominal values."""
+    return tuple(Port(p.name, Role.GEOMETRY, "SI", f"tunable parameter {p.name}", p.nominal) for p in robot.tunable)
+
+
+def given(name: str) -> Poly:
+    """An input as a polynomial."""
+    return Poly.gen("input", name)

@@ -1,0 +1,70 @@
+"""What the sensed joint rates say about the twist: velocities of contact points, and single rows.
+
+A wheel with both rows known measures the velocity of its contact point B:
+v_B = (r spin + o steer_rate) e - d steer_rate n. A wheel with one row known measures one component.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wmrgen.constraints import heading, rolling_row, sliding_row, working_view
+from wmrgen.exact.poly import Poly, Row
+from wmrgen.kinematics.records import given
+from wmrgen.layout.records import Robot, Wheel
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A measured contact velocity: v + omega z x (bx, by) = (wx, wy), robot frame."""
+
+    wheel: Wheel
+    bx: Poly
+    by: Poly
+    wx: Poly
+    wy: Poly
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """A measured component: row . xi = value [m/s]."""
+
+    wheel: Wheel
+    row: Row
+    value: Poly
+
+
+def sensed_joints(w: Wheel) -> tuple[str, ...]:
+    """The joints of a wheel that are inputs of ``forward``."""
+    joints = [j for j in ("spin", "steer") if j in w.sensed]
+    if "steer" in joints and (w.type == "castor" or w.nominal.o):
+        joints.append("steer_rate")
+    return tuple(joints)
+
+
+def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
+    """Everything that is known of the twist. Passive castors and spheres say nothing."""
+    contacts: list[Contact] = []
+    components: list[Component] = []
+    for w in robot.wheels:
+        g = working_view(w)
+        joints = sensed_joints(w)
+        if w.type == "spherical" or (w.turns and "steer" not in joints):
+            continue
+        spin = given(f"{w.name}.spin") if "spin" in joints else None
+        rate = given(f"{w.name}.steer_rate") if "steer_rate" in joints else Poly({})
+        if w.type == "swedish":
+            if spin is not None:
+                components.append(Component(w, rolling_row(w, g).row, g.r * g.cg * spin))
+            continue
+        c, s = heading(w, g)
+        if spin is None:
+            components.append(Component(w, sliding_row(w, g).row, -(g.d * rate)))
+            continue
+        along, across = g.r * spin + g.o * rate, -(g.d * rate)
+        contacts.append(
+            Contact(
+                w, g.x + g.d * c - g.o * s, g.y + g.d * s + g.o * c, along * c - across * s, along * s + across * c
+            )
+        )
+    return contacts, components

@@ -1,0 +1,168 @@
+"""From symbols to the IR: the one place where sympy expressions become nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import sympy
+
+from wmrgen.exact.angles import pi_rational
+from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
+from wmrgen.ir.build import Builder
+from wmrgen.ir.nodes import Function
+from wmrgen.kinematics.records import Formula
+from wmrgen.symbolic import Expr, Input, Local, Parameter
+
+_TINY = Exact(Fraction(1, 10**12))
+
+
+def lower(formula: Formula, keep: frozenset[str] | None = None, name: str = "") -> Function:
+    """The formula as an IR function. ``keep``: the outputs wanted (all by default); ``name``: another name."""
+    lowering = _Lowering(formula)
+    outputs = [(port, expr) for port, expr in formula.outputs if keep is None or port.name in keep]
+    results = [lowering.node(expr) for _, expr in outputs]
+    return lowering.builder.function(
+        name or formula.name, formula.inputs, tuple(p for p, _ in outputs), results, formula.text
+    )
+
+
+class _Lowering:
+    """Expressions to node ids, each distinct expression once."""
+
+    def __init__(self, formula: Formula) -> None:
+        self.builder = Builder()
+        self.memo: dict[Expr, int] = {}
+        self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
+        self.locals = dict(formula.locals)
+        self.rules: dict[type, Callable[[Expr], int]] = {
+            sympy.Add: self._add, sympy.Mul: self._mul, sympy.Pow: self._pow, sympy.sin: self._sin,
+            sympy.cos: self._cos, sympy.tan: self._tan, sympy.atan2: self._atan2, sympy.Abs: self._abs,
+            sympy.Max: self._max, sympy.Min: self._min, sympy.Piecewise: self._select,
+            Input: self._input, Parameter: self._input, Local: self._local,
+        }  # fmt: skip
+
+    def node(self, expr: Expr) -> int:
+        """The node of an expression."""
+        found = self.memo.get(expr)
+        if found is None:
+            value = _number(expr)
+            found = self.builder.const(value) if value is not None else self.rules[type(expr)](expr)
+            self.memo[expr] = found
+        return found
+
+    def _input(self, expr: Expr) -> int:
+        return self.builder.input(self.names[expr.name])
+
+    def _local(self, expr: Expr) -> int:
+        return self.node(self.locals[expr])
+
+    def _add(self, expr: Expr) -> int:
+        return self.builder.sum(self.node(a) for a in expr.args)
+
+    def _mul(self, expr: Expr) -> int:
+        factor, above, below = ONE, [], []
+        for arg in expr.args:
+            value = _number(arg)
+            if value is not None:
+                factor = factor * value
+            elif isinstance(arg, sympy.Pow) and arg.exp.is_Rational and arg.exp < 0:
+                below.append(self.node(sympy.Pow(arg.base, -arg.exp)))
+            else:
+                above.append(self.node(arg))
+        b = self.builder
+        product = b.product(above)
+        if below:
+            product = b.mul(product, b.div(b.const(1), self._nonzero(b.product(below))))
+        return b.mul(b.const(factor), product)
+
+    def _pow(self, expr: Expr) -> int:
+        b, exponent = self.builder, expr.exp
+        if exponent.is_Integer:
+            n = int(exponent)
+            power = b.power(self.node(expr.base), abs(n))
+            return power if n >= 0 else b.div(b.const(1), self._nonzero(power))
+        if exponent.is_Rational and exponent.q == 2:
+            root = b.power(b.sqrt(self.node(expr.base)), abs(int(exponent.p)))
+            return root if exponent > 0 else b.div(b.const(1), self._nonzero(root))
+        raise ValueError(f"no operation for exponent {exponent}")
+
+    def _nonzero(self, a: int) -> int:
+        """A divisor that depends on tunable geometry alone is kept off zero; others are guarded by construction."""
+        b = self.builder
+        if b.value(a) is not None or not self._geometric(a):
+            return a
+        return b.select(b.abs(a), b.const(_TINY), b.const(1), a)
+
+    def _geometric(self, a: int) -> bool:
+        parameters = {p for p in self.names if p in {s.name for s in self._parameters()}}
+        stack, seen = [a], set()
+        while stack:
+            k = stack.pop()
+            if k in seen:
+                continue
+            seen.add(k)
+            node = self.builder.nodes[k]
+            if node.name is not None and node.name not in parameters:
+                return False
+            stack.extend(node.args)
+        return True
+
+    def _parameters(self) -> list[Parameter]:
+        return [e for e in self.memo if isinstance(e, Parameter)]
+
+    def _sin(self, expr: Expr) -> int:
+        return self.builder.sin(self.node(expr.args[0]))
+
+    def _cos(self, expr: Expr) -> int:
+        return self.builder.cos(self.node(expr.args[0]))
+
+    def _tan(self, expr: Expr) -> int:
+        a = self.node(expr.args[0])
+        return self.builder.div(self.builder.sin(a), self._nonzero(self.builder.cos(a)))
+
+    def _atan2(self, expr: Expr) -> int:
+        return self.builder.atan2(self.node(expr.args[0]), self.node(expr.args[1]))
+
+    def _abs(self, expr: Expr) -> int:
+        return self.builder.abs(self.node(expr.args[0]))
+
+    def _max(self, expr: Expr) -> int:
+        a, b = expr.args
+        return self.builder.max(self.node(a), self.node(b))
+
+    def _min(self, expr: Expr) -> int:
+        a, b = expr.args
+        return self.builder.min(self.node(a), self.node(b))
+
+    def _select(self, expr: Expr) -> int:
+        (then, condition), (otherwise, _) = expr.args
+        low, high = self.node(condition.lts), self.node(condition.gts)
+        return self.builder.select(low, high, self.node(then), self.node(otherwise))
+
+
+def _number(expr: Expr) -> Exact | None:
+    """A sympy number as a field element; roots outside the field to 60 digits. None when it has symbols."""
+    if isinstance(expr, sympy.Rational):
+        return Exact(Fraction(int(expr.p), int(expr.q)))
+    if expr is sympy.pi:
+        return Exact(pi_rational())
+    if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and isinstance(expr.exp, sympy.Rational):
+        return _root(Fraction(int(expr.base.p), int(expr.base.q)), expr.exp)
+    if isinstance(expr, sympy.Add | sympy.Mul):
+        parts = [_number(a) for a in expr.args if not isinstance(a, sympy.Symbol)] if not expr.free_symbols else [None]
+        known = [p for p in parts if p is not None]
+        if len(known) < len(parts):
+            return None
+        total = Exact(0) if isinstance(expr, sympy.Add) else ONE
+        for p in known:
+            total = total + p if isinstance(expr, sympy.Add) else total * p
+        return total
+    return None
+
+
+def _root(base: Fraction, exponent: sympy.Rational) -> Exact:
+    if exponent.q != 2:
+        raise ValueError(f"no number for exponent {exponent}")
+    root = exact_sqrt(base) or Exact(sqrt_rational(base.numerator * base.denominator) / base.denominator)
+    return root ** int(exponent.p)

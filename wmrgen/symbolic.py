@@ -1,0 +1,144 @@
+"""Exact polynomials as sympy expressions, over symbols that print as the contract's names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+import sympy
+
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Gen, Poly, Row
+
+Expr = sympy.Expr
+
+
+class Quantity(sympy.Symbol):  # type: ignore[misc]
+    """A real symbol. ``name`` is a C identifier; LaTeX output escapes it."""
+
+    def _latex(self, printer: Any) -> str:
+        return latex_name(self.name)
+
+
+class Parameter(Quantity):
+    """A named length or angle of the robot file."""
+
+
+class Input(Quantity):
+    """An input of a function: ``left_spin`` for the port ``left.spin``."""
+
+
+class Local(Quantity):
+    """A named intermediate result."""
+
+
+_GREEK = {"omega": r"\omega", "theta": r"\theta", "vx": "v_x", "vy": "v_y", "dt": r"\Delta t"}
+_JOINTS = (("_steer_rate", r"\dot{\beta}"), ("_steer", r"\beta"), ("_spin", r"\dot{\varphi}"))
+
+
+def latex_name(name: str) -> str:
+    """A name for LaTeX math: joints as Greek letters with the wheel as index."""
+    if name in _GREEK:
+        return _GREEK[name]
+    for suffix, letter in _JOINTS:
+        if name.endswith(suffix) and len(name) > len(suffix):
+            return rf"{letter}_{{\mathrm{{{escape(name[: -len(suffix)])}}}}}"
+    if len(name) == 1:
+        return name
+    return rf"\mathit{{{escape(name)}}}"
+
+
+def escape(name: str) -> str:
+    """An identifier inside LaTeX braces."""
+    return name.replace("_", r"\_")
+
+
+def parameter(name: str) -> Parameter:
+    """The symbol of a parameter."""
+    return Parameter(name, real=True)
+
+
+def signal(port: str) -> Input:
+    """The symbol of an input, by its contract name."""
+    return Input(port.replace(".", "_"), real=True)
+
+
+def local(name: str) -> Local:
+    """The symbol of an intermediate result."""
+    return Local(name.replace(".", "_"), real=True)
+
+
+@lru_cache(maxsize=65536)
+def number(value: Exact) -> Expr:
+    """A field element as a sympy number."""
+    roots = (sympy.S.One, sympy.sqrt(2), sympy.sqrt(3), sympy.sqrt(6))
+    terms = [_rational(p) * root for p, root in zip(value.parts, roots, strict=True) if p]
+    return terms[0] if len(terms) == 1 else sympy.Add(*terms)
+
+
+def _rational(f: Fraction) -> Expr:
+    return sympy.Rational(f.numerator, f.denominator)
+
+
+@lru_cache(maxsize=65536)
+def generator(gen: Gen) -> Expr:
+    """A generator as a sympy expression."""
+    match gen.kind:
+        case "param":
+            return parameter(gen.name)
+        case "input":
+            return signal(gen.name)
+        case "local":
+            return local(gen.name)
+        case "pi":
+            return sympy.pi
+        case "cos":
+            return sympy.cos(signal(f"{gen.name}.steer"))
+        case "sin":
+            return sympy.sin(signal(f"{gen.name}.steer"))
+    args = [expression(a) for a in gen.args]
+    table: dict[str, Any] = {
+        "sqrt": sympy.sqrt, "inv": lambda a: sympy.Pow(a, -1), "tan": sympy.tan,
+        "cosf": sympy.cos, "sinf": sympy.sin, "atan2": lambda y, x: sympy.atan2(y, x, evaluate=False),
+    }  # fmt: skip
+    return table[gen.kind](*args)
+
+
+def expression(poly: Poly) -> Expr:
+    """A polynomial as a sympy expression, terms as they stand."""
+    terms = []
+    for monomial, coefficient in poly.terms.items():
+        factors = [generator(g) if e == 1 else sympy.Pow(generator(g), e) for g, e in monomial]
+        terms.append(sympy.Mul(number(coefficient), *factors))
+    return sympy.Add(*terms)
+
+
+def matrix(rows: Sequence[Row] | Sequence[Sequence[Poly]], columns: int) -> sympy.Matrix:
+    """Rows of polynomials as a sympy matrix with ``columns`` columns (0 rows allowed)."""
+    return sympy.Matrix(len(rows), columns, [expression(p) for row in rows for p in row])
+
+
+def select(a: Expr, b: Expr, then: Expr, otherwise: Expr) -> Expr:
+    """``then`` where a < b, else ``otherwise``."""
+    condition = sympy.StrictLessThan(a, b, evaluate=False)
+    return sympy.Piecewise((then, condition), (otherwise, True), evaluate=False)
+
+
+def maximum(a: Expr, b: Expr) -> Expr:
+    """The larger of two expressions, unevaluated."""
+    return sympy.Max(a, b, evaluate=False)
+
+
+def absolute(a: Expr) -> Expr:
+    """|a|, unevaluated."""
+    return a if a.is_zero else sympy.Abs(a, evaluate=False)
+
+
+def angle_of(y: Expr, x: Expr) -> Expr:
+    """atan2(y, x), unevaluated; atan2(0, 0) = 0 in every backend."""
+    return sympy.atan2(y, x, evaluate=False)
+
+
+__all__ = ["Expr", "Input", "Local", "Parameter", "absolute", "angle_of", "expression", "latex_name", "local", "matrix", "maximum", "number", "parameter", "select", "signal"]  # fmt: skip

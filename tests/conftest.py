@@ -68,4 +68,6 @@ def process(
 
 def tree(folder: Path) -> dict[str, bytes]:
     """Every file under ``folder``, by relative name."""
-    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+    return {
+        p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()
+    }

@@ -1,13 +1,14 @@
 """wmrgen: from the wheel layout of a robot to its verified kinematic model.
 
 >>> import wmrgen
->>> derivation = wmrgen.derive(wmrgen.load("robots/pioneer.yaml"))
+>>> derivation = wmrgen.derive(wmrgen.load("robots/pioneer3dx.yaml"))
 
 Importing the package loads neither sympy nor casadi nor numpy: `load` and `derive` do, when called.
 """
 
 from __future__ import annotations
 
+import os
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -21,10 +22,9 @@ __all__ = ["__version__", "derive", "load"]
 
 def load(path: str | PathLike[str]) -> Robot:
     """The robot that a file describes. RobotFileError, with the place, where the file cannot be accepted."""
-    from wmrgen.layout import build
-    from wmrgen.spec import read
+    from wmrgen.derivation import load as load_robot
 
-    return build(read(path))
+    return load_robot(os.fspath(path))
 
 
 def derive(robot: Robot) -> Derivation:

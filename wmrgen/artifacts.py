@@ -111,7 +111,9 @@ def _refuse_links(directory: Path, name: str) -> None:
 
 def _refuse_link(path: Path) -> None:
     if path.is_symlink():
-        raise EnvironmentFailure(f"{path} is a symbolic link; wmrgen writes only to real directories and files")
+        raise EnvironmentFailure(
+            f"{path} is a symbolic link; wmrgen writes only to real directories and files"
+        )
 
 
 def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:

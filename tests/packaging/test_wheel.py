@@ -26,7 +26,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The interpreter of a fresh environment with the wheel in it; dependencies are borrowed from this one."""
+    """The interpreter of a fresh environment with the wheel in it; dependencies come from this one."""
     home = tmp_path_factory.mktemp("fresh") / "env"
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(home)], check=True)
     python = home / ("Scripts" if sys.platform == "win32" else "bin") / "python"
@@ -44,7 +44,9 @@ def test_the_wheel_holds_the_package_and_the_templates_and_nothing_else(wheel: P
     assert len(tops) == 2
     assert "wmrgen" in tops
     shipped = {n.removeprefix("wmrgen/templates/") for n in names if n.startswith("wmrgen/templates/")}
-    assert shipped == {p.relative_to(ROOT / "templates").as_posix() for p in (ROOT / "templates").rglob("*.j2")}
+    assert shipped == {
+        p.relative_to(ROOT / "templates").as_posix() for p in (ROOT / "templates").rglob("*.j2")
+    }
     assert "wmrgen/py.typed" in names
 
 

@@ -47,7 +47,9 @@ def imports(path: Path) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("module", [m for m in SOURCES if m.split("/")[0] not in ("cli", "__init__", "__main__")])
+@pytest.mark.parametrize(
+    "module", [m for m in SOURCES if m.split("/")[0] not in ("cli", "__init__", "__main__")]
+)
 def test_imports_point_left(module: str) -> None:
     stage = module.split("/")[0]
     for name in imports(SOURCES[module]):
@@ -65,7 +67,9 @@ def test_backends_do_not_know_each_other(module: str) -> None:
             assert name.split(".")[2] in (own, "meta"), f"wmrgen/{module}.py imports {name}"
 
 
-@pytest.mark.parametrize("module", [m for m in SOURCES if m.split("/")[0] in ("spec", "ir", "backends", "cli")])
+@pytest.mark.parametrize(
+    "module", [m for m in SOURCES if m.split("/")[0] in ("spec", "ir", "backends", "cli")]
+)
 def test_sympy_stays_in_the_derivation(module: str) -> None:
     if module in ("ir/verify", "backends/report"):
         return

@@ -8,12 +8,21 @@ import pytest
 
 from tests.conftest import ROOT, process, tree
 
-ROBOTS = [ROOT / "robots" / f"{name}.yaml" for name in ("pioneer3dx", "pr2", "kuka_youbot", "office_chair", "synchro_drive")]
+ROBOTS = [
+    ROOT / "robots" / f"{name}.yaml"
+    for name in ("pioneer3dx", "pr2", "kuka_youbot", "office_chair", "synchro_drive")
+]
 SURROUNDINGS = [
     {"PYTHONHASHSEED": "0", "LC_ALL": "C", "TZ": "UTC"},
     {"PYTHONHASHSEED": "1", "LC_ALL": "tr_TR.UTF-8", "TZ": "Asia/Kathmandu"},
     {"PYTHONHASHSEED": "271828", "LC_ALL": "de_DE.ISO-8859-1", "TZ": "America/St_Johns", "PYTHONUTF8": "0"},
-    {"PYTHONHASHSEED": "4294967295", "LC_ALL": "POSIX", "LANGUAGE": "fr", "COLUMNS": "20", "SOURCE_DATE_EPOCH": "1"},
+    {
+        "PYTHONHASHSEED": "4294967295",
+        "LC_ALL": "POSIX",
+        "LANGUAGE": "fr",
+        "COLUMNS": "20",
+        "SOURCE_DATE_EPOCH": "1",
+    },
 ]
 
 

@@ -20,7 +20,17 @@ FORBIDDEN_ATTRIBUTES = {
     "sympify", "parse_expr", "parse_latex", "parse_mathematica", "symbols", "lambdify", "nsimplify",
     "unsafe_load", "full_load", "load_all",
 }  # fmt: skip
-FORBIDDEN_MODULES = {"pickle", "marshal", "shelve", "random", "locale", "socket", "urllib", "http", "datetime"}
+FORBIDDEN_MODULES = {
+    "pickle",
+    "marshal",
+    "shelve",
+    "random",
+    "locale",
+    "socket",
+    "urllib",
+    "http",
+    "datetime",
+}
 
 # What lives in one module each. compiler.py also writes, but only C sources into its own temporary folder.
 HOMES = {
@@ -32,7 +42,17 @@ HOMES = {
     "typer": {"cli/app"},
 }
 WRITERS = {"artifacts", "compiler"}
-WRITING = {"write_text", "write_bytes", "mkdir", "unlink", "rename", "replace_file", "symlink_to", "rmdir", "touch"}
+WRITING = {
+    "write_text",
+    "write_bytes",
+    "mkdir",
+    "unlink",
+    "rename",
+    "replace_file",
+    "symlink_to",
+    "rmdir",
+    "touch",
+}
 
 
 def calls(tree: ast.AST) -> Iterator[ast.Call]:
@@ -60,7 +80,9 @@ def test_nothing_turns_text_into_code(module: str) -> None:
         if isinstance(node, ast.Attribute):
             assert node.attr not in FORBIDDEN_ATTRIBUTES, f"{module}:{node.lineno}: {node.attr}"
             of_yaml = isinstance(node.value, ast.Name) and node.value.id == "yaml"
-            assert not (of_yaml and node.attr in ("load", "safe_load", "Loader", "CLoader")), f"{module}:{node.lineno}"
+            assert not (of_yaml and node.attr in ("load", "safe_load", "Loader", "CLoader")), (
+                f"{module}:{node.lineno}"
+            )
     for name in imported(TREES[module]):
         assert name.split(".")[0] not in FORBIDDEN_MODULES, f"{module} imports {name}"
         assert name.rsplit(".", 1)[-1] not in FORBIDDEN_CALLS, f"{module} imports {name}"

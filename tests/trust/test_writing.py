@@ -61,7 +61,9 @@ def test_a_forged_manifest_removes_nothing_outside(place: Path) -> None:
     assert victim.read_text() == "keep"
 
 
-@pytest.mark.parametrize("name", ["../x", "/x", "a/../../x", "", ".", "..", "a//b", ".hidden", "a\\b", "x\n", MANIFEST])
+@pytest.mark.parametrize(
+    "name", ["../x", "/x", "a/../../x", "", ".", "..", "a//b", ".hidden", "a\\b", "x\n", MANIFEST]
+)
 def test_names_that_could_leave_the_directory(place: Path, name: str) -> None:
     with pytest.raises(ValueError, match="not a name"):
         write_tree(place, {name: b""})
@@ -122,13 +124,14 @@ def replace(self, target):
     return plain(self, target)
 
 Path.replace = replace
-artifacts.write_tree(Path(sys.argv[1]), {"a.c": b"new a", "b.h": b"new b", "c.json": b"same", "d/e.md": b"new e"})
+new = {"a.c": b"new a", "b.h": b"new b", "c.json": b"same", "d/e.md": b"new e"}
+artifacts.write_tree(Path(sys.argv[1]), new)
 """
 
 
 @pytest.mark.parametrize("after", range(5))
 def test_killed_at_any_moment(place: Path, after: int) -> None:
-    """Every file is whole, old or new; the manifest is new only when everything is; a second run completes."""
+    """Every file is whole, old or new; the manifest is new when everything is; a second run completes."""
     done = subprocess.run([sys.executable, "-c", KILLED, str(place), str(after)], check=False)
     finished = after == 4
     assert done.returncode == (0 if finished else -signal.SIGKILL)
@@ -139,4 +142,6 @@ def test_killed_at_any_moment(place: Path, after: int) -> None:
     assert listed == (NEW.keys() if finished else OLD.keys())
     write_tree(place, NEW)
     assert not differences(place, NEW)
-    assert [p.name for p in place.parent.iterdir()] == ["pair"], "the staging of the killed run is cleared away"
+    assert [p.name for p in place.parent.iterdir()] == ["pair"], (
+        "the staging of the killed run is cleared away"
+    )

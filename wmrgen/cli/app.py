@@ -94,9 +94,7 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-Robots = Annotated[
-    list[Path], typer.Argument(metavar="ROBOT.yaml", help="Robot files.", show_default=False)
-]
+Robots = Annotated[list[Path], typer.Argument(metavar="ROBOT.yaml", help="Robot files.", show_default=False)]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where the robots' folders stand.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 

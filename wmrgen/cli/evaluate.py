@@ -31,8 +31,8 @@ def run(
             console.note(f"{robot.name}: note: {text}")
         derivation = wmrgen.derive(robot)
         function = _function(derivation, name)
-        names = [port.name for port in function.inputs]
-        given = [from_words(words, names)] if cases is None else from_file(cases, names)
+        ports = function.inputs
+        given = [from_words(words, ports)] if cases is None else from_file(cases, ports)
         step(f"computing {name} with {backend}")
         results = _compute(derivation, function, [_completed(function, case) for case in given], backend)
     _say_zeros(function, given)

@@ -7,35 +7,38 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from wmrgen.errors import EnvironmentFailure, RobotFileError, UsageError
+from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.exact.number import Exact
 from wmrgen.layout.expressions import evaluate
-from wmrgen.spec import quantity
+from wmrgen.ports import Port
+from wmrgen.spec.nodes import Scalar
+from wmrgen.spec.numbers import Kind
+from wmrgen.spec.quantities import read_quantity
+from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import suggestion
 
-_MAX_BYTES = 64 * 1024 * 1024
+_KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}
 Case = Mapping[str, Exact]
 
 
-def from_words(words: Iterable[str], names: Sequence[str]) -> Case:
-    """``vx=0.5 omega='30 deg'`` as exact SI values. UsageError for a name that is not in ``names``."""
+def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
+    """``vx=0.5 omega='30 deg'`` as exact SI values. UsageError for a name that is not among ``ports``."""
     case: dict[str, Exact] = {}
     for word in words:
         name, equals, text = word.partition("=")
-        name = name.strip()
         if not equals:
-            raise UsageError(f"{word!r} is not NAME=VALUE; inputs are: {' '.join(names)}")
-        if name in case:
-            raise UsageError(f"{name} is given twice")
-        _known(name, names)
-        case[name] = _number(text, name)
+            raise UsageError(f"{word!r} is not NAME=VALUE; inputs are: {_names(ports)}")
+        port = _port(name.strip(), ports, "")
+        if port.name in case:
+            raise UsageError(f"{port.name} is given twice")
+        case[port.name] = _number(text, port, "")
     return case
 
 
-def from_file(file: str, names: Sequence[str]) -> list[Case]:
+def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
     """The list of {name: value} in a JSON file (``-``: stdin). Values are numbers or strings like "pi/2"."""
     try:
-        data = sys.stdin.buffer.read(_MAX_BYTES) if file == "-" else Path(file).read_bytes()
+        data = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
     except OSError as error:
         raise EnvironmentFailure(f"cannot read {file}: {error.strerror}") from error
     try:
@@ -45,29 +48,38 @@ def from_file(file: str, names: Sequence[str]) -> list[Case]:
         raise UsageError(f"{file} is not JSON: {error}") from error
     if not isinstance(cases, list) or not all(isinstance(case, dict) for case in cases):
         raise UsageError(f'{file} must hold a list of objects: [{{"vx": 0.5}}, …]')
-    return [_case(case, f"{file}, case {k}", names) for k, case in enumerate(cases)]
+    return [_case(case, f"{file}, case {k}: ", ports) for k, case in enumerate(cases)]
 
 
-def _case(case: Mapping[str, object], place: str, names: Sequence[str]) -> Case:
+def _case(case: Mapping[str, object], place: str, ports: Sequence[Port]) -> Case:
     result = {}
     for name, value in case.items():
-        _known(name, names, f"{place}: ")
+        port = _port(name, ports, place)
         if not isinstance(value, str):
-            raise UsageError(f"{place}: {name} is {json.dumps(value)}, not a number")
-        result[name] = _number(value, f"{place}: {name}")
+            raise UsageError(f"{place}{name} is {json.dumps(value)}, not a number")
+        result[name] = _number(value, port, place)
     return result
 
 
-def _known(name: str, names: Sequence[str], place: str = "") -> None:
-    if name not in names:
-        hint = suggestion(name, names)
-        every = "" if hint.startswith("Valid") else f" Inputs are: {' '.join(names)}."
-        raise UsageError(f"{place}there is no input {name!r}. {hint}{every}")
+def _names(ports: Sequence[Port]) -> str:
+    return " ".join(port.name for port in ports)
 
 
-def _number(text: str, what: str) -> Exact:
+def _port(name: str, ports: Sequence[Port], place: str) -> Port:
+    for port in ports:
+        if port.name == name:
+            return port
+    hint = suggestion(name, [port.name for port in ports])
+    every = "" if hint.startswith("Valid") else f" Inputs are: {_names(ports)}."
+    raise UsageError(f"{place}there is no input {name!r}. {hint}{every}")
+
+
+def _number(text: str, port: Port, place: str) -> Exact:
+    """The exact SI value of ``text``, which may have a unit that fits the port."""
+    what = f"{place}{port.name}"
+    scalar = Scalar(text, True, Mark("", 1, 1, ""))
     try:
-        return evaluate(quantity(text), {})
+        return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), what, Scope()), {})
     except RobotFileError as error:
         hint = " ".join(part for part in (error.why, error.instead) if part)
-        raise UsageError(f"{what} = {text!r}: {error.what}. {hint}".rstrip()) from error
+        raise UsageError(f"{what} = {text[:60]!r}: {error.what}. {hint}".rstrip()) from error

@@ -53,13 +53,13 @@ def _free_wheels(f: Findings) -> list[str]:
     free = [w for w in f.robot.wheels if w.type not in ("fixed", "steered")]
     if not free:
         return []
-    kinds = {"castor": "a castor's steering rate", "swedish": "a Swedish wheel's rollers", "spherical": "a spherical wheel"}
-    present = dict.fromkeys(w.type for w in free)
-    why = "; ".join(
-        {"castor": "a castor's swivel takes up any sideways motion", "swedish": "a Swedish wheel's rollers do",
-         "spherical": "a sphere rolls any way"}[k] for k in present if k in kinds
-    )  # fmt: skip
-    return [f"{listed([w.name for w in free])} impose{'s' if len(free) == 1 else ''} no sliding constraint: {why}."]
+    why = {
+        "castor": "a castor swivels into any motion",
+        "swedish": "the rollers of a Swedish wheel give way across the wheel",
+        "spherical": "a sphere rolls any way",
+    }
+    kinds = "; ".join(why[t] for t in dict.fromkeys(w.type for w in free))
+    return [f"{listed([w.name for w in free])} impose{'s' if len(free) == 1 else ''} no sliding constraint: {kinds}."]
 
 
 def _axle(w: Wheel) -> Array:
@@ -161,15 +161,19 @@ def _verdict(f: Findings) -> list[str]:
     elif len(lines) > 1 and any(w.actuated for w in fixed) and _skid(lines):
         why = "its fixed axles are several parallel lines: it turns only by skidding (skid-steer); kinematics are least squares and report the residual"
     elif len(lines) > 1:
-        why = "its fixed axles are not one line, so every motion is about one point"
+        why = "its fixed axles are not one line, which leaves a single motion"
     else:
         why = "couplings or parallel steering leave fewer freedoms than any useful robot has"
     return [f"Degenerate: ({pair[0]}, {pair[1]}) is none of Campion's five types, because {why}."]
 
 
 def _skid(lines: list[list[Wheel]]) -> bool:
+    """Parallel axles with wheels side by side: left and right can be driven apart."""
     rows = np.array([_axle(line[0]) for line in lines])
-    return bool(np.abs(rows[:, 0] * rows[0, 1] - rows[:, 1] * rows[0, 0]).max() < _SAME)
+    if np.abs(rows[:, 0] * rows[0, 1] - rows[:, 1] * rows[0, 0]).max() > _SAME:
+        return False
+    across = [float(w.nominal.x) * rows[0, 0] + float(w.nominal.y) * rows[0, 1] for line in lines for w in line]
+    return max(across) - min(across) > _SAME
 
 
 def _doubts(f: Findings) -> list[str]:
@@ -207,7 +211,8 @@ def _balance(what: str, motors: int, grip: int, need: int) -> str:
     if grip < need:
         return f"{head}, short by {need - grip}"
     if motors > grip:
-        return f"{head}, {motors - grip} beyond need: as many relations must hold between the rates"
+        extra = motors - grip
+        return f"{head}, {extra} beyond need: {extra} relation{'s' if extra != 1 else ''} must hold between the rates"
     return f"{head}, exactly enough"
 
 

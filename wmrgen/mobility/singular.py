@@ -8,7 +8,7 @@ from wmrgen.constraints import heading, rolling_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import Findings
+from wmrgen.mobility.reasons import Findings, listed
 from wmrgen.mobility.records import Singularity
 
 
@@ -81,16 +81,23 @@ def _pivots_in_line(found: Findings) -> bool:
 def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
     """The driven wheels lose their grip on the motion: every rolling row vanishes on the null space."""
     driven = [w for w in found.robot.wheels if "spin" in w.actuated]
-    if len(columns) != 1 or not driven:
+    if len(columns) != 1 or not driven or any(w.turns for w in driven):
         return []
-    rates = [dot(rolling_row(w, working_view(w)).row, columns[0]) for w in driven]
-    rates = [r for r in dict.fromkeys(rates)]
-    if any(r.constant is not None and r for r in rates) or not all(any(g.kind in ("cos", "sin") for g in r.generators) for r in rates):
+    rates: list[Poly] = []
+    for w in driven:
+        rate = dot(rolling_row(w, working_view(w)).row, columns[0])
+        lead = min(rate.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]], default=None)
+        rate = rate if lead is None else rate.scale(lead[1].inverse())
+        if rate and rate not in rates:
+            rates.append(rate)
+    if len(rates) > len(found.basis) or any(r.constant is not None for r in rates):
         return []
     names = tuple(w.name for w in driven)
-    if len(rates) > 2:
-        return []
-    text = f"{' and '.join(names)} stand still whatever the robot does there: forward kinematics cannot see the motion"
+    one = len(names) == 1
+    text = (
+        f"{listed(list(names))} {'stands' if one else 'stand'} still whatever the robot does there: "
+        f"{'it drives and measures' if one else 'they drive and measure'} nothing"
+    )
     return [Singularity("drive", tuple(rates), text, names)]
 
 

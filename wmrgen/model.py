@@ -1,0 +1,157 @@
+"""The content of model.json: the analysis as plain data, matrices as strings in Python syntax."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from wmrgen.constraints import constrain, working_view
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.ir.cost import count
+from wmrgen.layout.records import Wheel
+
+if TYPE_CHECKING:
+    from wmrgen.derivation import Derivation
+    from wmrgen.mobility.records import Rank
+
+FORMAT = 1
+_TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))
+
+
+def model(d: Derivation) -> dict[str, Any]:
+    """Everything others may rely on, in contract order."""
+    robot, m = d.robot, d.mobility
+    c = constrain(robot, working_view)
+    spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
+    diagonal = [[spins[i] if i == j else Poly({}) for j in range(len(spins))] for i in range(len(spins))]
+    return {
+        "format": FORMAT,
+        "name": robot.name,
+        "description": robot.description,
+        "source": robot.source,
+        "parameters": [
+            {"name": p.name, "value": float(p.nominal), "exact": str(p.nominal), "tunable": p.tunable}
+            for p in robot.parameters
+        ],
+        "wheels": [_wheel(w) for w in robot.wheels],
+        "couplings": [{"joint": joint, "wheels": list(wheels)} for joint, wheels in robot.couplings],
+        "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
+        "notes": list(robot.notes),
+        "degree_of_mobility": m.degree_of_mobility,
+        "degree_of_steerability": m.degree_of_steerability,
+        "degree_of_maneuverability": m.degree_of_maneuverability,
+        "rank_C1f": m.rank_C1f.value,
+        "rank_C1": m.rank_C1.value,
+        "ranks": {"C1f": _rank(m.rank_C1f), "C1": _rank(m.rank_C1)},
+        "ddof": m.ddof,
+        "dof": m.dof,
+        "growth_vector": list(m.growth_vector),
+        "degree_of_nonholonomy": m.degree_of_nonholonomy,
+        "holonomic": m.holonomic,
+        "omnidirectional": m.omnidirectional,
+        "robot_type": list(m.robot_type) if m.robot_type else None,
+        "degenerate": m.degenerate,
+        "reasons": list(m.reasons),
+        "actuation": list(m.actuation),
+        "singularities": [
+            {"kind": s.kind, "wheels": list(s.wheels), "meaning": s.meaning, "conditions": [_condition(p) for p in s.conditions]}
+            for s in m.singularities
+        ],
+        "J1": strings([r.row for r in c.rolling]),
+        "J2": strings(diagonal),
+        "C1f": strings([r.row for r in c.sliding_of("fixed")]),
+        "C1s": strings([r.row for r in c.sliding_of("steered")]),
+        "null_space": [[text(column[i]) for column in m.null_space] for i in range(3)],
+        "functions": {
+            f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
+            for f in d.raw_module.functions
+        },
+        "operations": {f.name: _operations(f) for f in d.c_module.functions},
+    }  # fmt: skip
+
+
+def _operations(function: Any) -> dict[str, int]:
+    cost = count(function)
+    return {name: getattr(cost, name) for name in cost.__slots__}
+
+
+def _rank(rank: Rank) -> dict[str, Any]:
+    return {"value": rank.value, "exact": rank.exact, "singular_values": [float(f"{s:.9g}") for s in rank.singular_values]}
+
+
+def _wheel(w: Wheel) -> dict[str, Any]:
+    g = w.nominal
+    entry: dict[str, Any] = {
+        "name": w.name, "type": w.type, "x": float(g.x), "y": float(g.y), "l": w.l, "alpha": w.alpha, "beta": w.beta,
+        "heading": w.heading, "r": float(g.r),
+    }  # fmt: skip
+    if w.type == "swedish":
+        entry["gamma"] = w.gamma
+        if g.r_sw:
+            entry["r_sw"] = float(g.r_sw)
+    if w.type == "castor":
+        entry["d"] = float(g.d)
+    if w.turns:
+        entry["offset_y"] = float(g.o)
+    entry["actuated"], entry["sensed"] = list(w.actuated), list(w.sensed)
+    if w.limits:
+        entry["limits"] = {name: [float(i.low), float(i.high)] for name, i in w.limits.items()}
+    return entry
+
+
+def _condition(condition: Any) -> str:
+    if isinstance(condition, Poly):
+        return f"{text(condition)} = 0"
+    return f"{text(dot(condition, _TWIST))} = 0"
+
+
+def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:
+    """A matrix of polynomials as strings."""
+    return [[text(p) for p in row] for row in rows]
+
+
+def text(poly: Poly) -> str:
+    """A polynomial in plain Python syntax over parameter names, ``<wheel>_steer`` and sqrt sin cos."""
+    parts = []
+    for monomial, coefficient in sorted(poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]):
+        factors = "*".join(_power(g, e) for g, e in monomial)
+        parts.append(_term(coefficient, factors))
+    joined = " + ".join(parts) or "0"
+    return joined.replace("+ -", "- ")
+
+
+def _term(coefficient: Exact, factors: str) -> str:
+    if not factors:
+        return str(coefficient)
+    if coefficient == 1:
+        return factors
+    if coefficient == -1:
+        return f"-{factors}"
+    if coefficient.is_rational:
+        c: Fraction = coefficient.parts[0]
+        head = "" if abs(c.numerator) == 1 else f"{abs(c.numerator)}*"
+        tail = "" if c.denominator == 1 else f"/{c.denominator}"
+        return f"{'-' if c < 0 else ''}{head}{factors}{tail}"
+    return f"({coefficient})*{factors}"
+
+
+def _power(gen: Gen, exponent: int) -> str:
+    base = _generator(gen)
+    if exponent == 1:
+        return base
+    return f"{base}**{exponent}" if exponent > 0 else f"{base}**({exponent})"
+
+
+def _generator(gen: Gen) -> str:
+    if gen.kind in ("cos", "sin"):
+        return f"{gen.kind}({gen.name}_steer)"
+    if gen.kind in ("param", "input", "local"):
+        return gen.name.replace(".", "_")
+    if gen.kind == "pi":
+        return "pi"
+    args = ", ".join(text(a) for a in gen.args)
+    if gen.kind == "inv":
+        return f"(1/({args}))"
+    return f"{gen.kind.removesuffix('f')}({args})"

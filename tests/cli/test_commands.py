@@ -91,7 +91,7 @@ def test_eval_prints_aligned_lines(wmrgen_cli: Cli, robot_file: Path) -> None:
 
 
 def test_eval_json_has_every_digit(wmrgen_cli: Cli, robot_file: Path) -> None:
-    done = wmrgen_cli("eval", robot_file, "inverse", "vx=1/3", "vy=0", "omega=45 deg", "--json")
+    done = wmrgen_cli("eval", robot_file, "inverse", "vx=1/3", "vy=0", "omega=45 deg/s", "--json")
     found = json.loads(done.out)
     assert done.err == ""
     turn = 0.1655 * math.pi / 4

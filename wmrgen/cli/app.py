@@ -140,7 +140,7 @@ def evaluate(
     values: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="NAME=VALUE", help="Inputs in SI units: 0.5, 1/3, pi/2, '45 deg'.", show_default=False
+            metavar="NAME=VALUE", help="Inputs in SI units: 0.5, 1/3, pi/2, '45 deg/s'.", show_default=False
         ),
     ] = None,
     backend: Annotated[Backend, typer.Option(help="What computes; c needs a C compiler.")] = Backend.exact,
@@ -152,7 +152,7 @@ def evaluate(
     ] = None,
     json: Json = False,
 ) -> int:
-    """Example:  wmrgen eval robots/pioneer3dx.yaml inverse vx=0.5 omega="30 deg"
+    """Example:  wmrgen eval robots/pioneer3dx.yaml inverse vx=0.5 omega="30 deg/s"
 
     Compute a function of a robot's model. Inputs that are not given are 0, parameters nominal.
     """

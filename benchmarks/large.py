@@ -1,0 +1,29 @@
+"""Robots larger than any in the gallery."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+
+def robot(name: str, count: int, types: tuple[str, ...]) -> str:
+    """A robot file with ``count`` wheels on an ellipse, their types in turn."""
+    lines = ["wmrgen: 1", f"name: {name}", "wheels:"]
+    for k in range(count):
+        turn = 2 * pi * k / count
+        place = f"x: {1.5 * cos(turn):.4f}, y: {sin(turn):.4f}"
+        lines.append(f"  - {{name: w{k}, type: {_kind(types[k % len(types)], place, k)}}}")
+    return "\n".join(lines) + "\n"
+
+
+def _kind(kind: str, place: str, k: int) -> str:
+    if kind == "spherical":
+        return f"spherical, {place}, r: 0.1"
+    extra = {"castor": ", d: 0.03", "swedish": f", gamma: {'-' if k % 3 else ''}pi/4"}.get(kind, "")
+    return f"{kind}, {place}, heading: 0, r: 0.1{extra}"
+
+
+LARGE = {
+    "swerve8": robot("swerve8", 8, ("steered",)),
+    "swerve64": robot("swerve64", 64, ("steered",)),
+    "mixed64": robot("mixed64", 64, ("steered", "castor", "swedish", "spherical")),
+}

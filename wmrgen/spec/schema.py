@@ -119,7 +119,7 @@ def _wheel(type_name: str) -> Schema:
         "additionalProperties": False,
         "required": ["name", "type", *wheel.required],
         "properties": properties,
-        "allOf": [_one_of(_place("l", "alpha"), _place("x", "y")), _orientation(wheel.oriented)],
+        "allOf": [_one_of(_place("l", "alpha", "xy"), _place("x", "y", "lα")), _orientation(wheel.oriented)],
     }
 
 
@@ -133,8 +133,10 @@ def _either(key: str) -> Schema:
     return _one_of(*({"required": [spelling]} for spelling in spellings))
 
 
-def _place(first: str, second: str) -> Schema:
-    return {"allOf": [_either(first), _either(second)]}
+def _place(first: str, second: str, without: str) -> Schema:
+    """Two keys together, and none of those of the other placement."""
+    others = [{"required": [key]} for key in (*without, *(["alpha"] if "α" in without else []))]
+    return {"allOf": [_either(first), _either(second)], "not": {"anyOf": others}}
 
 
 def _orientation(required: bool) -> Schema:

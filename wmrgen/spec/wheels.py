@@ -38,7 +38,7 @@ def read_wheels(node: Node, scope: Scope) -> tuple[WheelSpec, ...]:
             raise RobotFileError(
                 f"a second wheel has the name {quoted(wheel.name)}",
                 wheel.marks["name"],
-                f"The first stands on line {wheels[wheel.name].mark.line}; joints are called after their wheel.",
+                f"The first stands on line {wheels[wheel.name].mark.line}; joints bear their wheel's name.",
                 "Give each wheel a name of its own.",
             )
         wheels[wheel.name] = wheel

@@ -1,0 +1,126 @@
+"""No text raises anything but RobotFileError, takes long, or loads a heavy library."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+import warnings
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.spec.files import HEAD, read, robot, wheel
+from wmrgen.errors import RobotFileError
+from wmrgen.spec.load import read_text
+from wmrgen.spec.records import RobotSpec
+
+QUICK = settings(
+    max_examples=200, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True
+)
+SOURCE = robot(
+    wheel("a", "steered", limits="{steer: [-95 deg, 95 deg]}"),
+    wheel("b", "swedish", gamma="pi/4"),
+    wheel("c", "castor"),
+    top="angles: deg\nparameters: {p: 0.1, q: {value: p*2, tunable: true}}\ncouplings: [{equal: [a.spin, b.spin]}]\n",
+)
+
+
+def tried(text: str) -> RobotSpec | None:
+    """What the text gives; a RobotFileError must print, as UTF-8, with nothing unprintable in it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            return read_text(text, "fuzz.yaml")
+        except RobotFileError as error:
+            shown = str(error)
+    shown.encode()
+    assert not set(shown) & {"\x00", "\x07", "\x1b", "\u202e", "\r"}
+    return None
+
+
+@QUICK
+@given(st.text(max_size=300))
+def test_random_text(text: str) -> None:
+    tried(text)
+
+
+@QUICK
+@given(st.text(st.characters(exclude_categories=[]), max_size=60))
+def test_random_values_and_names(text: str) -> None:
+    tried(f"{HEAD}description: {text}\n")
+    tried(robot(wheel("a", x=text or "0")))
+    tried(robot(wheel("a", x='"' + text.replace("\\", "\\\\").replace('"', "") + '"')))
+
+
+@QUICK
+@given(st.text("0123456789.eE+-*/() ,pqisncorta2πxm_", max_size=220))
+def test_random_expressions(text: str) -> None:
+    tried(robot(wheel("a", x=f'"{text}"'), top="parameters: {p: 0.1, q: 3}\n"))
+
+
+@QUICK
+@given(st.text("[]{}:,-?&*!|>'\"%@`#~ \n\tab1\\", max_size=200))
+def test_random_yaml_punctuation(text: str) -> None:
+    tried(text)
+    tried(HEAD + text)
+
+
+@QUICK
+@given(st.data())
+def test_a_damaged_robot_file(data: st.DataObject) -> None:
+    text = SOURCE
+    assert read(text).wheels
+    for _ in range(data.draw(st.integers(1, 3))):
+        at = data.draw(st.integers(0, len(text)))
+        gone = data.draw(st.integers(0, 12))
+        new = data.draw(
+            st.sampled_from(
+                ["", "[", "{", "}", ": ", "- ", "\n", "'", '"', "x", "0", "\t", "1e9", "**", "\x00", "é"]
+            )
+        )
+        text = text[:at] + new + text[at + gone :]
+    tried(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[" * 100_000, "{" * 100_000, "[{" * 60_000, "- " * 100_000, "? " * 100_000, "a:\n " * 50_000, "x" * (300 * 1024),
+        robot(wheel("a", x="9**9**9")), robot(wheel("a", x="1e999999")), robot(wheel("a", x="1" * 200_000)),
+        robot(wheel("a", x="(" * 199)), robot(wheel("a", x="(" * 100_000)), robot(wheel("a", x="-" * 199 + "1")),
+        "\n" * 250_000, "#" * 250_000, "'" * 250_000, '"' + "\\\n" * 100_000, "--- " * 60_000, "! " * 100_000,
+        "".join(f"{' ' * i}a:\n" for i in range(700)), "".join("k: 1\n" for _ in range(50_000)), "&a " * 80_000,
+        "{a" * 50_000, "a, " * 80_000, "|\n" + " x\n" * 80_000, ">\n" + " x\n\n" * 60_000, "x\n" * 120_000, "%" * 200_000,
+    ],
+    ids=lambda text: ascii(text[:12] if len(text) > 400 else text[-60:]),
+)  # fmt: skip
+def test_attacks_are_refused_at_once(text: str) -> None:
+    start = time.perf_counter()
+    assert tried(text) is None
+    assert time.perf_counter() - start < 2.0
+
+
+def test_a_robot_file_is_read_in_milliseconds() -> None:
+    text = robot(*(wheel(f"w{i}", x=f"0.{i + 1}*pi/2") for i in range(4)))
+    read(text)
+    times = []
+    for _ in range(5):
+        start = time.perf_counter()
+        read(text)
+        times.append(time.perf_counter() - start)
+    assert min(times) < 0.015
+
+
+def test_reading_loads_no_heavy_library() -> None:
+    code = (
+        "import sys, wmrgen.spec.load, wmrgen.spec.schema;"
+        "print([m for m in ('sympy', 'numpy', 'casadi', 'mpmath', 'pydantic', 'jinja2', 'rich') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_reading_twice_gives_equal_records() -> None:
+    assert read(SOURCE) == read(SOURCE)

@@ -100,6 +100,7 @@ def test_a_castor_and_a_ball_need_no_orientation_and_a_ball_no_radius() -> None:
         (wheel("a", gama="0.1"), "unknown key 'gama'", "gamma"),
         (wheel("a", trail="0.1"), "unknown key 'trail'", "d?"),
         (wheel("a", extra="x:1"), "no space after the colon", "x: 1"),
+        (wheel("a", x="atan2(1, 2)"), "stands where a key", "in quotes"),
         (wheel("a", x="1,5"), "stands where a key", "decimal point"),
         (wheel("a", extra="<<: {x: 1}"), "merges", "Write the keys out"),
         (wheel("a", extra="α: 0, alpha: 0"), "the same key", "Delete"),

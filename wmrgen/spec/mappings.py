@@ -83,6 +83,12 @@ def unknown_key(key: Scalar, value: Node, valid: Iterable[str], what: str) -> Ro
         return key.error(
             f"no space after the colon in {quoted(key.text)}", "YAML needs one.", f"Write {word}: {rest}"
         )
+    if key.plain and empty and key.text.count(")") > key.text.count("("):
+        return key.error(
+            f"{quoted(key.text)} stands where a key is expected",
+            "Inside { } a comma ends the value, also within parentheses.",
+            "Put an expression that contains a comma in quotes: 'atan2(1, 2)'.",
+        )
     if key.text == "<<":
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
     aliases = {alias: text for alias, text in KEY_ALIASES.items() if any(f" {n}" in text for n in names)}

@@ -2,8 +2,8 @@
 
 Both functions are evaluated over the field at pseudo-random rational points. A square root, sine,
 cosine or arctangent is replaced by an opaque rational function of its exact arguments, the same
-before and after, so that equality stays a matter of exact numbers. Opaque sines are odd and
-opaque cosines even; no pass uses any other property of these functions.
+before and after, so that equality stays a matter of exact numbers. Opaque sines are odd, opaque
+cosines even, roots in the field and values at zero true; no pass uses any other property.
 Comparisons are made on the exact values.
 """
 
@@ -13,7 +13,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ONE, Exact, exact_sqrt
 from wmrgen.ir.arithmetic import EXACT, Arithmetic
 from wmrgen.ir.interpret import evaluate
 from wmrgen.ir.nodes import Function, Module, Op
@@ -43,16 +43,35 @@ def _opaque(salt: int) -> Callable[..., Exact]:
     return lambda *args: Exact(Fraction(_mix(salt, *(n for a in args for n in _digest(a))) % 255 + 1, 64))
 
 
-_SIN, _COS = _opaque(2), _opaque(3)
+_SQRT, _SIN, _COS, _ATAN2 = (_opaque(salt) for salt in (1, 2, 3, 4))
+
+
+def _sqrt(a: Exact) -> Exact:
+    root = exact_sqrt(a)  # as the builder folds constants
+    return _SQRT(a) if root is None else root
+
+
+def _sin(a: Exact) -> Exact:
+    return a if not a else _SIN(a) if a.sign > 0 else -_SIN(-a)
+
+
+def _cos(a: Exact) -> Exact:
+    return _COS(abs(a)) if a else ONE
+
+
+def _atan2(y: Exact, x: Exact) -> Exact:
+    return y if not y and x.sign >= 0 else _ATAN2(y, x)
+
+
 OPAQUE = Arithmetic(
     "opaque",
     EXACT.enter,
     {
         **EXACT.apply,
-        Op.SQRT: _opaque(1),
-        Op.SIN: lambda a: _SIN(a) if a.sign > 0 else -_SIN(-a),
-        Op.COS: lambda a: _COS(abs(a)),
-        Op.ATAN2: _opaque(4),
+        Op.SQRT: _sqrt,
+        Op.SIN: _sin,
+        Op.COS: _cos,
+        Op.ATAN2: _atan2,
     },
 )
 

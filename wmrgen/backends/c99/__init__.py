@@ -1,0 +1,8 @@
+"""C99: ``<robot>.h`` and ``<robot>.c``, straight-line code over structs with named wheels."""
+
+from __future__ import annotations
+
+from wmrgen.backends.c99.emit import emit, sources
+from wmrgen.backends.c99.evaluate import evaluate, evaluate_c
+
+__all__ = ["emit", "evaluate", "evaluate_c", "sources"]

@@ -1,0 +1,124 @@
+"""One IR function as one C function: its structs, prototype, comment and body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from wmrgen.backends.c99.literal import WIDTH, comment_lines, literal
+from wmrgen.backends.c99.struct import Struct, struct
+from wmrgen.backends.c99.style import LIBM, style
+from wmrgen.backends.expression import body
+from wmrgen.ir.cost import count
+from wmrgen.ir.nodes import Function, Module, Op, Role
+from wmrgen.ir.prune import prune
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A C function, ready to print. ``arguments``: (struct, parameter name) in order of the prototype."""
+
+    name: str
+    structs: tuple[Struct, ...]
+    comment: tuple[str, ...]
+    prototype: str
+    lines: tuple[str, ...]
+    arguments: tuple[tuple[Struct, str], ...]
+    libm: bool = False
+
+
+def _prototype(name: str, arguments: tuple[tuple[Struct, str], ...], out: str) -> str:
+    parts = [f"{'' if p == out else 'const '}{s.name} *{p}" for s, p in arguments]
+    line = f"void {name}({', '.join(parts)})"
+    if len(line) < WIDTH:
+        return line
+    return f"void {name}(\n    " + ",\n    ".join(parts) + ")"
+
+
+def _pruned(function: Function) -> Function:
+    nodes, results = prune(function.nodes, function.results)
+    return replace(function, nodes=nodes, results=results)
+
+
+def _build(
+    function: Function,
+    name: str,
+    inputs: tuple[tuple[Struct, str], ...],
+    output: tuple[Struct, str],
+    own: tuple[Struct, ...],
+    scalar: str,
+) -> Step:
+    function = _pruned(function)
+    reads = {key: f"{par}->{member}" for s, par in inputs for key, member in s.members.items()}
+    code = body(function, reads.__getitem__, style(scalar))
+    read = {node.name for node in function.nodes if node.op is Op.INPUT}
+    unread = [f"(void){par};" for s, par in inputs if not read & set(s.members)]
+    out_struct, out = output
+    stores = [
+        f"{out}->{out_struct.members[port.name]} = {text};"
+        for port, text in zip(function.outputs, code.results, strict=True)
+    ]
+    lines = unread + list(code.statements) + ([""] if code.statements or unread else []) + stores
+    arguments = (*inputs, output)
+    comment = tuple(comment_lines(f"{function.text} [{count(function)}]".strip()))
+    return Step(
+        name,
+        own,
+        comment,
+        _prototype(name, arguments, out),
+        tuple(lines),
+        arguments,
+        bool(code.ops & LIBM.keys()),
+    )
+
+
+def prepare_steps(module: Module, scalar: str) -> tuple[tuple[Step, ...], Struct | None]:
+    """``params_default`` and ``prepare``, and the struct of prepared values; nothing when nothing is tunable."""
+    prepare = module.prepare
+    if prepare is None or not prepare.outputs:
+        return (), None
+    robot = module.name
+    prepare = replace(prepare, text=prepare.text or "Call once, and again after every change of a parameter.")
+    prepared = struct(
+        f"{robot}_prepared",
+        prepare.outputs,
+        scalar,
+        f"What {robot}_prepare() works out once from the parameters; the steps only read it.",
+    )
+    if not prepare.inputs:
+        step = _build(prepare, f"{robot}_prepare", (), (prepared, "prepared"), (prepared,), scalar)
+        return (step,), prepared
+    params = struct(f"{robot}_params", prepare.inputs, scalar, "Tunable parameters: calibrate, then prepare.")
+    nominal = tuple(
+        f"params->{params.members[port.name]} = {literal(port.default, scalar)};"
+        for port in prepare.inputs
+        if port.default is not None
+    )
+    first = Step(
+        f"{robot}_params_default",
+        (params,),
+        ("Sets the parameters to the nominal values of the robot file.",),
+        f"void {robot}_params_default({params.name} *params)",
+        nominal,
+        ((params, "params"),),
+    )
+    second = _build(
+        prepare, f"{robot}_prepare", ((params, "params"),), (prepared, "prepared"), (prepared,), scalar
+    )
+    return (first, second), prepared
+
+
+def step(function: Function, robot: str, prepared: Struct | None, scalar: str) -> Step | None:
+    """``<robot>_<function>``; None for a function without outputs."""
+    if not function.outputs:
+        return None
+    name = f"{robot}_{function.name}"
+    inputs: list[tuple[Struct, str]] = []
+    if prepared is not None and any(port.role is Role.PREPARED for port in function.inputs):
+        inputs.append((prepared, "prepared"))
+    contract = tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
+    own: list[Struct] = []
+    if contract:
+        own.append(struct(f"{name}_in", contract, scalar, f"Input of {name}()."))
+        inputs.append((own[-1], "in"))
+    own.append(struct(f"{name}_out", function.outputs, scalar, f"Output of {name}()."))
+    return _build(function, name, tuple(inputs), (own[-1], "out"), tuple(own), scalar)

@@ -1,0 +1,32 @@
+"""How C99 writes operations in a scalar type."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+
+from wmrgen.backends.c99.literal import literal
+from wmrgen.backends.expression import Style
+from wmrgen.ir.nodes import Op
+
+LIBM = {
+    Op.ABS: "fabs{}({{0}})", Op.SQRT: "sqrt{}({{0}})", Op.SIN: "sin{}({{0}})", Op.COS: "cos{}({{0}})",
+    Op.ATAN2: "atan2{}({{0}}, {{1}})",
+}  # fmt: skip
+
+
+@cache
+def style(scalar: str) -> Style:
+    """``scalar``: ``float`` (libm names end in f) or ``double``."""
+    suffix = "f" if scalar == "float" else ""
+    return Style(
+        literal=partial(literal, scalar=scalar),
+        calls={op: form.format(suffix) for op, form in LIBM.items()},
+        choices={
+            # fminf would be a library call on most targets, and leaves the sign of zero open.
+            Op.MIN: "({0} < {1}) ? {0} : {1}",
+            Op.MAX: "({0} < {1}) ? {1} : {0}",
+            Op.SELECT: "({0} < {1}) ? {2} : {3}",
+        },
+        declare=f"const {scalar} {{0}} = {{1}};",
+        temporary="t{0}",
+    )

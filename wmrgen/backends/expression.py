@@ -1,0 +1,104 @@
+"""From the node list to statements of a target language with infix operators.
+
+An expression tree fixes every rounding: a compiler may choose the order of independent operations,
+never their grouping. So a value used once is printed in place, and the arithmetic is still that of
+the IR, node by node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import Function, Node, Op
+
+_LONGEST = 44  # characters of an expression printed in place
+_CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
+_INFIX = {Op.ADD: ("+", _SUM), Op.SUB: ("-", _SUM), Op.MUL: ("*", _PRODUCT), Op.DIV: ("/", _PRODUCT)}
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """How a language writes what is not infix arithmetic.
+
+    ``literal`` prints a constant as an atom (negative ones in parentheses). ``calls`` and ``choices`` are
+    formats over the arguments by position; a choice always gets a statement of its own.
+    ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name.
+    """
+
+    literal: Callable[[Exact], str]
+    calls: Mapping[Op, str]
+    choices: Mapping[Op, str]
+    declare: str
+    temporary: str
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """Statements that name temporaries, one expression per output, and which operations are used."""
+
+    statements: tuple[str, ...]
+    results: tuple[str, ...]
+    ops: frozenset[Op]
+
+
+@dataclass(frozen=True, slots=True)
+class _Text:
+    text: str
+    binding: int
+
+    def within(self, binding: int) -> str:
+        return self.text if self.binding >= binding else f"({self.text})"
+
+
+def _uses(function: Function, style: Style) -> list[int]:
+    """How often each value is printed; a choice may print an argument twice."""
+    uses = [0] * len(function.nodes)
+    for index in function.results:
+        uses[index] += 1
+    for node in function.nodes:
+        form = style.choices.get(node.op, "")
+        for position, argument in enumerate(node.args):
+            uses[argument] += max(1, form.count(f"{{{position}}}"))
+    return uses
+
+
+def _infix(op: Op, left: _Text, right: _Text) -> _Text:
+    sign, binding = _INFIX[op]
+    # The right operand keeps its parentheses at equal binding, a - (b + c), and round a sign, a - (-b).
+    bare = right.binding > binding and right.binding != _UNARY
+    return _Text(f"{left.within(binding)} {sign} {right.text if bare else right.within(_ATOM)}", binding)
+
+
+def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
+    if node.op in _INFIX:
+        return _infix(node.op, *args)
+    if node.op is Op.NEG:
+        return _Text("-" + args[0].within(_ATOM), _UNARY)
+    texts = [argument.text for argument in args]
+    if node.op in style.choices:
+        return _Text(style.choices[node.op].format(*texts), _CHOICE)
+    return _Text(style.calls[node.op].format(*texts), _ATOM)
+
+
+def body(function: Function, access: Callable[[str], str], style: Style) -> Body:
+    """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name."""
+    uses = _uses(function, style)
+    texts: list[_Text] = []
+    statements: list[str] = []
+    for index, node in enumerate(function.nodes):
+        if node.value is not None:
+            texts.append(_Text(style.literal(node.value), _ATOM))
+            continue
+        if node.op is Op.INPUT:
+            texts.append(_Text(access(node.name or ""), _ATOM))
+            continue
+        text = _expression(node, [texts[a] for a in node.args], style)
+        if uses[index] > 1 or text.binding == _CHOICE or len(text.text) > _LONGEST:
+            name = style.temporary.format(len(statements))
+            statements.append(style.declare.format(name, text.text))
+            text = _Text(name, _ATOM)
+        texts.append(text)
+    ops = frozenset(node.op for node in function.nodes)
+    return Body(tuple(statements), tuple(texts[r].text for r in function.results), ops)

@@ -1,0 +1,24 @@
+"""What a generated file says about itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Meta:
+    """Facts for the banner of a generated file. Everything is plain text; backends escape it.
+
+    ``wheel_lines``: the wheel table, one finished line per wheel and note.
+    ``model_hash``: hexadecimal digest of the model. ``scalar``: ``float`` or ``double`` (C only).
+    """
+
+    description: str = ""
+    wheel_lines: tuple[str, ...] = ()
+    model_hash: str = ""
+    wmrgen_version: str = ""
+    sympy_version: str = ""
+    scalar: str = "float"
+
+
+NO_META = Meta()

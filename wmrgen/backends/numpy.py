@@ -1,0 +1,180 @@
+"""NumPy: ``<robot>.py``, a plain module vectorised over samples; and the same functions without a file.
+
+Arguments are the contract names with ``_`` for the dot (``left_spin``); results are dictionaries by
+contract name. Arguments broadcast against each other; every result has the broadcast shape.
+"""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from wmrgen.backends.expression import Style, body
+from wmrgen.backends.meta import Meta
+from wmrgen.exact.number import Exact
+from wmrgen.ir.inline import inlined
+from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.rounding import to_float64
+from wmrgen.render import render
+
+_APPLY: dict[Op, Callable[..., Any]] = {
+    Op.ADD: np.add, Op.SUB: np.subtract, Op.MUL: np.multiply, Op.DIV: np.divide, Op.NEG: np.negative,
+    Op.ABS: np.abs, Op.SQRT: np.sqrt, Op.SIN: np.sin, Op.COS: np.cos,
+    Op.ATAN2: np.arctan2, Op.MIN: np.minimum, Op.MAX: np.maximum,
+    Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y),
+}  # fmt: skip
+
+
+def _literal(value: Exact) -> str:
+    text = repr(to_float64(value))
+    return f"({text})" if text.startswith("-") else text
+
+
+_STYLE = Style(
+    literal=_literal,
+    calls={
+        Op.ABS: "np.abs({0})", Op.SQRT: "np.sqrt({0})", Op.SIN: "np.sin({0})", Op.COS: "np.cos({0})",
+        Op.ATAN2: "np.arctan2({0}, {1})", Op.MIN: "np.minimum({0}, {1})", Op.MAX: "np.maximum({0}, {1})",
+    },
+    choices={Op.SELECT: "np.where({0} < {1}, {2}, {3})"},
+    declare="{0} = {1}",
+    temporary="_t{0}",  # no port or parameter begins with an underscore
+)  # fmt: skip
+
+
+def argument_names(function: Function) -> dict[str, str]:
+    """Contract name -> Python argument: ``_`` for the dot, and appended where the name is taken."""
+    names: dict[str, str] = {}
+    # Names without a dot come first: a parameter keeps its own where a wheel's port would clash with it.
+    for port in sorted(function.inputs, key=lambda port: "." in port.name):
+        name = port.name.replace(".", "_")
+        while name in names.values() or name == "np" or keyword.iskeyword(name):
+            name += "_"
+        names[port.name] = name
+    return {port.name: names[port.name] for port in function.inputs}
+
+
+# ---- as text
+
+
+@dataclass(frozen=True, slots=True)
+class _Printed:
+    """A function of the generated module, as finished lines."""
+
+    name: str
+    signature: tuple[str, ...]
+    document: tuple[str, ...]
+    lines: tuple[str, ...]
+    arguments: tuple[str, ...]
+    results: tuple[str, ...]
+
+
+def _plain(text: str) -> str:
+    """``text`` for a docstring or comment: one line, without quotes or backslashes that could end it."""
+    return " ".join(text.replace("\\", "/").replace('"', "'").split())
+
+
+def _described(name: str, unit: str, text: str) -> str:
+    return _plain(f"{name} [{unit}] {text}" if unit else f"{name} {text}")
+
+
+def _printed(function: Function) -> _Printed:
+    names = argument_names(function)
+    code = body(function, names.__getitem__, _STYLE)
+    signature = tuple(
+        names[p.name] if p.default is None else f"{names[p.name]}={_literal(p.default)}"
+        for p in function.inputs
+    )
+    document = [_plain(function.text) or f"{function.name}.", ""]
+    for title, ports, shown in (
+        ("Arguments:", function.inputs, names),
+        ("Returns:", function.outputs, {p.name: p.name for p in function.outputs}),
+    ):
+        if ports:
+            document += [title, *(f"    {_described(shown[p.name], p.unit, p.text)}" for p in ports)]
+    results = tuple(f'"{p.name}": {text}' for p, text in zip(function.outputs, code.results, strict=True))
+    return _Printed(
+        function.name, signature, tuple(document), code.statements, tuple(names.values()), results
+    )
+
+
+def emit(module: Module, meta: Meta) -> dict[str, bytes]:
+    """``<robot>.py``, which needs nothing but NumPy."""
+    text = render(
+        "numpy/module.py.j2",
+        robot=module.name,
+        description=_plain(meta.description),
+        wheels=[_plain(line) for line in meta.wheel_lines],
+        meta=meta,
+        functions=[_printed(function) for function in inlined(module)],
+    )
+    return {f"{module.name}.py": text.encode()}
+
+
+# ---- as callables
+
+
+def _columns(function: Function, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Every output of ``function`` for arrays by contract name, in the shape they broadcast to."""
+    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in given.items()}
+    values: list[Any] = []
+    for node in function.nodes:
+        if node.value is not None:
+            values.append(np.float64(to_float64(node.value)))
+        elif node.op is Op.INPUT:
+            values.append(arrays[node.name or ""])
+        else:
+            values.append(_APPLY[node.op](*(values[a] for a in node.args)))
+    shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    return {
+        port.name: np.broadcast_to(values[r], shape).copy()[()]
+        for port, r in zip(function.outputs, function.results, strict=True)
+    }
+
+
+def _callable(function: Function) -> Callable[..., dict[str, Any]]:
+    names = argument_names(function)
+    contract = {argument: name for name, argument in names.items()}
+    nominal = {port.name: to_float64(port.default) for port in function.inputs if port.default is not None}
+
+    def call(*positional: Any, **named: Any) -> dict[str, Any]:
+        if len(positional) > len(names):
+            raise TypeError(f"{function.name}() takes {len(names)} arguments, {len(positional)} were given")
+        given = dict(zip(names, positional, strict=False))
+        for key, value in named.items():
+            name = contract.get(key, key)  # left_spin=… or **{"left.spin": …}
+            if name not in names:
+                raise TypeError(f"{function.name}() has no argument {key}; it has {', '.join(contract)}")
+            if name in given:
+                raise TypeError(f"{function.name}() got {key} twice")
+            given[name] = value
+        given = {**nominal, **given}
+        missing = [argument for argument, name in contract.items() if name not in given]
+        if missing:
+            raise TypeError(f"{function.name}() needs {', '.join(missing)}")
+        return _columns(function, given)
+
+    call.__name__ = call.__qualname__ = function.name
+    call.__doc__ = "\n".join(_printed(function).document)
+    return call
+
+
+def functions(module: Module) -> SimpleNamespace:
+    """The functions of ``module`` as attributes, as the generated file would give them. Nothing is executed."""
+    return SimpleNamespace(**{function.name: _callable(function) for function in inlined(module)})
+
+
+def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+    """Outputs by contract name for each case, in float64, computed for all cases at once."""
+    wanted = next(f for f in inlined(module) if f.name == function)
+    nominal = {port.name: to_float64(port.default) for port in wanted.inputs if port.default is not None}
+    rows = [{**nominal, **case} for case in cases]
+    columns = _columns(wanted, {p.name: [row[p.name] for row in rows] for p in wanted.inputs})
+    if not wanted.inputs:
+        return [{name: float(value) for name, value in columns.items()} for _ in cases]
+    return [{name: float(column[k]) for name, column in columns.items()} for k in range(len(cases))]

@@ -1,0 +1,75 @@
+"""The system C compiler, in one place: find it, compile in a temporary folder, run the program."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from wmrgen.errors import EnvironmentFailure
+
+_USUAL = ("cc", "gcc", "clang")
+_HOW = "install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC"
+# Contraction to fused multiply-add is off so that results are those of the printed operations.
+DEFAULT_FLAGS = ("-std=c99", "-O1", "-ffp-contract=off")
+_TIMEOUT = 300
+
+
+def find_compiler(cc: str | None = None) -> str:
+    """Path of ``cc``, else of $CC, else of the first of cc, gcc and clang. EnvironmentFailure without one."""
+    wanted = cc or os.environ.get("CC", "")
+    names = (wanted,) if wanted else _USUAL
+    for name in names:
+        path = shutil.which(name)
+        if path:
+            return path
+    raise EnvironmentFailure(f"no C compiler found: looked for {', '.join(names)}; {_HOW}")
+
+
+def _run(command: Sequence[str], what: str, stdin: str = "", env: Mapping[str, str] | None = None) -> str:
+    try:
+        done = subprocess.run(
+            command, input=stdin, capture_output=True, encoding="utf-8", errors="replace", timeout=_TIMEOUT,
+            env=None if env is None else {**os.environ, **env}, check=False,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise EnvironmentFailure(f"{what} failed: {error}; {_HOW}") from error
+    if done.returncode != 0:
+        message = "\n".join(done.stderr.splitlines()[:20])
+        raise EnvironmentFailure(f"{what} failed with status {done.returncode}:\n{message}")
+    return done.stdout
+
+
+def compile_program(
+    folder: Path, sources: Sequence[str], cc: str | None = None, flags: Sequence[str] = DEFAULT_FLAGS
+) -> Path:
+    """Compile and link ``sources`` (file names in ``folder``) to ``folder/program``."""
+    compiler = find_compiler(cc)
+    program = folder / "program"
+    paths = [str(folder / name) for name in sources]
+    _run([compiler, *flags, "-o", str(program), *paths, "-lm"], f"the C compiler {compiler}")
+    return program
+
+
+def run_program(program: Path, stdin: str, env: Mapping[str, str] | None = None) -> str:
+    """Standard output of ``program``. EnvironmentFailure when it fails."""
+    return _run([str(program)], f"the compiled program {program.name}", stdin, env)
+
+
+def compile_and_run(
+    files: Mapping[str, str],
+    stdin: str,
+    cc: str | None = None,
+    flags: Sequence[str] = DEFAULT_FLAGS,
+    env: Mapping[str, str] | None = None,
+) -> str:
+    """Compile every ``.c`` among ``files`` (name -> text) in a temporary folder, run it, return its output."""
+    with tempfile.TemporaryDirectory(prefix="wmrgen-") as name:
+        folder = Path(name)
+        for file, text in files.items():
+            (folder / file).write_text(text, encoding="utf-8", newline="\n")
+        program = compile_program(folder, [file for file in files if file.endswith(".c")], cc, flags)
+        return run_program(program, stdin, env)

@@ -5,17 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 from importlib.metadata import version
-from math import degrees
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import TYPE_CHECKING
 
 from wmrgen import __version__
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
-from wmrgen.ir.cost import count
+from wmrgen.backends.wheels import wheel_lines
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
-    from wmrgen.layout.records import Wheel
 
 MODEL = "model.json"
 
@@ -43,31 +41,9 @@ def meta(derivation: Derivation, scalar: str, model: bytes) -> Meta:
     digest.update(f"{scalar} {__version__}".encode())
     return Meta(
         description=derivation.robot.description,
-        wheel_lines=tuple(_wheel_line(w) for w in derivation.robot.wheels),
-        count_lines=tuple(f"{f.name}: {count(f)}" for f in derivation.c_module.functions),
+        wheel_lines=wheel_lines(derivation.robot),
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         sympy_version=version("sympy"),
         scalar=scalar,
     )
-
-
-def _wheel_line(w: Wheel) -> str:
-    """``left: fixed, x 0 m, y 0.1655 m, heading 0 deg, r 0.0975 m`` and what else the type has."""
-    g = w.nominal
-    parts = [f"{w.name}: {w.type}, x {_short(g.x)} m, y {_short(g.y)} m"]
-    if w.has_spin:
-        parts.append(f"heading {_short(degrees(w.heading))} deg")
-    parts.append(f"r {_short(g.r)} m")
-    if g.d:
-        parts.append(f"castor offset d {_short(g.d)} m")
-    if g.o:
-        parts.append(f"lateral offset {_short(g.o)} m")
-    if w.type == "swedish":
-        parts.append(f"roller axis at the ground {_short(degrees(w.gamma))} deg from the wheel plane")
-    return ", ".join(parts)
-
-
-def _short(value: SupportsFloat) -> str:
-    """Six significant digits, no negative zero."""
-    return f"{round(float(value), 12) + 0.0:.6g}"

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
 import wmrgen
@@ -17,17 +18,11 @@ Layout = dict[str, Any]
 _MATH = {"pi": math.pi, "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "atan2": math.atan2}
 
 
-def robot_text(layout: Layout, name: str = "case", polar: bool = False, extra: str = "") -> str:
+def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra: str = "") -> str:
     """A robot file for a layout of floats (see `tests.oracle.oracle`); ``polar`` places by l, alpha, beta."""
     lines = [f"wmrgen: 1\nname: {name}\n{extra}wheels:"]
     for w in layout["wheels"]:
-        x, y, heading = float(w["x"]), float(w["y"]), float(w["heading"])
-        if polar:
-            alpha = math.atan2(y, x)
-            place = f"l: {math.hypot(x, y)!r}, alpha: {alpha!r}, beta: {heading + math.pi / 2 - alpha!r}"
-        else:
-            place = f"x: {x!r}, y: {y!r}, heading: {heading!r}"
-        keys = [f"name: {w['name']}", f"type: {w['type']}", place, f"r: {float(w['r'])!r}"]
+        keys = [f"name: {w['name']}", f"type: {w['type']}", *_place(w, polar), f"r: {float(w['r'])!r}"]
         for key, own in (("gamma", "gamma"), ("d", "d"), ("offset_y", "o"), ("r_sw", "r_sw")):
             if w.get(own):
                 keys.append(f"{key}: {float(w[own])!r}")
@@ -43,9 +38,13 @@ def robot_text(layout: Layout, name: str = "case", polar: bool = False, extra: s
     return "\n".join(lines) + "\n"
 
 
-def plain(name: str) -> str:
-    """A contract name as CasADi spells it: ``left.spin`` is ``left_spin``."""
-    return name.replace(".", "_")
+def _place(w: dict[str, Any], polar: bool) -> list[str]:
+    """Placement and orientation. ``text`` holds exact expressions for keys whose float is rounded."""
+    x, y, heading = float(w["x"]), float(w["y"]), float(w["heading"])
+    if not polar:
+        return [f"{k}: {w.get('text', {}).get(k, repr(v))}" for k, v in (("x", x), ("y", y), ("heading", heading))]
+    alpha = math.atan2(y, x)
+    return [f"l: {math.hypot(x, y)!r}", f"alpha: {alpha!r}", f"beta: {heading + math.pi / 2 - alpha!r}"]
 
 
 class Model:
@@ -60,38 +59,37 @@ class Model:
         self.nominal = {p.name: float(p.nominal) for p in self.robot.parameters}
 
     @classmethod
-    def of(cls, text: str, folder: Path, stem: str = "case") -> Model:
+    def of(cls, text: str, folder: Path, stem: str = "sample") -> Model:
         """The model of a robot file's text."""
         path = folder / f"{stem}.yaml"
         path.write_text(text, encoding="utf-8")
         return cls(path)
 
     def ports(self, function: str) -> tuple[list[str], list[str]]:
-        """Contract names of the inputs and outputs of a function."""
-        f = self.derivation.module.function(function)
-        tunable = [p.name for p in self.robot.tunable]
-        inputs = [p.name for p in f.inputs if p.role in ("state", "command")]
-        return inputs + tunable, [p.name for p in f.outputs]
+        """Contract names of the inputs and outputs of a function, as CasADi has them."""
+        f = self.functions[function]
+        return list(f.name_in()), list(f.name_out())
 
     def call(self, function: str, values: dict[str, float] | None = None) -> dict[str, float]:
         """A function by contract names; inputs not given are 0, parameters nominal."""
-        f = self.functions[function]
-        values = values or {}
-        defaults = {plain(p.name): self.nominal[p.name] for p in self.robot.tunable}
-        given = {plain(name): value for name, value in values.items()}
-        unknown = given.keys() - set(f.name_in())
+        f, values = self.functions[function], values or {}
+        unknown = values.keys() - set(f.name_in())
         assert not unknown, f"{function} has no input {sorted(unknown)}"
-        result = f(*(given.get(n, defaults.get(n, 0.0)) for n in f.name_in()))
-        result = result if isinstance(result, tuple | list) else [result]
-        names = {plain(name): name for name in self.ports(function)[1]}
-        return {names[n]: float(v) for n, v in zip(f.name_out(), result, strict=True)}
+        result = f.call([values.get(n, self.nominal.get(n, 0.0)) for n in f.name_in()])
+        return {n: float(v) for n, v in zip(f.name_out(), result, strict=True)}
 
     def matrix(self, name: str, steer: dict[str, float] | None = None) -> Array:
         """A matrix of model.json at the steering angles (by wheel name, 0 where not given)."""
         scope = _MATH | self.nominal
         scope |= {f"{w.name}_steer": (steer or {}).get(w.name, 0.0) for w in self.robot.wheels}
         rows = [[float(eval(entry, {"__builtins__": {}}, scope)) for entry in row] for row in self.data[name]]
-        return np.array(rows, dtype=float).reshape(len(rows), -1)
+        return np.array(rows, dtype=float) if rows else np.zeros((0, 3))
+
+    def evaluate(self, matrix: sympy.Matrix, steer: dict[str, float] | None = None) -> Array:
+        """A sympy matrix of the derivation at the steering angles (by wheel name), parameters nominal."""
+        known = self.nominal | {f"{w.name}_steer": (steer or {}).get(w.name, 0.0) for w in self.robot.wheels}
+        at = {symbol: known[symbol.name] for symbol in matrix.free_symbols}
+        return np.array(matrix.xreplace(at).evalf(), dtype=float).reshape(matrix.shape)
 
 
 def twist_of(values: dict[str, float]) -> Array:

@@ -147,7 +147,7 @@ def test_refused_names_of_robot_wheel_and_parameter(name: str) -> None:
         robot(wheel(f"'{name}'")),
         robot(top=f"parameters: {{'{name}': 1}}\n"),
     ):
-        with pytest.raises(RobotFileError, match=r"not a valid|reserved|has no value"):
+        with pytest.raises(RobotFileError, match=r"not a valid|reserved|has no value|is empty"):
             read(text)
 
 

@@ -66,7 +66,7 @@ def compile_and_run(
     flags: Sequence[str] = DEFAULT_FLAGS,
     env: Mapping[str, str] | None = None,
 ) -> str:
-    """Compile every ``.c`` among ``files`` (name -> text) in a temporary folder, run it, return its output."""
+    """Compile every ``.c`` among ``files`` (name -> text) in a temporary folder and run it."""
     with tempfile.TemporaryDirectory(prefix="wmrgen-") as name:
         folder = Path(name)
         for file, text in files.items():

@@ -56,12 +56,15 @@ def _select(a: ca.SX, b: ca.SX, x: ca.SX, y: ca.SX) -> ca.SX:
     return _binary(ca.OP_ADD, first, _binary(ca.OP_IF_ELSE_ZERO, _unary(ca.OP_NOT, chosen), y))
 
 
+_GUARDED: dict[Op, Callable[..., ca.SX]] = {Op.SQRT: _sqrt, Op.ATAN2: _atan2, Op.SELECT: _select}
+
+
 def _apply(op: Op, args: list[ca.SX]) -> ca.SX:
     if op in _BINARY:
         return _binary(_BINARY[op], *args)
     if op in _UNARY:
         return _unary(_UNARY[op], *args)
-    return {Op.SQRT: _sqrt, Op.ATAN2: _atan2, Op.SELECT: _select}[op](*args)
+    return _GUARDED[op](*args)
 
 
 def to_casadi(function: Function, name: str) -> ca.Function:

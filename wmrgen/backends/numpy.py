@@ -165,7 +165,7 @@ def _callable(function: Function) -> Callable[..., dict[str, Any]]:
 
 
 def functions(module: Module) -> SimpleNamespace:
-    """The functions of ``module`` as attributes, as the generated file would give them. Nothing is executed."""
+    """The functions of ``module`` as attributes, as in the generated file; no text is executed."""
     return SimpleNamespace(**{function.name: _callable(function) for function in inlined(module)})
 
 

@@ -10,11 +10,17 @@ from wmrgen.layout.records import Robot, Wheel
 _EVERY = frozenset({"fixed", "steered", "castor", "swedish", "spherical"})
 _LEGEND = (
     (_EVERY, "x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track."),
-    (_EVERY - {"spherical"}, "heading: rolling direction at spin > 0, from the x axis; at steer = 0 where it steers."),
+    (
+        _EVERY - {"spherical"},
+        "heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).",
+    ),
     (frozenset({"castor"}), "d: contact point minus pivot, along the rolling direction."),
-    (frozenset({"swedish"}), "gamma: from the wheel plane to the axis of the roller at the ground; the rollers that "
-                             "you see on top lean the other way."),
-)  # fmt: skip
+    (
+        frozenset({"swedish"}),
+        "gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top "
+        "lean the other way.",
+    ),
+)
 
 
 def _number(value: SupportsFloat) -> str:

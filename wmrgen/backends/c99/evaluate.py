@@ -41,7 +41,9 @@ def calls(made: Unit) -> tuple[Call, ...]:
         if step is prepare or step.name == f"{made.robot}_params_default":
             continue
         out = step.arguments[-1][0]
-        declare, fill, inputs = [f"{out.name} out;"], [], ()
+        declare = [f"{out.name} out;"]
+        fill: list[str] = []
+        inputs: tuple[str, ...] = ()
         for struct, parameter in step.arguments[:-1]:
             declare.append(f"{struct.name} {parameter};")
             if parameter == "in":
@@ -96,7 +98,7 @@ def evaluate_c(
     cc: str | None = None,
     flags: Sequence[str] = DEFAULT_FLAGS,
 ) -> list[dict[str, float]]:
-    """Outputs of ``function`` for each case, from the compiled C. A tunable left out has its nominal value."""
+    """Outputs of ``function`` for each case, from the compiled C. A tunable left out is nominal."""
     made = calls(unit(module, scalar))
     wanted = [k for k, call in enumerate(made) if call.function == f"{module.name}_{function}"]
     if not wanted:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from wmrgen.backends.c99.literal import WIDTH, comment_lines, literal
+from wmrgen.backends.c99.comment import WIDTH, block_comment
+from wmrgen.backends.c99.literal import literal
 from wmrgen.backends.c99.struct import Struct, struct
 from wmrgen.backends.c99.style import LIBM, style
 from wmrgen.backends.expression import body
@@ -34,6 +35,13 @@ def _prototype(name: str, arguments: tuple[tuple[Struct, str], ...], out: str) -
     return f"void {name}(\n    " + ",\n    ".join(parts) + ")"
 
 
+def _sentence(text: str) -> str:
+    """``text`` with a capital and a full stop."""
+    return (
+        text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".") if text else "Straight-line code."
+    )
+
+
 def _pruned(function: Function) -> Function:
     nodes, results = prune(function.nodes, function.results)
     return replace(function, nodes=nodes, results=results)
@@ -59,7 +67,7 @@ def _build(
     ]
     lines = unread + list(code.statements) + ([""] if code.statements or unread else []) + stores
     arguments = (*inputs, output)
-    comment = tuple(comment_lines(f"{function.text} [{count(function)}]".strip()))
+    comment = tuple(block_comment([_sentence(function.text), f"Operations: {count(function)}."]))
     return Step(
         name,
         own,
@@ -72,12 +80,13 @@ def _build(
 
 
 def prepare_steps(module: Module, scalar: str) -> tuple[tuple[Step, ...], Struct | None]:
-    """``params_default`` and ``prepare``, and the struct of prepared values; nothing when nothing is tunable."""
+    """``params_default`` and ``prepare``, and the struct they fill; nothing when nothing is tunable."""
     prepare = module.prepare
     if prepare is None or not prepare.outputs:
         return (), None
     robot = module.name
-    prepare = replace(prepare, text=prepare.text or "Call once, and again after every change of a parameter.")
+    advice = "Call once, and again after every change of a parameter."
+    prepare = replace(prepare, text=f"{_sentence(prepare.text)} {advice}" if prepare.text else advice)
     prepared = struct(
         f"{robot}_prepared",
         prepare.outputs,
@@ -96,7 +105,7 @@ def prepare_steps(module: Module, scalar: str) -> tuple[tuple[Step, ...], Struct
     first = Step(
         f"{robot}_params_default",
         (params,),
-        ("Sets the parameters to the nominal values of the robot file.",),
+        ("/* Sets the parameters to the nominal values of the robot file. */",),
         f"void {robot}_params_default({params.name} *params)",
         nominal,
         ((params, "params"),),

@@ -6,8 +6,10 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from wmrgen.backends.c99.literal import WIDTH, comment_lines, comment_text
+from wmrgen.backends.c99.comment import WIDTH, block_comment, comment_text
 from wmrgen.ir.nodes import Port
+
+_Row = tuple[str, str, Port | None]  # indent, declaration, port that the comment is about
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,45 +55,58 @@ def _paths(ports: tuple[Port, ...]) -> dict[str, tuple[str, str]]:
     return paths
 
 
-def _commented(declaration: str, indent: str, column: int, port: Port) -> list[str]:
-    """``declaration`` with unit and text of ``port``: behind it where that fits, else above."""
-    note = comment_text(f"[{port.unit}] {port.text}" if port.unit else port.text)
+def _note(port: Port, shared: frozenset[str]) -> str:
+    """Unit, text and nominal value of ``port``; the text not where the comment of the struct has it."""
+    text = "" if port.name.partition(".")[2] in shared else port.text
+    nominal = "" if port.default is None else f"(nominal {float(port.default):.6g})"
+    unit = f"[{port.unit}]" if port.unit else ""
+    return comment_text(" ".join(part for part in (unit, text, nominal) if part))
+
+
+def _shared_texts(ports: tuple[Port, ...]) -> dict[str, str]:
+    """Joint (``spin``) -> text, where several wheels have that joint and all say the same about it."""
+    texts: dict[str, list[str]] = {}
+    for port in ports:
+        joint = port.name.partition(".")[2]
+        if joint and port.text:
+            texts.setdefault(joint, []).append(port.text)
+    return {joint: said[0] for joint, said in texts.items() if len(said) > 1 and len(set(said)) == 1}
+
+
+def _commented(declaration: str, indent: str, column: int, note: str) -> list[str]:
+    """``declaration`` with ``note`` behind it where that fits, else above."""
     if not note:
         return [indent + declaration]
     line = (indent + declaration).ljust(column) + f" /* {note} */"
     if len(line) <= WIDTH:
         return [line]
-    notes = comment_lines(note, WIDTH - len(indent) - 6)
-    return [*(f"{indent}/* {text} */" for text in notes), indent + declaration]
+    return [*block_comment([note], indent), indent + declaration]
 
 
-def _group(wheel: str, members: list[tuple[str, str, Port]]) -> list[tuple[str, str, Port | None]]:
-    """(indent, declaration, port) of a wheel: on one line when it has one member."""
+def _group(wheel: str, members: list[_Row]) -> list[_Row]:
+    """The nested struct of a wheel: on one line when it has one member."""
     if len(members) == 1:
-        scalar, name, port = members[0]
-        return [("    ", f"struct {{ {scalar} {name}; }} {wheel};", port)]
-    inner: list[tuple[str, str, Port | None]] = [
-        ("        ", f"{scalar} {name};", port) for scalar, name, port in members
-    ]
+        return [("    ", f"struct {{ {members[0][1]} }} {wheel};", members[0][2])]
+    inner: list[_Row] = [("        ", declaration, port) for _, declaration, port in members]
     return [("    ", "struct {", None), *inner, ("    ", f"}} {wheel};", None)]
 
 
 def struct(name: str, ports: tuple[Port, ...], scalar: str, note: str) -> Struct:
     """The typedef ``name`` for ``ports``, which must not be empty (C99 has no empty struct)."""
     paths = _paths(ports)
-    groups: dict[str, list[tuple[str, str, Port]]] = {"": []}
+    shared = _shared_texts(ports)
+    groups: dict[str, list[_Row]] = {"": []}
     for port in ports:
         wheel, member = paths[port.name]
-        groups.setdefault(wheel, []).append((scalar, member, port))
-    rows: list[tuple[str, str, Port | None]] = [
-        ("    ", f"{scalar} {member};", port) for scalar, member, port in groups.pop("")
-    ]
+        groups.setdefault(wheel, []).append(("    ", f"{scalar} {member};", port))
+    rows = groups.pop("")
     for wheel, members in groups.items():
         rows += _group(wheel, members)
     column = max(len(indent + declaration) for indent, declaration, port in rows if port)
-    lines = [f"/* {line} */" for line in comment_lines(note, WIDTH - 6)] + ["typedef struct {"]
+    lines = block_comment([note, *(f"{joint}: {text}." for joint, text in shared.items())])
+    lines.append("typedef struct {")
     for indent, declaration, noted in rows:
-        lines += _commented(declaration, indent, column, noted) if noted else [indent + declaration]
+        lines += _commented(declaration, indent, column, _note(noted, frozenset(shared)) if noted else "")
     members_of = {key: f"{wheel}.{member}" if wheel else member for key, (wheel, member) in paths.items()}
     ordered = {port.name: members_of[port.name] for port in ports}
     return Struct(name, (*lines, f"}} {name};"), ordered)

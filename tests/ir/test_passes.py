@@ -169,6 +169,19 @@ def test_regroup_multiplies_a_common_factor_by_its_constant_once() -> None:
     assert count(regroup_products(build(["x", "p", "q", "r"], body))).multiplications == 4
 
 
+def test_regroup_leaves_squares_whole() -> None:
+    f = build(["x", "y"], lambda b, v: {"o": b.mul(b.const(3), b.square(b.add(v["x"], v["y"])))})
+    assert count(regroup_products(f)) == count(f)
+
+
+def test_factor_merges_like_terms() -> None:
+    def body(b, v):
+        twice = b.mul(v["x"], v["y"])
+        return {"o": b.add(b.add(twice, b.mul(v["k"], v["x"])), twice)}
+
+    assert count(optimise((build(["k", "x", "y"], body),), "m").functions[0]).flops <= 4
+
+
 def test_schedule_computes_values_next_to_their_use() -> None:
     names = [f"x{i}" for i in range(6)]
 
@@ -195,6 +208,12 @@ GUARDED = {
     "select on its size": lambda b, v: b.select(b.abs(v["x"]), b.const(Fraction(1, 100)), b.const(1), v["x"]),
     "select on its square": lambda b, v: b.select(
         b.square(v["x"]), b.const(Fraction(1, 100)), b.const(1), v["x"]
+    ),
+    "select on its scaled square": lambda b, v: b.select(
+        b.mul(b.const(Fraction(1, 4)), b.square(v["x"])),
+        b.const(Fraction(1, 400)),
+        b.const(1),
+        b.mul(b.const(Fraction(1, 2)), v["x"]),
     ),
     "root of a positive": lambda b, v: b.sqrt(b.add(b.square(v["x"]), b.const(1))),
     "three minus a sine": lambda b, v: b.sub(b.const(3), b.sin(v["x"])),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Op
@@ -64,7 +64,7 @@ class _Factoring:
 
     def _terms(self, root: int) -> list[_Term]:
         """The addends of ``root`` as products, in order."""
-        terms: list[_Term] = []
+        terms: dict[tuple[int, ...], Exact] = {}  # like terms meet
         stack: list[tuple[int, Exact]] = [(root, ONE)]
         while stack:
             i, sign = stack.pop()
@@ -76,8 +76,9 @@ class _Factoring:
                     second = sign if node.op is Op.ADD else -sign
                     stack += [(node.args[1], second), (node.args[0], sign)]
             else:
-                terms.append(self._product(i, sign))
-        return terms
+                term = self._product(i, sign)
+                terms[term.factors] = terms.get(term.factors, ZERO) + term.value
+        return [_Term(value, factors) for factors, value in terms.items() if value]
 
     def _product(self, root: int, sign: Exact) -> _Term:
         """Node ``root`` as constant times factors; products used elsewhere stay whole."""
@@ -106,7 +107,7 @@ class _Factoring:
         """The sum of ``terms``, factored as often as it can be."""
         builder = self._builder
         common = self._common(terms)
-        if common is None:
+        if common is None or len(terms) == 1:
             return builder.sum(self._value(term) for term in terms)
         inner = [_without(term, common) for term in terms if common in term.factors]
         outer = [term for term in terms if common not in term.factors]

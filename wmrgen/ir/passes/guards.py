@@ -185,12 +185,30 @@ def _chosen(nodes: tuple[Node, ...], known: list[Fact], node: Node, branch: int)
     if value == small and above.hi is not None:
         hi = above.hi if fact.hi is None else min(fact.hi, above.hi)
         return _interval(fact.lo, hi, fact.away, fact.nonzero or (strict and above.hi <= 0))
-    size = nodes[large]
-    if below.lo is not None and below.lo >= 0 and value in size.args:
-        bound = below.lo
-        if size.op is Op.ABS:
-            return _interval(fact.lo, fact.hi, max(fact.away, bound), fact.nonzero or strict or bool(bound))
-        if size.op is Op.MUL and size.args == (value, value) and (strict or bound):
-            away = max(fact.away, min(bound, ONE))  # z*z >= b gives |z| >= min(b, 1)
-            return _interval(fact.lo, fact.hi, away, nonzero=True)
+    if below.lo is not None and below.lo >= 0:  # |value| is known through its size or its square
+        bound = _size_bound(nodes, large, value, below.lo)
+        if bound is not None and (strict or bound):
+            return _interval(fact.lo, fact.hi, max(fact.away, bound), nonzero=True)
     return fact
+
+
+def _size_bound(nodes: tuple[Node, ...], size: int, value: int, least: Exact) -> Exact | None:
+    """A bound of |value| when node ``size`` >= ``least`` is s |z| or s z z, s > 0, and value is c z."""
+    scale, inner = _without_factor(nodes, size)
+    factor, base = _without_factor(nodes, value)
+    node = nodes[inner]
+    if scale.sign <= 0:
+        return None
+    if node.op is Op.ABS and node.args[0] in (base, value):
+        return least / scale * (abs(factor) if node.args[0] == base else ONE)
+    if node.op is Op.MUL and node.args in ((base, base), (value, value)):
+        root = min(least / scale, ONE)  # z z >= b gives |z| >= min(b, 1)
+        return root * (abs(factor) if node.args[0] == base else ONE)
+    return None
+
+
+def _without_factor(nodes: tuple[Node, ...], i: int) -> tuple[Exact, int]:
+    """(c, x) where node ``i`` is c x, (1, i) otherwise."""
+    node = nodes[i]
+    constant = nodes[node.args[0]].value if node.op is Op.MUL else None
+    return (ONE, i) if constant is None else (constant, node.args[1])

@@ -50,7 +50,8 @@ def _choices(function: Function) -> dict[int, tuple[int, int, int]]:
                 a, b = inner.args
                 if not known[a] and not known[b]:
                     found[scalar, a].append((i, b))
-                    found[scalar, b].append((i, a))
+                    if a != b:
+                        found[scalar, b].append((i, a))
     chosen: dict[int, tuple[int, int, int]] = {}
     for (scalar, common), places in sorted(found.items(), key=lambda item: (-len(item[1]), item[0])):
         free = [(i, other) for i, other in places if i not in chosen]

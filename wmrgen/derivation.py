@@ -145,26 +145,31 @@ class Derivation:
         return Module(self.robot.name, tuple(lower(f) for f in self.program.formulas))
 
     @cached_property
+    def _optimised(self) -> Module:
+        """Every function once, and forward without its residual as ``forward_twist``."""
+        from wmrgen.ir.pipeline import optimise
+        from wmrgen.lower import lower
+
+        twist = lower(self.program.formula("forward"), TWIST, "forward_twist")
+        return optimise((*self.raw_module.functions, twist), self.robot.name)
+
+    @cached_property
     def module(self) -> Module:
         """The functions with every output of the contract, optimised."""
-        from wmrgen.ir.pipeline import optimise
-
-        return optimise(self.raw_module.functions, self.robot.name)
+        return self._selection({name: name for name in ("inverse", "forward", "odometry", "dynamics")})
 
     @cached_property
     def c_module(self) -> Module:
         """The functions for C: forward with and without the residual."""
-        from wmrgen.ir.pipeline import optimise
-        from wmrgen.lower import lower
-
-        p = self.program
-        functions = (
-            self.raw_module.function("inverse"),
-            lower(p.formula("forward"), TWIST),
-            lower(p.formula("forward"), None, "forward_slip"),
-            self.raw_module.function("odometry"),
+        return self._selection(
+            {"inverse": "inverse", "forward_twist": "forward", "forward": "forward_slip", "odometry": "odometry"}
         )
-        return optimise(functions, self.robot.name)
+
+    def _selection(self, names: dict[str, str]) -> Module:
+        """Some of the optimised functions under new names, with the part of prepare() that they need."""
+        from wmrgen.ir.select import select
+
+        return select(self._optimised, names)
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""

@@ -28,13 +28,16 @@ class Exact:
     den: int
 
     def __init__(self, a: int | Fraction = 0, b: int | Fraction = 0, c: int | Fraction = 0, d: int | Fraction = 0):
+        self._hash: int | None = None
+        if not (b or c or d):  # the common case, kept quick
+            self.num, self.den = (a.numerator, 0, 0, 0), a.denominator
+            return
         parts = (Fraction(a), Fraction(b), Fraction(c), Fraction(d))
         den = 1
         for part in parts:
             den = den * part.denominator // gcd(den, part.denominator)
         self.num = tuple(int(part * den) for part in parts)  # type: ignore[assignment]
         self.den = den
-        self._hash: int | None = None
 
     @classmethod
     def _make(cls, num: tuple[int, int, int, int], den: int) -> Exact:
@@ -43,6 +46,16 @@ class Exact:
             g = -g
         self = object.__new__(cls)
         self.num = num if g == 1 else (num[0] // g, num[1] // g, num[2] // g, num[3] // g)
+        self.den = den // g
+        self._hash = None
+        return self
+
+    @classmethod
+    def _rational(cls, num: int, den: int) -> Exact:
+        """num / den, den > 0."""
+        g = gcd(num, den)
+        self = object.__new__(cls)
+        self.num = (num // g, 0, 0, 0)
         self.den = den // g
         self._hash = None
         return self
@@ -69,6 +82,8 @@ class Exact:
         o = Exact.of(other)
         p, q = self.den, o.den
         a, b = self.num, o.num
+        if not any(a[1:]) and not any(b[1:]):
+            return Exact._rational(a[0] * q + b[0] * p, p * q)
         return Exact._make(
             (a[0] * q + b[0] * p, a[1] * q + b[1] * p, a[2] * q + b[2] * p, a[3] * q + b[3] * p), p * q
         )
@@ -89,6 +104,8 @@ class Exact:
         o = Exact.of(other)
         a, b, c, d = self.num
         e, f, g, h = o.num
+        if not (b or c or d or f or g or h):
+            return Exact._rational(a * e, self.den * o.den)
         if not (b or c or d):
             return Exact._make((a * e, a * f, a * g, a * h), self.den * o.den)
         return Exact._make(
@@ -132,9 +149,11 @@ class Exact:
         return result
 
     def __eq__(self, other: object) -> bool:
+        if isinstance(other, Exact):
+            return self.num == other.num and self.den == other.den
         if isinstance(other, int | Fraction):
-            other = Exact(other)
-        return isinstance(other, Exact) and self.num == other.num and self.den == other.den
+            return self.num == (other.numerator, 0, 0, 0) and self.den == other.denominator
+        return False
 
     def __hash__(self) -> int:
         if self._hash is None:

@@ -7,7 +7,7 @@ sqrt(p)**2 = p. Exponents may be negative, so a monomial can be divided by.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 
@@ -109,6 +109,16 @@ class Poly:
         return Poly(terms)
 
     __radd__ = __add__
+
+    @staticmethod
+    def sum(polys: Iterable[Poly]) -> Poly:
+        """The sum of many polynomials, in one pass."""
+        terms: dict[Monomial, Exact] = {}
+        for p in polys:
+            for m, c in p.terms.items():
+                old = terms.get(m)
+                terms[m] = c if old is None else old + c
+        return Poly(terms)
 
     def __neg__(self) -> Poly:
         return Poly({m: -c for m, c in self.terms.items()})

@@ -34,7 +34,7 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
     wheels = [robot.wheel(n) for n in mobility.basis_wheels]
     twist: list[Expr] = []
     for i, name in enumerate(("vx_body", "vy_body", "omega_body")):
-        value = sum((column[i] * Poly.gen("input", e.name) for column, e in zip(columns, etas, strict=True)), Poly({}))
+        value = Poly.sum(column[i] * Poly.gen("input", e.name) for column, e in zip(columns, etas, strict=True))
         twist.append(names.define(name, value) if value else sympy.S.Zero)
     theta = signal("theta")
     c, s = sympy.cos(theta), sympy.sin(theta)

@@ -27,6 +27,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.ports import Role
 from wmrgen.symbolic import Expr, expression
 
+FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
 _JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
@@ -75,15 +76,16 @@ def _constant(
     rows = _rows(contacts, components)
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
-    normal = [[sum((r[i] * r[j] for r, _ in rows), Poly({})) for j in range(3)] for i in range(3)]
-    moment = [sum((r[i] * z for r, z in rows), Poly({})) for i in range(3)]
+    normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
+    moment = [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
     inverse = pseudo_inverse(normal)
     twist = [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
-    direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
-    if not any(r for r in (p for p in direct if not _negligible(p))):
-        return _three(twist), sympy.S.Zero
-    if _one_relation(direct):
-        return _three(twist), norm(direct)
+    if len(rows) <= FEW_ROWS:
+        direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
+        if all(_negligible(p) for p in direct):
+            return _three(twist), sympy.S.Zero
+        if _one_relation(direct):
+            return _three(twist), norm(direct)
     named = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     fitted: Row = (named[0], named[1], named[2])
     return _three(named), norm([z - dot(r, fitted) for r, z in rows])

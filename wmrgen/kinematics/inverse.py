@@ -133,7 +133,7 @@ def _spins(robot: Robot, joints: dict[int, _Joints]) -> dict[int, Expr]:
             j = joints[members[0]]
             result[members[0]] = _scaled(j.rim, j.radius.inverse())
             continue
-        total = sum((joints[i].radius * joints[i].radius for i in members), Poly({})).inverse()
+        total = Poly.sum(joints[i].radius * joints[i].radius for i in members).inverse()
         shared = sympy.Add(*(_scaled(joints[i].rim, joints[i].radius * total) for i in members))
         result.update(dict.fromkeys(members, shared))
     return result

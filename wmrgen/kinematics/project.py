@@ -60,8 +60,8 @@ def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
         views = [working_view(robot.wheels[i]) for i in members]
         radii = [g.r * g.cg for g in views]
         rims = [dot(rolling_row(robot.wheels[i], g).row, twist) for i, g in zip(members, views, strict=True)]
-        total = sum((r * r for r in radii), Poly({})).inverse()
-        speed = sum((r * z for r, z in zip(radii, rims, strict=True)), Poly({})) * total
+        total = Poly.sum(r * r for r in radii).inverse()
+        speed = Poly.sum(r * z for r, z in zip(radii, rims, strict=True)) * total
         found += [z - r * speed for r, z in zip(radii, rims, strict=True)]
     return found
 
@@ -70,9 +70,9 @@ def _translate(robot: Robot, twist: Row) -> Projection:
     """Rotation taken away about the centroid of the steered wheels."""
     wheels = [working_view(w) for w in robot.wheels if w.type == "steered"]
     share = Fraction(1, len(wheels))
-    gx = sum((g.x for g in wheels), Poly({})).scale(share)
-    gy = sum((g.y for g in wheels), Poly({})).scale(share)
-    spread = sum(((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels), Poly({})).scale(share)
+    gx = Poly.sum(g.x for g in wheels).scale(share)
+    gy = Poly.sum(g.y for g in wheels).scale(share)
+    spread = Poly.sum((g.x - gx) ** 2 + (g.y - gy) ** 2 for g in wheels).scale(share)
     root = fix(sqrt_poly(spread), {})
     omega = twist[2]
     return Projection((twist[0] - omega * gy, twist[1] + omega * gx, Poly({})), (omega * root,), ONE)

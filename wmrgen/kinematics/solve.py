@@ -21,7 +21,7 @@ Twist = tuple[Expr, Expr, Expr]
 
 
 def _total(values: list[Poly]) -> Poly:
-    return sum(values, Poly({}))
+    return Poly.sum(values)
 
 
 def _named(contacts: list[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 
 from wmrgen.ir.nodes import Function, Module, Port, Role
 from wmrgen.ir.passes.canonicalise import canonicalise
@@ -41,6 +42,7 @@ def optimise(functions: tuple[Function, ...], name: str, verify: bool = False) -
     return module
 
 
+@lru_cache(maxsize=64)  # the two modules of a robot have functions in common
 def _run(function: Function, passes: tuple[Pass, ...], verify: bool) -> Function:
     for step in passes:
         changed = step(function)

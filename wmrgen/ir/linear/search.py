@@ -83,14 +83,17 @@ def _pairs(rows: Sequence[Row]) -> int:
 
 
 def _candidates(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> Iterator[Graph]:
+    if len(rows) == 1:  # nothing to share; only equal magnitudes to factor
+        yield by_ratios(columns, rows, magnitudes)
+        return
     turned = _transposed(rows, columns)
     straight, across = _pairs(rows), _pairs(turned)
-    if straight <= max(_MOST_PAIRS, 0) and straight <= 8 * across + 64:
+    if straight <= _MOST_PAIRS and straight <= 8 * across + 64:
         yield from _one_side(rows, columns, magnitudes)
     if across <= _MOST_PAIRS and across <= 8 * straight + 64:
-        for merged, copies in (_distinct(turned, magnitudes),):
-            for graph in _one_side(merged, len(rows), magnitudes):
-                yield transpose(_with_copies(graph, copies))
+        merged, copies = _distinct(turned, magnitudes)
+        for graph in _one_side(merged, len(rows), magnitudes):
+            yield transpose(_with_copies(graph, copies))
 
 
 def _with_copies(graph: Graph, copies: Sequence[tuple[int, int, int]]) -> Graph:

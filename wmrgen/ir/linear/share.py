@@ -39,10 +39,11 @@ def _merge_pairs(
         for key in pairs(row, row):
             where.setdefault(key, set()).add(r)
     while where:
-        best = min(where, key=lambda key: (-len(where[key]), key[2:], key))
-        users = sorted(where[best])
-        if len(users) < 2:
+        most = max(map(len, where.values()))
+        if most < 2:
             return
+        best = min((key for key, held in where.items() if len(held) == most), key=lambda k: (k[2:], k))
+        users = sorted(where[best])
         i, j = best[0], best[1]
         new, flip = merge(best)
         for r in users:
@@ -98,7 +99,8 @@ def by_ratios(columns: int, rows: Sequence[Row], magnitudes: Magnitudes) -> Grap
         ratio = magnitudes.ratio(b[0], a[0])
         return None if ratio is None else (i, j, ratio[0], ratio[1] * a[1] * b[1])
 
-    _merge_pairs(left, key_of, lambda key: graph.add([(key[0], 1), (product(key[1], key[2]), key[3])]))
+    if len(left) > 1:
+        _merge_pairs(left, key_of, lambda key: graph.add([(key[0], 1), (product(key[1], key[2]), key[3])]))
     uses = Counter((column, magnitude) for row in left for column, (magnitude, _) in row.items())
     for row in left:
         graph.outputs.append(_factored(graph, row, uses, product))

@@ -29,6 +29,7 @@ def share_linear_forms(function: Function) -> Function:
     scalars = Scalars(function, builder, shape.known)
     best: _Plan | None = None
     tried: list[Rows] = []
+    search = _Search()
     limit = len(function.nodes)
     for kept in shape.boundaries():
         rows = _rows(function, shape, scalars, builder, kept, limit)
@@ -36,7 +37,7 @@ def share_linear_forms(function: Function) -> Function:
             continue
         tried.append(rows)
         limit = min(limit, 64 + _GROWTH * sum(len(row) for row in rows.values()))
-        plan = _plan(function, rows)
+        plan = _plan(function, rows, search)
         if best is None or plan.cost < best.cost:
             best = plan
     if best is None:
@@ -159,11 +160,28 @@ def _parts(
     return [(other, value * c, times(monomial, m))] if c else []
 
 
+Matrix = list[Mapping[int, Coefficient]]
+
+
+@dataclass(slots=True)
+class _Search:
+    """Programs by matrix: most groups of rows come up in every way of expanding."""
+
+    magnitudes: Magnitudes = field(default_factory=Magnitudes)
+    known: dict[tuple[tuple[tuple[int, Coefficient], ...], ...], Graph] = field(default_factory=dict)
+
+    def cheapest(self, matrix: Matrix, columns: int) -> Graph:
+        key = tuple(tuple(row.items()) for row in matrix)
+        if key not in self.known:
+            self.known[key] = cheapest(matrix, columns, self.magnitudes)
+        return self.known[key]
+
+
 @dataclass(slots=True)
 class _Plan:
     """Programs of all groups of rows with their terms, and each row's (group, output)."""
 
-    magnitudes: Magnitudes = field(default_factory=Magnitudes)
+    magnitudes: Magnitudes
     groups: list[tuple[Graph, list[int]]] = field(default_factory=list)
     place: dict[int, tuple[int, int]] = field(default_factory=dict)
 
@@ -174,17 +192,15 @@ class _Plan:
         return sum(cost[0] for cost in costs), sum(cost[1] for cost in costs)
 
 
-def _plan(function: Function, rows: Rows) -> _Plan:
-    plan = _Plan()
+def _plan(function: Function, rows: Rows, search: _Search) -> _Plan:
+    plan = _Plan(search.magnitudes)
     for members in _groups(function, rows):
         columns = sorted({term for root in members for term in rows[root]})
         index = {term: j for j, term in enumerate(columns)}
-        matrix: list[Mapping[int, Coefficient]] = [
-            {index[term]: c for term, c in rows[root].items()} for root in members
-        ]
+        matrix: Matrix = [{index[term]: c for term, c in rows[root].items()} for root in members]
         for i, root in enumerate(members):
             plan.place[root] = (len(plan.groups), i)
-        plan.groups.append((cheapest(matrix, len(columns), plan.magnitudes), columns))
+        plan.groups.append((search.cheapest(matrix, len(columns)), columns))
     return plan
 
 

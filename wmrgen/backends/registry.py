@@ -25,7 +25,10 @@ class Backend(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """``module`` is the import path; ``source`` the attribute of Derivation that the backend reads."""
+    """``module`` is the import path; ``source`` the attribute of Derivation that the backend reads.
+
+    A backend for readers has no ``evaluate`` and reads the Derivation ``itself``.
+    """
 
     name: str
     module: str
@@ -41,5 +44,6 @@ BACKENDS: dict[str, Entry] = {
         Entry("c99", "wmrgen.backends.c99", "c_module"),
         Entry("casadi", "wmrgen.backends.casadi", "module"),
         Entry("numpy", "wmrgen.backends.numpy", "module"),
+        Entry("drawing", "wmrgen.backends.drawing", "itself"),
     )
 }

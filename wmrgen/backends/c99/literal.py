@@ -8,7 +8,7 @@ from math import isinf
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
-from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 
 
 @lru_cache(maxsize=4096)
@@ -23,7 +23,8 @@ def rounded(value: Exact, scalar: str) -> float:
 def _shortest_single(value: float) -> str:
     for digits in range(1, 9):
         text = f"{value:.{digits}g}"
-        if to_float32(Exact(Fraction(text))) == value:
+        # The quick test rounds twice, by way of float64; the exact one has the last word.
+        if nearest_float32(float(text)) == value and to_float32(Exact(Fraction(text))) == value:
             return text
     return f"{value:.9g}"
 

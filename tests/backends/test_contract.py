@@ -1,0 +1,50 @@
+"""What every registered backend owes: same numbers, same bytes, contract names."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.backends.modules import MODULES
+from tests.backends.samples import samples
+from wmrgen.backends.meta import Meta
+from wmrgen.backends.registry import BACKENDS
+from wmrgen.ir.interpret import FLOAT64, evaluate_module
+from wmrgen.ir.nodes import Module
+
+META = Meta("a robot", ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0")
+TOLERANCE = {"c99": 2e-6}  # single precision
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda m: m.name)
+@pytest.mark.parametrize("name", BACKENDS)
+def test_agrees_with_the_interpreter(name: str, module: Module) -> None:
+    backend = BACKENDS[name].load()
+    for function in module.functions:
+        cases = samples(module, function, 20)
+        results = backend.evaluate(module, function.name, cases)
+        assert len(results) == len(cases)
+        for case, result in zip(cases, results, strict=True):
+            expected = evaluate_module(module, function.name, case, FLOAT64)
+            assert list(result) == list(expected)
+            for key, value in expected.items():
+                assert result[key] == pytest.approx(value, rel=TOLERANCE.get(name, 1e-14), abs=1e-5)
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_a_tunable_left_out_is_nominal(name: str) -> None:
+    module = MODULES[-1]
+    case = {"vx": 0.5, "a.steer": 0.25}
+    backend = BACKENDS[name].load()
+    assert backend.evaluate(module, "inverse", [case]) == backend.evaluate(
+        module, "inverse", [{**case, "radius": 39 / 400}]
+    )
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda m: m.name)
+@pytest.mark.parametrize("name", BACKENDS)
+def test_same_bytes_twice(name: str, module: Module) -> None:
+    backend = BACKENDS[name].load()
+    files = backend.emit(module, META)
+    assert files == backend.emit(module, META)
+    assert all(file.startswith(module.name) for file in files)
+    assert all(content for content in files.values())

@@ -1,0 +1,132 @@
+"""The steering that the picture shows: every axle through one ICR, which lies off-centre."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, cos, hypot, pi, radians, remainder, sin
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot, Wheel
+    from wmrgen.mobility.records import Mobility
+
+Point = tuple[float, float]
+Twist = tuple[float, float, float]
+
+_SLANT = radians(25)  # direction of travel shown when only translation is admissible
+_PLACES = (  # ICR candidates from the centre, in units of the robot's half extent
+    (-0.35, 1.35), (0.35, 1.35), (-0.6, 1.6), (0.6, 1.6), (-1.0, 2.0), (-0.35, -1.35), (0.0, 2.5), (0.0, 4.0),
+)  # fmt: skip
+_DISTANCES = (1.3, 1.7, 2.2, 2.8, 3.6, 5.0, 8.0, -1.3, -2.2, -3.6, 12.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """``headings``: rolling direction of each wheel [rad], by name. ``icr``: None at infinity or where open."""
+
+    headings: dict[str, float]
+    icr: Point | None
+
+
+def extent(wheels: tuple[Wheel, ...]) -> tuple[Point, float]:
+    """Centre of the pivots' bounding box, and half its diagonal (at least two wheel radii) [m]."""
+    xs, ys = [float(w.nominal.x) for w in wheels], [float(w.nominal.y) for w in wheels]
+    centre = ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2)
+    size = hypot(max(xs) - min(xs), max(ys) - min(ys)) / 2
+    return centre, max(size, 2 * max(float(w.nominal.r) for w in wheels), 1e-3)
+
+
+def example(robot: Robot, mobility: Mobility) -> Example:
+    """A steering of all wheels that lets the robot move, inside the steering limits if a candidate is."""
+    steered = [w for w in robot.wheels if w.type == "steered"]
+    headings = {w.name: w.heading for w in robot.wheels}
+    twist = _twist(robot, mobility, steered)
+    if twist is None:
+        return Example(headings, None)
+    for w in steered:
+        headings[w.name] = w.heading + _swing(robot, w, twist)
+    one = mobility.degree_of_mobility == 1  # with more freedom the wheels leave the ICR open
+    return Example(headings, _icr(twist, extent(robot.wheels)[1]) if one else None)
+
+
+def _twist(robot: Robot, mobility: Mobility, steered: list[Wheel]) -> Twist | None:
+    picked = mobility.admissible
+    centre, size = extent(robot.wheels)
+    if not picked.dimension:
+        return None
+    rows = [_row(row) for row in picked.basis]
+    if not picked.linear or len(rows) == 1:
+        return _row(picked.sample)
+    candidates = [_about(c) for c in _points(rows, centre, size)] or [_translation(rows)]
+    if not steered:
+        return candidates[0]
+    fits = [t for t in candidates if _allowed(robot, steered, t, size)]
+    return (fits or candidates)[0]
+
+
+def _row(values: object) -> Twist:
+    a, b, c = (float(v) for v in values)  # type: ignore[attr-defined]
+    return a, b, c
+
+
+def _about(icr: Point) -> Twist:
+    """Rotation about a point at 1 rad/s."""
+    return icr[1], -icr[0], 1.0
+
+
+def _points(rows: list[Twist], centre: Point, size: float) -> list[Point]:
+    """ICR candidates inside the admissible twists; [] when they only translate."""
+    if len(rows) == 3:
+        return [(centre[0] + a * size, centre[1] + b * size) for a, b in _PLACES]
+    p, q = rows
+    turning = max(rows, key=lambda t: abs(t[2]))
+    if abs(turning[2]) < 1e-9:
+        return []
+    straight = (p[0] * q[2] - q[0] * p[2], p[1] * q[2] - q[1] * p[2])  # the combination without rotation
+    length = hypot(*straight)
+    along = (-straight[1] / length, straight[0] / length)  # the ICR moves across it
+    if (along[1] if abs(along[1]) > 1e-9 else along[0]) < 0:  # to the left first
+        along = (-along[0], -along[1])
+    start = (-turning[1] / turning[2], turning[0] / turning[2])
+    foot = (centre[0] - start[0]) * along[0] + (centre[1] - start[1]) * along[1]
+    return [
+        (start[0] + (foot + k * size) * along[0], start[1] + (foot + k * size) * along[1]) for k in _DISTANCES
+    ]
+
+
+def _translation(rows: list[Twist]) -> Twist:
+    """A translation 25 degrees off the x axis when both directions are free, else the only one."""
+    p, q = rows
+    if abs(p[0] * q[1] - p[1] * q[0]) > 1e-9:
+        return cos(_SLANT), sin(_SLANT), 0.0
+    return p
+
+
+def _velocity(w: Wheel, t: Twist) -> Point:
+    return t[0] - float(w.nominal.y) * t[2], t[1] + float(w.nominal.x) * t[2]
+
+
+def _swing(robot: Robot, w: Wheel, t: Twist) -> float:
+    """The steering angle in [-pi/2, pi/2] that rolls, or the opposite one if only that is within limits."""
+    a, b = _velocity(w, t)
+    if hypot(a, b) < 1e-12:
+        return 0.0
+    turn = remainder(atan2(b, a) - w.heading, pi)
+    other = turn - pi if turn > 0 else turn + pi
+    return other if not _inside(robot, w, turn) and _inside(robot, w, other) else turn
+
+
+def _inside(robot: Robot, w: Wheel, turn: float) -> bool:
+    limit = w.limits.get("steer") or robot.limits.get("steer")
+    return limit is None or float(limit.low) - 1e-9 <= turn <= float(limit.high) + 1e-9
+
+
+def _allowed(robot: Robot, steered: list[Wheel], t: Twist, size: float) -> bool:
+    far = all(hypot(*_velocity(w, t)) > 0.35 * size * abs(t[2]) for w in steered)
+    return far and all(_inside(robot, w, _swing(robot, w, t)) for w in steered)
+
+
+def _icr(t: Twist, size: float) -> Point | None:
+    if abs(t[2]) * size < 1e-6 * hypot(t[0], t[1]):
+        return None
+    return -t[1] / t[2], t[0] / t[2]

@@ -40,6 +40,11 @@ class Derivation:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
 
+    @property
+    def itself(self) -> Derivation:
+        """What backends for readers (report, drawing) are given."""
+        return self
+
     @cached_property
     def constraints(self) -> Constraints:
         """All rows, parameters as symbols."""

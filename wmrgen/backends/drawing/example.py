@@ -22,7 +22,7 @@ _DISTANCES = (1.3, 1.7, 2.2, 2.8, 3.6, 5.0, 8.0, -1.3, -2.2, -3.6, 12.0)
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """``headings``: rolling direction of each wheel [rad], by name. ``icr``: None at infinity or where open."""
+    """``headings``: rolling direction by wheel [rad]. ``icr``: None where there is no single one."""
 
     headings: dict[str, float]
     icr: Point | None

@@ -23,7 +23,7 @@ ARROW = 17.0  # px
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """A wheel on paper [px]. ``pivot``: A; ``centre``: contact B; ``ahead``: e; ``half``: half length, width."""
+    """A wheel on paper. ``pivot``: A; ``centre``: contact B; ``ahead``: e; ``half``: half length, width."""
 
     wheel: Wheel
     pivot: Point

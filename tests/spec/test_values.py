@@ -145,6 +145,22 @@ def test_the_caret_stands_under_the_culprit() -> None:
         assert "Did you mean half?" in shown[-1]
 
 
+@pytest.mark.parametrize(
+    "text", ["+".join(["half"] * 9), "4*half + 4*other_one + half", "3*(half + 2*other_one)"]
+)
+def test_angles_of_many_parameters_are_refused(text: str) -> None:
+    with pytest.raises(RobotFileError, match="more than 8 others"):
+        one_wheel(wheel("a", heading=text), TOP)
+    one_wheel(wheel("a", x=text), TOP)
+
+
+@pytest.mark.parametrize(
+    "text", ["pi/2 - half + 2*other_one", "12*3*pi/16", "half*180/pi", "1 + 2 + 3 + 4 + 5 + 6 + 7 + 8 + 9"]
+)
+def test_ordinary_angles_are_not(text: str) -> None:
+    one_wheel(wheel("a", heading=text, x=f"cos({text})"), TOP)
+
+
 class TestParameters:
     def test_keep_the_order_of_the_file(self) -> None:
         spec = read(robot(top="parameters: {b: 1, a: {value: b/2, tunable: true}, c: 3 mm}\n"))

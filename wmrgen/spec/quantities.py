@@ -63,7 +63,7 @@ def read_quantity(node: Node, kind: Kind, what: str, scope: Scope) -> Quantity:
     """A quantity in SI units and radians; ``what`` names it in messages."""
     scalar = scalar_of(node, what)
     expr, has_unit = parse_value(scalar, scope.facts, kind, what)
-    facts = facts_of(expr, has_unit, scope, scalar)
+    facts = facts_of(expr, has_unit, scope, scalar, kind is Kind.ANGLE)
     refuse_bare_trigonometry(expr, scope, scalar)
     if kind is Kind.ANGLE and scope.degrees and not facts.in_radians:
         expr = _degrees(expr)

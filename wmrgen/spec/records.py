@@ -81,9 +81,10 @@ class Limit:
 
 @dataclass(frozen=True, slots=True)
 class WheelSpec:
-    """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both.
+    """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both;
+    a castor or spherical wheel may have neither.
 
-    ``marks`` gives the place of each key that was written.
+    ``marks`` gives the place of each key that was written, Greek letters spelled out.
     """
 
     name: str
@@ -117,7 +118,7 @@ class Coupling:
 
 @dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """A robot file, read and checked for form."""
+    """A robot file, read and checked for form. Each parameter stands after those it uses."""
 
     name: str
     description: str

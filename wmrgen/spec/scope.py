@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from math import ceil
 
 from wmrgen.errors import RobotFileError
 from wmrgen.spec.nodes import Scalar
@@ -17,15 +18,21 @@ from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi
 # anyone computes it. 4,000 bits are 1,200 digits; a robot needs some twenty.
 MAX_BITS = 4_000
 MAX_TERMS = 400
+MAX_SPREAD = 8  # sin and cos of a sum of n angles have 2^n terms
 _ROUNDED_BITS = 280  # a 40-digit point of the unit circle
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """``bits`` bounds the exact result, ``terms`` its expanded sum; ``in_radians``: an angle as it stands."""
+    """What is known of a tree without computing it.
+
+    ``bits`` bounds the exact result, ``terms`` its expanded sum, ``spread`` the addition theorems that its
+    sine takes; ``in_radians``: an angle as it stands.
+    """
 
     bits: int
     terms: int
+    spread: int
     in_radians: bool
 
 
@@ -73,11 +80,34 @@ def _size(expr: Expr, facts: Mapping[str, Facts]) -> tuple[int, int]:
     sizes = [_size(child, facts) for child in children(expr)]
     bits, terms = sum(b for b, _ in sizes), sum(t for _, t in sizes)
     match expr:
+        case Call("sin" | "cos" | "tan", (arg,)):
+            return bits + _ROUNDED_BITS, int(terms + 2 ** min(_spread(arg, facts), 20))
         case Pi() | Call():
             return bits + _ROUNDED_BITS, max(1, terms)
         case Binary("*" | "/"):
             return bits, sizes[0][1] * sizes[1][1]
     return bits + 1, terms
+
+
+def _spread(expr: Expr, facts: Mapping[str, Facts]) -> int:
+    """How many angles the tree adds up, multiples up to 4 counted as often; constants count nothing."""
+    match expr:
+        case Num() | Pi():
+            return 0
+        case Param(name):
+            return max(1, facts[name].spread)
+        case Call():
+            return 1
+        case Binary("*", left, right):
+            a, b = _spread(left, facts), _spread(right, facts)
+            factor = left if not a else right
+            times = min(4, ceil(abs(factor.value))) if isinstance(factor, Num) else 4
+            return 1 if a and b else (a + b) * max(1, times)
+        case Binary("/", left, _):
+            return max(_spread(left, facts), int(bool(parameters_in(expr))))
+        case Binary("**"):
+            return int(bool(parameters_in(expr)))
+    return sum(_spread(child, facts) for child in children(expr))
 
 
 def _in_radians(expr: Expr, facts: Mapping[str, Facts]) -> bool:
@@ -90,7 +120,7 @@ def _in_radians(expr: Expr, facts: Mapping[str, Facts]) -> bool:
     return any(_in_radians(child, facts) for child in children(expr))
 
 
-def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar) -> Facts:
+def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool = False) -> Facts:
     """The facts of a tree. RobotFileError when its exact value would be too large to handle."""
     bits, terms = _size(expr, scope.facts)
     if bits > MAX_BITS or terms > MAX_TERMS:
@@ -99,7 +129,14 @@ def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar) -> Facts:
             "Powers of powers and products of long sums grow without bound.",
             "Write the number, or a simpler expression.",
         )
-    return Facts(bits, terms, has_unit or _in_radians(expr, scope.facts))
+    spread = _spread(expr, scope.facts)
+    if angle and spread > MAX_SPREAD:
+        raise node.error(
+            f"an angle made of more than {MAX_SPREAD} others",
+            "Its exact sine has a term for every subset of them.",
+            "Declare the sum as one parameter with its value.",
+        )
+    return Facts(bits, terms, spread, has_unit or _in_radians(expr, scope.facts))
 
 
 def refuse_bare_trigonometry(expr: Expr, scope: Scope, node: Scalar) -> None:

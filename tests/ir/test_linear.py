@@ -105,6 +105,12 @@ def test_operation_counts_of_known_robots(case: str) -> None:
     assert cost.divisions == 0
 
 
+def test_a_wheel_that_turns_backwards_needs_no_negation() -> None:
+    first, second = differential()
+    cost = count(program([first, [-value for value in second]]))
+    assert (cost.flops, cost.signs) == (4, 0)
+
+
 def test_mecanum_takes_six_additions_and_three_multiplications() -> None:
     assert count(program(mecanum())) == Cost(additions=6, multiplications=3)
 

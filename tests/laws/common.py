@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import tempfile
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from hypothesis import HealthCheck, settings
 from numpy.typing import NDArray
 
 from tests.oracle import oracle, robot_file
@@ -16,8 +18,17 @@ from tests.oracle.harness import Model, named, robot_text, twist_of
 
 Array = NDArray[np.float64]
 Layout = dict[str, Any]
+EXPLORE = int(os.environ.get("WMRGEN_EXPLORE", "0"))  # how many times as many random layouts, new ones each time
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
 NAMES = [p.stem for p in ROBOTS]
+
+
+def law(examples: int) -> settings:
+    """Settings of a law on random layouts: the same layouts in every run, unless WMRGEN_EXPLORE asks for more."""
+    return settings(
+        deadline=None, derandomize=not EXPLORE, database=None, max_examples=examples * max(EXPLORE, 1),
+        suppress_health_check=[HealthCheck.too_slow],
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=None)
@@ -33,9 +44,9 @@ def _derived(text: str) -> Model:
         return Model.of(text, Path(folder))
 
 
-def derived(layout: Layout) -> Model:
+def derived(layout: Layout, polar: bool = False) -> Model:
     """The model of a random layout."""
-    return _derived(robot_text(layout))
+    return _derived(robot_text(layout, polar=polar))
 
 
 def turning(layout: Layout) -> list[str]:
@@ -55,6 +66,14 @@ def _agrees(layout: Layout, twist: Array) -> bool:
     angle = {w["name"]: oracle.steering(w, twist, 0.0) for w in layout["wheels"] if w["type"] == "steered"}
     groups = [names for joint, names in layout["couplings"] if joint == "steer"]
     return all(abs(np.sin(angle[n] - angle[g[0]])) < 1e-9 for g in groups for n in g)
+
+
+def coupled(layout: Layout, present: dict[str, float]) -> dict[str, float]:
+    """Coupled wheels stand alike."""
+    for joint, names in layout["couplings"]:
+        if joint == "steer":
+            present = present | {f"{n}.steer": present[f"{names[0]}.steer"] for n in names}
+    return present
 
 
 def sensed(model: Model, joints: dict[str, float]) -> dict[str, float]:

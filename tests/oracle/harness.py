@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -54,9 +55,18 @@ class Model:
         self.path = path
         self.robot = wmrgen.load(path)
         self.derivation = wmrgen.derive(self.robot)
-        self.data = json.loads(json.dumps(self.derivation.model()))
-        self.functions = self.derivation.casadi()
         self.nominal = {p.name: float(p.nominal) for p in self.robot.parameters}
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """The content of model.json."""
+        content: dict[str, Any] = json.loads(json.dumps(self.derivation.model()))
+        return content
+
+    @cached_property
+    def functions(self) -> dict[str, Any]:
+        """The CasADi functions."""
+        return self.derivation.casadi()
 
     @classmethod
     def of(cls, text: str, folder: Path, stem: str = "sample") -> Model:

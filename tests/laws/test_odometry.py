@@ -1,0 +1,64 @@
+"""One odometry step is the exponential of a constant twist, smoothly through omega = 0."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.laws.common import NAMES, gallery, law
+from tests.laws.layouts import twists
+from tests.oracle import oracle
+
+TURNS = [0.0, 1e-300, 1e-12, 1e-8, 1e-5, 1e-3, 0.02, 0.0999999, 0.1, 0.1000001, 0.5, 1.0, 3.14159, 7.0]
+
+
+def step(twist: Any, pose: Any = (0.0, 0.0, 0.0), dt: float = 1.0) -> np.ndarray[Any, Any]:
+    model, _ = gallery("unicycle")
+    names = ("x", "y", "theta", "vx", "vy", "omega", "dt")
+    out = model.call("odometry", dict(zip(names, (*pose, *twist, dt), strict=True)))
+    return np.array([out["x"], out["y"], out["theta"]])
+
+
+@pytest.mark.parametrize("omega", [s * w for w in TURNS for s in (1, -1)])
+def test_exponential_through_zero(omega: float) -> None:
+    twist = np.array([0.8, -0.3, omega])
+    np.testing.assert_allclose(step(twist), oracle.step(np.zeros(3), twist, 1.0), rtol=0, atol=1e-12)
+
+
+@law(200)
+@given(twists, twists, st.floats(-2, 2))
+def test_exponential(pose: Any, twist: Any, dt: float) -> None:
+    np.testing.assert_allclose(
+        step(twist, pose, dt), oracle.step(np.array(pose), np.array(twist), dt), rtol=0, atol=1e-11
+    )
+
+
+@law(100)
+@given(twists, st.integers(-400, 400))
+def test_smooth(twist: Any, exponent: int) -> None:
+    """Neighbouring turning rates give neighbouring poses on both sides of every switch point."""
+    omega = 10.0 ** (exponent / 100 - 4)
+    a, b = (step((twist[0], twist[1], omega * (1 + e))) for e in (0.0, 1e-9))
+    np.testing.assert_allclose(a, b, rtol=0, atol=1e-8 * max(1.0, omega))
+
+
+@law(100)
+@given(twists, st.floats(0.01, 1.5))
+def test_two_steps_are_one(twist: Any, dt: float) -> None:
+    np.testing.assert_allclose(step(twist, step(twist, dt=dt), dt), step(twist, dt=2 * dt), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(step(twist, step(twist, dt=dt), -dt), np.zeros(3), rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_robot_has_the_same_step(name: str) -> None:
+    model, _ = gallery(name)
+    case = {"x": 0.1, "y": -0.2, "theta": 0.3, "vx": 0.5, "vy": 0.4, "omega": 0.7, "dt": 0.25}
+    found = model.call("odometry", case)
+    wanted = oracle.step(np.array([0.1, -0.2, 0.3]), np.array([0.5, 0.4, 0.7]), 0.25)
+    np.testing.assert_allclose([found[k] for k in ("x", "y", "theta")], wanted, rtol=0, atol=1e-14)
+    assert math.isfinite(found["theta"])

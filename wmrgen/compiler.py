@@ -46,11 +46,12 @@ def _run(command: Sequence[str], what: str, stdin: str = "", env: Mapping[str, s
 def compile_program(
     folder: Path, sources: Sequence[str], cc: str | None = None, flags: Sequence[str] = DEFAULT_FLAGS
 ) -> Path:
-    """Compile and link ``sources`` (file names in ``folder``) to ``folder/program``."""
+    """Compile and link ``sources`` (file names in ``folder``) to ``folder/program``; with -c an object."""
     compiler = find_compiler(cc)
     program = folder / "program"
     paths = [str(folder / name) for name in sources]
-    _run([compiler, *flags, "-o", str(program), *paths, "-lm"], f"the C compiler {compiler}")
+    libraries = () if "-c" in flags else ("-lm",)
+    _run([compiler, *flags, "-o", str(program), *paths, *libraries], f"the C compiler {compiler}")
     return program
 
 

@@ -1,0 +1,100 @@
+"""Generated C against the interpreter, bit for bit, for every robot, compiler and optimisation level."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import random
+from pathlib import Path
+
+import pytest
+
+from tests.backends.modules import MODULES
+from tests.c.harness import COMPILERS, STRICT, Program, gallery, libm, ulps32
+from wmrgen.errors import EnvironmentFailure
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import ARITY, Function, Module, Node, Op, Port, Role
+
+pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+LEVELS = ("-O0", "-O2", "-Os")
+
+
+@pytest.fixture(scope="module")
+def robots(tmp_path_factory: pytest.TempPathFactory) -> tuple[Program, Path]:
+    """All robots of the gallery, in single precision, written to a folder."""
+    program, folder = Program((*MODULES, *gallery()), "float", 12), tmp_path_factory.mktemp("c")
+    program.write(folder)
+    return program, folder
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_float(robots: tuple[Program, Path], compiler: str, level: str) -> None:
+    program, folder = robots
+    assert program.mismatches(folder, compiler, (*STRICT, level)) == []
+
+
+def test_double(tmp_path: Path) -> None:
+    program = Program((*MODULES, *gallery()), "double", 4)
+    program.write(tmp_path)
+    assert program.mismatches(tmp_path, COMPILERS[0], (*STRICT, "-O2")) == []
+
+
+def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
+    """With `test_float`: C is the interpreter's, each libm call within 2 ulp of the true value."""
+    program, _ = robots
+    assert program.cases
+    seen = sorted(program.libm.seen, key=repr)
+    assert seen
+    apply = libm("float").arithmetic.apply
+    worst = max(ulps32(op, args, apply[op](*args)) for op, args in seen)
+    assert worst <= 2.0
+
+
+def test_under_sanitizers(robots: tuple[Program, Path]) -> None:
+    program, folder = robots
+    flags = ("-std=c99", "-O1", "-ffp-contract=off", "-g", "-fno-sanitize-recover=all")
+    flags += ("-fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow",)
+    failures = []
+    for compiler in COMPILERS:
+        try:
+            assert program.mismatches(folder, compiler, flags, {"ASAN_OPTIONS": "detect_leaks=0"}) == []
+            return
+        except EnvironmentFailure as error:
+            if "compiled program" in str(error):
+                raise
+            failures.append(str(error))  # this compiler has no sanitizer runtime here
+    pytest.skip("no compiler with sanitizers: " + "; ".join(failures))
+
+
+def _random_function(source: random.Random, name: str) -> Function:
+    """Raw nodes, no builder: negations of differences, products of quotients, whatever grouping there is."""
+    inputs = tuple(Port(f"p{k}", Role.STATE, "m") for k in range(4))
+    nodes = [Node(Op.INPUT, name=port.name) for port in inputs]
+    nodes += [Node(Op.CONST, value=Exact(source.randint(-9, 9)) / source.randint(1, 9)) for _ in range(4)]
+    ops = (Op.ADD, Op.SUB, Op.MUL, Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.ABS, Op.MIN, Op.MAX, Op.SELECT)
+    for _ in range(40):
+        op = source.choice(ops)
+        # Mostly recent nodes, so that deep expressions arise.
+        pick = [
+            source.randrange(max(0, len(nodes) - source.choice((3, 6, 50))), len(nodes))
+            for _ in range(ARITY[op])
+        ]
+        nodes.append(Node(op, tuple(pick)))
+    outputs = tuple(Port(f"q{k}", Role.STATE, "m") for k in range(6))
+    return Function(name, inputs, tuple(nodes), outputs, tuple(range(len(nodes) - 6, len(nodes))))
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_grouping_of_random_expressions(compiler: str, tmp_path: Path) -> None:
+    source = random.Random(7)
+    functions = tuple(_random_function(source, f"f{k}") for k in range(60))
+    program = Program((Module("random_trees", functions),), "float", 8)
+    program.write(tmp_path)
+    wrong = program.mismatches(tmp_path, compiler, (*STRICT, "-O2"))
+    assert [line for line in wrong if "nan" not in line] == []  # the sign of a NaN is nobody's promise
+
+
+def test_the_interpreter_reaches_the_same_libm() -> None:
+    apply = libm("float").arithmetic.apply
+    assert apply[Op.SIN](0.5) == ctypes.c_float(math.sin(0.5)).value

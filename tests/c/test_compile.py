@@ -1,0 +1,91 @@
+"""How generated C compiles: warnings, C++, mixed pairs, evil texts, and a machine without a compiler."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.backends.modules import MODULES, mecanum, swerve, tunable
+from tests.c.harness import COMPILERS, STRICT, Program, gallery
+from wmrgen.backends.c99 import evaluate_c, sources
+from wmrgen.backends.meta import Meta
+from wmrgen.compiler import compile_program, find_compiler
+from wmrgen.errors import EnvironmentFailure
+from wmrgen.ir.nodes import Module
+
+pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+DRIVERLESS = ("-c", "-O0")
+
+
+def write(folder: Path, module: Module, meta: Meta) -> None:
+    header, source = sources(module, meta)
+    (folder / f"{module.name}.h").write_text(header)
+    (folder / f"{module.name}.c").write_text(source)
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_each_file_stands_alone(compiler: str, tmp_path: Path) -> None:
+    """No source leans on another's includes, and each header compiles by itself, twice."""
+    for module in (*MODULES, *gallery()[::6]):
+        write(tmp_path, module, Meta())
+        (tmp_path / "user.c").write_text(
+            f'#include "{module.name}.h"\n#include "{module.name}.h"\nint user;\n'
+        )
+        for file in (f"{module.name}.c", "user.c"):
+            compile_program(tmp_path, [file], compiler, (*STRICT, *DRIVERLESS))
+
+
+@pytest.mark.skipif(not shutil.which("g++"), reason="no C++ compiler here")
+def test_every_header_from_cpp(tmp_path: Path) -> None:
+    program = Program((*MODULES, *gallery()), "float", 0)
+    program.write(tmp_path)
+    lines = [f'#include "{module.name}.h"\n' for module in program.modules]
+    use = (
+        "int main() { mecanum_inverse_in in = {}; mecanum_inverse_out out; in.vx = 1.0f;\n"
+        "  mecanum_inverse(&in, &out); return out.front_left.spin > 0.0f ? 0 : 1; }\n"
+    )
+    (tmp_path / "main.cpp").write_text("".join(lines) + use)
+    compile_program(tmp_path, ["mecanum.c"], COMPILERS[0], (*STRICT, "-c"))
+    (tmp_path / "program").rename(tmp_path / "mecanum.o")
+    flags = ("-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+    compile_program(tmp_path, ["main.cpp", "mecanum.o"], "g++", flags)
+
+
+def test_a_mixed_pair_does_not_compile(tmp_path: Path) -> None:
+    write(tmp_path, mecanum(), Meta(model_hash="1"))
+    header, _ = sources(mecanum(), Meta(model_hash="2"))
+    (tmp_path / "mecanum.h").write_text(header)
+    with pytest.raises(EnvironmentFailure, match="not generated together"):
+        compile_program(tmp_path, ["mecanum.c"], None, DRIVERLESS)
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_evil_texts(compiler: str, tmp_path: Path) -> None:
+    evil = '*/ int x; /* ??/\n \\ // /* é \\\n#error no\n??/ "'
+    for module in (swerve(), tunable()):
+        write(tmp_path, module, Meta(description=evil, wheel_lines=(evil, evil * 9)))
+        for extra in ((), ("-trigraphs",)):
+            compile_program(tmp_path, [f"{module.name}.c"], compiler, (*STRICT, *DRIVERLESS, *extra))
+
+
+def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(EnvironmentFailure, match="apt-get install gcc") as caught:
+        evaluate_c(mecanum(), "inverse", [{"vx": 1.0, "vy": 0.0, "omega": 0.0}])
+    assert caught.value.exit_code == 4
+    monkeypatch.setenv("CC", "no-such-cc")
+    with pytest.raises(EnvironmentFailure, match="no-such-cc"):
+        find_compiler()
+
+
+def test_evaluate_in_both_scalars() -> None:
+    case = {"vx": 0.3, "vy": 0.1, "omega": -2.0}
+    single, double = (
+        evaluate_c(mecanum(), "inverse", [case, case], scalar) for scalar in ("float", "double")
+    )
+    assert single[0] == single[1] and double[0] == double[1]
+    assert single[0] != double[0]
+    assert single[0]["front_left.spin"] == pytest.approx(double[0]["front_left.spin"], rel=1e-6)

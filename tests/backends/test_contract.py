@@ -8,6 +8,7 @@ from tests.backends.modules import MODULES
 from tests.backends.samples import samples
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
+from wmrgen.errors import UsageError
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.ir.nodes import Module
 
@@ -38,6 +39,12 @@ def test_a_tunable_left_out_is_nominal(name: str) -> None:
     assert backend.evaluate(module, "inverse", [case]) == backend.evaluate(
         module, "inverse", [{**case, "radius": 39 / 400}]
     )
+
+
+@pytest.mark.parametrize("name", BACKENDS)
+def test_a_missing_input_is_named(name: str) -> None:
+    with pytest.raises(UsageError, match="omega"):
+        BACKENDS[name].load().evaluate(MODULES[0], "inverse", [{"vx": 0.5, "vy": 0.0}])
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.name)

@@ -16,7 +16,7 @@ from functools import cache
 import casadi as ca
 
 from wmrgen.backends.meta import Meta
-from wmrgen.ir.inline import defaults, inlined
+from wmrgen.ir.inline import complete, defaults, inlined
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
 
@@ -112,10 +112,8 @@ def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]
     """Outputs by contract name for each case, in float64."""
     wanted = next(f for f in inlined(module) if f.name == function)
     call = to_casadi(wanted, "f")
-    nominal = defaults(wanted)
-    names = [port.name for port in wanted.inputs]
     results = []
     for case in cases:
-        values = call.call([ca.DM(float({**nominal, **case}[name])) for name in names])
+        values = call.call([ca.DM(value) for value in complete(wanted, case)])
         results.append({port.name: float(v) for port, v in zip(wanted.outputs, values, strict=True)})
     return results

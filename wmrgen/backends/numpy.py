@@ -17,7 +17,7 @@ import numpy as np
 from wmrgen.backends.expression import Style, body
 from wmrgen.backends.meta import Meta
 from wmrgen.exact.number import Exact
-from wmrgen.ir.inline import inlined
+from wmrgen.ir.inline import complete, inlined
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
 from wmrgen.render import render
@@ -172,9 +172,8 @@ def functions(module: Module) -> SimpleNamespace:
 def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
     """Outputs by contract name for each case, in float64, computed for all cases at once."""
     wanted = next(f for f in inlined(module) if f.name == function)
-    nominal = {port.name: to_float64(port.default) for port in wanted.inputs if port.default is not None}
-    rows = [{**nominal, **case} for case in cases]
-    columns = _columns(wanted, {p.name: [row[p.name] for row in rows] for p in wanted.inputs})
+    rows = [complete(wanted, case) for case in cases]
+    columns = _columns(wanted, {p.name: [row[k] for row in rows] for k, p in enumerate(wanted.inputs)})
     if not wanted.inputs:
         return [{name: float(value) for name, value in columns.items()} for _ in cases]
     return [{name: float(column[k]) for name, column in columns.items()} for k in range(len(cases))]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
+from wmrgen.errors import UsageError
 from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role
 from wmrgen.ir.prune import prune
 
@@ -37,6 +39,15 @@ def inlined(module: Module) -> tuple[Function, ...]:
 def defaults(function: Function) -> dict[str, float]:
     """Nominal values of the tunable inputs."""
     return {port.name: float(port.default) for port in function.inputs if port.default is not None}
+
+
+def complete(function: Function, case: Mapping[str, float]) -> list[float]:
+    """The values of ``case`` in order of the inputs, tunables left out nominal. UsageError for a gap."""
+    known = {**defaults(function), **case}
+    missing = [port.name for port in function.inputs if port.name not in known]
+    if missing:
+        raise UsageError(f"{function.name} needs a value for {', '.join(missing)}")
+    return [float(known[port.name]) for port in function.inputs]
 
 
 def hand_through(module: Module) -> Module:

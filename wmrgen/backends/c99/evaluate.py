@@ -13,6 +13,7 @@ from wmrgen.backends.c99.emit import Unit, sources, unit
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.meta import Meta
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
+from wmrgen.errors import UsageError
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
 
@@ -73,7 +74,10 @@ def driver(made: Sequence[Call]) -> str:
 
 
 def request(index: int, call: Call, values: Mapping[str, float]) -> str:
-    """One line for the driver."""
+    """One line for the driver. UsageError where an input has no value."""
+    missing = [name for name in call.inputs if name not in values]
+    if missing:
+        raise UsageError(f"{call.function} needs a value for {', '.join(missing)}")
     return " ".join([str(index), *(float(values[name]).hex() for name in call.inputs)])
 
 

@@ -1,0 +1,101 @@
+"""Exact numbers as a reader wants them: short fractions, roots and decimals stay exact, the rest is rounded.
+
+A magnitude is numerator and denominator in LaTeX; "" stands for 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from wmrgen.exact.number import Exact
+
+_ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
+_READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)
+
+
+@dataclass(frozen=True, slots=True)
+class Magnitude:
+    """|value| as above / below; ``compound``: above is a sum."""
+
+    above: str
+    below: str = ""
+    compound: bool = False
+
+
+def magnitude(value: Exact) -> Magnitude:
+    """The absolute value of a number that is not 0."""
+    value = abs(value)
+    parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
+    if len(parts) == 1:
+        p, root = parts[0]
+        found = _fraction(abs(p))
+        if root and found is None:
+            return Magnitude(decimal(float(value)))
+        above, below = found or (decimal(float(value)), "")
+        return (
+            Magnitude(f"{above}{root}" if above != "1" or not root else root, below)
+            if root
+            else _one(above, below)
+        )
+    below = value.den
+    if below < 1000 and max(abs(n) for n in value.num) < 1000:
+        terms = [
+            f"{'-' if n < 0 else '+'}{_times(abs(n), root)}"
+            for n, root in zip(value.num, _ROOTS, strict=True)
+            if n
+        ]
+        return Magnitude("".join(terms).removeprefix("+"), "" if below == 1 else str(below), True)
+    return Magnitude(decimal(float(value)))
+
+
+def _one(above: str, below: str) -> Magnitude:
+    return Magnitude("" if above == "1" else above, below)
+
+
+def _times(n: int, root: str) -> str:
+    return root if root and n == 1 else f"{n}{root}"
+
+
+def _fraction(f: Fraction) -> tuple[str, str] | None:
+    """Numerator and denominator, or an exact decimal and "", or None when neither is short."""
+    if f.denominator == 1:
+        return (str(f.numerator), "") if f.numerator < 10**7 else None
+    if f.denominator in _READABLE and f.numerator < 100:
+        return str(f.numerator), str(f.denominator)
+    exact = _terminating(f)
+    if exact is not None:
+        return exact, ""
+    return (str(f.numerator), str(f.denominator)) if max(f.numerator, f.denominator) < 10**4 else None
+
+
+def _terminating(f: Fraction) -> str | None:
+    """``0.165`` when at most eight decimals say all, else None."""
+    scaled = f * 10**8
+    if scaled.denominator != 1 or len(str(scaled.numerator).rstrip("0")) > 7:
+        return None
+    whole, rest = divmod(scaled.numerator, 10**8)
+    return f"{whole}.{rest:08d}".rstrip("0").rstrip(".")
+
+
+def decimal(value: float) -> str:
+    """Six significant digits in LaTeX."""
+    return _scientific(f"{value + 0.0:.6g}")
+
+
+def _scientific(text: str) -> str:
+    if "e" not in text:
+        return text
+    digits, exponent = text.split("e")
+    return rf"{digits}\cdot 10^{{{int(exponent)}}}"
+
+
+def plain(value: Exact) -> str:
+    """A number for a table: exact when short, else six significant digits."""
+    sign = "−" if value.sign < 0 else ""
+    if value.is_rational:
+        f = abs(value.parts[0])
+        exact = str(f.numerator) if f.denominator == 1 and f.numerator < 10**7 else _terminating(f)
+        if exact is not None:
+            return sign + exact
+    return f"{float(value):.6g}".replace("-", "−")

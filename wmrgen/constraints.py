@@ -2,8 +2,10 @@
 
 With e the rolling direction and n = z x e, a contact at B = A + d e + o n gives (Siegwart (3.12)-(3.19))
 
-    rolling  [ e_x,  e_y,  x e_y - y e_x - o ] xi - o steer_rate = r spin          (gamma turns e, times cos gamma)
+    rolling  [ e_x,  e_y,  x e_y - y e_x - o ] xi - o steer_rate = r spin
     sliding  [ n_x,  n_y,  x n_y - y n_x + d ] xi + d steer_rate = 0
+
+A Swedish wheel rolls along e turned by gamma, with r cos gamma for r, and has no sliding row.
 
 xi = (vx, vy, omega) in the robot frame [m/s, m/s, rad/s]. Rows are in m/s.
 """

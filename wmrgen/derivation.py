@@ -71,7 +71,9 @@ class Derivation:
 
         from wmrgen.symbolic import expression
 
-        return sympy.diag(*(expression(-dict(c.rates)[c.wheel.index, "spin"]) for c in self.constraints.rolling))
+        return sympy.diag(
+            *(expression(-dict(c.rates)[c.wheel.index, "spin"]) for c in self.constraints.rolling)
+        )
 
     @cached_property
     def C1f(self) -> sympy.Matrix:
@@ -100,7 +102,9 @@ class Derivation:
     def pfaffian_rates(self) -> tuple[str, ...]:
         """Names of the Pfaffian matrix's columns."""
         names = self.robot.wheels
-        rates = (f"{names[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in self.constraints.joints)
+        rates = (
+            f"{names[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in self.constraints.joints
+        )
         return ("vx", "vy", "omega", *rates)
 
     @cached_property
@@ -167,7 +171,12 @@ class Derivation:
     def c_module(self) -> Module:
         """The functions for C: forward with and without the residual."""
         return self._selection(
-            {"inverse": "inverse", "forward_twist": "forward", "forward": "forward_slip", "odometry": "odometry"}
+            {
+                "inverse": "inverse",
+                "forward_twist": "forward",
+                "forward": "forward_slip",
+                "odometry": "odometry",
+            }
         )
 
     def _selection(self, names: dict[str, str]) -> Module:

@@ -147,10 +147,18 @@ def _number(expr: Expr) -> Exact | None:
         return Exact(Fraction(int(expr.p), int(expr.q)))
     if expr is sympy.pi:
         return Exact(pi_rational())
-    if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and isinstance(expr.exp, sympy.Rational):
+    if (
+        isinstance(expr, sympy.Pow)
+        and isinstance(expr.base, sympy.Rational)
+        and isinstance(expr.exp, sympy.Rational)
+    ):
         return _root(Fraction(int(expr.base.p), int(expr.base.q)), expr.exp)
     if isinstance(expr, sympy.Add | sympy.Mul):
-        parts = [_number(a) for a in expr.args if not isinstance(a, sympy.Symbol)] if not expr.free_symbols else [None]
+        parts = (
+            [_number(a) for a in expr.args if not isinstance(a, sympy.Symbol)]
+            if not expr.free_symbols
+            else [None]
+        )
         known = [p for p in parts if p is not None]
         if len(known) < len(parts):
             return None

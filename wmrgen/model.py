@@ -78,7 +78,11 @@ def _operations(function: Any) -> dict[str, int]:
 
 
 def _rank(rank: Rank) -> dict[str, Any]:
-    return {"value": rank.value, "exact": rank.exact, "singular_values": [float(f"{s:.9g}") for s in rank.singular_values]}
+    return {
+        "value": rank.value,
+        "exact": rank.exact,
+        "singular_values": [float(f"{s:.9g}") for s in rank.singular_values],
+    }
 
 
 def _wheel(w: Wheel) -> dict[str, Any]:
@@ -115,7 +119,9 @@ def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:
 def text(poly: Poly) -> str:
     """A polynomial in plain Python syntax over parameter names, ``<wheel>_steer`` and sqrt sin cos."""
     parts = []
-    for monomial, coefficient in sorted(poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]):
+    for monomial, coefficient in sorted(
+        poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]
+    ):
         factors = "*".join(_power(g, e) for g, e in monomial)
         parts.append(_term(coefficient, factors))
     joined = " + ".join(parts) or "0"

@@ -23,4 +23,6 @@ class Program:
 
 def program(robot: Robot, mobility: Mobility) -> Program:
     """inverse, forward, odometry and dynamics of a robot."""
-    return Program(robot.name, (inverse(robot, mobility), forward(robot), odometry(), dynamics(robot, mobility)))
+    return Program(
+        robot.name, (inverse(robot, mobility), forward(robot), odometry(), dynamics(robot, mobility))
+    )

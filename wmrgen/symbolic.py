@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy
 
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 
-Expr = sympy.Expr
+Expr: TypeAlias = Any  # sympy.Expr; sympy ships no types
 
 
 class Quantity(sympy.Symbol):  # type: ignore[misc]
@@ -139,6 +139,3 @@ def absolute(a: Expr) -> Expr:
 def angle_of(y: Expr, x: Expr) -> Expr:
     """atan2(y, x), unevaluated; atan2(0, 0) = 0 in every backend."""
     return sympy.atan2(y, x, evaluate=False)
-
-
-__all__ = ["Expr", "Input", "Local", "Parameter", "absolute", "angle_of", "expression", "latex_name", "local", "matrix", "maximum", "number", "parameter", "select", "signal"]  # fmt: skip

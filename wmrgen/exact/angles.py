@@ -89,14 +89,22 @@ def cos_sin(angle: Poly) -> CosSin:
     number, turns = Fraction(0), Fraction(0)
     rest = Poly({})
     result: CosSin = (Poly.of(1), Poly.of(0))
-    for monomial, coefficient in sorted(angle.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]):
+    for monomial, coefficient in sorted(
+        angle.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]
+    ):
         k = coefficient.parts[0] if coefficient.is_rational else None
         gen = monomial[0][0] if len(monomial) == 1 and monomial[0][1] == 1 else None
         if not monomial and k is not None:
             number += k
         elif gen is not None and gen.kind == "pi" and k is not None:
             turns += k
-        elif gen is not None and gen.kind in ("param", "atan2") and k is not None and k.denominator == 1 and abs(k) <= 4:
+        elif (
+            gen is not None
+            and gen.kind in ("param", "atan2")
+            and k is not None
+            and k.denominator == 1
+            and abs(k) <= 4
+        ):
             result = add_angles(result, _multiple(_base(gen), int(k)))
         else:
             rest = rest + Poly({monomial: coefficient})

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import mpmath
 
-from wmrgen.exact.angles import PRECISION, cos_sin, pi_rational, sqrt_poly, to_fraction, to_mpf
+from wmrgen.exact.angles import PRECISION, cos_sin, pi_rational, sqrt_poly, to_mpf
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly
 
@@ -60,14 +60,14 @@ def fix(poly: Poly, values: Mapping[str, Poly]) -> Poly:
             return args[0].inverse()
         if gen.kind == "sqrt" and numbers[0] is None:
             return sqrt_poly(args[0])
-        known = [n for n in numbers if n is not None]
-        if len(known) < len(args):
+        found = [n for n in numbers if n is not None]
+        if len(found) < len(args):
             return Poly.gen(gen.kind, gen.name, *args)
         if gen.kind == "sqrt":
             root = sqrt_poly(args[0]).constant
             if root is not None:
                 return Poly.of(root)
-        return Poly.of(_function_value(gen, tuple(n.rational() for n in known)))
+        return Poly.of(_function_value(gen, tuple(n.rational() for n in found)))
 
     return poly.substitute(value)
 

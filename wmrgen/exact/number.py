@@ -6,13 +6,13 @@ An element a + b sqrt2 + c sqrt3 + d sqrt6 is four integers over one common deno
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache
 from math import gcd, isqrt
 
 _DIGITS = 60
 
 
-@lru_cache(maxsize=None)
+@cache
 def sqrt_rational(n: int, digits: int = _DIGITS) -> Fraction:
     """sqrt(n) rounded down to ``digits`` decimals, as a fraction."""
     scale = 10**digits
@@ -27,7 +27,9 @@ class Exact:
     num: tuple[int, int, int, int]
     den: int
 
-    def __init__(self, a: int | Fraction = 0, b: int | Fraction = 0, c: int | Fraction = 0, d: int | Fraction = 0):
+    def __init__(
+        self, a: int | Fraction = 0, b: int | Fraction = 0, c: int | Fraction = 0, d: int | Fraction = 0
+    ):
         self._hash: int | None = None
         if not (b or c or d):  # the common case, kept quick
             self.num, self.den = (a.numerator, 0, 0, 0), a.denominator
@@ -157,7 +159,9 @@ class Exact:
 
     def __hash__(self) -> int:
         if self._hash is None:
-            self._hash = hash(Fraction(self.num[0], self.den)) if self.is_rational else hash((self.num, self.den))
+            self._hash = (
+                hash(Fraction(self.num[0], self.den)) if self.is_rational else hash((self.num, self.den))
+            )
         return self._hash
 
     def rational(self, digits: int = _DIGITS) -> Fraction:
@@ -167,7 +171,9 @@ class Exact:
             return Fraction(a, self.den)
         value = a + b * sqrt_rational(2, digits) + c * sqrt_rational(3, digits) + d * sqrt_rational(6, digits)
         size = max(abs(n) for n in self.num)
-        if abs(value) * 10 ** (digits // 2) < size:  # cancellation: look closer; a non-zero element is never 0
+        if (
+            abs(value) * 10 ** (digits // 2) < size
+        ):  # cancellation: look closer; a non-zero element is never 0
             return self.rational(2 * digits)
         return value / self.den
 
@@ -202,7 +208,7 @@ class Exact:
 
     def __str__(self) -> str:
         """Plain Python syntax: ``33/200``, ``sqrt(2)/2``, ``1/4 + 3*sqrt(6)/4``."""
-        terms = []
+        terms: list[str] = []
         for part, root in zip(self.parts, ("", "sqrt(2)", "sqrt(3)", "sqrt(6)"), strict=True):
             if not part:
                 continue

@@ -18,7 +18,10 @@ Number = Exact | Fraction | int
 
 @dataclass(frozen=True, order=False, slots=True)
 class Gen:
-    """A generator. ``kind``: param, pi, cos, sin (of a joint angle), or sqrt, inv, atan2, tan, cosf, sinf of ``args``."""
+    """A generator. ``kind``: param, input, local, pi, cos or sin of a joint angle, or a function of ``args``.
+
+    Functions are sqrt, inv, atan2, tan, cosf and sinf.
+    """
 
     kind: str
     name: str = ""

@@ -1,7 +1,7 @@
 """One interpreter over three arithmetics (`wmrgen.ir.arithmetic`), in list order.
 
 In float32 and float64 it predicts generated C compiled with ``-ffp-contract=off`` bit for bit,
-library functions aside. MIN is ``a < b ? a : b`` and MAX is ``a < b ? b : a``.
+library functions aside. MIN is ``a < b ? a : b`` and MAX is ``b < a ? a : b``.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
 """Forward kinematics: sensed joint rates to the twist, least squares over every known row.
 
-Rolling and sliding rows of a wheel are a rotation of [1 0 -By; 0 1 Bx], so the normal matrix does not see the
-heading. It is constant unless contact points move (castors, offset wheels) or a steered wheel gives one row only:
-what can be inverted now is not inverted on the robot.
+Rolling and sliding rows of a wheel are a rotation of [1 0 -By; 0 1 Bx], so the normal matrix does not see
+the heading. It is constant unless contact points move (castors, offset wheels) or a steered wheel gives one
+row only: what can be inverted now is not inverted on the robot.
 """
 
 from __future__ import annotations
-
 
 import sympy
 
@@ -109,5 +108,3 @@ def _one_relation(residuals: list[Poly]) -> bool:
 
 def _three(values: list[Poly]) -> tuple[Expr, Expr, Expr]:
     return expression(values[0]), expression(values[1]), expression(values[2])
-
-

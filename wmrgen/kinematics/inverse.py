@@ -38,7 +38,6 @@ class _Joints:
     radius: Poly
     steer: Expr | None = None
     steer_rate: Expr | None = None
-    lateral: Poly | None = None
 
 
 def inverse(robot: Robot, mobility: Mobility) -> Formula:
@@ -47,7 +46,8 @@ def inverse(robot: Robot, mobility: Mobility) -> Formula:
     projection = project(robot, mobility)
     twist = _named_twist(projection, names)
     targets = _steering(robot, twist, names)
-    joints = {w.index: _joints(w, twist, targets) for w in robot.wheels if w.has_spin}
+    swivels, left_over = _swivels(robot, twist)
+    joints = {w.index: _joints(w, twist, targets, swivels) for w in robot.wheels if w.has_spin}
     spins = _spins(robot, joints)
     outputs: list[tuple[Port, Expr]] = []
     for w in robot.wheels:
@@ -59,7 +59,12 @@ def inverse(robot: Robot, mobility: Mobility) -> Formula:
             outputs.append((joint_port(w, "steer", Role.COMMAND), j.steer))
         if j.steer_rate is not None:
             outputs.append((joint_port(w, "steer_rate", Role.COMMAND), j.steer_rate))
-    outputs.append((slip_port("sliding that the ground must give: RMS over the constraining wheels"), _slip(projection)))
+    outputs.append(
+        (
+            slip_port("sliding that the ground must give: RMS over the constraining wheels"),
+            norm((*projection.residuals, *left_over), projection.weight),
+        )
+    )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
     return Formula(
         "inverse", (*twist_ports(), *steers, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
@@ -75,10 +80,6 @@ def _named_twist(projection: Projection, names: Locals) -> Row:
         for p, q, n in zip(projection.twist, plain, ("vx", "vy", "omega"), strict=True)
     ]
     return parts[0], parts[1], parts[2]
-
-
-def _slip(projection: Projection) -> Expr:
-    return norm(projection.residuals, projection.weight)
 
 
 def pivot(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
@@ -107,7 +108,31 @@ def _steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
     return result
 
 
-def _joints(w: Wheel, twist: Row, targets: dict[int, Target]) -> _Joints:
+def _swivels(robot: Robot, twist: Row) -> tuple[dict[int, Poly], list[Poly]]:
+    """Steering rates of castors: d rate = -(sliding row . xi) (Siegwart (3.18)).
+
+    Castors turned by one motor share the least-squares rate; what their contacts still slide comes second.
+    """
+    groups: dict[int, list[Wheel]] = {}
+    for w in robot.wheels:
+        if w.type == "castor":
+            groups.setdefault(robot.steer_group[w.index], []).append(w)
+    rates: dict[int, Poly] = {}
+    left_over: list[Poly] = []
+    for members in groups.values():
+        slides = [dot(sliding_row(w, working_view(w)).row, twist) for w in members]
+        offsets = [working_view(w).d for w in members]
+        if len(members) == 1:
+            rates[members[0].index] = -(slides[0] * offsets[0].inverse())
+            continue
+        total = Poly.sum(d * d for d in offsets).inverse()
+        shared = -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)
+        rates.update({w.index: shared for w in members})
+        left_over += [s + d * shared for d, s in zip(offsets, slides, strict=True)]
+    return rates, left_over
+
+
+def _joints(w: Wheel, twist: Row, targets: dict[int, Target], swivels: dict[int, Poly]) -> _Joints:
     g = working_view(w)
     if w.type == "steered":
         target = targets[w.index]
@@ -115,10 +140,9 @@ def _joints(w: Wheel, twist: Row, targets: dict[int, Target]) -> _Joints:
         return _Joints(rim, g.r, target.steer)
     rolling = dot(rolling_row(w, g).row, twist)
     if w.type == "castor":
-        slide = dot(sliding_row(w, g).row, twist)
-        over = g.d.inverse()
-        rim = rolling + g.o * slide * over if g.o else rolling
-        return _Joints(expression(rim), g.r, None, expression(-(slide * over)))
+        rate = swivels[w.index]
+        rim_speed = rolling - g.o * rate if g.o else rolling
+        return _Joints(expression(rim_speed), g.r, None, expression(rate))
     return _Joints(expression(rolling), g.r * g.cg)
 
 
@@ -141,5 +165,3 @@ def _spins(robot: Robot, joints: dict[int, _Joints]) -> dict[int, Expr]:
 
 def _scaled(rim: Expr, factor: Poly) -> Expr:
     return sympy.Mul(expression(factor), rim)
-
-

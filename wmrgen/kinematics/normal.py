@@ -1,7 +1,7 @@
 """The inverse of a constant normal matrix, at derivation time.
 
-Exact numbers are inverted exactly; with tunable geometry each connected block is inverted by cofactors, so that
-prepare() is left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse.
+Exact numbers are inverted exactly; with tunable geometry each connected block is inverted by cofactors, so
+that prepare() is left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def _invert(part: Matrix) -> Matrix:
 
 
 def _exact(m: list[list[Exact]]) -> list[list[Exact]]:
-    """Moore-Penrose inverse over the field: rank by tolerance, then B^T (B m B^T)^-1 B with the rows B spanning range(m)."""
+    """Moore-Penrose inverse over the field: B^T (B m B^T)^-1 B, the rows B spanning range(m) at tolerance."""
     size = len(m)
     padded = to_array([[*row, *[Exact(0)] * (3 - size)] for row in m])
     rank, _ = numeric_rank(padded)
@@ -55,7 +55,10 @@ def _exact(m: list[list[Exact]]) -> list[list[Exact]]:
     core = [[_dot(a, _times(m, b)) for b in rows] for a in rows]  # B m B^T
     left = inverse3(core)
     return [
-        [sum((rows[p][i] * left[p][q] * rows[q][j] for p in range(rank) for q in range(rank)), Exact(0)) for j in range(size)]
+        [
+            sum((rows[p][i] * left[p][q] * rows[q][j] for p in range(rank) for q in range(rank)), Exact(0))
+            for j in range(size)
+        ]
         for i in range(size)
     ]
 
@@ -78,7 +81,11 @@ def _cofactors(part: Matrix) -> Matrix:
         return [[d * over, -b * over], [-c * over, a * over]]
     m = part
     cof = [
-        [m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3] - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3] for j in range(3)]
+        [
+            m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
+            - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3]
+            for j in range(3)
+        ]
         for i in range(3)
     ]
     over = (m[0][0] * cof[0][0] + m[0][1] * cof[0][1] + m[0][2] * cof[0][2]).inverse()

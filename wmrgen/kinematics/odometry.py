@@ -51,4 +51,6 @@ def odometry() -> Formula:
         (POSE[2], theta + omega * dt),
     )
     inputs = (*POSE, *twist_ports(), Port("dt", Role.COMMAND, "s", "duration of the step"))
-    return Formula("odometry", inputs, tuple(names.items), outputs, "pose after driving a constant twist for dt")
+    return Formula(
+        "odometry", inputs, tuple(names.items), outputs, "pose after driving a constant twist for dt"
+    )

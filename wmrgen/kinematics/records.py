@@ -78,7 +78,9 @@ def slip_port(text: str) -> Port:
 
 def tunable_ports(robot: Robot) -> tuple[Port, ...]:
     """The tunable parameters, in file order, with their nominal values."""
-    return tuple(Port(p.name, Role.GEOMETRY, "SI", f"tunable parameter {p.name}", p.nominal) for p in robot.tunable)
+    return tuple(
+        Port(p.name, Role.GEOMETRY, "SI", f"tunable parameter {p.name}", p.nominal) for p in robot.tunable
+    )
 
 
 def given(name: str) -> Poly:

@@ -36,7 +36,7 @@ class Component:
 
 def sensed_joints(w: Wheel) -> tuple[str, ...]:
     """The joints of a wheel that are inputs of ``forward``."""
-    joints = [j for j in ("spin", "steer") if j in w.sensed]
+    joints: list[str] = [j for j in ("spin", "steer") if j in w.sensed]
     if "steer" in joints and (w.type == "castor" or w.nominal.o):
         joints.append("steer_rate")
     return tuple(joints)
@@ -64,7 +64,11 @@ def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
         along, across = g.r * spin + g.o * rate, -(g.d * rate)
         contacts.append(
             Contact(
-                w, g.x + g.d * c - g.o * s, g.y + g.d * s + g.o * c, along * c - across * s, along * s + across * c
+                w,
+                g.x + g.d * c - g.o * s,
+                g.y + g.d * s + g.o * c,
+                along * c - across * s,
+                along * s + across * c,
             )
         )
     return contacts, components

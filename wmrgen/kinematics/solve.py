@@ -43,7 +43,10 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
     """
     points = _named(contacts, names)
     share = Fraction(1, len(points))
-    mean = [names.poly(f"mean_{k}", _total([p[i] for p in points]).scale(share)) for i, k in enumerate(("bx", "by", "wx", "wy"))]
+    mean = [
+        names.poly(f"mean_{k}", _total([p[i] for p in points]).scale(share))
+        for i, k in enumerate(("bx", "by", "wx", "wy"))
+    ]
     if len(points) == 1:
         above, below = mean[0] * mean[3] - mean[1] * mean[2], 1 + mean[0] * mean[0] + mean[1] * mean[1]
         omega = names.poly("omega_fit", expression(above) / expression(below))
@@ -58,7 +61,9 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
         below = _total([q[0] * q[0] + q[1] * q[1] for q in local])
         omega = names.poly("omega_fit", expression(above) / maximum(expression(below), number(FLOOR)))
         errors = [e for q in local for e in (q[2] + omega * q[1], q[3] - omega * q[0])]
-        slip = sympy.sqrt(sympy.Add(*(expression(names.poly(f"error_{i}", e)) ** 2 for i, e in enumerate(errors))))
+        slip = sympy.sqrt(
+            sympy.Add(*(expression(names.poly(f"error_{i}", e)) ** 2 for i, e in enumerate(errors)))
+        )
     vx, vy = mean[2] + omega * mean[1], mean[3] - omega * mean[0]
     return (expression(vx), expression(vy), expression(omega)), slip
 
@@ -66,11 +71,17 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
 def solve_general(contacts: list[Contact], components: list[Component], names: Locals) -> tuple[Twist, Expr]:
     """Any mix of contact velocities and single rows, by cofactors of the 3x3 normal matrix.
 
-    Where the rows leave a direction unseen (a rear-driven bicycle steered by 90 degrees) the smallest twist is
-    taken: with c1, c2 the first two invariants of N, N^+ = (c1 (I - adj N / c2) - N) / c2.
+    Where the rows leave a direction unseen (a rear-driven bicycle steered by 90 degrees) the smallest twist
+    is taken: with c1, c2 the first two invariants of N, N^+ = (c1 (I - adj N / c2) - N) / c2.
     """
     rows = _all_rows(contacts, components, names)
-    n = [[names.poly(f"n{i}{j}", _total([r[i] * r[j] for r, _ in rows])) if i <= j else Poly({}) for j in range(3)] for i in range(3)]
+    n = [
+        [
+            names.poly(f"n{i}{j}", _total([r[i] * r[j] for r, _ in rows])) if i <= j else Poly({})
+            for j in range(3)
+        ]
+        for i in range(3)
+    ]
     n = [[n[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)]
     b = [names.poly(f"b{i}", _total([r[i] * z for r, z in rows])) for i in range(3)]
     cof = _cofactors(n, names)
@@ -92,7 +103,10 @@ def _all_rows(contacts: list[Contact], components: list[Component], names: Local
     for bx, by, wx, wy in _named(contacts, names):
         rows += [((one, zero, -by), wx), ((zero, one, bx), wy)]
     for c in components:
-        parts = [names.poly(f"{c.wheel.name}_{k}", p) if p.generators else p for k, p in zip(("rx", "ry", "rw"), c.row, strict=True)]
+        parts = [
+            names.poly(f"{c.wheel.name}_{k}", p) if p.generators else p
+            for k, p in zip(("rx", "ry", "rw"), c.row, strict=True)
+        ]
         rows.append(((parts[0], parts[1], parts[2]), c.value))
     return rows
 
@@ -118,7 +132,9 @@ def _regular(det: Poly, projected: list[Poly], rows: list[tuple[Row, Poly]]) -> 
     numbers = [[float(v) if v is not None else 0.0 for v in row] for row in values]
     a, b, c = numbers
     bound = (
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
     if bound < 1e-9 * (a[0] + b[1] + c[2]) ** 3:
         return None
@@ -127,7 +143,11 @@ def _regular(det: Poly, projected: list[Poly], rows: list[tuple[Row, Poly]]) -> 
 
 
 def _either(
-    n: list[list[Poly]], b: list[Poly], projected: list[Poly], invariants: tuple[Poly, Poly, Poly], names: Locals
+    n: list[list[Poly]],
+    b: list[Poly],
+    projected: list[Poly],
+    invariants: tuple[Poly, Poly, Poly],
+    names: Locals,
 ) -> list[Expr]:
     det, c1, c2 = (expression(p) for p in invariants)
     over_det = names.define("over_det", 1 / maximum(det, number(FLOOR)))

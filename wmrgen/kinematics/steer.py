@@ -55,7 +55,10 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     now = signal(f"{w.name}.steer")
     zero = sympy.S.Zero
     swing = angle_of(select(u, zero, sympy.Mul(-1, v), v), absolute(u))
-    a, b = (local(f"{w.name}_{k}") if len(p.terms) > 1 else expression(p) for k, p in zip("xy", velocity, strict=True))
+    a, b = (
+        local(f"{w.name}_{k}") if len(p.terms) > 1 else expression(p)
+        for k, p in zip("xy", velocity, strict=True)
+    )
     speed = names.define(f"{w.name}_speed", sympy.sqrt(a**2 + b**2))
     limits = steer_limits(robot, w)
     if limits is None:
@@ -63,7 +66,9 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     return _limited(w, limits, now, swing, (u, v), names)
 
 
-def _limited(w: Wheel, limits: Interval, now: Expr, swing: Expr, seen: tuple[Expr, Expr], names: Locals) -> Target:
+def _limited(
+    w: Wheel, limits: Interval, now: Expr, swing: Expr, seen: tuple[Expr, Expr], names: Locals
+) -> Target:
     """The nearest heading inside the limits; outside both, the limit nearest to it."""
     low, high = number(limits.low), number(limits.high)
     nearest = names.define(f"{w.name}_nearest", now + swing)

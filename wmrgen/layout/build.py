@@ -123,8 +123,9 @@ def _wheel(
         Wheel(
             index=index, name=w.name, type=w.type, symbolic=symbolic,
             working=Geometry(*(fix(getattr(symbolic, f.name), known) for f in fields(Geometry))),
-            nominal=nominal, l=0.0, alpha=float(number(alpha, values)), beta=0.0, gamma=float(number(gamma, values)),
-            heading=float(number(heading, values)), actuated=w.actuated, sensed=w.sensed,
+            nominal=nominal, l=0.0, alpha=float(number(alpha, values)), beta=0.0,
+            gamma=float(number(gamma, values)), heading=float(number(heading, values)),
+            actuated=w.actuated, sensed=w.sensed,
             limits=_limits(w.limits, values),
         )
     )  # fmt: skip
@@ -183,6 +184,8 @@ def _limits(limits: tuple[Limit, ...], values: Values) -> dict[str, Interval]:
     for limit in limits:
         low, high = evaluate(limit.low, values), evaluate(limit.high, values)
         if low > high:
-            raise RobotFileError(f"limit {limit.name}: {limit.low.text} is above {limit.high.text}", limit.low.mark)
+            raise RobotFileError(
+                f"limit {limit.name}: {limit.low.text} is above {limit.high.text}", limit.low.mark
+            )
         result[limit.name] = Interval(low, high)
     return result

@@ -17,7 +17,9 @@ TOLERANCE = Fraction(1, 1000)
 _SAME = Fraction(1, 10**35)
 
 
-def snap(angle: Poly, values: Mapping[str, Poly], tunable: frozenset[str], what: str) -> tuple[Poly, str | None]:
+def snap(
+    angle: Poly, values: Mapping[str, Poly], tunable: frozenset[str], what: str
+) -> tuple[Poly, str | None]:
     """The angle, or the multiple of pi/12 it stands for, and the note that says so.
 
     An angle that depends on a tunable parameter is left alone: it is an input.

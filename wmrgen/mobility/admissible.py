@@ -22,12 +22,16 @@ _SAMPLES = ((0.83, -0.41, 0.57), (0.29, 0.71, -0.47), (-0.61, 0.37, 0.89))
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """One component of the admissible twists: ``basis`` rows span it; ``sample`` is a generic twist in it."""
+    """One component of the admissible twists: ``basis`` rows span it; ``sample`` is a generic twist in it.
+
+    ``tangent`` spans the tangent space at the sample.
+    """
 
     dimension: int
     basis: Array
     sample: Array
     linear: bool
+    tangent: Array
 
 
 def _pivot(w: Wheel, turned: bool) -> Array:
@@ -69,7 +73,7 @@ def components(constant_null: Array, forms: list[Array]) -> list[Component]:
     def linear(rows: Array) -> Component:
         rows = rows @ constant_null
         weights = np.array(_SAMPLES[0][: len(rows)])
-        return Component(len(rows), rows, weights @ rows, True)
+        return Component(len(rows), rows, weights @ rows, True, rows)
 
     if not reduced:
         return [linear(np.eye(size))] if size else []
@@ -160,4 +164,6 @@ def _conic(form: Array, null: Array) -> list[Component]:
     z = np.zeros(3)
     z[others] = u
     z[odd] = np.sqrt(-sum(values[k] * z[k] ** 2 for k in others) / values[odd])
-    return [Component(2, null, (vectors @ z) @ null, False)]
+    point = vectors @ z
+    tangent = np.linalg.svd((form @ point)[None, :])[2][1:]
+    return [Component(2, null, point @ null, False, tangent @ null)]

@@ -17,12 +17,14 @@ from wmrgen.constraints import (
 )
 from wmrgen.exact.poly import Row
 from wmrgen.layout.records import Robot
-from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1, rows_at
+from wmrgen.mobility.actuation import actuation
+from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1
 from wmrgen.mobility.coupled import constant_rows, steered_sets
+from wmrgen.mobility.findings import Findings
 from wmrgen.mobility.freedom import closure, growth_vector
 from wmrgen.mobility.nullspace import null_columns
 from wmrgen.mobility.ranks import decide, independent, null_basis, to_array, unit_rows
-from wmrgen.mobility.reasons import Findings, actuation, reasons
+from wmrgen.mobility.reasons import reasons
 from wmrgen.mobility.records import Admissible, Array, Mobility, Rank
 from wmrgen.mobility.singular import singularities
 
@@ -41,7 +43,8 @@ class _Basis:
         """The rows in one view of the geometry."""
         spare = iter(self.coupled)
         found = [
-            next(spare) if i is None else sliding_row(robot.wheels[i], view(robot.wheels[i])).row for i in self.sources
+            next(spare) if i is None else sliding_row(robot.wheels[i], view(robot.wheels[i])).row
+            for i in self.sources
         ]
         found += [sliding_row(robot.wheels[i], view(robot.wheels[i])).row for i in self.steered]
         return tuple(found)
@@ -59,9 +62,11 @@ def analyse(robot: Robot) -> Mobility:
     rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_of("fixed")]))
     dof = closure(_all_twists(c, [row for row, _ in constant], picked))
     now = null_basis(unit_rows(at)) if mobility else np.zeros((0, 3))
-    growth = growth_vector(now, _tangent(picked, now), steerability)
+    growth = growth_vector(now, picked.tangent, steerability)
     degenerate = (mobility, steerability) not in CAMPION
-    found = Findings(robot, c, picked, rank_fixed, rank, mobility, steerability, basis.steered, at, degenerate)
+    found = Findings(
+        robot, c, picked, rank_fixed, rank, mobility, steerability, basis.steered, at, degenerate
+    )
     columns = null_columns(basis.rows(robot, working_view)) if mobility else ()
     return Mobility(
         degree_of_mobility=mobility, degree_of_steerability=steerability,
@@ -93,14 +98,15 @@ def _basis(
     chosen = independent(rows, rank.value)
     keep = [i for i in chosen if i < len(head)]
     if len(keep) < len(head):
-        coupled = [row for i, row in zip([k for k, s in enumerate(sources) if s is None], coupled, strict=True) if i in keep]
+        coupled = [
+            row
+            for i, row in zip([k for k, s in enumerate(sources) if s is None], coupled, strict=True)
+            if i in keep
+        ]
         sources = [sources[i] for i in keep]
-    return _Basis(tuple(sources), tuple(coupled), tuple(steered[i - len(head)] for i in chosen if i >= len(head)))
-
-
-def _tangent(picked: Admissible, now: Array) -> Array:
-    """Twists that the null space and one steering rate together reach."""
-    return picked.basis if picked.linear else np.vstack([now, picked.basis])
+    return _Basis(
+        tuple(sources), tuple(coupled), tuple(steered[i - len(head)] for i in chosen if i >= len(head))
+    )
 
 
 def _all_twists(c: Constraints, rows: list[Row], picked: Admissible) -> Array:
@@ -108,6 +114,3 @@ def _all_twists(c: Constraints, rows: list[Row], picked: Admissible) -> Array:
     if any(g.kind in ("cos", "sin") for row in rows for p in row for g in p.generators):
         return np.vstack([null_basis(unit_rows(to_array(fixed_numbers(c, rows, seed)))) for seed in range(3)])
     return picked.basis
-
-
-__all__ = ["analyse", "rows_at"]

@@ -61,14 +61,14 @@ def admissible(c: Constraints, rows: list[Row]) -> tuple[Admissible, list[ExactR
     normal = _normal(best, len(chosen))
     picked = Admissible(
         chosen=tuple(chosen), normal=normal, dimension=best.dimension,
-        basis=best.basis, sample=best.sample, linear=best.linear,
+        basis=best.basis, sample=best.sample, linear=best.linear, tangent=best.tangent,
     )  # fmt: skip
     return picked, [numbers[i] for i in chosen]
 
 
 def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
     """The component with most freedom of steering; none at all when no twist is admissible."""
-    empty = Component(0, np.zeros((0, 3)), np.zeros(3), True)
+    empty = Component(0, np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
     best, score = empty, (-1, -1)
     for component in found:
         mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant)))[0]
@@ -84,7 +84,9 @@ def _normal(best: Component, constant: int) -> Row | None:
         return None
     n = np.linalg.svd(best.basis)[2][2]
     n = n / n[np.argmax(np.abs(n))]
-    a, b, k = (Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n))
+    a, b, k = (
+        Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n)
+    )
     return a, b, k
 
 
@@ -123,7 +125,9 @@ def _coupled_spins(robot: Robot, twist: Array, free: frozenset[int]) -> Array:
             continue
         speeds = []
         for w in pair:
-            c, s = steering_for(w, twist) if w.type == "steered" else (float(w.nominal.ch), float(w.nominal.sh))
+            c, s = (
+                steering_for(w, twist) if w.type == "steered" else (float(w.nominal.ch), float(w.nominal.sh))
+            )
             x, y, r = float(w.nominal.x), float(w.nominal.y), float(w.nominal.r)
             speeds.append(np.array([c, s, x * s - y * c]) / r)
         sign = 1.0 if speeds[0] @ twist * (speeds[1] @ twist) >= 0 else -1.0
@@ -156,4 +160,3 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
                 rows.append((-b, a, w.nominal.x * a + w.nominal.y * b))
         best = max(best, decide(rows).exact or 0) if rows else 0
     return best
-

@@ -16,7 +16,6 @@ from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Robot
 
 
-
 def coupled_sets(robot: Robot) -> list[frozenset[int]]:
     """Connected sets of wheels that share a coupled joint, each of two wheels or more."""
     sets: list[set[int]] = []

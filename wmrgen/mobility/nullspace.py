@@ -68,7 +68,8 @@ def _content(coefficients: list[Exact]) -> Exact:
         whole = [abs(p) * den / num for p in parts]
         if max(whole) < 10**9:
             return Exact(Fraction(num, den))
-    return abs(max(coefficients, key=lambda c: abs(float(c))))
+    largest = max(coefficients, key=lambda c: abs(float(c)))
+    return -largest if largest.sign < 0 else largest
 
 
 def _shifted(p: Poly, shift: dict[Gen, int], factor: Exact) -> Poly:

@@ -28,7 +28,9 @@ def numeric_rank(rows: Array) -> tuple[int, tuple[float, ...]]:
     if not rows.size:
         return 0, ()
     singular = np.linalg.svd(rows, compute_uv=False)
-    return int(np.sum(singular > TOLERANCE * singular[0])) if singular[0] > 0 else 0, tuple(float(s) for s in singular)
+    return int(np.sum(singular > TOLERANCE * singular[0])) if singular[0] > 0 else 0, tuple(
+        float(s) for s in singular
+    )
 
 
 def decide(rows: Sequence[Sequence[Exact]]) -> Rank:

@@ -43,7 +43,8 @@ class Admissible:
 
     ``chosen``: indices of independent constant rows (fixed wheels and couplings). ``normal``: the row of a further
     linear constraint that coupled steering imposes, or None. ``basis``: spans the cone (rows, numbers).
-    ``sample``: one generic twist of the cone. ``linear`` is False when the cone is a conic.
+    ``sample``: one generic twist of the cone. ``linear`` is False when the cone is a conic;
+    ``tangent``: spans its tangent space at the sample.
     """
 
     chosen: tuple[int, ...]
@@ -52,6 +53,7 @@ class Admissible:
     basis: Array
     sample: Array
     linear: bool
+    tangent: Array
 
 
 @dataclass(frozen=True, slots=True)

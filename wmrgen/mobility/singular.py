@@ -8,7 +8,7 @@ from wmrgen.constraints import heading, rolling_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
-from wmrgen.mobility.reasons import Findings, listed
+from wmrgen.mobility.findings import Findings, listed
 from wmrgen.mobility.records import Singularity
 
 
@@ -74,7 +74,9 @@ def _parallel(a: Wheel, b: Wheel) -> Poly:
 
 
 def _pivots_in_line(found: Findings) -> bool:
-    points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.type == "steered"])
+    points = np.array(
+        [(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.type == "steered"]
+    )
     return int(np.linalg.matrix_rank(points - points[0], tol=1e-9)) < 2
 
 
@@ -104,7 +106,11 @@ def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
 def _rolling_rank(found: Findings) -> list[Singularity]:
     """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
     wheels = [w for w in found.robot.wheels if w.type == "swedish"]
-    if found.mobility != 3 or not wheels or any(w.type == "castor" and w.actuated for w in found.robot.wheels):
+    if (
+        found.mobility != 3
+        or not wheels
+        or any(w.type == "castor" and w.actuated for w in found.robot.wheels)
+    ):
         return []
     rows = [tuple(p.constant for p in rolling_row(w, working_view(w)).row) for w in wheels]
     if any(v is None for row in rows for v in row):

@@ -56,7 +56,10 @@ def model(d: Derivation) -> dict[str, Any]:
         "reasons": list(m.reasons),
         "actuation": list(m.actuation),
         "singularities": [
-            {"kind": s.kind, "wheels": list(s.wheels), "meaning": s.meaning, "conditions": [_condition(p) for p in s.conditions]}
+            {
+                "kind": s.kind, "wheels": list(s.wheels), "meaning": s.meaning,
+                "conditions": [_condition(p) for p in s.conditions],
+            }
             for s in m.singularities
         ],
         "J1": strings([r.row for r in c.rolling]),

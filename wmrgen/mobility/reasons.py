@@ -111,7 +111,8 @@ def _steered(f: Findings) -> list[str]:
     if rest and f.admissible.normal is not None:
         said += f"; {listed(rest)} must point the same way round"
     elif rest:
-        said += f"; {listed(rest)} must follow, {'its axle' if len(rest) == 1 else 'their axles'} through the same point"
+        axles = "its axle" if len(rest) == 1 else "their axles"
+        said += f"; {listed(rest)} must follow, {axles} through the same point"
     return [said + "."]
 
 

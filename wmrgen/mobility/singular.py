@@ -7,8 +7,8 @@ import numpy as np
 from wmrgen.constraints import heading, rolling_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Wheel
-from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
 from wmrgen.mobility.findings import Findings, listed
+from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Singularity
 
 

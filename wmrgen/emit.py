@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from importlib.metadata import version
 from typing import TYPE_CHECKING
+
+import sympy
 
 from wmrgen import __version__
 from wmrgen.backends.meta import Meta
@@ -44,6 +45,6 @@ def meta(derivation: Derivation, scalar: str, model: bytes) -> Meta:
         wheel_lines=wheel_lines(derivation.robot),
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
-        sympy_version=version("sympy"),
+        sympy_version=sympy.__version__,
         scalar=scalar,
     )

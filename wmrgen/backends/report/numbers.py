@@ -38,14 +38,10 @@ def magnitude(value: Exact) -> Magnitude:
             if root
             else _one(above, below)
         )
-    below = value.den
-    if below < 1000 and max(abs(n) for n in value.num) < 1000:
-        terms = [
-            f"{'-' if n < 0 else '+'}{_times(abs(n), root)}"
-            for n, root in zip(value.num, _ROOTS, strict=True)
-            if n
-        ]
-        return Magnitude("".join(terms).removeprefix("+"), "" if below == 1 else str(below), True)
+    if value.den < 1000 and max(abs(n) for n in value.num) < 1000:
+        pairs = zip(value.num, _ROOTS, strict=True)
+        terms = [f"{'-' if n < 0 else '+'}{_times(abs(n), root)}" for n, root in pairs if n]
+        return Magnitude("".join(terms).removeprefix("+"), "" if value.den == 1 else str(value.den), True)
     return Magnitude(decimal(float(value)))
 
 

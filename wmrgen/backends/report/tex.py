@@ -19,7 +19,7 @@ WIDE = 88  # characters of a line before a sum is broken
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """base**power. ``rank``: parameters 0, functions 1, velocities 2 (collected). ``order`` sorts within a rank."""
+    """base**power. ``rank``: parameters 0, functions 1, velocities 2 (collected). ``order``: within a rank."""
 
     base: str
     power: int
@@ -68,9 +68,11 @@ def _factor(gen: Gen, power: int) -> Factor:
                 rf"\{gen.kind}{names.port(gen.name + '.steer')}", power, 1, (0, gen.name + gen.kind)
             )
         case "input" | "local":
-            return Factor(
-                names.port(gen.name), power, 2, (_LEADS.get(gen.name, 3), "" if "." in gen.name else gen.name)
-            )
+            order = (
+                _LEADS.get(gen.name, 3),
+                "" if "." in gen.name else gen.name,
+            )  # joints as the file has them
+            return Factor(names.port(gen.name), power, 2, order)
         case "inv":
             return Factor(poly(gen.args[0]), -power, 0, (1, gen.key), True)
         case "sqrt":
@@ -103,9 +105,9 @@ def pieces(terms: Sequence[Term]) -> list[str]:
             found += [_product(t.number, t.factors) for t in members]
             continue
         rest = [Term(t.number, tuple(f for f in t.factors if f.base != lead)) for t in members]
-        inner = pieces(rest)
-        found.append(f"{inner[0]}\\,{lead}" if len(inner) == 1 else rf"+\left({total(rest)}\right){lead}")
-    return found
+        inside = pieces(rest)
+        found.append(f"{inside[0]}\\,{lead}" if len(inside) == 1 else rf"+\left({total(rest)}\right){lead}")
+    return found if any(groups) else sorted(found, key=lambda piece: piece.startswith("-"))
 
 
 def _lead(t: Term) -> str:
@@ -114,11 +116,8 @@ def _lead(t: Term) -> str:
 
 def _key(t: Term) -> tuple[object, ...]:
     leads = tuple(f.order for f in t.factors if f.rank == 2)
-    return (
-        leads or ((9, ""),),
-        len([f for f in t.factors if f.rank == 1]) == 0,
-        tuple((f.rank, *f.order) for f in t.factors),
-    )
+    plain = not any(f.rank == 1 for f in t.factors)
+    return leads or ((9, ""),), plain, tuple((f.rank, *f.order) for f in t.factors)
 
 
 def _common(terms: Sequence[Term]) -> tuple[Factor, ...]:
@@ -162,9 +161,7 @@ def _product(number: Exact, factors: Iterable[Factor], tail: str = "") -> str:
         bottom += [f.shown() for f in below]
     alone = not above and not leads
     head = m.above
-    if m.compound and not bottom and not alone:
-        head = rf"\left({head}\right)"
-    elif m.compound and bottom and above:
+    if m.compound and (above if bottom else not alone):
         head = rf"\left({head}\right)"
     top = _times([head, *above] if head else above)
     if bottom:

@@ -1,0 +1,115 @@
+"""Section 5: the mobility argument in words and ranks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.report.markdown import aligned, sentence, table
+from wmrgen.backends.report.subject import Subject
+from wmrgen.mobility.records import TOLERANCE
+
+if TYPE_CHECKING:
+    from wmrgen.mobility.records import Mobility, Rank
+
+
+def analysis(s: Subject) -> list[str]:
+    """Section 5."""
+    m = s.mobility
+    lines = ["## 5 Mobility", "", "The argument:", ""]
+    lines += [f"{i}. {sentence(r)}" for i, r in enumerate(m.reasons, 1)] + [""]
+    lines += ["In ranks, taken at a steering for which all axles agree on one ICR:"]
+    lines += table(
+        ["matrix", "rank", "rank in exact arithmetic", "singular values", "margin"],
+        [_rank("C<sub>1f</sub>", m.rank_C1f), _rank("C₁", m.rank_C1)],
+    )
+    lines += [
+        f"Rows are scaled to m/s. A singular value counts when it exceeds {TOLERANCE:g} of the largest; the margin says how "
+        "many times over the smallest of those does.",
+        *_degrees(m),
+        *_remark(s),
+        "What follows from them:",
+        *_verdicts(m),
+    ]
+    lines += ["Actuation:", "", *(f"* {sentence(a)}" for a in m.actuation), ""]
+    return lines
+
+
+def _rank(name: str, r: Rank) -> list[str]:
+    values = ", ".join("0" if v < 1e-12 else f"{v:.4g}" for v in r.singular_values) or "no rows"
+    exact = "not decided exactly (coupled steering)" if r.exact is None else str(r.exact)
+    return [name, str(r.value), exact, values, f"{r.margin:.2g}" if r.value else "—"]
+
+
+def _degrees(m: Mobility) -> list[str]:
+    rank, total = 3 - m.degree_of_mobility, m.degree_of_maneuverability
+    return aligned([
+        rf"\delta_m &= 3 - \mathrm{{rank}}\,C_1 = 3 - {rank} = {m.degree_of_mobility} && (3.40)",
+        rf"\delta_s &= {_steering(m)} = {m.degree_of_steerability} && (3.41)",
+        rf"\delta_M &= \delta_m + \delta_s = {m.degree_of_mobility} + {m.degree_of_steerability} = {total} && (3.42)",
+    ])  # fmt: skip
+
+
+def _plain_steering(m: Mobility) -> bool:
+    """True when no coupling cuts the admissible set."""
+    return (
+        m.admissible.linear and m.admissible.normal is None and m.admissible.dimension == 3 - m.rank_C1f.value
+    )
+
+
+def _steering(m: Mobility) -> str:
+    if _plain_steering(m) and m.degree_of_mobility:
+        return rf"\mathrm{{rank}}\,C_1 - \mathrm{{rank}}\,C_{{1f}} = {m.rank_C1.value} - {m.rank_C1f.value}"
+    return rf"\dim\{{\xi\ \mathrm{{admissible}}\}} - \delta_m = {m.admissible.dimension} - {m.degree_of_mobility}"
+
+
+def _remark(s: Subject) -> list[str]:
+    """Why (3.41) is not taken literally."""
+    if not any(w.type == "steered" for w in s.robot.wheels):
+        return []
+    if _plain_steering(s.mobility):
+        return [
+            "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in one point must not be "
+            "counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts.",
+            "",
+        ]
+    return [
+        "The couplings cut the set of admissible twists; its dimension is what steering and driving share between them, "
+        "and takes the place of rank C<sub>1s</sub> in (3.41).",
+        "",
+    ]
+
+
+def _verdicts(m: Mobility) -> list[str]:
+    yes = {True: "yes", False: "no"}
+    kind = f"({m.degree_of_mobility}, {m.degree_of_steerability})"
+    growth = "(" + ", ".join(str(n) for n in m.growth_vector) + ")"
+    rows = [
+        [
+            "differentiable degrees of freedom",
+            str(m.ddof),
+            "DDOF = δ<sub>m</sub>: velocities that can be chosen at once",
+        ],
+        [
+            "degrees of freedom",
+            str(m.dof),
+            "dimension of the Lie algebra of all admissible twists: poses that can be reached",
+        ],
+        [
+            "growth vector",
+            growth,
+            "dimensions spanned by the inputs, then with their brackets, one order at a time",
+        ],
+        [
+            "degree of nonholonomy",
+            str(m.degree_of_nonholonomy),
+            "bracket orders needed to reach everything, 1 being none",
+        ],
+        ["holonomic", yes[m.holonomic], "DDOF = DOF"],
+        ["omnidirectional", yes[m.omnidirectional], "DDOF = 3"],
+        [
+            "type (δ<sub>m</sub>, δ<sub>s</sub>)",
+            kind,
+            "degenerate" if m.degenerate else "one of Campion's five",
+        ],
+    ]
+    return table(["property", "value", "meaning"], rows, 3)

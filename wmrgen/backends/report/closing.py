@@ -1,0 +1,105 @@
+"""Sections 9 and 10: singular configurations; cost and files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.report.markdown import aligned, code, sentence, table
+from wmrgen.backends.report.numbers import plain
+from wmrgen.backends.report.subject import CAP, Subject
+from wmrgen.backends.report.tex import broken, pieces, terms_of
+from wmrgen.backends.report.wheelrows import TWIST
+from wmrgen.exact.poly import Poly, dot
+from wmrgen.ir.cost import count
+
+if TYPE_CHECKING:
+    from wmrgen.backends.meta import Meta
+    from wmrgen.mobility.records import Singularity
+
+
+def singular(s: Subject) -> list[str]:
+    """Section 9."""
+    found = s.mobility.singularities
+    lines = ["## 9 Singular configurations", ""]
+    if not found:
+        return [
+            *lines,
+            "There are none: no rank drops and no angle is undefined, whatever the robot does.",
+            "",
+        ]
+    pivots = [f for f in found if f.kind == "icr_on_pivot"]
+    if pivots:
+        lines += _pivots(s, pivots)
+    for f in found:
+        if f.kind != "icr_on_pivot":
+            lines += [
+                sentence(f.meaning[:1].upper() + f.meaning[1:]) + ". This happens where",
+                *_conditions(f),
+            ]
+    return lines
+
+
+def _pivots(s: Subject, found: list[Singularity]) -> list[str]:
+    """A steered wheel whose pivot is the ICR."""
+    places: dict[str, list[str]] = {}
+    for f in found[:CAP]:
+        w = s.robot.wheel(f.wheels[0])
+        places.setdefault(f"({plain(w.nominal.x)}, {plain(w.nominal.y)})", []).append(w.name)
+    rows = [[", ".join(code(n) for n in who), place] for place, who in places.items()]
+    lines = [
+        "A steered wheel whose pivot is the ICR stands still. Its heading is undefined there, and `inverse` holds the present "
+        "angle. Close by, a small change of the twist asks for a large change of the angle. The condition is that the "
+        "pivot's velocity vanishes,",
+        *aligned([r"v_x - y\,\omega &= 0", r"v_y + x\,\omega &= 0"]),
+        "with the ICR at",
+        *table(["wheel", "(x, y)"], rows, 2),
+    ]
+    return lines + ([f"({len(found) - CAP} more wheels likewise.)", ""] if len(found) > CAP else [])
+
+
+def _conditions(f: Singularity) -> list[str]:
+    return aligned(
+        f"{broken(pieces(terms_of(c if isinstance(c, Poly) else dot(c, TWIST))))} &= 0" for c in f.conditions
+    )
+
+
+_TEXT = {
+    "inverse": "twist to joints", "forward": "joints to twist", "forward_slip": "the same with the residual",
+    "odometry": "pose after a step", "dynamics": "rates of the posture model", "prepare": "once per calibration",
+}  # fmt: skip
+
+
+def cost(s: Subject, meta: Meta) -> list[str]:
+    """Section 10 and the foot of the page."""
+    module = s.derivation.c_module
+    functions = [*([module.prepare] if module.prepare else []), *module.functions]
+    rows = []
+    for f in functions:
+        c = count(f)
+        cells = (c.additions, c.multiplications, c.divisions, c.roots, c.sines, c.arctangents, c.comparisons)
+        rows.append([code(f.name), _TEXT.get(f.name, f.text), *(str(n) for n in cells)])
+    head = ["function", "what it gives", "+ −", "×", "÷", "√", "sin, cos", "atan2", "select"]
+    name = s.robot.name
+    lines = [
+        "## 10 What it costs, and what else is in this folder",
+        "",
+        "Operations of one call of the generated C:",
+    ]
+    lines += table(head, rows, 2)
+    if module.prepare:
+        lines += [
+            "`prepare` runs when a tunable parameter changes; no step divides by geometry.",
+            "",
+        ]
+    lines += [
+        f"* `{name}.h`, `{name}.c`: the functions in C99",
+        f"* `{name}.py`: the functions for NumPy, over arrays of samples",
+        f"* `{name}_*.casadi`: the functions for CasADi, the posture model `dynamics` among them",
+        "* `model.json`: everything on this page, as data and with every digit",
+        "",
+        "---",
+        "",
+        f"wmrgen {meta.wmrgen_version} · model {meta.model_hash or 'unhashed'}",
+        "",
+    ]
+    return lines

@@ -1,0 +1,85 @@
+"""Formulas of the program (sympy) as LaTeX: sums of products over named quantities, roots and absolute values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+import sympy
+
+from wmrgen.backends.report import names
+from wmrgen.backends.report.tex import Factor, Term, total
+from wmrgen.exact.number import ONE, Exact, exact_sqrt
+from wmrgen.kinematics.records import Formula
+from wmrgen.symbolic import Expr, Parameter
+
+_TWIST = {"vx": 0, "vy": 1, "omega": 2}
+Ports = Mapping[str, str]
+
+
+def ports(formula: Formula) -> dict[str, str]:
+    """Symbol name -> contract name."""
+    return {p.name.replace(".", "_"): p.name for p in formula.inputs}
+
+
+def terms(expr: Expr, known: Ports) -> list[Term]:
+    """The summands of an expression."""
+    found: list[Term] = []
+    for arg in sympy.Add.make_args(expr):
+        number, factors, inner = ONE, [], None
+        for factor in sympy.Mul.make_args(arg):
+            value = _number(factor)
+            if value is not None:
+                number = number * value
+            elif isinstance(factor, sympy.Add) and inner is None:
+                inner = factor
+            else:
+                factors.append(_factor(factor, known))
+        if inner is None:
+            found.append(Term(number, tuple(factors)))
+        else:
+            found += [Term(t.number * number, (*t.factors, *factors)) for t in terms(inner, known)]
+    return [t for t in found if t.number]
+
+
+def _number(expr: Expr) -> Exact | None:
+    if isinstance(expr, sympy.Rational):
+        return Exact(Fraction(int(expr.p), int(expr.q)))
+    if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and expr.exp == sympy.S.Half:
+        return exact_sqrt(Fraction(int(expr.base.p), int(expr.base.q)))
+    if isinstance(expr, sympy.Add) and not expr.free_symbols:
+        parts = [_number_product(a) for a in expr.args]
+        known = [p for p in parts if p is not None]
+        return sum(known, Exact(0)) if len(known) == len(parts) else None
+    return None
+
+
+def _number_product(expr: Expr) -> Exact | None:
+    product = ONE
+    for f in sympy.Mul.make_args(expr):
+        value = _number(f)
+        if value is None:
+            return None
+        product = product * value
+    return product
+
+
+def _factor(expr: Expr, known: Ports) -> Factor:
+    base, power = (expr.base, expr.exp) if isinstance(expr, sympy.Pow) else (expr, sympy.S.One)
+    if power.is_Rational and power.q == 2:
+        return Factor(rf"\sqrt{{{total(terms(base, known))}}}", int(power.p), 2, (8, ""))
+    n = int(power)
+    if isinstance(base, Parameter):
+        return Factor(names.parameter(base.name), n, 0, (0, base.name))
+    if isinstance(base, sympy.Symbol):
+        port = known.get(base.name, base.name.removesuffix("_fit"))
+        order = list(known).index(base.name) if base.name in known else -1
+        return Factor(names.port(port), n, 2, (_TWIST.get(port, 3 + order), ""))
+    if isinstance(base, sympy.Abs):
+        return Factor(rf"\left|{total(terms(base.args[0], known))}\right|", n, 2, (8, ""))
+    if isinstance(base, sympy.cos | sympy.sin):
+        head = "\\cos" if isinstance(base, sympy.cos) else "\\sin"
+        return Factor(
+            f"{head}{names.port(known.get(base.args[0].name, base.args[0].name))}", n, 1, (0, str(head))
+        )
+    return Factor(total(terms(base, known)), n, 0, (2, ""), True)

@@ -1,0 +1,194 @@
+"""Section 7: from sensed joints to the twist, by least squares."""
+
+from __future__ import annotations
+
+from wmrgen.backends.report import names
+from wmrgen.backends.report.expr import ports, terms
+from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.backends.report.subject import CAP, Subject, cut_note
+from wmrgen.backends.report.tex import broken, matrix, pieces, poly, terms_of
+from wmrgen.exact.poly import Poly, Row
+from wmrgen.kinematics.forward import constant_normal
+from wmrgen.kinematics.sensing import Component, Contact, measurements
+
+_TERMS = 24  # summands of a printed formula
+_ROWS = 14  # rows of a printed H
+
+
+def forward(s: Subject) -> list[str]:
+    """Section 7."""
+    contacts, components = measurements(s.letters)
+    lines = ["## 7 Forward kinematics", ""]
+    if not contacts and not components:
+        return [*lines, "No joint is sensed, so nothing is known of the twist: `forward` returns 0.", ""]
+    lines += _sources(contacts, components)
+    if constant_normal(contacts, components):
+        return [*lines, *_constant(s, contacts, components)]
+    if not components:
+        return [*lines, *_rigid(s, contacts)]
+    return [*lines, *_general(s, contacts, components)]
+
+
+def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
+    lines = [
+        "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all known is one measurement, "
+        "in m/s, with equal weight. Passive castors and balls say nothing.",
+        "",
+    ]
+    if contacts:
+        wheels = listed([c.wheel.name for c in contacts[:CAP]]) + (
+            " and others" if len(contacts) > CAP else ""
+        )
+        lines += [
+            f"* Both rows are known of {wheels}. Turned into the robot's axes they say how fast the contact point B moves: "
+            "v + ω ẑ × B = (r φ̇ + o ψ̇) e − d ψ̇ n.",
+        ]
+    for kind, words in (("rolling", "the rolling row"), ("sliding", "the sliding row")):
+        found = [c for c in components if (c.wheel.type == "swedish") == (kind == "rolling")]
+        if found:
+            more = " and others" if len(found) > CAP else ""
+            lines.append(f"* Only {words} is known of {listed([c.wheel.name for c in found[:CAP]])}{more}.")
+    return [*lines, ""]
+
+
+def _rows(contacts: list[Contact], components: list[Component]) -> list[tuple[Row, Poly]]:
+    one, zero = Poly.of(1), Poly({})
+    found: list[tuple[Row, Poly]] = []
+    for c in contacts:
+        found += [((one, zero, -c.by), c.wx), ((zero, one, c.bx), c.wy)]
+    return found + [(c.row, c.value) for c in components]
+
+
+def _stacked(rows: list[tuple[Row, Poly]]) -> list[str]:
+    """H xi = z."""
+    dots = [r"\vdots"] if len(rows) > _ROWS else []
+    h = [[poly(p) for p in row] for row, _ in rows[:_ROWS]] + [dots * 3] * len(dots)
+    z = [[poly(value)] for _, value in rows[:_ROWS]] + [dots] * len(dots)
+    return math(rf"H\,\xi = z, \qquad H = {matrix(h)}, \qquad z = {matrix(z)}")
+
+
+def _constant(s: Subject, contacts: list[Contact], components: list[Component]) -> list[str]:
+    """Everything but z is known at derivation time."""
+    rows = _rows(contacts, components)
+    numbers = _rows(*measurements(s.numbers))
+    normal = [[sum((r[i] * r[j] for r, _ in numbers), Poly({})) for j in range(3)] for i in range(3)]
+    lines = ["Stacked,", *_stacked(rows)]
+    lines += [
+        "More rows than unknowns: the least-squares solution is",
+        *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix([[poly(p) for p in row] for row in normal])),
+        _why(bool(contacts), any(c.wheel.turns for c in contacts)) + " It is inverted once, here"
+        + (" (its pseudo-inverse where it is singular: the smallest twist that explains the rates)." if _singular(normal) else "."),
+        "",
+        "The result, as the code computes it:",
+    ]  # fmt: skip
+    return [*lines, *_closed(s), *cut_note(s)]
+
+
+def _why(pairs: bool, turns: bool) -> str:
+    if pairs and turns:
+        return (
+            "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the matrix is "
+            "constant whatever the steering does."
+        )
+    return "The matrix does not depend on any joint angle."
+
+
+def _singular(normal: list[list[Poly]]) -> bool:
+    m = [[float(v) if (v := p.constant) is not None else 0.0 for p in row] for row in normal]
+    a, b, c = m
+    det = (
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+    return abs(det) < 1e-12 * max(a[0] + b[1] + c[2], 1e-30) ** 3
+
+
+def _closed(s: Subject) -> list[str]:
+    """The outputs of ``forward`` and what its residual means."""
+    formula = s.derivation.program.formula("forward")
+    known = ports(formula)
+    outputs = {p.name: e for p, e in formula.outputs}
+    fits = {symbol.name.removesuffix("_fit"): e for symbol, e in formula.locals}
+    lines = []
+    for name in ("vx", "vy", "omega"):
+        parts = pieces(terms(fits.get(name, outputs[name]), known))
+        shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
+        lines.append(f"{names.port(name)} &= {broken(shown)}")
+    return [*aligned(lines), *_residual(outputs["slip"], known)]
+
+
+def _residual(slip: object, known: dict[str, str]) -> list[str]:
+    found = terms(slip, known)
+    if not found:
+        return ["The rates can never contradict each other, so the residual `slip` is 0.", ""]
+    text = "".join(pieces(found)).removeprefix("+")
+    lines = [
+        "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is the "
+        "norm of z − H ξ [m/s]."
+    ]
+    return lines + (math(rf"\mathrm{{slip}} = {text}") if len(text) < 420 else [""])
+
+
+def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
+    """Rigid motion through measured contact velocities."""
+    lines = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
+    for c in contacts[:3]:
+        lines += aligned([
+            f"B_{{{names.wheel(c.wheel.name)}}} &= {matrix([[poly(c.bx)], [poly(c.by)]])}, & "
+            f"w_{{{names.wheel(c.wheel.name)}}} &= {matrix([[_sum(c.wx)], [_sum(c.wy)]])}"
+        ])  # fmt: skip
+    if len(contacts) > 3:
+        lines += [f"The other {len(contacts) - 3} follow the same pattern.", ""]
+    if len(contacts) == 1:
+        return [
+            *lines,
+            "Two rows cannot determine three unknowns. The smallest twist that explains them is",
+            *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
+            "and the residual `slip` is 0.",
+            "",
+        ]
+    return [
+        *lines,
+        "The rigid motion nearest to them is found as if by hand: take the means away, fit the rotation to what is left, "
+        "then the translation to the means.",
+        *aligned([
+            r"\bar{B} &= \frac{1}{n}\sum_i B_i, \qquad \bar{w} = \frac{1}{n}\sum_i w_i",
+            r"\omega &= \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}",
+            r"v &= \bar{w} - \omega\,\hat{z}\times\bar{B}",
+        ]),
+        f"with n = {len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is all that is left for run time; its "
+        "denominator is kept above 10⁻¹² m². The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s], "
+        "is a signal for slip, a dead encoder or crossed wires.",
+        "",
+    ]  # fmt: skip
+
+
+def _sum(p: Poly) -> str:
+    return "".join(pieces(terms_of(p))).removeprefix("+") or "0"
+
+
+def _general(s: Subject, contacts: list[Contact], components: list[Component]) -> list[str]:
+    """Cofactors of a 3x3 matrix that moves with the steering."""
+    rows = _rows(contacts, components)
+    locals_ = {symbol.name for symbol, _ in s.derivation.program.formula("forward").locals}
+    lines = [
+        "Stacked,",
+        *_stacked(rows),
+        "HᵀH moves with the steering, so it is inverted at run time, by cofactors: one division.",
+        *math(r"\xi = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}"),
+    ]
+    if "over_det" in locals_:
+        lines += [
+            "Where the rows leave a direction unseen, det(HᵀH) vanishes. There the smallest twist is taken, by the "
+            "Moore-Penrose inverse M⁺ = (c₁ (I − adj M / c₂) − M) / c₂ of M = HᵀH with its invariants c₁ = tr M, "
+            "c₂ = tr adj M.",
+            "",
+        ]
+    else:
+        lines += ["The rows that do not steer have rank 3 by themselves, so det(HᵀH) cannot vanish.", ""]
+    return [
+        *lines,
+        "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
+        "",
+    ]

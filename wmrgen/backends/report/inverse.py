@@ -1,0 +1,195 @@
+"""Section 6: from a twist to every joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.report import names
+from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.backends.report.numbers import plain
+from wmrgen.backends.report.subject import CAP, Subject, cut_note
+from wmrgen.backends.report.tex import broken, pieces, poly, terms_of
+from wmrgen.backends.report.wheelrows import TWIST
+from wmrgen.constraints import along, rolling_row, sliding_row, working_view
+from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.project import Projection, project
+from wmrgen.kinematics.steer import steer_limits
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Wheel
+
+ONE, ZERO = Poly.of(1), Poly({})
+
+
+def inverse(s: Subject) -> list[str]:
+    """Section 6."""
+    wheels = [w for w in s.letters.wheels[:CAP] if w.has_spin]
+    projection = project(s.letters, s.mobility)
+    lines = [
+        "## 6 Inverse kinematics",
+        "",
+        "Given the twist ξ, what must every joint do? Each wheel answers with its own rows of section 2.",
+        "",
+        *_projection(projection),
+    ]
+    twist = _driven(projection)
+    if not wheels:
+        return [*lines, "There is no joint to command.", ""]
+    plain_wheels = [w for w in wheels if w.type in ("fixed", "swedish")]
+    castors = [w for w in wheels if w.type == "castor"]
+    steered = [w for w in wheels if w.type == "steered"]
+    if plain_wheels:
+        lines += ["The rolling equation of a wheel that does not steer, solved for its rate:"]
+        lines += aligned(f"{_rate(w)} &= {_sum(_spin(w, twist))}" for w in plain_wheels)
+    if castors:
+        lines += ["A castor follows: its rolling row gives the wheel rate, its sliding row the swivel rate."]
+        lines += aligned(line for w in castors for line in _castor(w, twist))
+    if steered:
+        lines += _steered(s, steered, twist)
+    return [*lines, *_coupled(s), *cut_note(s), *_slip(s, projection)]
+
+
+def _sum(p: Poly) -> str:
+    return broken(pieces(terms_of(p)))
+
+
+def _rate(w: Wheel, joint: str = "spin") -> str:
+    return names.port(f"{w.name}.{joint}")
+
+
+def _spin(w: Wheel, twist: Row) -> Poly:
+    g = working_view(w)
+    return dot(rolling_row(w, g).row, twist) * (g.r * g.cg).inverse()
+
+
+def _castor(w: Wheel, twist: Row) -> list[str]:
+    g = working_view(w)
+    slide = dot(sliding_row(w, g).row, twist) * g.d.inverse()
+    spin = (dot(rolling_row(w, g).row, twist) + g.o * slide) * g.r.inverse()
+    return [f"{_rate(w)} &= {_sum(spin)}", f"{_rate(w, 'steer_rate')} &= {_sum(-slide)}"]
+
+
+def _driven(projection: Projection) -> Row:
+    """The twist that is driven; components that the projection changed carry a star."""
+    parts = [
+        p if p == q or not p else Poly.gen("input", f"{n}_driven")
+        for p, q, n in zip(projection.twist, TWIST, names.TWIST, strict=True)
+    ]
+    return parts[0], parts[1], parts[2]
+
+
+def _projection(projection: Projection) -> list[str]:
+    """The nearest admissible twist, where it is not the commanded one."""
+    if projection.twist == TWIST:
+        return []
+    changed = [
+        f"{names.port(n)}^{{*}} &= {_sum(p)}"
+        for p, q, n in zip(projection.twist, TWIST, names.TWIST, strict=True)
+        if p != q
+    ]
+    return [
+        "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
+        *aligned(changed),
+    ]
+
+
+def _steered(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
+    """One general solution, and each wheel's pivot velocity to put into it."""
+    offset = any(w.nominal.o for w in wheels)
+    limited = [w for w in wheels if steer_limits(s.robot, w)]
+    lines = [
+        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as it stands, at angle "
+        "ψ, that velocity has a component u along the wheel and w across it:",
+        *aligned([
+            r"a &= v_x - y\,\omega, & b &= v_y + x\,\omega",
+            r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
+        ]),
+        "where h is the wheel's heading at ψ = 0. Two headings roll, half a turn apart. The nearer one is at most 90° away; "
+        "it is reached by driving backwards when u < 0:",
+        *math(r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad "
+              rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{'-o' + chr(92) + ',' + chr(92) + 'omega' if offset else ''}}}{{r}}, "
+              r"\qquad \pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}"),
+        "With a = b = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 holds the present one.",
+        "",
+        "The pivots' velocities:",
+        *aligned(_unique([_velocity(w, twist) for w in wheels], wheels)),
+    ]  # fmt: skip
+    return lines + (_limits(s, limited) if limited else [])
+
+
+def _velocity(w: Wheel, twist: Row) -> str:
+    g = working_view(w)
+    a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
+    return f"a &= {poly(a)}, & b &= {poly(b)}"
+
+
+def _unique(lines: list[str], wheels: list[Wheel]) -> list[str]:
+    found: dict[str, list[str]] = {}
+    for text, w in zip(lines, wheels, strict=True):
+        found.setdefault(text, []).append(names.wheel(w.name))
+    return [f"{text} && ({', '.join(who)})" for text, who in found.items()]
+
+
+def _limits(s: Subject, wheels: list[Wheel]) -> list[str]:
+    found: dict[str, list[str]] = {}
+    for w in wheels:
+        limit = steer_limits(s.robot, w)
+        if limit is not None:
+            found.setdefault(f"{plain(limit.low)} ≤ ψ ≤ {plain(limit.high)} rad", []).append(w.name)
+    ranges = "; ".join(f"{text} for {listed(who)}" for text, who in found.items())
+    return [
+        f"Steering is limited: {ranges}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken if that is inside; if "
+        "neither is, the limit nearest to it. The rate then is that of the pivot's velocity along the wheel so turned, "
+        "u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root.",
+        "",
+    ]
+
+
+def _coupled(s: Subject) -> list[str]:
+    """What couplings change."""
+    lines = []
+    for joint, members in s.robot.couplings:
+        if joint == "spin":
+            lines += [
+                f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / Σ r² of the single "
+                "solutions above.",
+                "",
+            ]
+        elif not _alike([s.robot.wheel(n) for n in members]):
+            lines += [
+                f"{listed(members)} share one angle that need not suit both: the one that leaves least sliding turns by half "
+                "of atan2(Σ 2 u w, Σ (u² − w²)), the sums over the wheels seen from the first of them.",
+                "",
+            ]
+        else:
+            lines += [
+                f"{listed(members)} share one angle; the formula gives the same ψ⁺ for all of them.",
+                "",
+            ]
+    return lines
+
+
+def _alike(wheels: list[Wheel]) -> bool:
+    return len({(w.nominal.x, w.nominal.y, w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+
+
+def _slip(s: Subject, projection: Projection) -> list[str]:
+    forms = [p for p in projection.residuals if p]
+    if not forms:
+        return [
+            "Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0.",
+            "",
+        ]
+    words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
+    if projection.twist == TWIST:
+        words += "; nothing is projected away here, the wheels follow as well as they can"
+    if len(forms) == 1:
+        return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{poly(forms[0])}\right|")]
+    shown = " + ".join(rf"\left({poly(p)}\right)^2" for p in forms[:6]) + (
+        r" + \cdots" if len(forms) > 6 else ""
+    )
+    weight = "" if projection.weight == 1 else rf"{poly(Poly.of(projection.weight))}\left[ {shown} \right]"
+    return [
+        f"{words}, root mean square over the wheels:",
+        *math(rf"\mathrm{{slip}} = \sqrt{{{weight or shown}}}"),
+    ]

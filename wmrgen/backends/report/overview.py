@@ -1,0 +1,228 @@
+"""Opening and section 1: what the robot is, its picture, its layout, its parameters."""
+
+from __future__ import annotations
+
+from collections import Counter
+from math import degrees, hypot
+from typing import TYPE_CHECKING
+
+from wmrgen.backends.report.markdown import code, escape, listed, table
+from wmrgen.backends.report.numbers import plain
+from wmrgen.backends.report.subject import Subject
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot, Wheel
+
+_KINDS = {
+    "fixed": "fixed",
+    "steered": "steered",
+    "castor": "castor",
+    "swedish": "Swedish",
+    "spherical": "spherical",
+}
+_NUMBERS = (
+    "no",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+)
+
+
+def opening(s: Subject) -> list[str]:
+    """Title, description, what kind of robot this is, how to read the page."""
+    robot, m = s.robot, s.mobility
+    lines = [f"# {code(robot.name)}", ""]
+    if robot.description:
+        lines += [escape(robot.description), ""]
+    if robot.source:
+        lines += [f"Source of the geometry: {escape(robot.source)}", ""]
+    verdict = (
+        f"Campion's type ({m.degree_of_mobility}, {m.degree_of_steerability})"
+        if m.robot_type
+        else f"a degenerate layout, ({m.degree_of_mobility}, {m.degree_of_steerability})"
+    )
+    lines += [
+        f"This robot has {_counted(robot)}. It is {verdict}: at any instant it has "
+        f"{_freedoms(m.degree_of_mobility)} of motion, and steering opens "
+        f"{_word(m.degree_of_steerability)} more. The pages below derive this, and every formula of the generated "
+        "code, from the layout alone.",
+        "",
+        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to Autonomous "
+        "Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, angles "
+        "counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the book's "
+        "R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots and short "
+        "decimals are exact; decimals with six digits are rounded.",
+        "",
+    ]  # fmt: skip
+    return lines
+
+
+def _word(n: int) -> str:
+    return _NUMBERS[n] if n < len(_NUMBERS) else str(n)
+
+
+def _freedoms(n: int) -> str:
+    return f"{_word(n)} freedom{'' if n == 1 else 's'}"
+
+
+def _counted(robot: Robot) -> str:
+    count = Counter(w.type for w in robot.wheels)
+    parts = [f"{_word(n)} {_KINDS[k]}" + ("s" if k == "castor" and n > 1 else "") for k, n in count.items()]
+    joined = parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+    last = next(reversed(count))
+    return joined if last == "castor" else f"{joined} wheel{'s' if count[last] > 1 else ''}"
+
+
+def layout(s: Subject) -> list[str]:
+    """Section 1."""
+    robot = s.robot
+    lines = ["## 1 The layout", "", f"![Top view of {robot.name}](layout.svg)", "", *_caption(s)]
+    lines += _wheels(robot.wheels)
+    lines += _legend(robot)
+    if robot.parameters:
+        lines += ["The named parameters:", *_parameters(robot)]
+    if robot.couplings:
+        lines += ["Mechanical couplings:", ""]
+        joints = {"spin": "turn at one speed", "steer": "share one steering angle"}
+        lines += [f"* {listed(names)} {joints[joint]}" for joint, names in robot.couplings] + [""]
+    notes = [*(escape(n) for n in robot.notes), *_remarks(robot)]
+    if notes:
+        lines += ["Notes:", "", *(f"* {n}" for n in notes), ""]
+    return lines
+
+
+def _caption(s: Subject) -> list[str]:
+    if any(w.type == "steered" for w in s.robot.wheels):
+        return ["The steered wheels are drawn at one admissible setting: all zero-motion lines agree.", ""]
+    return []
+
+
+def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
+    """The layout table, with the columns that occur."""
+    swedish = any(w.type == "swedish" for w in wheels)
+    castors = any(w.type == "castor" for w in wheels)
+    shifted = any(w.nominal.o for w in wheels)
+    rollers = any(w.nominal.r_sw for w in wheels)
+    head = ["wheel", "type", "driven", "x", "y", "l", "α", "β", "heading"]
+    head += ["γ"] * swedish + ["r"] + ["r<sub>sw</sub>"] * rollers + ["d"] * castors + ["offset o"] * shifted
+    rows = []
+    for w in wheels:
+        g, ball = w.nominal, w.type == "spherical"
+        row = [
+            code(w.name),
+            _KINDS[w.type],
+            ", ".join(w.actuated) or "—",
+            plain(g.x),
+            plain(g.y),
+            _short(w.l),
+        ]
+        row += [_angle(w.alpha), "—" if ball else _angle(w.beta), "—" if ball else _angle(w.heading)]
+        row += [_angle(w.gamma) if w.type == "swedish" else "—"] * swedish + [plain(g.r)]
+        row += [plain(g.r_sw) if g.r_sw else "—"] * rollers
+        row += [plain(g.d) if w.type == "castor" else "—"] * castors
+        row += [plain(g.o) if w.turns else "—"] * shifted
+        rows.append(row)
+    return table(head, rows, 3)
+
+
+def _short(value: float) -> str:
+    return f"{round(value, 12) + 0.0:.6g}".replace("-", "−")
+
+
+def _angle(value: float) -> str:
+    return f"{round(degrees(value), 9) + 0.0:.6g}°".replace("-", "−")
+
+
+def _legend(robot: Robot) -> list[str]:
+    types = {w.type for w in robot.wheels}
+    said = ["(x, y) is the wheel's pivot A, in polar coordinates (l, α)"]
+    if types - {"spherical"}:
+        said.append("heading is the direction of positive rolling, α + β − 90°")
+    if types & {"steered", "castor"}:
+        said.append(
+            "for steered wheels and castors β and heading hold at steering angle ψ = 0, so that the book's β(t) is β + ψ"
+        )
+    if "castor" in types:
+        said.append("d is the distance from the pivot to the contact point, along the rolling direction")
+    if any(w.nominal.o for w in robot.wheels):
+        said.append(
+            "o is the lateral offset of the contact point along the axle, which the book does not have"
+        )
+    if "swedish" in types:
+        said.append("γ is the angle from the wheel plane to the axis of the roller that touches the ground")
+    return ["; ".join(said) + ".", ""]
+
+
+def _parameters(robot: Robot) -> list[str]:
+    rows = [
+        [
+            code(p.name),
+            plain(p.nominal),
+            "tunable: an input of the generated code" if p.tunable else "constant",
+        ]
+        for p in robot.parameters
+    ]
+    return table(["parameter", "value", "in the code"], rows)
+
+
+def _remarks(robot: Robot) -> list[str]:
+    """The three things that are most often confused: half-track, rollers on top, X and O."""
+    found = []
+    pair = _pair(robot)
+    if pair:
+        a, b = pair
+        found.append(
+            f"{code(a.name)} and {code(b.name)} stand {_short(2 * abs(float(a.nominal.y)))} m apart (the track); "
+            "their y is the half-track."
+        )
+    swedish = [w for w in robot.wheels if w.type == "swedish"]
+    if swedish:
+        text = "Roller axes are given, and drawn, at the ground. Seen from above, the rollers on top lean the other way"
+        pattern = _pattern(swedish)
+        other = {"O": "X", "X": "O"}
+        text += (
+            f": this base shows an {other[pattern]} from above and an {pattern} at the ground."
+            if pattern
+            else "."
+        )
+        found.append(text)
+    return found
+
+
+def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:
+    """Two wheels that mirror each other beside P."""
+    wheels = [w for w in robot.wheels if w.type in ("fixed", "swedish", "steered")]
+    for i, a in enumerate(wheels):
+        for b in wheels[i + 1 :]:
+            if (
+                a.type == b.type
+                and a.nominal.x == b.nominal.x
+                and a.nominal.y == -b.nominal.y
+                and a.nominal.y
+            ):
+                return a, b
+    return None
+
+
+def _pattern(wheels: list[Wheel]) -> str:
+    """X when the roller axes of four corner wheels run towards the middle, O when they run around it, else ""."""
+    signs = set()
+    for w in wheels:
+        g = w.nominal
+        ax, ay = float(g.ch * g.cg - g.sh * g.sg), float(g.sh * g.cg + g.ch * g.sg)
+        x, y = float(g.x), float(g.y)
+        if abs(ax * ay) < 1e-6 or abs(x * y) < 1e-6 * hypot(x, y):
+            return ""
+        signs.add(x * y * ax * ay > 0)
+    if len(wheels) != 4 or len(signs) != 1:
+        return ""
+    return "X" if signs.pop() else "O"

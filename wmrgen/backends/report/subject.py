@@ -1,0 +1,63 @@
+"""What a report is about: one robot in the three views of its geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from wmrgen.constraints import Constraints, View, constrain, nominal_view, symbolic_view
+
+if TYPE_CHECKING:
+    from wmrgen.derivation import Derivation
+    from wmrgen.layout.records import Robot, Wheel
+    from wmrgen.mobility.records import Mobility
+
+CAP = 16  # wheels whose equations are written out
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """``letters``: the robot with every parameter a symbol, for formulas. ``numbers``: every parameter its value."""
+
+    derivation: Derivation
+    robot: Robot
+    letters: Robot
+    numbers: Robot
+    mobility: Mobility
+    rows: Constraints
+    values: Constraints
+
+    @property
+    def shown(self) -> tuple[Wheel, ...]:
+        """The wheels whose equations are written out."""
+        return self.robot.wheels[:CAP]
+
+    @property
+    def more(self) -> int:
+        """How many wheels are not."""
+        return max(len(self.robot.wheels) - CAP, 0)
+
+    @property
+    def has_letters(self) -> bool:
+        """True when parameters occur in the rows."""
+        polys = [p for c in (*self.rows.rolling, *self.rows.sliding) for p in c.row]
+        return any(g.kind not in ("cos", "sin") for p in polys for g in p.generators)
+
+
+def subject(d: Derivation) -> Subject:
+    """The robot of a derivation."""
+    robot = d.robot
+    letters, numbers = _seen(robot, symbolic_view), _seen(robot, nominal_view)
+    return Subject(
+        d, robot, letters, numbers, d.mobility, d.constraints, constrain(robot, nominal_view)
+    )  # fmt: skip
+
+
+def _seen(robot: Robot, view: View) -> Robot:
+    """The robot with one view of its geometry as the working one."""
+    return replace(robot, wheels=tuple(replace(w, working=view(w)) for w in robot.wheels))
+
+
+def cut_note(s: Subject, where: str = "`model.json`") -> list[str]:
+    """Says that detail was left out."""
+    return [f"({s.more} more wheels follow the same pattern; they stand in {where}.)", ""] if s.more else []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,9 @@ from tests.oracle.harness import Model, named, robot_text, twist_of
 
 Array = NDArray[np.float64]
 Layout = dict[str, Any]
-EXPLORE = int(os.environ.get("WMRGEN_EXPLORE", "0"))  # how many times as many random layouts, new ones each time
+EXPLORE = int(
+    os.environ.get("WMRGEN_EXPLORE", "0")
+)  # how many times as many random layouts, new ones each time
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
 NAMES = [p.stem for p in ROBOTS]
 
@@ -31,7 +33,7 @@ def law(examples: int) -> settings:
     )  # fmt: skip
 
 
-@lru_cache(maxsize=None)
+@cache
 def gallery(name: str) -> tuple[Model, Layout]:
     """A gallery robot's model and the oracle's own reading of its file."""
     path = next(p for p in ROBOTS if p.stem == name)
@@ -56,7 +58,9 @@ def turning(layout: Layout) -> list[str]:
 def admissible(layout: Layout, weights: Array) -> Array:
     """A twist that every wheel can follow: in null(C1f), and pure translation where couplings demand it."""
     basis = oracle.null(oracle.sliding_rows(layout, "fixed", {}))
-    if oracle.admissible_steering(layout) is not None and not _agrees(layout, basis @ weights[: basis.shape[1]]):
+    if oracle.admissible_steering(layout) is not None and not _agrees(
+        layout, basis @ weights[: basis.shape[1]]
+    ):
         basis = basis @ oracle.null(np.array([[0.0, 0.0, 1.0]]) @ basis)
     return np.asarray(basis @ weights[: basis.shape[1]])
 
@@ -82,15 +86,21 @@ def sensed(model: Model, joints: dict[str, float]) -> dict[str, float]:
     return {n: joints.get(n, 0.0) for n in model.ports("forward")[0] if n not in tunable}
 
 
-def drive(model: Model, layout: Layout, twist: Array, present: dict[str, float]) -> tuple[dict[str, float], Array, float]:
+def drive(
+    model: Model, layout: Layout, twist: Array, present: dict[str, float]
+) -> tuple[dict[str, float], Array, float]:
     """Joint commands of a twist, and what forward kinematics makes of them: (joints, twist, slip)."""
-    joints = model.call("inverse", named(twist) | {k: v for k, v in present.items() if k in model.ports("inverse")[0]})
+    joints = model.call(
+        "inverse", named(twist) | {k: v for k, v in present.items() if k in model.ports("inverse")[0]}
+    )
     state = present | {k: v for k, v in joints.items() if k != "slip"}
     back = model.call("forward", sensed(model, state))
     return joints, twist_of(back), back["slip"]
 
 
-def command_line(path: Path, function: str, cases: list[dict[str, float]], backend: str, folder: Path) -> list[dict[str, float]]:
+def command_line(
+    path: Path, function: str, cases: list[dict[str, float]], backend: str, folder: Path
+) -> list[dict[str, float]]:
     """``wmrgen eval --cases`` in this process."""
     from typer.testing import CliRunner
 
@@ -98,7 +108,9 @@ def command_line(path: Path, function: str, cases: list[dict[str, float]], backe
 
     file = folder / "cases.json"
     file.write_text(json.dumps(cases), encoding="utf-8")
-    result = CliRunner().invoke(app, ["eval", str(path), function, "--cases", str(file), "--backend", backend])
+    result = CliRunner().invoke(
+        app, ["eval", str(path), function, "--cases", str(file), "--backend", backend]
+    )
     assert result.exit_code == 0, result.output
     found: list[dict[str, float]] = json.loads(result.stdout)
     return found

@@ -24,7 +24,9 @@ radii = decimals(0.02, 0.3)
 offsets = st.one_of(decimals(0.01, 0.2), decimals(-0.2, -0.01))
 angles = st.one_of(
     st.integers(-12, 12).map(lambda k: (f"{k}*pi/12", k * math.pi / 12)),
-    decimals(-3.1, 3.1, 2).filter(lambda a: abs(a * 12 / math.pi - round(a * 12 / math.pi)) > 0.01).map(lambda a: (repr(a), a)),
+    decimals(-3.1, 3.1, 2)
+    .filter(lambda a: abs(a * 12 / math.pi - round(a * 12 / math.pi)) > 0.01)
+    .map(lambda a: (repr(a), a)),
 )
 gammas = st.sampled_from([0.0, math.pi / 4, -math.pi / 4, 0.6, -0.9])
 
@@ -37,7 +39,11 @@ def axle(draw: st.DrawFn, count: int) -> list[dict[str, Any]]:
     wheels = []
     for _ in range(count):
         t = draw(lengths)
-        text = {"x": f"{px} - ({t})*sin({k}*pi/12)", "y": f"{py} + ({t})*cos({k}*pi/12)", "heading": f"{k}*pi/12"}
+        text = {
+            "x": f"{px} - ({t})*sin({k}*pi/12)",
+            "y": f"{py} + ({t})*cos({k}*pi/12)",
+            "heading": f"{k}*pi/12",
+        }
         flip = draw(st.booleans())
         if flip:
             text["heading"] = f"{k}*pi/12 + pi"
@@ -52,7 +58,14 @@ def axle(draw: st.DrawFn, count: int) -> list[dict[str, Any]]:
 def wheel(draw: st.DrawFn, kind: str) -> dict[str, Any]:
     """One steered, castor, swedish or spherical wheel anywhere."""
     text, heading = draw(angles)
-    w = {"type": kind, "x": draw(lengths), "y": draw(lengths), "heading": heading, "r": draw(radii), "text": {"heading": text}}
+    w = {
+        "type": kind,
+        "x": draw(lengths),
+        "y": draw(lengths),
+        "heading": heading,
+        "r": draw(radii),
+        "text": {"heading": text},
+    }
     if kind == "swedish":
         w["gamma"] = draw(gammas)
     if kind == "castor":

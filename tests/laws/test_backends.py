@@ -23,7 +23,9 @@ def cases(name: str, function: str) -> list[dict[str, float]]:
     tunable = {p.name for p in model.robot.tunable}
     found = []
     for k in range(4):
-        case = {n: round(float(rng.uniform(-1.2, 1.2)), 3) for n in model.ports(function)[0] if n not in tunable}
+        case = {
+            n: round(float(rng.uniform(-1.2, 1.2)), 3) for n in model.ports(function)[0] if n not in tunable
+        }
         if "dt" in case:
             case["dt"] = 0.125
         if function == "inverse" and k:
@@ -57,8 +59,12 @@ def test_casadi_numpy_exact(name: str, function: str, tmp_path: Path) -> None:
     given = cases(name, function)
     exact = command_line(model.path, function, given, "exact", tmp_path)
     agree([model.call(function, case) for case in given], exact, name, function, 1e-13)
-    columns = getattr(model.derivation.numpy(), function)(**{k: np.array([c[k] for c in given]) for k in given[0]})
-    by_row = [{k: float(np.broadcast_to(v, len(given))[i]) for k, v in columns.items()} for i in range(len(given))]
+    columns = getattr(model.derivation.numpy(), function)(
+        **{k: np.array([c[k] for c in given]) for k in given[0]}
+    )
+    by_row = [
+        {k: float(np.broadcast_to(v, len(given))[i]) for k, v in columns.items()} for i in range(len(given))
+    ]
     agree(by_row, exact, name, function, 1e-13)
 
 
@@ -91,4 +97,6 @@ def test_casadi_jacobians_are_finite(name: str) -> None:
 
 def test_sensed_inputs_are_those_of_the_layout() -> None:
     model, _ = gallery("tidybot2")
-    assert set(sensed(model, {})) == {f"caster_{i}.{j}" for i in range(1, 5) for j in ("spin", "steer", "steer_rate")}
+    assert set(sensed(model, {})) == {
+        f"caster_{i}.{j}" for i in range(1, 5) for j in ("spin", "steer", "steer_rate")
+    }

@@ -62,7 +62,9 @@ def check_ranks(model: Model, layout: Layout) -> None:
     found = {k: getattr(m, k) for k in ("degree_of_mobility", "degree_of_steerability")}
     found |= {"rank_C1f": m.rank_C1f.value, "rank_C1": m.rank_C1.value}
     assert found == oracle.mobility(layout)
-    assert all(r.exact in (None, r.value) for r in (m.rank_C1f, m.rank_C1))  # no layout here is near a singular one
+    assert all(
+        r.exact in (None, r.value) for r in (m.rank_C1f, m.rank_C1)
+    )  # no layout here is near a singular one
     assert m.degree_of_maneuverability == m.degree_of_mobility + m.degree_of_steerability
     assert m.ddof == m.degree_of_mobility <= m.dof <= 3
     assert m.holonomic == (m.ddof == m.dof) and m.omnidirectional == (m.ddof == 3)
@@ -96,7 +98,10 @@ def test_rows_are_contact_velocities(layout: Layout) -> None:
     """J1, J2 and C1 at random steering angles against the oracle's rows."""
     model = derived(layout)
     steer = {n: 0.3 * (i + 1) for i, n in enumerate(turning(layout))}
-    rows = {w["name"]: {kind: r for kind, *r in oracle.wheel_rows(w, steer.get(w["name"], 0.0))} for w in layout["wheels"]}
+    rows = {
+        w["name"]: {kind: r for kind, *r in oracle.wheel_rows(w, steer.get(w["name"], 0.0))}
+        for w in layout["wheels"]
+    }
     rolling = [rows[w["name"]]["rolling"] for w in layout["wheels"] if w["type"] != "spherical"]
     d = model.derivation
     pairs = [

@@ -44,7 +44,9 @@ def check(model: Model, layout: Layout) -> None:
     for size in SIZES:
         present = {f"{n}.steer": 0.7 for n in turning(layout)}
         finite(model.call("inverse", named([size, -size, size]) | present))
-        finite(model.call("odometry", {"vx": size, "vy": 1.0, "omega": size if size < 1e7 else 1.0, "dt": 0.01}))
+        finite(
+            model.call("odometry", {"vx": size, "vy": 1.0, "omega": size if size < 1e7 else 1.0, "dt": 0.01})
+        )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -64,7 +66,9 @@ def test_standstill_holds(name: str) -> None:
     model, layout = gallery(name)
     limited = bool(model.robot.limits.get("steer")) or any("steer" in w.limits for w in model.robot.wheels)
     coupled = {n for _, names in layout["couplings"] for n in names}
-    present = {f"{n}.steer": 0.2 if limited or n in coupled else 0.5 + 0.1 * k for k, n in enumerate(turning(layout))}
+    present = {
+        f"{n}.steer": 0.2 if limited or n in coupled else 0.5 + 0.1 * k for k, n in enumerate(turning(layout))
+    }
     found = model.call("inverse", present)
     for key, value in found.items():
         assert value == (present[key] if key.endswith(".steer") else 0.0), key
@@ -72,7 +76,7 @@ def test_standstill_holds(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_steering_limits_are_kept(name: str) -> None:
-    model, layout = gallery(name)
+    model, _ = gallery(name)
     rng = np.random.default_rng(5)
     for _ in range(50):
         found = model.call("inverse", named(rng.uniform(-2, 2, 3)))

@@ -28,7 +28,7 @@ def moved(layout: Layout, dx: float, dy: float, quarter: int) -> Layout:
 
 
 def changed(layout: Layout, each: Callable[[dict[str, Any]], dict[str, Any]]) -> Layout:
-    return layout | {"wheels": [each({k: v for k, v in w.items()}) for w in layout["wheels"]]}
+    return layout | {"wheels": [each(dict(w)) for w in layout["wheels"]]}
 
 
 def _in_frame(w: dict[str, Any], dx: float, dy: float, quarter: int) -> dict[str, Any]:
@@ -40,7 +40,12 @@ def _in_frame(w: dict[str, Any], dx: float, dy: float, quarter: int) -> dict[str
         "heading": f"({text.get('heading', repr(w['heading']))}) - {quarter % 4}*pi/2",
     }  # fmt: skip
     px, py = w["x"] - dx, w["y"] - dy
-    return w | {"x": c * px + s * py, "y": c * py - s * px, "heading": w["heading"] - quarter % 4 * math.pi / 2, "text": new}
+    return w | {
+        "x": c * px + s * py,
+        "y": c * py - s * px,
+        "heading": w["heading"] - quarter % 4 * math.pi / 2,
+        "text": new,
+    }
 
 
 def mirrored(layout: Layout) -> Layout:
@@ -68,7 +73,14 @@ def _scale(w: dict[str, Any], k: float) -> dict[str, Any]:
 
 def same_mobility(a: Model, b: Model) -> None:
     p, q = a.derivation.mobility, b.derivation.mobility
-    for key in ("degree_of_mobility", "degree_of_steerability", "dof", "robot_type", "holonomic", "growth_vector"):
+    for key in (
+        "degree_of_mobility",
+        "degree_of_steerability",
+        "dof",
+        "robot_type",
+        "holonomic",
+        "growth_vector",
+    ):
         assert getattr(p, key) == getattr(q, key), key
     assert (p.rank_C1f.value, p.rank_C1.value) == (q.rank_C1f.value, q.rank_C1.value)
 
@@ -96,12 +108,15 @@ def compare(
     rates = {k: n / 100 for k, n in zip(sensed(a, {}), numbers, strict=False)}
     turned = {k: v if k.endswith(".spin") else sign * v for k, v in rates.items()}
     f, g = a.call("forward", rates), b.call("forward", turned)
-    if full_rank(layout, rates):
+    if well_posed(layout, rates) and well_posed(other, turned):
         near(back(twist_of(g)), twist_of(f), scale=float(np.abs(twist_of(f)).max()), tol=1e-6)
 
 
-def full_rank(layout: Layout, rates: dict[str, float]) -> bool:
-    return oracle.forward(layout, rates)[2] == 3
+def well_posed(layout: Layout, rates: dict[str, float]) -> bool:
+    """All of the twist is seen, and not only just: a lever of a micrometre counts as none."""
+    found = oracle.known_rows(layout, rates)[0]
+    singular = np.linalg.svd(found, compute_uv=False) if len(found) >= 3 else np.zeros(3)
+    return bool(singular[-1] > 1e-4 * singular[0])
 
 
 @law(12)
@@ -157,5 +172,7 @@ def test_polar_and_cartesian(layout: Layout, twist: Any) -> None:
     p = derived(layout).call("inverse", named(twist))
     q = derived(layout, polar=True).call("inverse", named(twist))
     for key in p:
-        radius = 1.0 if key == "slip" else next(w["r"] for w in layout["wheels"] if w["name"] == key.split(".")[0])
+        radius = (
+            1.0 if key == "slip" else next(w["r"] for w in layout["wheels"] if w["name"] == key.split(".")[0])
+        )
         near(q[key], p[key], scale=1 / radius, tol=1e-7)

@@ -109,8 +109,12 @@ def gentle(model: Model, layout: Layout, weights: Any) -> Any:
 def test_least_squares_of_the_gallery(name: str) -> None:
     model, layout = gallery(name)
     for _ in range(5):
-        values = {k: v for k, v in sensed(model, {}).items()}
-        check_least_squares(model, layout, {k: float(v) for k, v in zip(values, RANDOM.uniform(-3, 3, len(values)), strict=True)})
+        values = sensed(model, {})
+        check_least_squares(
+            model,
+            layout,
+            {k: float(v) for k, v in zip(values, RANDOM.uniform(-3, 3, len(values)), strict=True)},
+        )
 
 
 @law(20)

@@ -50,7 +50,9 @@ def test_smooth(twist: Any, exponent: int) -> None:
 @law(100)
 @given(twists, st.floats(0.01, 1.5))
 def test_two_steps_are_one(twist: Any, dt: float) -> None:
-    np.testing.assert_allclose(step(twist, step(twist, dt=dt), dt), step(twist, dt=2 * dt), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(
+        step(twist, step(twist, dt=dt), dt), step(twist, dt=2 * dt), rtol=0, atol=1e-11
+    )
     np.testing.assert_allclose(step(twist, step(twist, dt=dt), -dt), np.zeros(3), rtol=0, atol=1e-11)
 
 

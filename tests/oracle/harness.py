@@ -16,7 +16,14 @@ import wmrgen
 
 Array = NDArray[np.float64]
 Layout = dict[str, Any]
-_MATH = {"pi": math.pi, "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "atan2": math.atan2}
+_MATH = {
+    "pi": math.pi,
+    "sqrt": math.sqrt,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "atan2": math.atan2,
+}
 
 
 def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra: str = "") -> str:
@@ -43,7 +50,9 @@ def _place(w: dict[str, Any], polar: bool) -> list[str]:
     """Placement and orientation. ``text`` holds exact expressions for keys whose float is rounded."""
     x, y, heading = float(w["x"]), float(w["y"]), float(w["heading"])
     if not polar:
-        return [f"{k}: {w.get('text', {}).get(k, repr(v))}" for k, v in (("x", x), ("y", y), ("heading", heading))]
+        return [
+            f"{k}: {w.get('text', {}).get(k, repr(v))}" for k, v in (("x", x), ("y", y), ("heading", heading))
+        ]
     alpha = math.atan2(y, x)
     return [f"l: {math.hypot(x, y)!r}", f"alpha: {alpha!r}", f"beta: {heading + math.pi / 2 - alpha!r}"]
 

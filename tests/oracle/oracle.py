@@ -59,8 +59,8 @@ def wheel_rows(wheel: Wheel, steer: float) -> list[tuple[str, Array, float, floa
     return rows
 
 
-def forward(layout: Layout, known: dict[str, float]) -> tuple[Array, float, int]:
-    """Least-squares twist, residual norm [m/s] and rank over every row whose rates are all in ``known``."""
+def known_rows(layout: Layout, known: dict[str, float]) -> tuple[Array, Array]:
+    """Every row whose rates are all in ``known``, and its value [m/s]."""
     rows, values = [], []
     for wheel in layout["wheels"]:
         name = wheel["name"]
@@ -72,10 +72,17 @@ def forward(layout: Layout, known: dict[str, float]) -> tuple[Array, float, int]
             if abs(rate) > 1e-15 and f"{name}.steer_rate" not in known:
                 continue
             rows.append(r)
-            values.append(-spin * known.get(f"{name}.spin", 0.0) - rate * known.get(f"{name}.steer_rate", 0.0))
-    if not rows:
+            values.append(
+                -spin * known.get(f"{name}.spin", 0.0) - rate * known.get(f"{name}.steer_rate", 0.0)
+            )
+    return np.array(rows).reshape(-1, 3), np.array(values)
+
+
+def forward(layout: Layout, known: dict[str, float]) -> tuple[Array, float, int]:
+    """Least-squares twist, residual norm [m/s] and rank over every known row."""
+    h, z = known_rows(layout, known)
+    if not len(h):
         return np.zeros(3), 0.0, 0
-    h, z = np.array(rows), np.array(values)
     twist, _, rank, _ = np.linalg.lstsq(h, z, rcond=1e-9)
     return twist, float(np.linalg.norm(h @ twist - z)), int(rank)
 
@@ -166,7 +173,9 @@ def constraint(layout: Layout, steer: dict[str, float]) -> Array:
             rows.append(r)
             columns.append(column)
     joints = sorted({joint for column in columns for joint in column})
-    b = np.array([[column.get(joint, 0.0) for joint in joints] for column in columns]).reshape(len(rows), len(joints))
+    b = np.array([[column.get(joint, 0.0) for joint in joints] for column in columns]).reshape(
+        len(rows), len(joints)
+    )
     a = np.array(rows).reshape(-1, 3)
     return null(b.T).T @ a if b.size else a
 
@@ -207,7 +216,7 @@ def null_space_family(layout: Layout, steer: dict[str, float]) -> int:
 def mobility(layout: Layout) -> dict[str, int]:
     """degree_of_mobility, degree_of_steerability, rank_C1f, rank_C1 by SVD at ICR-compatible steering."""
     fixed = [w for w in layout["wheels"] if w["type"] != "steered"]
-    spins = [c for c in layout.get("couplings", []) if not {n for n in c[1]} & steered_names(layout)]
+    spins = [c for c in layout.get("couplings", []) if not set(c[1]) & steered_names(layout)]
     rank_f = rank(constraint({"wheels": fixed, "couplings": spins}, {}))
     steer = admissible_steering(layout)
     if steer is None:

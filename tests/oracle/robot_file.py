@@ -14,7 +14,14 @@ import yaml
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "deg": math.pi / 180, "rad": 1.0}
 GREEK = {"α": "alpha", "β": "beta", "γ": "gamma"}
-NAMES = {"pi": math.pi, "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "atan2": math.atan2}
+NAMES = {
+    "pi": math.pi,
+    "sqrt": math.sqrt,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "atan2": math.atan2,
+}
 
 
 def value(text: str, names: dict[str, float], scale: float = 1.0) -> float:
@@ -50,13 +57,19 @@ def wheel(entry: dict[str, Any], names: dict[str, float], scale: float) -> dict[
     """One wheel: Cartesian pivot and heading at steering zero."""
     raw = {GREEK.get(key, key): text for key, text in entry.items()}
     length = {k: value(raw[k], names) for k in ("x", "y", "l", "r", "d", "offset_y") if k in raw}
-    angle = {k: snapped(value(raw[k], names, scale)) for k in ("alpha", "beta", "heading", "gamma") if k in raw}
+    angle = {
+        k: snapped(value(raw[k], names, scale)) for k in ("alpha", "beta", "heading", "gamma") if k in raw
+    }
     if "l" in length:
         x, y = length["l"] * math.cos(angle["alpha"]), length["l"] * math.sin(angle["alpha"])
     else:
         x, y = length["x"], length["y"]
     alpha = angle.get("alpha", math.atan2(y, x))
-    heading = angle["heading"] if "heading" in angle else angle.get("beta", math.pi / 2 - alpha) + alpha - math.pi / 2
+    heading = (
+        angle["heading"]
+        if "heading" in angle
+        else angle.get("beta", math.pi / 2 - alpha) + alpha - math.pi / 2
+    )
     return {
         "name": raw["name"], "type": raw["type"], "x": x, "y": y, "heading": snapped(heading), "r": length["r"],
         "gamma": angle.get("gamma", 0.0), "d": length.get("d", 0.0), "o": length.get("offset_y", 0.0),

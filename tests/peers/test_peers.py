@@ -79,7 +79,13 @@ def compare(vector: Vector, found: dict[str, float]) -> None:
 
 
 def test_all_vectors_of_these_kinds() -> None:
-    assert Counter(v["kind"] for v in VECTORS) == {"ik": 8, "fk": 7, "steered_ik": 9, "steered_fk": 1, "odometry_open_loop": 1}
+    assert Counter(v["kind"] for v in VECTORS) == {
+        "ik": 8,
+        "fk": 7,
+        "steered_ik": 9,
+        "steered_fk": 1,
+        "odometry_open_loop": 1,
+    }
     assert all(v["geometric_truth"] for v in VECTORS)
 
 

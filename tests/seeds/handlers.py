@@ -44,7 +44,10 @@ class Seed:
 
     def close(self, found: Any, expected: Any) -> None:
         np.testing.assert_allclose(
-            np.asarray(found, float), np.asarray(expected, float), rtol=self.case["tol"], atol=self.case["tol"]
+            np.asarray(found, float),
+            np.asarray(expected, float),
+            rtol=self.case["tol"],
+            atol=self.case["tol"],
         )
 
     def heading(self, name: str) -> float:
@@ -61,12 +64,18 @@ class Seed:
     def forward(self, rates: dict[str, float]) -> Array:
         """Twist from joint rates, at the case's steering angles where they are inputs."""
         inputs = set(self.model.ports("forward")[0])
-        return twist_of(self.model.call("forward", {k: v for k, v in (self.present | rates).items() if k in inputs}))
+        return twist_of(
+            self.model.call("forward", {k: v for k, v in (self.present | rates).items() if k in inputs})
+        )
 
 
 def deltas(s: Seed) -> None:
     m, e = s.model.data, s.expect
-    long = {"delta_m": "degree_of_mobility", "delta_s": "degree_of_steerability", "delta_M": "degree_of_maneuverability"}
+    long = {
+        "delta_m": "degree_of_mobility",
+        "delta_s": "degree_of_steerability",
+        "delta_M": "degree_of_maneuverability",
+    }
     long |= {"DDOF": "ddof", "DOF": "dof"}
     for key, value in e.items():
         if key == "rank_C1s_literal":
@@ -213,7 +222,9 @@ def split_balls(layout: dict[str, Any]) -> dict[str, Any]:
             wheels.append(w)
             continue
         for suffix, heading in (("x", 0.0), ("y", math.pi / 2)):
-            wheels.append(w | {"name": w["name"] + suffix, "type": "swedish", "gamma": 0.0, "heading": heading})
+            wheels.append(
+                w | {"name": w["name"] + suffix, "type": "swedish", "gamma": 0.0, "heading": heading}
+            )
     return layout | {"wheels": wheels}
 
 
@@ -240,16 +251,20 @@ def ik(s: Seed) -> None:
     if "wheel_rates" in e:
         s.close([found[f"{n}.spin"] for n in s.names], e["wheel_rates"])
     if "wheel_linear_speeds" in e:
-        s.close([found[f"{n}.spin"] for n in e["wheel_linear_speeds"]], list(e["wheel_linear_speeds"].values()))
+        s.close(
+            [found[f"{n}.spin"] for n in e["wheel_linear_speeds"]], list(e["wheel_linear_speeds"].values())
+        )
     if "phi_dot" in e:
         values = e["phi_dot"] if isinstance(e["phi_dot"], list) else [e["phi_dot"]]
         s.close([found[f"{n}.spin"] for n in s.names], values)
     if "beta_dot" in e:
         s.close([found[f"{n}.steer_rate"] for n in s.names], e["beta_dot"])
     if "matrix" in e:
-        s.close([[s.inverse(a)[f"{n}.spin"] * w["r"] for a in np.eye(3)] for n, w in zip(s.names, s.layout["wheels"], strict=True)]
-                if len(e["matrix"][0]) == 3 else
-                [[s.inverse(a)[f"{n}.spin"] for a in ([1, 0, 0], [0, 0, 1])] for n in s.names], e["matrix"])  # fmt: skip
+        axes = np.eye(3)[
+            [0, 1, 2] if len(e["matrix"][0]) == 3 else [0, 2]
+        ]  # over (vx, omega) for a differential drive
+        radius = {w["name"]: w["r"] for w in s.layout["wheels"]}
+        s.close([[s.inverse(a)[f"{n}.spin"] * radius[n] for a in axes] for n in s.names], e["matrix"])
     if "gamma" in e:
         steering(s, np.array(twist, float), found)
     elif "v_c" in e:
@@ -268,8 +283,13 @@ def steering(s: Seed, twist: Array, found: dict[str, float]) -> None:
     if "wheel_rate" in s.expect:
         rolling, sliding = pfaffian_rows(s, steered[0])
         rates = named(twist)
-        rates |= {f"{steered[0]}.spin": s.expect["wheel_rate"], f"{steered[0]}.steer_rate": s.given["gamma_dot"]}
-        s.close([sum(row.get(k, 0.0) * v for k, v in rates.items()) for row in (rolling, sliding)], [0.0, 0.0])
+        rates |= {
+            f"{steered[0]}.spin": s.expect["wheel_rate"],
+            f"{steered[0]}.steer_rate": s.given["gamma_dot"],
+        }
+        s.close(
+            [sum(row.get(k, 0.0) * v for k, v in rates.items()) for row in (rolling, sliding)], [0.0, 0.0]
+        )
     elif "wheel_speed" in s.expect:
         s.close(speeds, s.expect["wheel_speed"])
     if "v_f" in s.expect:

@@ -16,7 +16,14 @@ def of(case: Case, style: str) -> tuple[dict[str, Any], dict[str, float]]:
     """
     wheels, steer = [], {}
     for w in case["layout"]["wheels"]:
-        wheel = {"name": w["name"], "type": w["type"], "x": w["x"], "y": w["y"], "heading": w["heading"], "r": w["r"]}
+        wheel = {
+            "name": w["name"],
+            "type": w["type"],
+            "x": w["x"],
+            "y": w["y"],
+            "heading": w["heading"],
+            "r": w["r"],
+        }
         wheel |= {"gamma": w.get("gamma", 0.0), "d": w.get("d", 0.0), "o": w.get("offset_y", 0.0)}
         wheel["r_sw"] = w.get("r_sw") or w.get("r_roller")
         if w["type"] == "castor" and w.get("powered", True):

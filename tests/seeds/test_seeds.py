@@ -15,7 +15,9 @@ import pytest
 from tests.oracle.harness import Model, robot_text
 from tests.seeds import handlers, layouts
 
-CASES: list[dict[str, Any]] = json.loads((Path(__file__).parent / "cases.json").read_text(encoding="utf-8"))["cases"]
+CASES: list[dict[str, Any]] = json.loads((Path(__file__).parent / "cases.json").read_text(encoding="utf-8"))[
+    "cases"
+]
 LEFT_OUT = {"T-Ex2.2-slip-J", "S-3.21"}
 RUN = [
     c

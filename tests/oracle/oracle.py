@@ -183,7 +183,7 @@ def constraint(layout: Layout, steer: dict[str, float]) -> Array:
 def admissible_steering(layout: Layout, seed: int = 1) -> dict[str, float] | None:
     """Steering angles whose axles meet in one ICR and that the steer couplings allow, or None."""
     rng = np.random.default_rng(seed)
-    allowed = null(sliding_rows(layout, "fixed", {}))
+    allowed = null(constraint(unsteered(layout), {}))
     still = np.array([[0.0, 0.0, 1.0]])
     pure = allowed @ null(still @ allowed) if allowed.shape[1] else allowed
     for basis in (allowed, pure):  # any twist, else pure translation (belt-steered robots)
@@ -215,15 +215,15 @@ def null_space_family(layout: Layout, steer: dict[str, float]) -> int:
 
 def mobility(layout: Layout) -> dict[str, int]:
     """degree_of_mobility, degree_of_steerability, rank_C1f, rank_C1 by SVD at ICR-compatible steering."""
-    fixed = [w for w in layout["wheels"] if w["type"] != "steered"]
-    spins = [c for c in layout.get("couplings", []) if not set(c[1]) & steered_names(layout)]
-    rank_f = rank(constraint({"wheels": fixed, "couplings": spins}, {}))
+    rank_f = rank(sliding_rows(layout, "fixed", {}))
     steer = admissible_steering(layout)
     if steer is None:
         return {"degree_of_mobility": 0, "degree_of_steerability": 0, "rank_C1f": rank_f, "rank_C1": 3}
     rank_c1 = rank(constraint(layout, steer))
     coupled = any(joint == "steer" for joint, _ in layout.get("couplings", []))
-    delta_s = null_space_family(layout, steer) if coupled else rank_c1 - rank_f
+    delta_s = (
+        null_space_family(layout, steer) if coupled else rank_c1 - rank(constraint(unsteered(layout), {}))
+    )
     return {
         "degree_of_mobility": 3 - rank_c1,
         "degree_of_steerability": delta_s,
@@ -232,8 +232,13 @@ def mobility(layout: Layout) -> dict[str, int]:
     }
 
 
-def steered_names(layout: Layout) -> set[str]:
-    return {w["name"] for w in layout["wheels"] if w["type"] == "steered"}
+def unsteered(layout: Layout) -> Layout:
+    """The robot without its steered wheels and their couplings: what constrains it at any steering."""
+    steered = {w["name"] for w in layout["wheels"] if w["type"] == "steered"}
+    return {
+        "wheels": [w for w in layout["wheels"] if w["name"] not in steered],
+        "couplings": [c for c in layout.get("couplings", []) if not set(c[1]) & steered],
+    }
 
 
 def expm(matrix: Array) -> Array:

@@ -1,0 +1,103 @@
+"""Mechanical couplings: what the left null space of the joint-rate columns takes from the robot's freedom."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.laws.common import derived, law
+from tests.laws.layouts import lengths, offsets, radii
+from tests.laws.test_constraints import check_null_space, check_ranks
+from tests.oracle import oracle
+from tests.oracle.harness import named, twist_of
+
+Layout = dict[str, Any]
+
+
+def wheel(name: str, kind: str, x: float, y: float, **more: Any) -> dict[str, Any]:
+    return {"name": name, "type": kind, "x": x, "y": y, "heading": 0.0, "r": 0.1} | more
+
+
+AXLE = [wheel("a", "fixed", 0.0, 0.2), wheel("b", "fixed", 0.0, -0.2)]
+STEERED = [
+    wheel("a", "steered", 0.3, 0.0),
+    wheel("b", "steered", -0.2, 0.25),
+    wheel("c", "steered", -0.2, -0.25),
+]
+CASTORS = [
+    wheel("a", "castor", 0.3, 0.2, d=-0.04, actuated=["spin", "steer"]),
+    wheel("b", "castor", 0.3, -0.2, d=-0.04, actuated=["spin", "steer"]),
+    wheel("c", "castor", -0.3, 0.0, d=-0.04),
+]
+# (mobility, steerability, dof): worked out by hand
+KNOWN = {
+    "differential drive": (AXLE, [], (2, 0, 3)),
+    "locked axle: no turning": (AXLE, [("spin", ["a", "b"])], (1, 0, 1)),
+    "three free steered wheels": (STEERED, [], (1, 2, 3)),
+    "synchro drive": (STEERED, [("steer", ["a", "b", "c"]), ("spin", ["a", "b", "c"])], (1, 1, 2)),
+    "belt for steering only": (STEERED, [("steer", ["a", "b", "c"])], (1, 1, 2)),
+    "free castors": (CASTORS, [], (3, 0, 3)),
+}
+
+
+@pytest.mark.parametrize("case", KNOWN)
+def test_known(case: str) -> None:
+    wheels, couplings, (mobility, steerability, dof) = KNOWN[case]
+    layout = {"wheels": wheels, "couplings": couplings}
+    model = derived(layout)
+    m = model.derivation.mobility
+    assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == (mobility, steerability, dof)
+    check_ranks(model, layout)
+    check_null_space(model, layout)
+
+
+def test_two_castors_on_one_steering_motor() -> None:
+    """One relation between twist and the common steering rate is left over: it constrains the twist."""
+    layout = {"wheels": CASTORS, "couplings": [("steer", ["a", "b"])]}
+    assert (
+        derived(layout).derivation.mobility.degree_of_mobility
+        == oracle.mobility(layout)["degree_of_mobility"]
+        == 2
+    )
+
+
+@law(15)
+@given(st.lists(st.tuples(lengths, radii), min_size=2, max_size=4, unique=True), lengths)
+def test_fixed_wheels_that_turn_alike(wheels: list[tuple[float, float]], x: float) -> None:
+    """Equal spins on one axle line leave a circle about one centre, a straight line, or nothing."""
+    fixed = [wheel(f"w{i}", "fixed", x, y, r=r) for i, (y, r) in enumerate(wheels)]
+    layout = {"wheels": fixed, "couplings": [("spin", [w["name"] for w in fixed])]}
+    model = derived(layout)
+    check_ranks(model, layout)
+    null = oracle.null(oracle.constraint(layout, {}))
+    for twist in null.T:
+        joints = model.call("inverse", named(twist))
+        assert joints["slip"] == pytest.approx(0.0, abs=1e-9)
+        assert len({round(joints[f"{w['name']}.spin"], 9) for w in fixed}) == 1
+        spins = {k: v for k, v in joints.items() if k.endswith(".spin")}
+        back = model.call("forward", spins)
+        assert back["slip"] == pytest.approx(0.0, abs=1e-8)
+        if oracle.forward(layout, spins)[2] == 3:
+            np.testing.assert_allclose(twist_of(back), twist, atol=1e-6)
+
+
+@law(15)
+@given(st.lists(st.tuples(lengths, lengths), min_size=2, max_size=5, unique=True), radii, offsets)
+def test_belt_driven_wheels_only_translate(places: list[tuple[float, float]], r: float, vy: float) -> None:
+    """Any belt-steered, belt-driven robot of three wheels or more: type (1, 1), and it keeps its heading."""
+    wheels = [wheel(f"w{i}", "steered", x, y, r=r) for i, (x, y) in enumerate(places)]
+    names = [w["name"] for w in wheels]
+    layout = {"wheels": wheels, "couplings": [("steer", names), ("spin", names)]}
+    model = derived(layout)
+    found = model.call("inverse", named([0.5, vy, 0.0]))
+    speed = np.hypot(0.5, vy)
+    assert [found[f"{n}.spin"] for n in names] == pytest.approx([speed / r] * len(names))
+    assert [found[f"{n}.steer"] for n in names] == pytest.approx([np.arctan2(vy, 0.5)] * len(names))
+    back = model.call("forward", {k: v for k, v in found.items() if k != "slip"})
+    np.testing.assert_allclose(twist_of(back), [0.5, vy, 0.0], atol=1e-9)
+    m = model.derivation.mobility
+    assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == (1, 1, 2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from wmrgen.program import Program
     from wmrgen.symbolic import Expr
 
+MANY_WHEELS = 16
 TWIST = frozenset({"vx", "vy", "omega"})
 
 
@@ -157,8 +159,13 @@ class Derivation:
     def _optimised(self) -> Module:
         """Every function once, and forward without its residual as ``forward_twist``."""
         from wmrgen.ir.pipeline import optimise
+        from wmrgen.ir.select import keep_outputs
         from wmrgen.lower import lower
 
+        if len(self.robot.wheels) > MANY_WHEELS:  # cut the twist out of forward instead
+            module = optimise(self.raw_module.functions, self.robot.name)
+            twist = keep_outputs(module.function("forward"), TWIST, "forward_twist")
+            return replace(module, functions=(*module.functions, twist))
         twist = lower(self.program.formula("forward"), TWIST, "forward_twist")
         return optimise((*self.raw_module.functions, twist), self.robot.name)
 

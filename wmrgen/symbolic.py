@@ -75,7 +75,7 @@ def number(value: Exact) -> Expr:
     """A field element as a sympy number."""
     roots = (sympy.S.One, sympy.sqrt(2), sympy.sqrt(3), sympy.sqrt(6))
     terms = [_rational(p) * root for p, root in zip(value.parts, roots, strict=True) if p]
-    return terms[0] if len(terms) == 1 else sympy.Add(*terms)
+    return add(*terms)
 
 
 def _rational(f: Fraction) -> Expr:
@@ -112,12 +112,39 @@ def expression(poly: Poly) -> Expr:
     for monomial, coefficient in poly.terms.items():
         factors = [generator(g) if e == 1 else sympy.Pow(generator(g), e) for g, e in monomial]
         terms.append(sympy.Mul(number(coefficient), *factors))
-    return sympy.Add(*terms)
+    return add(*terms)
 
 
 def matrix(rows: Sequence[Row] | Sequence[Sequence[Poly]], columns: int) -> sympy.Matrix:
     """Rows of polynomials as a sympy matrix with ``columns`` columns (0 rows allowed)."""
     return sympy.Matrix(len(rows), columns, [expression(p) for row in rows for p in row])
+
+
+def add(*terms: Expr) -> Expr:
+    """A sum as it stands. Not evaluated: the first evaluated sum would load sympy's tensors and permutations."""
+    kept = [t for t in terms if t is not sympy.S.Zero]
+    return sympy.Add(*kept, evaluate=False) if len(kept) > 1 else kept[0] if kept else sympy.S.Zero
+
+
+def subtract(a: Expr, b: Expr) -> Expr:
+    """a - b as it stands."""
+    return add(a, times(-1, b))
+
+
+def times(*factors: Expr) -> Expr:
+    """A product as it stands."""
+    kept = [f for f in factors if f is not sympy.S.One]
+    return sympy.Mul(*kept, evaluate=False) if len(kept) > 1 else kept[0] if kept else sympy.S.One
+
+
+def root(a: Expr) -> Expr:
+    """The square root as it stands."""
+    return sympy.Pow(a, sympy.S.Half, evaluate=False)
+
+
+def square(a: Expr) -> Expr:
+    """a**2 as it stands."""
+    return sympy.Pow(a, 2, evaluate=False)
 
 
 def select(a: Expr, b: Expr, then: Expr, otherwise: Expr) -> Expr:

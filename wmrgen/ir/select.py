@@ -19,8 +19,14 @@ def select(module: Module, names: dict[str, str]) -> Module:
 
 def _outputs(prepare: Function, used: set[str | None]) -> Function | None:
     """prepare() with the outputs in ``used`` only; None when nothing is left."""
-    kept = [i for i, port in enumerate(prepare.outputs) if port.name in used]
-    if not kept:
-        return None
-    nodes, results = prune(prepare.nodes, [prepare.results[i] for i in kept])
-    return replace(prepare, nodes=nodes, outputs=tuple(prepare.outputs[i] for i in kept), results=results)
+    names = frozenset(name for name in used if name is not None)
+    kept = keep_outputs(prepare, names, prepare.name)
+    return kept if kept.outputs else None
+
+
+def keep_outputs(function: Function, names: frozenset[str], name: str) -> Function:
+    """The function with the outputs in ``names`` only, under another name."""
+    kept = [i for i, port in enumerate(function.outputs) if port.name in names]
+    nodes, results = prune(function.nodes, [function.results[i] for i in kept])
+    outputs = tuple(function.outputs[i] for i in kept)
+    return replace(function, name=name, nodes=nodes, outputs=outputs, results=results)

@@ -18,7 +18,7 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, expression, signal
+from wmrgen.symbolic import Expr, add, expression, signal, subtract
 
 RATES = (
     Port("x_rate", Role.COMMAND, "m/s", "velocity of P along world x"),
@@ -47,8 +47,8 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
     steered = [joint_port(w, "steer_rate", Role.COMMAND) for w in wheels]
     swivels = _swivelling(robot, columns)
     outputs = (
-        (RATES[0], twist[0] * c - twist[1] * s),
-        (RATES[1], twist[0] * s + twist[1] * c),
+        (RATES[0], subtract(twist[0] * c, twist[1] * s)),
+        (RATES[1], add(twist[0] * s, twist[1] * c)),
         (RATES[2], twist[2]),
         *((p, signal(p.name)) for p in steered),
         *((joint_port(w, "steer_rate", Role.COMMAND), _swivel_rate(w, names)) for w in swivels),

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy
-
 from wmrgen.constraints import along, rolling_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.project import Projection, project
@@ -27,7 +25,7 @@ from wmrgen.kinematics.steer import Target, steer_group, steer_one
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, expression
+from wmrgen.symbolic import Expr, add, expression, subtract, times
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +134,7 @@ def _joints(w: Wheel, twist: Row, targets: dict[int, Target], swivels: dict[int,
     g = working_view(w)
     if w.type == "steered":
         target = targets[w.index]
-        rim = target.rim - expression(g.o * twist[2]) if g.o else target.rim
+        rim = subtract(target.rim, expression(g.o * twist[2])) if g.o else target.rim
         return _Joints(rim, g.r, target.steer)
     rolling = dot(rolling_row(w, g).row, twist)
     if w.type == "castor":
@@ -158,10 +156,10 @@ def _spins(robot: Robot, joints: dict[int, _Joints]) -> dict[int, Expr]:
             result[members[0]] = _scaled(j.rim, j.radius.inverse())
             continue
         total = Poly.sum(joints[i].radius * joints[i].radius for i in members).inverse()
-        shared = sympy.Add(*(_scaled(joints[i].rim, joints[i].radius * total) for i in members))
+        shared = add(*(_scaled(joints[i].rim, joints[i].radius * total) for i in members))
         result.update(dict.fromkeys(members, shared))
     return result
 
 
 def _scaled(rim: Expr, factor: Poly) -> Expr:
-    return sympy.Mul(expression(factor), rim)
+    return times(expression(factor), rim)

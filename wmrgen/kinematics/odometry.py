@@ -14,7 +14,7 @@ import sympy
 from wmrgen.exact.number import Exact
 from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import number, select, signal
+from wmrgen.symbolic import Expr, add, number, select, signal, subtract
 
 SWITCH = Fraction(1, 20)  # largest h with h**8 / 9! <= 2**-53, rounded down
 WORST_ERROR = float(SWITCH) ** 8 / 362880
@@ -26,8 +26,12 @@ POSE = (
 )
 
 
-def _rational(p: int, q: int) -> sympy.Expr:
-    return sympy.Rational(p, q)
+def _nested(q: Expr) -> Expr:
+    """1 - q/6 + q**2/120 - q**3/5040, nested."""
+    series: Expr = sympy.Rational(1, 5040)
+    for p in (120, 6, 1):
+        series = subtract(sympy.Rational(1, p), q * series)
+    return series
 
 
 def odometry() -> Formula:
@@ -37,18 +41,16 @@ def odometry() -> Formula:
     h = names.define("half_turn", omega * dt / 2)
     q = names.define("half_turn_squared", h**2)
     limit = number(Exact(SWITCH * SWITCH))
-    series = names.define(
-        "sinc_series", 1 - q * (_rational(1, 6) - q * (_rational(1, 120) - q * _rational(1, 5040)))
-    )
+    series = names.define("sinc_series", _nested(q))
     safe = names.define("half_turn_safe", select(q, limit, sympy.S.One, h))
     sinc = select(q, limit, series, sympy.sin(safe) / safe)
     chord = names.define("chord", dt * sinc)
-    middle = names.define("middle", theta + h)
+    middle = names.define("middle", add(theta, h))
     c, s = sympy.cos(middle), sympy.sin(middle)
     outputs = (
-        (POSE[0], x + chord * (vx * c - vy * s)),
-        (POSE[1], y + chord * (vx * s + vy * c)),
-        (POSE[2], theta + omega * dt),
+        (POSE[0], add(x, chord * subtract(vx * c, vy * s))),
+        (POSE[1], add(y, chord * add(vx * s, vy * c))),
+        (POSE[2], add(theta, omega * dt)),
     )
     inputs = (*POSE, *twist_ports(), Port("dt", Role.COMMAND, "s", "duration of the step"))
     return Formula(

@@ -10,7 +10,7 @@ from wmrgen.exact.angles import sqrt_poly
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.symbolic import Expr, absolute, expression
+from wmrgen.symbolic import Expr, absolute, add, expression, number, root, square, times
 
 NEGLIGIBLE = 1e-12
 
@@ -34,7 +34,7 @@ def norm(forms: Sequence[Poly], weight: Exact = ONE) -> Expr:
         base, total = groups[0]
         factor = fix(sqrt_poly(Poly.of(total * weight)), {})
         return absolute(expression(base * factor))
-    return sympy.sqrt(sympy.Add(*(expression(Poly.of(t * weight)) * expression(b) ** 2 for b, t in groups)))
+    return root(add(*(times(number(t * weight), square(expression(b))) for b, t in groups)))
 
 
 def _size(form: Poly) -> float:

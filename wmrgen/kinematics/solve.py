@@ -14,7 +14,17 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.sensing import Component, Contact
-from wmrgen.symbolic import Expr, expression, maximum, number, select
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    expression,
+    maximum,
+    number,
+    root,
+    select,
+    square,
+    subtract,
+)
 
 FLOOR = Exact(Fraction(1, 10**12))
 Twist = tuple[Expr, Expr, Expr]
@@ -61,9 +71,7 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
         below = _total([q[0] * q[0] + q[1] * q[1] for q in local])
         omega = names.poly("omega_fit", expression(above) / maximum(expression(below), number(FLOOR)))
         errors = [e for q in local for e in (q[2] + omega * q[1], q[3] - omega * q[0])]
-        slip = sympy.sqrt(
-            sympy.Add(*(expression(names.poly(f"error_{i}", e)) ** 2 for i, e in enumerate(errors)))
-        )
+        slip = root(add(*(square(names.define(f"error_{i}", e)) for i, e in enumerate(errors))))
     vx, vy = mean[2] + omega * mean[1], mean[3] - omega * mean[0]
     return (expression(vx), expression(vy), expression(omega)), slip
 
@@ -93,7 +101,7 @@ def solve_general(contacts: list[Contact], components: list[Component], names: L
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     xi: Row = (fitted[0], fitted[1], fitted[2])
     errors = [names.poly(f"error_{i}", z - dot(r, xi)) for i, (r, z) in enumerate(rows)]
-    slip = sympy.sqrt(sympy.Add(*(expression(e) ** 2 for e in errors)))
+    slip = root(add(*(square(expression(e)) for e in errors)))
     return (expression(xi[0]), expression(xi[1]), expression(xi[2])), slip
 
 
@@ -157,6 +165,6 @@ def _either(
     for i in range(3):
         seen = expression(_total([n[i][j] * b[j] for j in range(3)]))
         p = expression(projected[i])
-        small = (c1 * (expression(b[i]) - p * over_c2) - seen) * over_c2
+        small = subtract(c1 * subtract(expression(b[i]), p * over_c2), seen) * over_c2
         result.append(select(edge, det, p * over_det, small))
     return result

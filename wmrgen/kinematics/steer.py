@@ -15,7 +15,22 @@ from wmrgen.constraints import heading, working_view
 from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
-from wmrgen.symbolic import Expr, absolute, angle_of, expression, local, maximum, number, select, signal
+from wmrgen.symbolic import (
+    Expr,
+    absolute,
+    add,
+    angle_of,
+    expression,
+    local,
+    maximum,
+    number,
+    root,
+    select,
+    signal,
+    square,
+    subtract,
+    times,
+)
 
 Velocity = tuple[Poly, Poly]
 
@@ -54,15 +69,15 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     u, v = _seen(w, velocity, names)
     now = signal(f"{w.name}.steer")
     zero = sympy.S.Zero
-    swing = angle_of(select(u, zero, sympy.Mul(-1, v), v), absolute(u))
+    swing = angle_of(select(u, zero, times(-1, v), v), absolute(u))
     a, b = (
         local(f"{w.name}_{k}") if len(p.terms) > 1 else expression(p)
         for k, p in zip("xy", velocity, strict=True)
     )
-    speed = names.define(f"{w.name}_speed", sympy.sqrt(a**2 + b**2))
+    speed = names.define(f"{w.name}_speed", root(add(square(a), square(b))))
     limits = steer_limits(robot, w)
     if limits is None:
-        return Target(now + swing, select(u, zero, sympy.Mul(-1, speed), speed))
+        return Target(add(now, swing), select(u, zero, times(-1, speed), speed))
     return _limited(w, limits, now, swing, (u, v), names)
 
 
@@ -71,13 +86,15 @@ def _limited(
 ) -> Target:
     """The nearest heading inside the limits; outside both, the limit nearest to it."""
     low, high = number(limits.low), number(limits.high)
-    nearest = names.define(f"{w.name}_nearest", now + swing)
-    other = names.define(f"{w.name}_other", select(high, nearest, nearest - sympy.pi, nearest + sympy.pi))
+    nearest = names.define(f"{w.name}_nearest", add(now, swing))
+    other = names.define(
+        f"{w.name}_other", select(high, nearest, subtract(nearest, sympy.pi), add(nearest, sympy.pi))
+    )
     inside = select(high, other, nearest, select(other, low, nearest, other))
     kept = select(high, nearest, inside, select(nearest, low, inside, nearest))
     steer = names.define(f"{w.name}_target", maximum(low, sympy.Min(high, kept, evaluate=False)))
-    turn = names.define(f"{w.name}_turn", steer - now)
-    return Target(steer, seen[0] * sympy.cos(turn) + seen[1] * sympy.sin(turn))
+    turn = names.define(f"{w.name}_turn", subtract(steer, now))
+    return Target(steer, add(seen[0] * sympy.cos(turn), seen[1] * sympy.sin(turn)))
 
 
 def steer_group(
@@ -90,14 +107,14 @@ def steer_group(
     """
     lead = members[0]
     seen = {w.index: _seen(w, velocities[w.index], names, lead) for w in members}
-    double = sympy.Add(*(2 * u * v for u, v in seen.values()))
-    difference = sympy.Add(*(u**2 - v**2 for u, v in seen.values()))
+    double = add(*(2 * u * v for u, v in seen.values()))
+    difference = add(*(subtract(u**2, v**2) for u, v in seen.values()))
     now = signal(f"{lead.name}.steer")
     swing = names.define(f"{lead.name}_swing", angle_of(double, difference) / 2)
     limits = steer_limits(robot, lead)
-    target: Expr = now + swing
+    target: Expr = add(now, swing)
     if limits is not None:
         target = maximum(number(limits.low), sympy.Min(number(limits.high), target, evaluate=False))
     steer = names.define(f"{lead.name}_target", target)
-    turn = names.define(f"{lead.name}_turn", steer - now)
-    return {i: Target(steer, u * sympy.cos(turn) + v * sympy.sin(turn)) for i, (u, v) in seen.items()}
+    turn = names.define(f"{lead.name}_turn", subtract(steer, now))
+    return {i: Target(steer, add(u * sympy.cos(turn), v * sympy.sin(turn))) for i, (u, v) in seen.items()}

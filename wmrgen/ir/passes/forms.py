@@ -19,6 +19,7 @@ from wmrgen.ir.nodes import Function, Op
 
 Rows = dict[int, dict[int, Coefficient]]  # row's node -> term -> coefficient
 _SUMS = (Op.ADD, Op.SUB)
+_MANY = 700  # nodes beyond which only one way of expanding is tried
 _GROWTH = 3  # expanding may make the rows this many times longer than keeping shared sums
 
 
@@ -85,6 +86,8 @@ class _Shape:
         """Where expansion stops, from the nearest stop to none."""
         rows = frozenset(i for i in self.rows if self.sums[i])
         yield rows | frozenset(self.shared)
+        if len(self.linear) > _MANY:
+            return
         yield rows
         yield frozenset()
 

@@ -45,5 +45,6 @@ BACKENDS: dict[str, Entry] = {
         Entry("casadi", "wmrgen.backends.casadi", "module"),
         Entry("numpy", "wmrgen.backends.numpy", "module"),
         Entry("drawing", "wmrgen.backends.drawing", "itself"),
+        Entry("report", "wmrgen.backends.report", "itself"),
     )
 }

@@ -21,16 +21,18 @@ def analysis(s: Subject) -> list[str]:
     lines += table(
         ["matrix", "rank", "rank in exact arithmetic", "singular values", "margin"],
         [_rank("C<sub>1f</sub>", m.rank_C1f), _rank("C₁", m.rank_C1)],
+        "lr",
     )
     lines += [
-        f"Rows are scaled to m/s. A singular value counts when it exceeds {TOLERANCE:g} of the largest; the margin says how "
+        f"Rows are scaled to m/s. A singular value counts when it exceeds {TOLERANCE:g} of the "
+        "largest; the margin says how "
         "many times over the smallest of those does.",
         *_degrees(m),
         *_remark(s),
-        "What follows from them:",
+        "What follows:",
         *_verdicts(m),
     ]
-    lines += ["Actuation:", "", *(f"* {sentence(a)}" for a in m.actuation), ""]
+    lines += ["Actuation:", "", *(f"* {sentence(a)}." for a in m.actuation), ""]
     return lines
 
 
@@ -68,12 +70,14 @@ def _remark(s: Subject) -> list[str]:
         return []
     if _plain_steering(s.mobility):
         return [
-            "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in one point must not be "
+            "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in "
+            "one point must not be "
             "counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts.",
             "",
         ]
     return [
-        "The couplings cut the set of admissible twists; its dimension is what steering and driving share between them, "
+        "The couplings cut the set of admissible twists; its dimension is what steering and driving "
+        "share between them, "
         "and takes the place of rank C<sub>1s</sub> in (3.41).",
         "",
     ]
@@ -112,4 +116,4 @@ def _verdicts(m: Mobility) -> list[str]:
             "degenerate" if m.degenerate else "one of Campion's five",
         ],
     ]
-    return table(["property", "value", "meaning"], rows, 3)
+    return table(["property", "value", "meaning"], rows, "l")

@@ -47,12 +47,14 @@ def _pivots(s: Subject, found: list[Singularity]) -> list[str]:
         places.setdefault(f"({plain(w.nominal.x)}, {plain(w.nominal.y)})", []).append(w.name)
     rows = [[", ".join(code(n) for n in who), place] for place, who in places.items()]
     lines = [
-        "A steered wheel whose pivot is the ICR stands still. Its heading is undefined there, and `inverse` holds the present "
-        "angle. Close by, a small change of the twist asks for a large change of the angle. The condition is that the "
+        "A steered wheel whose pivot is the ICR stands still. Its heading is undefined there, and "
+        "`inverse` holds the present "
+        "angle. Close by, a small change of the twist asks for a large change of the angle. The "
+        "condition is that the "
         "pivot's velocity vanishes,",
         *aligned([r"v_x - y\,\omega &= 0", r"v_y + x\,\omega &= 0"]),
         "with the ICR at",
-        *table(["wheel", "(x, y)"], rows, 2),
+        *table(["wheel", "(x, y)"], rows, "l"),
     ]
     return lines + ([f"({len(found) - CAP} more wheels likewise.)", ""] if len(found) > CAP else [])
 
@@ -65,7 +67,8 @@ def _conditions(f: Singularity) -> list[str]:
 
 _TEXT = {
     "inverse": "twist to joints", "forward": "joints to twist", "forward_slip": "the same with the residual",
-    "odometry": "pose after a step", "dynamics": "rates of the posture model", "prepare": "once per calibration",
+    "odometry": "pose after a step", "dynamics": "rates of the posture model", "prepare": "once per "
+    "calibration",
 }  # fmt: skip
 
 
@@ -85,7 +88,7 @@ def cost(s: Subject, meta: Meta) -> list[str]:
         "",
         "Operations of one call of the generated C:",
     ]
-    lines += table(head, rows, 2)
+    lines += table(head, rows, "llr")
     if module.prepare:
         lines += [
             "`prepare` runs when a tunable parameter changes; no step divides by geometry.",

@@ -1,4 +1,5 @@
-"""Formulas of the program (sympy) as LaTeX: sums of products over named quantities, roots and absolute values."""
+"""Formulas of the program (sympy) as LaTeX: sums of products over named quantities, roots and "
+"absolute values."""
 
 from __future__ import annotations
 

@@ -6,12 +6,13 @@ from wmrgen.backends.report import names
 from wmrgen.backends.report.expr import ports, terms
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
-from wmrgen.backends.report.tex import broken, matrix, pieces, poly, terms_of
+from wmrgen.backends.report.tex import broken, matrix, pieces, poly, terms_of, width
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.forward import constant_normal
 from wmrgen.kinematics.sensing import Component, Contact, measurements
 
 _TERMS = 24  # summands of a printed formula
+_PSEUDO = " (as a pseudo-inverse, because it is singular: the smallest twist that explains the rates)."
 _ROWS = 14  # rows of a printed H
 
 
@@ -31,7 +32,8 @@ def forward(s: Subject) -> list[str]:
 
 def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
     lines = [
-        "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all known is one measurement, "
+        "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all "
+        "known is one measurement, "
         "in m/s, with equal weight. Passive castors and balls say nothing.",
         "",
     ]
@@ -39,10 +41,13 @@ def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
         wheels = listed([c.wheel.name for c in contacts[:CAP]]) + (
             " and others" if len(contacts) > CAP else ""
         )
-        lines += [
-            f"* Both rows are known of {wheels}. Turned into the robot's axes they say how fast the contact point B moves: "
-            "v + ω ẑ × B = (r φ̇ + o ψ̇) e − d ψ̇ n.",
-        ]
+        moving = any(c.wheel.nominal.d or c.wheel.nominal.o for c in contacts)
+        speed = "v + ω ẑ × B = " + ("(r φ̇ + o ψ̇) e − d ψ̇ n" if moving else "r φ̇ e")
+        lines.append(
+            f"* Both rows are known of {wheels}. Turned into the robot's axes they say how fast the "
+            "contact point B moves: "
+            f"{speed}, with e the rolling direction" + (" and n = ẑ × e." if moving else ".")
+        )
     for kind, words in (("rolling", "the rolling row"), ("sliding", "the sliding row")):
         found = [c for c in components if (c.wheel.type == "swedish") == (kind == "rolling")]
         if found:
@@ -64,6 +69,8 @@ def _stacked(rows: list[tuple[Row, Poly]]) -> list[str]:
     dots = [r"\vdots"] if len(rows) > _ROWS else []
     h = [[poly(p) for p in row] for row, _ in rows[:_ROWS]] + [dots * 3] * len(dots)
     z = [[poly(value)] for _, value in rows[:_ROWS]] + [dots] * len(dots)
+    if sum(max(width(row[i]) for row in h) for i in range(3)) > 30:
+        return aligned([r"H\,\xi &= z", f"H &= {matrix(h)}", f"z &= {matrix(z)}"])
     return math(rf"H\,\xi = z, \qquad H = {matrix(h)}, \qquad z = {matrix(z)}")
 
 
@@ -77,7 +84,7 @@ def _constant(s: Subject, contacts: list[Contact], components: list[Component]) 
         "More rows than unknowns: the least-squares solution is",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix([[poly(p) for p in row] for row in normal])),
         _why(bool(contacts), any(c.wheel.turns for c in contacts)) + " It is inverted once, here"
-        + (" (its pseudo-inverse where it is singular: the smallest twist that explains the rates)." if _singular(normal) else "."),
+        + (_PSEUDO if _singular(normal) else "."),
         "",
         "The result, as the code computes it:",
     ]  # fmt: skip
@@ -87,7 +94,8 @@ def _constant(s: Subject, contacts: list[Contact], components: list[Component]) 
 def _why(pairs: bool, turns: bool) -> str:
     if pairs and turns:
         return (
-            "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the matrix is "
+            "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of "
+            "HᵀH: the matrix is "
             "constant whatever the steering does."
         )
     return "The matrix does not depend on any joint angle."
@@ -124,7 +132,8 @@ def _residual(slip: object, known: dict[str, str]) -> list[str]:
         return ["The rates can never contradict each other, so the residual `slip` is 0.", ""]
     text = "".join(pieces(found)).removeprefix("+")
     lines = [
-        "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is the "
+        "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed "
+        "wires: `slip` is the "
         "norm of z − H ξ [m/s]."
     ]
     return lines + (math(rf"\mathrm{{slip}} = {text}") if len(text) < 420 else [""])
@@ -150,15 +159,18 @@ def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
         ]
     return [
         *lines,
-        "The rigid motion nearest to them is found as if by hand: take the means away, fit the rotation to what is left, "
+        "The rigid motion nearest to them is found as if by hand: take the means away, fit the "
+        "rotation to what is left, "
         "then the translation to the means.",
         *aligned([
             r"\bar{B} &= \frac{1}{n}\sum_i B_i, \qquad \bar{w} = \frac{1}{n}\sum_i w_i",
             r"\omega &= \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}",
             r"v &= \bar{w} - \omega\,\hat{z}\times\bar{B}",
         ]),
-        f"with n = {len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is all that is left for run time; its "
-        "denominator is kept above 10⁻¹² m². The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> [m/s], "
+        f"with n = {len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is "
+        "all that is left for run time; its "
+        "denominator is kept above 10⁻¹² m². The residual `slip`, the norm of all w<sub>i</sub> − v "
+        "− ω ẑ × B<sub>i</sub> [m/s], "
         "is a signal for slip, a dead encoder or crossed wires.",
         "",
     ]  # fmt: skip
@@ -180,8 +192,10 @@ def _general(s: Subject, contacts: list[Contact], components: list[Component]) -
     ]
     if "over_det" in locals_:
         lines += [
-            "Where the rows leave a direction unseen, det(HᵀH) vanishes. There the smallest twist is taken, by the "
-            "Moore-Penrose inverse M⁺ = (c₁ (I − adj M / c₂) − M) / c₂ of M = HᵀH with its invariants c₁ = tr M, "
+            "Where the rows leave a direction unseen, det(HᵀH) vanishes. There the smallest twist is "
+            "taken, by the "
+            "Moore-Penrose inverse M⁺ = (c₁ (I − adj M / c₂) − M) / c₂ of M = HᵀH with its "
+            "invariants c₁ = tr M, "
             "c₂ = tr adj M.",
             "",
         ]
@@ -189,6 +203,7 @@ def _general(s: Subject, contacts: list[Contact], components: list[Component]) -
         lines += ["The rows that do not steer have rank 3 by themselves, so det(HᵀH) cannot vanish.", ""]
     return [
         *lines,
-        "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
+        "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or "
+        "crossed wires.",
         "",
     ]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from math import degrees
+from typing import TYPE_CHECKING, SupportsFloat
 
 from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, listed, math
-from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
 from wmrgen.backends.report.tex import broken, pieces, poly, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
@@ -88,27 +88,32 @@ def _projection(projection: Projection) -> list[str]:
         if p != q
     ]
     return [
-        "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
+        "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the "
+        "rest is driven:",
         *aligned(changed),
     ]
 
 
 def _steered(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
     """One general solution, and each wheel's pivot velocity to put into it."""
-    offset = any(w.nominal.o for w in wheels)
+    shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
     limited = [w for w in wheels if steer_limits(s.robot, w)]
     lines = [
-        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as it stands, at angle "
+        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as "
+        "it stands, at angle "
         "ψ, that velocity has a component u along the wheel and w across it:",
         *aligned([
             r"a &= v_x - y\,\omega, & b &= v_y + x\,\omega",
             r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
         ]),
-        "where h is the wheel's heading at ψ = 0. Two headings roll, half a turn apart. The nearer one is at most 90° away; "
+        "where h is the wheel's heading at ψ = 0. Two headings roll, half a turn apart. The nearer "
+        "one is at most 90° away; "
         "it is reached by driving backwards when u < 0:",
-        *math(r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad "
-              rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{'-o' + chr(92) + ',' + chr(92) + 'omega' if offset else ''}}}{{r}}, "
-              r"\qquad \pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}"),
+        *math(
+            r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad",
+            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}},",
+            r"\qquad \pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
+        ),
         "With a = b = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 holds the present one.",
         "",
         "The pivots' velocities:",
@@ -135,37 +140,44 @@ def _limits(s: Subject, wheels: list[Wheel]) -> list[str]:
     for w in wheels:
         limit = steer_limits(s.robot, w)
         if limit is not None:
-            found.setdefault(f"{plain(limit.low)} ≤ ψ ≤ {plain(limit.high)} rad", []).append(w.name)
+            found.setdefault(f"{_degrees(limit.low)} ≤ ψ ≤ {_degrees(limit.high)}", []).append(w.name)
     ranges = "; ".join(f"{text} for {listed(who)}" for text, who in found.items())
     return [
-        f"Steering is limited: {ranges}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken if that is inside; if "
-        "neither is, the limit nearest to it. The rate then is that of the pivot's velocity along the wheel so turned, "
+        f"Steering is limited: {ranges}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken "
+        "if that is inside; if "
+        "neither is, the limit nearest to it. The rate then is that of the pivot's velocity along "
+        "the wheel so turned, "
         "u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root.",
         "",
     ]
 
 
+def _degrees(angle: SupportsFloat) -> str:
+    return f"{round(degrees(float(angle)), 9) + 0.0:.6g}°".replace("-", "−")
+
+
 def _coupled(s: Subject) -> list[str]:
     """What couplings change."""
-    lines = []
+    lines, same = [], []
     for joint, members in s.robot.couplings:
         if joint == "spin":
             lines += [
-                f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / Σ r² of the single "
+                f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / "
+                "Σ r² of the single "
                 "solutions above.",
                 "",
             ]
-        elif not _alike([s.robot.wheel(n) for n in members]):
-            lines += [
-                f"{listed(members)} share one angle that need not suit both: the one that leaves least sliding turns by half "
-                "of atan2(Σ 2 u w, Σ (u² − w²)), the sums over the wheels seen from the first of them.",
-                "",
-            ]
+        elif _alike([s.robot.wheel(n) for n in members]):
+            same.append(listed(members))
         else:
             lines += [
-                f"{listed(members)} share one angle; the formula gives the same ψ⁺ for all of them.",
+                f"{listed(members)} share one angle that need not suit all: the one that leaves least "
+                "sliding turns by "
+                "half of atan2(Σ 2 u w, Σ (u² − w²)), the sums over the wheels seen from the first of them.",
                 "",
             ]
+    if same:
+        lines += [f"{'; '.join(same)} share one angle, and the formula gives the same ψ⁺ for both.", ""]
     return lines
 
 

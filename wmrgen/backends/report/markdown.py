@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
+_LOW = str.maketrans("12", "₁₂")
 _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
 
 
@@ -25,10 +26,9 @@ def _symbol(found: re.Match[str]) -> str:
     head, bar, index = found.groups()
     if head == "delta":
         return f"δ<sub>{index}</sub>" if bar and index else found[0]
-    name = {"C1": "C₁", "rank C1": "rank C₁", "J1": "J₁", "J2": "J₂"}[head]
     if bar or (index and index not in "fs"):
         return found[0]
-    return f"{name}<sub>{index}</sub>" if index else name
+    return f"{head[:-1]}<sub>{head[-1]}{index}</sub>" if index else head.translate(_LOW)
 
 
 def code(name: str) -> str:
@@ -42,9 +42,9 @@ def listed(names: Sequence[str]) -> str:
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) -> list[str]:
-    """A table; the first ``left`` columns are words, the others numbers."""
-    rule = [":--" if i < left else "--:" for i in range(len(head))]
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], align: str) -> list[str]:
+    """A table; ``align`` has a letter per column, l for words, r for numbers; its last letter repeats."""
+    rule = [":--" if align[min(i, len(align) - 1)] == "l" else "--:" for i in range(len(head))]
     return ["", *(f"| {' | '.join(row)} |" for row in (head, rule, *rows)), ""]
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, math
 from wmrgen.backends.report.subject import Subject
-from wmrgen.backends.report.tex import matrix, poly, rows, width
+from wmrgen.backends.report.tex import WIDE, matrix, poly, rows, width
 from wmrgen.constraints import constrain, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 
@@ -25,15 +25,14 @@ def matrices(s: Subject) -> list[str]:
     lines = [
         "## 3 The matrices",
         "",
-        "The rolling equations stacked are J₁ ξ = J₂ φ̇ (3.24), the sliding equations of fixed and steered wheels are "
+        "The rolling equations stacked are J₁ ξ = J₂ φ̇ (3.24), the sliding equations of fixed and "
+        "steered wheels are "
         "C₁ ξ = 0 with C<sub>1f</sub> above C<sub>1s</sub> (3.26). Rows follow the order of the layout table.",
         "",
     ]
     if c.rolling:
         lines += _shown("J_1", c.rolling, s.values.rolling)
-        spins = [poly(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling[:_CAP]]
-        more = [r"\ldots"] if len(c.rolling) > _CAP else []
-        lines += math(rf"J_2 = \mathrm{{diag}}\left({', '.join([*spins, *more])}\right)")
+        lines += _diagonal([poly(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling])
     for label, kind, index in (("C_{1f}", "fixed", "1f"), ("C_{1s}", "steered", "1s")):
         found = c.sliding_of(kind)
         if found:
@@ -41,6 +40,14 @@ def matrices(s: Subject) -> list[str]:
         else:
             lines += [f"There is no {kind} wheel, so C<sub>{index}</sub> has no rows.", ""]
     return lines + _pfaffian(s)
+
+
+def _diagonal(spins: list[str]) -> list[str]:
+    """J2 = diag(r cos gamma), as a multiple of the identity where all are equal."""
+    if len(spins) > 1 and len(set(spins)) == 1:
+        return math(rf"J_2 = {spins[0]}\,I_{{{len(spins)}}}")
+    more = [r"\ldots"] if len(spins) > _CAP else []
+    return math(rf"J_2 = \mathrm{{diag}}\left({', '.join([*spins[:_CAP], *more])}\right)")
 
 
 def _shown(label: str, symbolic: Sequence[ConstraintRow], nominal: Sequence[ConstraintRow]) -> list[str]:
@@ -66,7 +73,8 @@ def _pfaffian(s: Subject) -> list[str]:
         return []
     ports = [f"{s.robot.wheels[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in joints]
     lines = [
-        "With every joint rate in one vector the same equations are the Pfaffian form A(q) q̇ = 0, the starting point "
+        "With every joint rate in one vector the same equations are the Pfaffian form A(q) q̇ = 0, "
+        "the starting point "
         "of any test of integrability.",
         "",
     ]
@@ -81,8 +89,10 @@ def _pfaffian(s: Subject) -> list[str]:
         rates = dict(r.rates)
         entries.append([poly(p) for p in (*r.row, *(rates.get(j, Poly({})) for j in joints))])
     vector = ", ".join(["v_x", "v_y", r"\omega", *(names.port(p) for p in ports)])
-    body = [rf"q' = \left({vector}\right)^T, \qquad A ="]
-    return [*lines, *math(body[0].replace("q'", r"\dot{q}"), matrix(entries))]
+    size = sum(max(width(row[i]) for row in entries) for i in range(3 + len(joints))) + 3 * len(joints)
+    if size > WIDE:
+        return [*lines, f"(A is too wide to print: {len(entries)} rows and {3 + len(joints)} columns.)", ""]
+    return [*lines, *aligned([rf"\dot{{q}} &= \left({vector}\right)^T", rf"A &= {matrix(entries)}"])]
 
 
 def null_space(s: Subject) -> list[str]:
@@ -108,15 +118,16 @@ def _check(s: Subject, columns: Sequence[Row]) -> list[str]:
         chosen, columns = list(s.mobility.basis_rows), s.mobility.null_space
     zeros = matrix([["0"] * len(columns)] * len(chosen))
     left, right = rows(chosen), matrix([[poly(c[i]) for c in columns] for i in range(3)])
-    words = (
-        "Check"
-        if every
-        else "Check, with the rows of C₁ that are independent at a generic admissible steering"
-    )
+    words = "Check"
+    if not every:
+        steered = any(w.type == "steered" for w in s.robot.wheels)
+        words += ", with rows of C₁ that are independent" + (
+            " at a generic admissible steering" if steered else ""
+        )
     size = max(sum(width(poly(p)) for p in r) for r in chosen) + max(
         sum(width(poly(c[i])) for c in columns) for i in range(3)
     )
-    if size > 110:
+    if size > 66:
         products = [
             rf"C_{{1,{i + 1}}}\,N &= 0, & C_{{1,{i + 1}}} &= {rows([r])}" for i, r in enumerate(chosen)
         ]
@@ -144,7 +155,7 @@ def _meaning(s: Subject) -> list[str]:
     if len(columns) == 1 and columns[0][2] and any(p.constant is None for p in columns[0]):
         vx, vy, w = columns[0]
         x, y = _ratio(-vy, w), _ratio(vx, w)
-        lines += ["The ICR lies at (−N₂/N₃, N₁/N₃):", *math(rf"x_{{ICR}} = {x}, \qquad y_{{ICR}} = {y}")]
+        lines += ["The ICR lies at (−N₂/N₃, N₁/N₃):", *aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])]
     lines += ["Every admissible twist is ξ = N η, with one number η per column."]
     return [*lines, ""]
 

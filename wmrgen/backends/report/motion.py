@@ -17,8 +17,10 @@ def motion(s: Subject) -> list[str]:
 
 
 def _odometry() -> list[str]:
+    switch = rf"\frac{{{SWITCH.numerator}}}{{{SWITCH.denominator}}}"
     return [
-        "A constant twist moves P along an arc. Its chord points along the heading half-way through, and is shorter than the "
+        "A constant twist moves P along an arc. Its chord points along the heading half-way through, "
+        "and is shorter than the "
         "arc by sin h / h. With h = ω Δt / 2 the pose after Δt is exactly",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(h)\left(v_x\cos(\theta+h) - v_y\sin(\theta+h)\right)",
@@ -26,10 +28,12 @@ def _odometry() -> list[str]:
             r"\theta' &= \theta + \omega\,\Delta t",
         ]),
         "Near h = 0 the quotient is replaced by its series, which makes the step smooth through ω = 0:",
-        *math(r"\mathrm{sinc}(h) = \begin{cases} 1 - \frac{h^2}{6} + \frac{h^4}{120} - \frac{h^6}{5040} & "
-              rf"|h| < \frac{{{SWITCH.numerator}}}{{{SWITCH.denominator}}} \\ \frac{{\sin h}}{{h}} & \mathrm{{else}} \end{{cases}}"),
+        *math(
+            r"\mathrm{sinc}(h) = \begin{cases} 1 - \frac{h^2}{6} + \frac{h^4}{120} - \frac{h^6}{5040}",
+            rf"& |h| < {switch} \\[4pt] \frac{{\sin h}}{{h}} & \mathrm{{else}} \end{{cases}}",
+        ),
         "The first term left out is h⁸/9!, so the worst error is",
-        *math(rf"\frac{{1}}{{9!}}\left(\frac{{{SWITCH.numerator}}}{{{SWITCH.denominator}}}\right)^8 = {decimal(float(f'{WORST_ERROR:.2e}'))}"),
+        *math(rf"\frac{{1}}{{9!}}\left({switch}\right)^8 = {decimal(float(f'{WORST_ERROR:.2e}'))},"),
         "half a unit in the last place of a double.",
         "",
     ]  # fmt: skip
@@ -43,7 +47,8 @@ def _posture(s: Subject) -> list[str]:
     body = [sum((c[i] * e for c, e in zip(columns, etas, strict=True)), Poly({})) for i in range(3)]
     steering = s.mobility.basis_wheels
     lines = [
-        "The continuous model that a predictive controller integrates takes the coordinates η of the twist in the null space"
+        "The continuous model that a predictive controller integrates takes the coordinates η of the "
+        "twist in the null space"
         + (" and the steering rates" if steering else "")
         + " as inputs:",
         *math(r"\frac{d}{dt}\begin{bmatrix} x \\ y \\ \theta \end{bmatrix} = R(\theta)^T N\,\eta"
@@ -53,7 +58,8 @@ def _posture(s: Subject) -> list[str]:
     ]  # fmt: skip
     if steering:
         lines += [
-            f"where the steering of {' and '.join(code(n) for n in steering)} is the state; any other steered wheel follows "
+            f"where the steering of {' and '.join(code(n) for n in steering)} is the state; any other "
+            "steered wheel follows "
             "through `inverse`.",
             "",
         ]

@@ -29,7 +29,7 @@ def magnitude(value: Exact) -> Magnitude:
     parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
     if len(parts) == 1:
         p, root = parts[0]
-        found = _fraction(abs(p))
+        found = _fraction(abs(p), bool(root))
         if root and found is None:
             return Magnitude(decimal(float(value)))
         above, below = found or (decimal(float(value)), "")
@@ -53,11 +53,11 @@ def _times(n: int, root: str) -> str:
     return root if root and n == 1 else f"{n}{root}"
 
 
-def _fraction(f: Fraction) -> tuple[str, str] | None:
+def _fraction(f: Fraction, root: bool = False) -> tuple[str, str] | None:
     """Numerator and denominator, or an exact decimal and "", or None when neither is short."""
     if f.denominator == 1:
         return (str(f.numerator), "") if f.numerator < 10**7 else None
-    if f.denominator in _READABLE and f.numerator < 100:
+    if f.denominator in _READABLE and f.numerator < (2 if f.denominator in (2, 4, 8) and not root else 100):
         return str(f.numerator), str(f.denominator)
     exact = _terminating(f)
     if exact is not None:

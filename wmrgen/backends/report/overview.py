@@ -53,13 +53,16 @@ def opening(s: Subject) -> list[str]:
     lines += [
         f"This robot has {_counted(robot)}. It is {verdict}: at any instant it has "
         f"{_freedoms(m.degree_of_mobility)} of motion, and steering opens "
-        f"{_word(m.degree_of_steerability)} more. The pages below derive this, and every formula of the generated "
+        f"{_word(m.degree_of_steerability)} more. This page derives that, and every formula of the generated "
         "code, from the layout alone.",
         "",
-        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to Autonomous "
+        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, "
+        "*Introduction to Autonomous "
         "Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, angles "
-        "counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the book's "
-        "R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots and short "
+        "counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that "
+        "frame, the book's "
+        "R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, "
+        "roots and short "
         "decimals are exact; decimals with six digits are rounded.",
         "",
     ]  # fmt: skip
@@ -75,11 +78,12 @@ def _freedoms(n: int) -> str:
 
 
 def _counted(robot: Robot) -> str:
-    count = Counter(w.type for w in robot.wheels)
-    parts = [f"{_word(n)} {_KINDS[k]}" + ("s" if k == "castor" and n > 1 else "") for k, n in count.items()]
-    joined = parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
-    last = next(reversed(count))
-    return joined if last == "castor" else f"{joined} wheel{'s' if count[last] > 1 else ''}"
+    """two fixed wheels and one castor"""
+    parts = []
+    for kind, n in Counter(w.type for w in robot.wheels).items():
+        what = "castor" if kind == "castor" else f"{_KINDS[kind]} wheel"
+        parts.append(f"{_word(n)} {what}{'' if n == 1 else 's'}")
+    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
 def layout(s: Subject) -> list[str]:
@@ -131,7 +135,7 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
         row += [plain(g.d) if w.type == "castor" else "—"] * castors
         row += [plain(g.o) if w.turns else "—"] * shifted
         rows.append(row)
-    return table(head, rows, 3)
+    return table(head, rows, "lllr")
 
 
 def _short(value: float) -> str:
@@ -149,7 +153,8 @@ def _legend(robot: Robot) -> list[str]:
         said.append("heading is the direction of positive rolling, α + β − 90°")
     if types & {"steered", "castor"}:
         said.append(
-            "for steered wheels and castors β and heading hold at steering angle ψ = 0, so that the book's β(t) is β + ψ"
+            "for steered wheels and castors β and heading hold at steering angle ψ = 0, so that the "
+            "book's β(t) is β + ψ"
         )
     if "castor" in types:
         said.append("d is the distance from the pivot to the contact point, along the rolling direction")
@@ -171,7 +176,7 @@ def _parameters(robot: Robot) -> list[str]:
         ]
         for p in robot.parameters
     ]
-    return table(["parameter", "value", "in the code"], rows)
+    return table(["parameter", "value", "in the code"], rows, "lrl")
 
 
 def _remarks(robot: Robot) -> list[str]:
@@ -181,7 +186,8 @@ def _remarks(robot: Robot) -> list[str]:
     if pair:
         a, b = pair
         found.append(
-            f"{code(a.name)} and {code(b.name)} stand {_short(2 * abs(float(a.nominal.y)))} m apart (the track); "
+            f"{code(a.name)} and {code(b.name)} stand {_short(2 * abs(float(a.nominal.y)))} m apart "
+            "(the track); "
             "their y is the half-track."
         )
     swedish = [w for w in robot.wheels if w.type == "swedish"]
@@ -214,7 +220,8 @@ def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:
 
 
 def _pattern(wheels: list[Wheel]) -> str:
-    """X when the roller axes of four corner wheels run towards the middle, O when they run around it, else ""."""
+    """X when the roller axes of four corner wheels run towards the middle, O when they run around "
+    "it, else ""."""
     signs = set()
     for w in wheels:
         g = w.nominal

@@ -14,7 +14,9 @@ from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 
 _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
-WIDE = 88  # characters of a line before a sum is broken
+_SPACE = "\\;"
+_TWIST = {names.port(n) for n in _LEADS}
+WIDE = 80  # characters of a line before a sum is broken
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +70,8 @@ def _factor(gen: Gen, power: int) -> Factor:
                 rf"\{gen.kind}{names.port(gen.name + '.steer')}", power, 1, (0, gen.name + gen.kind)
             )
         case "input" | "local":
-            order = (
-                _LEADS.get(gen.name, 3),
-                "" if "." in gen.name else gen.name,
-            )  # joints as the file has them
-            return Factor(names.port(gen.name), power, 2, order)
+            late = 3 if gen.name.endswith(".spin") else 4  # joints in file order, spins before steering rates
+            return Factor(names.port(gen.name), power, 2, (_LEADS.get(gen.name, late), ""))
         case "inv":
             return Factor(poly(gen.args[0]), -power, 0, (1, gen.key), True)
         case "sqrt":
@@ -95,7 +94,7 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     if common or number != 1:
         rest = [Term(t.number / number, _without(t.factors, common)) for t in terms]
         inner = total(rest)
-        return [_product(number, common, rf"\left({inner}\right)")]
+        return [_product(number, common, inner)]
     groups: dict[str, list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(_lead(t), []).append(t)
@@ -106,8 +105,12 @@ def pieces(terms: Sequence[Term]) -> list[str]:
             continue
         rest = [Term(t.number, tuple(f for f in t.factors if f.base != lead)) for t in members]
         inside = pieces(rest)
-        found.append(f"{inside[0]}\\,{lead}" if len(inside) == 1 else rf"+\left({total(rest)}\right){lead}")
-    return found if any(groups) else sorted(found, key=lambda piece: piece.startswith("-"))
+        one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
+        found.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
+    two_joints = len(found) == 2 and not any(lead in _TWIST for lead in groups)
+    if two_joints or not any(groups):
+        return sorted(found, key=lambda piece: piece.startswith("-"))
+    return found
 
 
 def _lead(t: Term) -> str:
@@ -139,37 +142,39 @@ def _without(factors: tuple[Factor, ...], common: tuple[Factor, ...]) -> tuple[F
 
 
 def _size(terms: Sequence[Term]) -> Exact:
-    """The number to pull out: the common magnitude, negative when all terms are."""
+    """The number to pull out: the common magnitude; negative when all terms are and nothing is collected."""
     first = abs(terms[0].number)
-    signs = {t.number.sign for t in terms}
-    sign = Exact(-1) if signs == {-1} else ONE
+    negative = all(t.number.sign < 0 for t in terms) and not any(map(_lead, terms))
+    sign = Exact(-1) if negative else ONE
     return sign * first if all(abs(t.number) == first for t in terms) else sign
 
 
-def _product(number: Exact, factors: Iterable[Factor], tail: str = "") -> str:
-    """One signed summand."""
+def _product(number: Exact, factors: Iterable[Factor], inner: str = "") -> str:
+    """One signed summand; ``inner`` is a sum that is multiplied with it."""
     sign = "-" if number.sign < 0 else "+"
     ordered = sorted(factors, key=lambda f: (f.rank, f.order))
     m = magnitude(number)
     above = [f.shown() for f in ordered if f.power > 0 and f.rank < 2]
-    leads = "".join(f"\\,{f.shown()}" for f in ordered if f.power > 0 and f.rank == 2) + tail
+    leads = "".join(f"{_SPACE}{f.shown()}" for f in ordered if f.power > 0 and f.rank == 2)
     below = [f for f in ordered if f.power < 0]
     bottom = [m.below] if m.below else []
     if len(below) == 1 and not bottom and below[0].power == -1:
         bottom = [below[0].base]
     else:
         bottom += [f.shown() for f in below]
+    if inner and bottom and not (above or leads or m.above):
+        return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}"
+    leads += rf"\left({inner}\right)" if inner else ""
     alone = not above and not leads
     head = m.above
     if m.compound and (above if bottom else not alone):
         head = rf"\left({head}\right)"
     top = _times([head, *above] if head else above)
     if bottom:
-        if not top and leads and not tail:
-            return rf"{sign}\frac{{{leads.removeprefix(chr(92) + ',')}}}{{{_times(bottom)}}}"
+        if not top and leads and not inner:
+            return rf"{sign}\frac{{{leads.removeprefix(_SPACE)}}}{{{_times(bottom)}}}"
         return rf"{sign}\frac{{{top or '1'}}}{{{_times(bottom)}}}{leads}"
-    body = f"{top}{leads}" if top else leads.removeprefix("\\,")
-    return sign + (body or "1")
+    return sign + (f"{top}{leads}" if top else leads.removeprefix(_SPACE) or "1")
 
 
 def _times(parts: Sequence[str]) -> str:
@@ -206,7 +211,8 @@ def broken(parts: Sequence[str], limit: int = WIDE) -> str:
 
 def matrix(rows: Sequence[Sequence[str]]) -> str:
     """A bracketed matrix of finished entries."""
-    body = " \\\\\n".join(" & ".join(row) for row in rows)
+    end = " \\\\[4pt]\n" if any("\\frac" in entry for row in rows for entry in row) else " \\\\\n"
+    body = end.join(" & ".join(row) for row in rows)
     return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
 
 

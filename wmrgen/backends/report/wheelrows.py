@@ -28,16 +28,26 @@ _TITLES = {
 }  # fmt: skip
 _WORDS = {
     "fixed": "A fixed wheel rolls without slip in its plane (3.12) and does not slide across it (3.13):",
-    "steered": "A steered wheel obeys the same two equations with a moving β(t) = β + ψ, (3.15) and (3.16). Turning about "
-    "the contact point costs nothing, so ψ̇ does not occur:",
-    "castor": "A castor's contact point lies off its pivot. Its rolling equation is that of a steered wheel (3.17); "
-    "in the sliding equation (3.18) the swivel rate takes up whatever sideways motion the chassis has, so it is "
-    "no constraint on the robot:",
-    "swedish": "A Swedish wheel is driven along its wheel plane and slides freely across its rollers. Only the component "
-    "along the roller axis is enforced (3.19); the second line, (3.20), gives the rollers' own speed:",
-    "spherical": "A ball rolls any way. (3.21) gives its rate for the direction β that (3.22) picks; both only follow the "
+    "steered": "A steered wheel obeys the same two equations with a moving β(t) = β + ψ, (3.15) and "
+    "(3.16). Its contact "
+    "point lies under the pivot, so ψ̇ does not occur:",
+    "castor": "A castor's contact point lies off its pivot. Its rolling equation is that of a "
+    "steered wheel (3.17); "
+    "in the sliding equation (3.18) the swivel rate takes up whatever sideways motion the chassis "
+    "has, so that it "
+    "does not constrain the robot:",
+    "swedish": "A Swedish wheel is driven along its wheel plane and slides freely across its rollers. Only the "
+    "component along the roller axis is enforced (3.19); the second line, (3.20), gives the rollers' "
+    "own speed:",
+    "spherical": "A ball rolls any way. (3.21) gives its rate for the direction β that (3.22) picks; "
+    "both follow the "
     "motion, neither constrains it:",
 }
+_OFFSET = (
+    "A steered wheel obeys the same two equations with a moving β(t) = β + ψ, (3.15) and (3.16). "
+    "Here the contact point "
+    "stands off the pivot by o along the axle, so steering rolls the wheel; the book has no such term:"
+)
 
 
 def wheel_rows(s: Subject) -> list[str]:
@@ -45,7 +55,8 @@ def wheel_rows(s: Subject) -> list[str]:
     lines = [
         "## 2 What each wheel demands",
         "",
-        "Each wheel gives one equation along its rolling direction and, unless it slides freely, one across it.",
+        "Each wheel gives one equation along its rolling direction and, unless it slides freely, one "
+        "across it.",
         "",
     ]
     for kind in dict.fromkeys(w.type for w in s.robot.wheels):
@@ -62,30 +73,40 @@ def wheel_rows(s: Subject) -> list[str]:
     return lines
 
 
+def _words(kind: str, wheels: list[Wheel]) -> str:
+    return _OFFSET if kind == "steered" and any(w.nominal.o for w in wheels) else _WORDS[kind]
+
+
 def _general(kind: str, wheels: list[Wheel]) -> list[str]:
     """The book's equations, the lateral offset added where it occurs."""
     b = _ANGLE[kind]
-    o = any(w.nominal.o for w in wheels)
     a = rf"\alpha+{b}"
     if kind == "swedish":
-        a = r"\alpha+\beta+\gamma"
-        return aligned([
-            rf"\begin{{bmatrix}} \sin({a}) & -\cos({a}) & -l\cos(\beta+\gamma) \end{{bmatrix}}\xi &= r\,\dot{{\varphi}}\cos\gamma && (3.19)",
-            rf"\begin{{bmatrix}} \cos({a}) & \sin({a}) & l\sin(\beta+\gamma) \end{{bmatrix}}\xi + r\,\dot{{\varphi}}\sin\gamma &= r_{{sw}}\,\dot{{\varphi}}_{{sw}} && (3.20)",
-        ])  # fmt: skip
-    third, rate = ("-o", r" + o\,\dot{\psi}") if o else ("", "")
+        a, turned = r"\alpha+\beta+\gamma", r"(\beta+\gamma)"
+        along_it = _row(rf"\sin({a})", rf"-\cos({a})", rf"-l\cos{turned}")
+        rolling = rf"{along_it} &= r\,\dot{{\varphi}}\cos\gamma"
+        across = _row(rf"\cos({a})", rf"\sin({a})", rf"l\sin{turned}") + r" + r\,\dot{\varphi}\sin\gamma"
+        return aligned([f"{rolling} && (3.19)", rf"{across} &= r_{{sw}}\,\dot{{\varphi}}_{{sw}} && (3.20)"])
+    third, rate = ("-o", r" + o\,\dot{\psi}") if any(w.nominal.o for w in wheels) else ("", "")
     slide, swivel = ("d+", r" + d\,\dot{\psi}") if kind == "castor" else ("", "")
-    numbers = {"fixed": (12, 13), "steered": (15, 16), "castor": (17, 18), "spherical": (21, 22)}[kind]
+    first, second = {"fixed": (12, 13), "steered": (15, 16), "castor": (17, 18), "spherical": (21, 22)}[kind]
+    rolling = _row(rf"\sin({a})", rf"-\cos({a})", rf"-l\cos{b}{third}")
+    sliding = _row(rf"\cos({a})", rf"\sin({a})", rf"{slide}l\sin{b}")
     return aligned([
-        rf"\begin{{bmatrix}} \sin({a}) & -\cos({a}) & -l\cos{b}{third} \end{{bmatrix}}\xi &= r\,\dot{{\varphi}}{rate} && (3.{numbers[0]})",
-        rf"\begin{{bmatrix}} \cos({a}) & \sin({a}) & {slide}l\sin{b} \end{{bmatrix}}\xi{swivel} &= 0 && (3.{numbers[1]})",
+        rf"{rolling} &= r\,\dot{{\varphi}}{rate} && (3.{first})",
+        rf"{sliding}{swivel} &= 0 && (3.{second})",
     ])  # fmt: skip
+
+
+def _row(*entries: str) -> str:
+    return rf"\begin{{bmatrix}} {' & '.join(entries)} \end{{bmatrix}}\xi"
 
 
 def _errata(kind: str) -> list[str]:
     if kind == "swedish":
         return [
-            "(The book prints (3.20) with −r φ̇ sin γ. With the rollers locked, (3.19) and (3.20) must together give the "
+            "(The book prints (3.20) with −r φ̇ sin γ. With the rollers locked, (3.19) and (3.20) "
+            "must together give the "
             "velocity r φ̇ along the wheel, and only the plus sign does.)",
             "",
         ]
@@ -145,7 +166,12 @@ def _unique(equations: list[str], owners: list[str]) -> list[str]:
     found: dict[str, list[str]] = {}
     for equation, owner in zip(equations, owners, strict=True):
         found.setdefault(equation, []).append(owner)
-    return [f"{equation} && ({', '.join(names.wheel(n) for n in who)})" for equation, who in found.items()]
+    return [
+        equation
+        if names.wheel(who[0]) in equation
+        else f"{equation} && ({', '.join(names.wheel(n) for n in who)})"
+        for equation, who in found.items()
+    ]
 
 
 def _rollers(w: Wheel) -> list[str]:

@@ -14,13 +14,14 @@ from wmrgen.ir.passes.forms import share_linear_forms
 from wmrgen.ir.passes.hoist import hoist
 from wmrgen.ir.passes.regroup import regroup_products
 from wmrgen.ir.passes.schedule import schedule
+from wmrgen.ir.passes.signs import settle_signs
 from wmrgen.ir.passes.strength import reduce_strength
 from wmrgen.ir.verify import check_module, verify_function, verify_module
 
 Pass = Callable[[Function], Function]
 
 BEFORE_HOIST: tuple[Pass, ...] = (
-    canonicalise, reduce_strength, factor, share_linear_forms, regroup_products,
+    canonicalise, reduce_strength, factor, share_linear_forms, regroup_products, settle_signs,
 )  # fmt: skip
 AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
 

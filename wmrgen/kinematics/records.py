@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
@@ -79,8 +79,17 @@ def slip_port(text: str) -> Port:
 def tunable_ports(robot: Robot) -> tuple[Port, ...]:
     """The tunable parameters, in file order, with their nominal values."""
     return tuple(
-        Port(p.name, Role.GEOMETRY, "SI", f"tunable parameter {p.name}", p.nominal) for p in robot.tunable
+        Port(p.name, Role.GEOMETRY, _unit(robot, p.name), "tunable parameter", p.nominal)
+        for p in robot.tunable
     )
+
+
+def _unit(robot: Robot, name: str) -> str:
+    """rad for a parameter of which a wheel takes the sine, m for any other."""
+    polys = [getattr(w.working, f.name) for w in robot.wheels for f in fields(w.working)]
+    functions = {g for p in polys for g in p.generators if g.kind in ("cosf", "sinf")}
+    angles = {g.name for f in functions for a in f.args for g in a.generators if g.kind == "param"}
+    return "rad" if name in angles else "m"
 
 
 def given(name: str) -> Poly:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from math import isinf
@@ -29,11 +30,17 @@ def _shortest_single(value: float) -> str:
     return f"{value:.9g}"
 
 
+def _positional(text: str) -> str:
+    """The decimal without an exponent where that is no longer to read: 20 for 2e+01."""
+    plain = format(Decimal(text), "f")
+    return plain if len(plain.lstrip("-")) <= 10 else text
+
+
 @lru_cache(maxsize=4096)
 def literal(value: Exact, scalar: str) -> str:
     """The shortest decimal that reads back as the correctly rounded value; negative ones in parentheses."""
     number = rounded(value, scalar)
-    text = _shortest_single(number) if scalar == "float" else repr(number)
+    text = _positional(_shortest_single(number) if scalar == "float" else repr(number))
     if not set(text) & set(".e"):
         text += ".0"
     text += "f" if scalar == "float" else ""

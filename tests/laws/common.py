@@ -47,8 +47,8 @@ def _derived(text: str) -> Model:
 
 
 def derived(layout: Layout, polar: bool = False) -> Model:
-    """The model of a random layout."""
-    return _derived(robot_text(layout, polar=polar))
+    """The model of a random layout; polar ones unsnapped, as any decimal alpha may lie near a multiple of pi/12."""
+    return _derived(robot_text(layout, polar=True, extra="snap: false\n") if polar else robot_text(layout))
 
 
 def turning(layout: Layout) -> list[str]:

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from wmrgen.program import Program
     from wmrgen.symbolic import Expr
 
-MANY_WHEELS = 16
 TWIST = frozenset({"vx", "vy", "omega"})
 
 
@@ -160,14 +159,10 @@ class Derivation:
         """Every function once, and forward without its residual as ``forward_twist``."""
         from wmrgen.ir.pipeline import optimise
         from wmrgen.ir.select import keep_outputs
-        from wmrgen.lower import lower
 
-        if len(self.robot.wheels) > MANY_WHEELS:  # cut the twist out of forward instead
-            module = optimise(self.raw_module.functions, self.robot.name)
-            twist = keep_outputs(module.function("forward"), TWIST, "forward_twist")
-            return replace(module, functions=(*module.functions, twist))
-        twist = lower(self.program.formula("forward"), TWIST, "forward_twist")
-        return optimise((*self.raw_module.functions, twist), self.robot.name)
+        module = optimise(self.raw_module.functions, self.robot.name)
+        twist = keep_outputs(module.function("forward"), TWIST, "forward_twist")
+        return replace(module, functions=(*module.functions, twist))
 
     @cached_property
     def module(self) -> Module:

@@ -17,14 +17,12 @@ from wmrgen.symbolic import Expr, Input, Local, Parameter
 _TINY = Exact(Fraction(1, 10**12))
 
 
-def lower(formula: Formula, keep: frozenset[str] | None = None, name: str = "") -> Function:
-    """The formula as an IR function. ``keep``: the outputs wanted (all by default); ``name``: another name."""
+def lower(formula: Formula) -> Function:
+    """The formula as an IR function."""
     lowering = _Lowering(formula)
-    outputs = [(port, expr) for port, expr in formula.outputs if keep is None or port.name in keep]
-    results = [lowering.node(expr) for _, expr in outputs]
-    return lowering.builder.function(
-        name or formula.name, formula.inputs, tuple(p for p, _ in outputs), results, formula.text
-    )
+    results = [lowering.node(expr) for _, expr in formula.outputs]
+    ports = tuple(port for port, _ in formula.outputs)
+    return lowering.builder.function(formula.name, formula.inputs, ports, results, formula.text)
 
 
 class _Lowering:

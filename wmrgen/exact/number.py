@@ -180,8 +180,8 @@ class Exact:
     @property
     def sign(self) -> int:
         """-1, 0 or 1, exactly."""
-        if not self:
-            return 0
+        if self.is_rational:
+            return (self.num[0] > 0) - (self.num[0] < 0)
         return 1 if self.rational() > 0 else -1
 
     def __lt__(self, other: Exact | Fraction | int) -> bool:

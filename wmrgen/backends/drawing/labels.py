@@ -39,14 +39,15 @@ class Paper:
         middle = ((target[0] + target[2]) / 2, (target[1] + target[3]) / 2)
         outward = unit(away, middle) if hypot(middle[0] - away[0], middle[1] - away[1]) > 2 else (1.0, 0.0)
         best: tuple[float, Point, float] | None = None
-        for gap in _GAPS:
-            for k in range(_DIRECTIONS):
-                c, s = cos(2 * pi * k / _DIRECTIONS), sin(2 * pi * k / _DIRECTIONS)
+        count = _DIRECTIONS // 3 if crowded else _DIRECTIONS
+        for gap in _GAPS[:2] if crowded else _GAPS:
+            for k in range(count):
+                c, s = cos(2 * pi * k / count), sin(2 * pi * k / count)
                 cost = 0.9 * gap + 7 * (1 - (c * outward[0] + s * outward[1]))
                 if best is not None and cost >= best[0]:
                     continue
                 centre = _beside(target, half, (c, s), gap)
-                cost += self._cost(centre, half)
+                cost += self._cost(centre, half, not crowded)
                 if best is None or round(cost, 3) < round(best[0], 3):
                     best = (cost, centre, gap)
         assert best is not None
@@ -60,7 +61,7 @@ class Paper:
             self.segments.append(leader)
         return Label(words, (centre[0], centre[1] + 4.1), leader)
 
-    def _cost(self, centre: Point, half: Point) -> float:
+    def _cost(self, centre: Point, half: Point, lines: bool) -> float:
         box = (
             centre[0] - half[0] - 1,
             centre[1] - half[1] - 1,
@@ -70,7 +71,7 @@ class Paper:
         hits = sum(500 + overlap(box, other) for other in self.boxes if overlap(box, other) > 0)
         size = (box[2] - box[0]) * (box[3] - box[1])
         outside = size - overlap(box, self.area)
-        crossed = sum(14.0 for a, b in self.segments if _crosses(a, b, box))
+        crossed = sum(14.0 for a, b in self.segments if lines and _crosses(a, b, box))
         return hits + (2000 + outside if outside > 1e-6 else 0.0) + crossed
 
 

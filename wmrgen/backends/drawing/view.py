@@ -73,7 +73,9 @@ def bounds(points: list[Point], grow: float = 0.0) -> Box:
 
 def overlap(a: Box, b: Box) -> float:
     """The common area of two boxes."""
-    return max(0.0, min(a[2], b[2]) - max(a[0], b[0])) * max(0.0, min(a[3], b[3]) - max(a[1], b[1]))
+    if a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3]:
+        return 0.0
+    return (min(a[2], b[2]) - max(a[0], b[0])) * (min(a[3], b[3]) - max(a[1], b[1]))
 
 
 def unit(a: Point, b: Point) -> Point:

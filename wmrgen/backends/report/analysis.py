@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.report.markdown import aligned, sentence, table
 from wmrgen.backends.report.subject import Subject
+from wmrgen.exact.evaluate import fix
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.mobility.ranks import decide
 from wmrgen.mobility.records import TOLERANCE
 
 if TYPE_CHECKING:
+    from wmrgen.constraints import ConstraintRow
     from wmrgen.mobility.records import Mobility, Rank
 
 
@@ -29,6 +36,7 @@ def analysis(s: Subject) -> list[str]:
         "many times over the smallest of those does.",
         *_degrees(m),
         *_remark(s),
+        *_generic(s),
         "What follows:",
         *_verdicts(m),
     ]
@@ -81,6 +89,33 @@ def _remark(s: Subject) -> list[str]:
         "and takes the place of rank C<sub>1s</sub> in (3.41).",
         "",
     ]
+
+
+def _generic(s: Subject) -> list[str]:
+    """Where the values of the parameters make a rank that other values would not."""
+    if not s.robot.parameters or s.more:
+        return []
+    values: dict[str, Poly] = {}
+    for k, p in enumerate(s.robot.parameters):
+        free = p.symbolic.constant is not None
+        values[p.name] = Poly.of(p.nominal * Fraction(101 + 7 * k, 97)) if free else p.symbolic
+    lines = []
+    pairs = [("C<sub>1f</sub>", s.rows.sliding_of("fixed"), s.values.sliding_of("fixed"))]
+    if not any(w.turns for w in s.robot.wheels):
+        pairs.append(("J₁", s.rows.rolling, s.values.rolling))
+    for name, letters, numbers in pairs:
+        other, here = (decide(r).value for r in (_numbers(letters, values), _numbers(numbers, {})))
+        if other != here:
+            lines += [
+                f"The rank of {name} is {here} for the values given, but {other} for parameters in general: "
+                "two lengths happen to be equal.",
+                "",
+            ]
+    return lines
+
+
+def _numbers(rows: Sequence[ConstraintRow], values: dict[str, Poly]) -> list[tuple[Exact, ...]]:
+    return [tuple(fix(p, values).constant or ZERO for p in r.row) for r in rows]
 
 
 def _verdicts(m: Mobility) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.report.markdown import aligned, code, sentence, table
 from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import CAP, Subject
-from wmrgen.backends.report.tex import broken, pieces, terms_of
+from wmrgen.backends.report.tex import broken, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
 from wmrgen.exact.poly import Poly, dot
 from wmrgen.ir.cost import count
@@ -32,10 +32,8 @@ def singular(s: Subject) -> list[str]:
         lines += _pivots(s, pivots)
     for f in found:
         if f.kind != "icr_on_pivot":
-            lines += [
-                sentence(f.meaning[:1].upper() + f.meaning[1:]) + ". This happens where",
-                *_conditions(f),
-            ]
+            words = sentence(f.meaning[:1].upper() + f.meaning[1:]).removesuffix(".") + "."
+            lines += [f"{words} This happens where", *_conditions(f)] if f.conditions else [words, ""]
     return lines
 
 
@@ -61,7 +59,8 @@ def _pivots(s: Subject, found: list[Singularity]) -> list[str]:
 
 def _conditions(f: Singularity) -> list[str]:
     return aligned(
-        f"{broken(pieces(terms_of(c if isinstance(c, Poly) else dot(c, TWIST))))} &= 0" for c in f.conditions
+        f"{broken(summands(terms_of(c if isinstance(c, Poly) else dot(c, TWIST))))} &= 0"
+        for c in f.conditions
     )
 
 

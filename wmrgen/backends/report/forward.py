@@ -6,7 +6,7 @@ from wmrgen.backends.report import names
 from wmrgen.backends.report.expr import ports, terms
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
-from wmrgen.backends.report.tex import broken, matrix, pieces, poly, terms_of, width
+from wmrgen.backends.report.tex import broken, matrix, pieces, poly, summands, terms_of, width
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.forward import constant_normal
 from wmrgen.kinematics.sensing import Component, Contact, measurements
@@ -120,7 +120,7 @@ def _closed(s: Subject) -> list[str]:
     fits = {symbol.name.removesuffix("_fit"): e for symbol, e in formula.locals}
     lines = []
     for name in ("vx", "vy", "omega"):
-        parts = pieces(terms(fits.get(name, outputs[name]), known))
+        parts = summands(terms(fits.get(name, outputs[name]), known))
         shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
         lines.append(f"{names.port(name)} &= {broken(shown)}")
     return [*aligned(lines), *_residual(outputs["slip"], known)]

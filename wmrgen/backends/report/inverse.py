@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
-from wmrgen.backends.report.tex import broken, pieces, poly, terms_of
+from wmrgen.backends.report.tex import broken, poly, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
 from wmrgen.constraints import along, rolling_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
@@ -46,11 +46,11 @@ def inverse(s: Subject) -> list[str]:
         lines += aligned(line for w in castors for line in _castor(w, twist))
     if steered:
         lines += _steered(s, steered, twist)
-    return [*lines, *_coupled(s), *cut_note(s), *_slip(s, projection)]
+    return [*lines, *_coupled(s, twist), *cut_note(s), *_slip(s, projection)]
 
 
 def _sum(p: Poly) -> str:
-    return broken(pieces(terms_of(p)))
+    return broken(summands(terms_of(p)))
 
 
 def _rate(w: Wheel, joint: str = "spin") -> str:
@@ -156,7 +156,7 @@ def _degrees(angle: SupportsFloat) -> str:
     return f"{round(degrees(float(angle)), 9) + 0.0:.6g}°".replace("-", "−")
 
 
-def _coupled(s: Subject) -> list[str]:
+def _coupled(s: Subject, twist: Row) -> list[str]:
     """What couplings change."""
     lines, same = [], []
     for joint, members in s.robot.couplings:
@@ -167,7 +167,7 @@ def _coupled(s: Subject) -> list[str]:
                 "solutions above.",
                 "",
             ]
-        elif _alike([s.robot.wheel(n) for n in members]):
+        elif _alike([s.letters.wheel(n) for n in members], twist):
             same.append(listed(members))
         else:
             lines += [
@@ -177,12 +177,13 @@ def _coupled(s: Subject) -> list[str]:
                 "",
             ]
     if same:
-        lines += [f"{'; '.join(same)} share one angle, and the formula gives the same ψ⁺ for both.", ""]
+        lines += [f"{'; '.join(same)} share one angle, and the formula gives the same ψ⁺ for each.", ""]
     return lines
 
 
-def _alike(wheels: list[Wheel]) -> bool:
-    return len({(w.nominal.x, w.nominal.y, w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+def _alike(wheels: list[Wheel], twist: Row) -> bool:
+    """One velocity and one zero heading: each single solution is the common one."""
+    return len({(_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
 
 
 def _slip(s: Subject, projection: Projection) -> list[str]:

@@ -19,7 +19,7 @@ def escape(text: str) -> str:
 
 def sentence(text: str) -> str:
     """A finding in words: escaped, with delta_m and C1f set as symbols."""
-    return _INDEX.sub(_symbol, escape(text))
+    return _INDEX.sub(_symbol, escape(text)).replace("omega = 0", "ω = 0")
 
 
 def _symbol(found: re.Match[str]) -> str:

@@ -113,6 +113,20 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     return found
 
 
+def summands(terms: Sequence[Term]) -> list[str]:
+    """Like ``pieces``, for a formula that may be broken: a long sum in brackets stays a list."""
+    parts = pieces(terms)
+    if len(parts) != 1 or len(terms) < 2 or width(parts[0]) <= WIDE:
+        return parts
+    common, number = _common(terms), _size(terms)
+    inside = pieces([Term(t.number / number, _without(t.factors, common)) for t in terms])
+    if len(inside) < 2:
+        return parts
+    head = _product(number, common)
+    head = head[:1] if head in ("+1", "-1") else head
+    return [rf"{head}\Bigl({inside[0].removeprefix('+')}", *inside[1:-1], rf"{inside[-1]}\Bigr)"]
+
+
 def _lead(t: Term) -> str:
     return next((f.base for f in t.factors if f.rank == 2 and f.power == 1), "")
 
@@ -146,7 +160,7 @@ def _size(terms: Sequence[Term]) -> Exact:
     first = abs(terms[0].number)
     negative = all(t.number.sign < 0 for t in terms) and not any(map(_lead, terms))
     sign = Exact(-1) if negative else ONE
-    return sign * first if all(abs(t.number) == first for t in terms) else sign
+    return sign * first if all(t.number == first or t.number == -first for t in terms) else sign
 
 
 def _product(number: Exact, factors: Iterable[Factor], inner: str = "") -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.subject import CAP, Subject
-from wmrgen.backends.report.tex import broken, pieces, poly, terms_of
+from wmrgen.backends.report.tex import broken, pieces, poly, summands, terms_of
 from wmrgen.constraints import ConstraintRow, along, heading, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
 
@@ -181,4 +181,4 @@ def _rollers(w: Wheel) -> list[str]:
     across = dot(along((-s, c), g), TWIST) + g.r * g.sg * Poly.gen("input", f"{w.name}.spin")
     rate = rf"\dot{{\varphi}}_{{sw,{names.wheel(w.name)}}}"
     radius = poly(g.r_sw) if g.r_sw else "r_{sw}"
-    return aligned([rf"{radius}\,{rate} &= {broken(pieces(terms_of(across)))}"])
+    return aligned([rf"{radius}\,{rate} &= {broken(summands(terms_of(across)))}"])

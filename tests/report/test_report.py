@@ -1,0 +1,177 @@
+"""The derivation report: complete, renderable on GitHub, and safe whatever the robot file says."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from wmrgen.backends import report
+from wmrgen.backends.meta import Meta
+from wmrgen.derivation import Derivation, derive, load
+
+ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
+META = Meta(model_hash="0123456789abcdef", wmrgen_version="9.9")
+FENCE = re.compile(r"^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
+
+# What KaTeX and GitHub's MathJax both know, and the report uses. GitHub refuses \operatorname, \def and others.
+MACROS = set(
+    "alpha beta gamma psi varphi omega theta xi eta delta Delta pi dot hat bar frac sqrt sum det dim qquad ldots cdots "
+    "vdots cdot times pm ge le left right Bigl Bigr begin end mathrm mathit cos sin tan quad".split()
+)
+NUMBERS = {
+    "fixed": ("(3.12)", "(3.13)"),
+    "steered": ("(3.15)", "(3.16)"),
+    "castor": ("(3.17)", "(3.18)"),
+    "swedish": ("(3.19)", "(3.20)"),
+    "spherical": ("(3.21)", "(3.22)"),
+}
+
+
+@cache
+def derivation(name: str) -> Derivation:
+    return derive(load(ROBOTS[name]))
+
+
+@cache
+def text(name: str) -> str:
+    return report.emit(derivation(name), META)["report.md"].decode()
+
+
+def written(tmp_path: Path, body: str) -> str:
+    """The report of a robot file given as text."""
+    path = tmp_path / "robot.yaml"
+    path.write_text(body, encoding="utf-8")
+    return report.emit(derive(load(path)), META)["report.md"].decode()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_math_is_what_github_renders(name: str) -> None:
+    page = text(name)
+    blocks = FENCE.findall(page)
+    assert page.count("```") == 2 * len(blocks) > 10
+    assert not re.search(r"(?m)^\s*$\n^```$", page), "a blank line inside a math block ends it on GitHub"
+    for block in blocks:
+        assert set(re.findall(r"\\([A-Za-z]+)", block)) <= MACROS
+        assert block.count("{") == block.count("}")
+        assert block.count(r"\left") == block.count(r"\right")
+        assert block.count(r"\Bigl") == block.count(r"\Bigr")
+        assert sorted(re.findall(r"\\begin\{(\w+)\}", block)) == sorted(re.findall(r"\\end\{(\w+)\}", block))
+        assert "\n\n" not in block
+    assert "$" not in FENCE.sub("", page), "no inline math"
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_section_wheel_and_equation_number(name: str) -> None:
+    page, robot = text(name), derivation(name).robot
+    assert [int(n) for n in re.findall(r"(?m)^## (\d+) ", page)] == list(range(1, 11))
+    assert page.startswith(f"# `{name}`\n")
+    assert "![Top view" in page and "(layout.svg)" in page
+    for wheel in robot.wheels:
+        assert f"| `{wheel.name}` |" in page
+        for number in NUMBERS[wheel.type]:
+            assert number in page
+    for number in ("(3.24)", "(3.26)", "(3.40)", "(3.41)", "(3.42)"):
+        assert number in page
+    for parameter in robot.parameters:
+        assert f"| `{parameter.name}` |" in page
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_verdict_is_the_analysis(name: str) -> None:
+    page, m = text(name), derivation(name).mobility
+    pair = f"({m.degree_of_mobility}, {m.degree_of_steerability})"
+    assert (f"a degenerate layout, {pair}" if m.degenerate else f"Campion's type {pair}") in page
+    assert rf"\delta_M &= \delta_m + \delta_s = {m.degree_of_mobility} + {m.degree_of_steerability}" in page
+    assert f"| omnidirectional | {'yes' if m.omnidirectional else 'no'} |" in page
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_no_number_is_a_heap_of_digits(name: str) -> None:
+    derived = text(name).split("## 2 ")[1].split("\n---\n")[0]  # notes and the source quote the file
+    assert not re.search(r"\d{10,}", derived)
+
+
+def test_the_foot_says_what_made_it() -> None:
+    assert text("pioneer3dx").rstrip().endswith("wmrgen 9.9 · model 0123456789abcdef")
+
+
+def test_same_bytes() -> None:
+    again = report.emit(derive(load(ROBOTS["kuka_youbot"])), META)["report.md"].decode()
+    assert again == text("kuka_youbot")
+
+
+@pytest.mark.parametrize(
+    ("name", "formula"),
+    [
+        (
+            "pioneer3dx",
+            r"\dot{\varphi}_{\mathrm{left}} &= \frac{v_x-\mathit{half\_track}\;\omega}{\mathit{radius}}",
+        ),
+        ("pioneer3dx", r"\omega &= \frac{\mathit{radius}}{2\,\mathit{half\_track}}\left("),
+        (
+            "lekiwi",
+            r"v_x &= \frac{\sqrt{3}}{60}\left(\dot{\varphi}_{\mathrm{right\_wheel}}-\dot{\varphi}_{\mathrm{left",
+        ),
+        ("textbook_tricycle", r"y_{ICR} &= \frac{"),
+        ("kuka_youbot", r"v_x-v_y-\left(\mathit{half\_track}+\mathit{half\_wheelbase}\right)\omega"),
+    ],
+)
+def test_known_formulas(name: str, formula: str) -> None:
+    assert formula in text(name)
+
+
+def test_the_roller_pattern_is_named() -> None:
+    assert "shows an X from above and an O at the ground" in text("kuka_youbot")
+
+
+HOSTILE = r"<script>alert(1)</script> | `x` $a$ *b* _c_ #1 [l](javascript:u) & \ ! ~s~"
+
+
+def test_free_text_is_escaped(tmp_path: Path) -> None:
+    body = f"wmrgen: 1\nname: nasty\ndescription: '{HOSTILE}'\nsource: '{HOSTILE}'\n"
+    page = written(tmp_path, body + "wheels:\n  - {name: a_, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n")
+    assert page.count("&lt;script&gt;alert(1)&lt;/script&gt;") == 2
+    assert "<script" not in page and "$" not in FENCE.sub("", page)
+    for found in re.finditer(r"alert.*", page):
+        assert not re.search(r"(?<!\\)[`*_\[|~]", found[0])
+
+
+@pytest.mark.parametrize("start", ["- item", "# title", "1. one", "+ x", "> q", "=== x"])
+def test_a_description_is_never_markup(tmp_path: Path, start: str) -> None:
+    body = f"wmrgen: 1\nname: plain\ndescription: '{start}'\n"
+    page = written(tmp_path, body + "wheels:\n  - {name: w, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n")
+    assert page.splitlines()[2][0] in "&\\"
+
+
+def test_equal_lengths_that_lower_a_rank_are_named(tmp_path: Path) -> None:
+    """The mirrored mecanum pattern with half track = half wheelbase cannot turn; other lengths could."""
+    rows = [
+        ("fl", "lx", "ly", ""),
+        ("fr", "lx", "-ly", "-"),
+        ("bl", "-lx", "ly", "-"),
+        ("br", "-lx", "-ly", ""),
+    ]
+    wheels = "".join(
+        f"  - {{name: {n}, type: swedish, x: {x}, y: {y}, heading: 0, gamma: {s}pi/4, r: 0.05}}\n"
+        for n, x, y, s in rows
+    )
+    page = written(
+        tmp_path, f"wmrgen: 1\nname: mirrored\nparameters: {{lx: 0.2, ly: 0.2}}\nwheels:\n{wheels}"
+    )
+    assert "The rank of J₁ is 2 for the values given, but 3 for parameters in general" in page
+
+
+@pytest.mark.parametrize("kind", ["fixed", "steered", "castor", "swedish", "spherical"])
+def test_sixty_four_wheels_stay_readable(tmp_path: Path, kind: str) -> None:
+    extra = {"castor": ", d: 0.03, actuated: [spin, steer]", "swedish": ", gamma: pi/4"}.get(kind, "")
+    beta = "" if kind == "spherical" else ", beta: 0"
+    wheels = "".join(
+        f"  - {{name: w{k}, type: {kind}, l: 2, alpha: 2*pi*{k}/64{beta}, r: 0.05{extra}}}\n"
+        for k in range(64)
+    )
+    page = written(tmp_path, f"wmrgen: 1\nname: many\nwheels:\n{wheels}")
+    assert all(f"| `w{k}` |" in page for k in range(64))
+    assert len(page) < 90_000 and len(page.splitlines()) < 1200

@@ -209,3 +209,8 @@ class Derivation:
         import sympy
 
         return f"$$C_1 N = 0,\\quad N = {sympy.latex(self.null_space)}$$"
+
+    def _repr_svg_(self) -> str:
+        from wmrgen.backends.drawing.scene import picture
+
+        return picture(self)

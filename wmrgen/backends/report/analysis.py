@@ -24,7 +24,10 @@ def analysis(s: Subject) -> list[str]:
     m = s.mobility
     lines = ["## 5 Mobility", "", "The argument:", ""]
     lines += [f"{i}. {sentence(r)}" for i, r in enumerate(m.reasons, 1)] + [""]
-    lines += ["In ranks, taken at a steering for which all axles agree on one ICR:"]
+    steered = any(w.type == "steered" for w in s.robot.wheels)
+    lines += [
+        "In ranks" + (", taken at a steering for which all axles agree on one ICR:" if steered else ":")
+    ]
     lines += table(
         ["matrix", "rank", "rank in exact arithmetic", "singular values", "margin"],
         [_rank("C<sub>1f</sub>", m.rank_C1f), _rank("C₁", m.rank_C1)],

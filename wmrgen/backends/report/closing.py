@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.report.markdown import aligned, code, sentence, table
 from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import CAP, Subject
-from wmrgen.backends.report.tex import broken, summands, terms_of
+from wmrgen.backends.report.tex import Term, broken, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
-from wmrgen.exact.poly import Poly, dot
+from wmrgen.exact.number import ONE
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.ir.cost import count
 
 if TYPE_CHECKING:
@@ -58,10 +59,13 @@ def _pivots(s: Subject, found: list[Singularity]) -> list[str]:
 
 
 def _conditions(f: Singularity) -> list[str]:
-    return aligned(
-        f"{broken(summands(terms_of(c if isinstance(c, Poly) else dot(c, TWIST))))} &= 0"
-        for c in f.conditions
-    )
+    return aligned(f"{broken(summands(_bare(c)))} &= 0" for c in f.conditions)
+
+
+def _bare(condition: Poly | Row) -> list[Term]:
+    """The terms of a condition; a single one without its number, which does not matter."""
+    terms = terms_of(condition if isinstance(condition, Poly) else dot(condition, TWIST))
+    return [Term(ONE, t.factors) for t in terms] if len(terms) == 1 else terms
 
 
 _TEXT = {

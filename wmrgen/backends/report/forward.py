@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmrgen.backends.report import names
 from wmrgen.backends.report.expr import ports, terms
-from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
 from wmrgen.backends.report.tex import broken, matrix, pieces, poly, summands, terms_of, width
 from wmrgen.exact.poly import Poly, Row
@@ -143,12 +143,14 @@ def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
     """Rigid motion through measured contact velocities."""
     lines = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
     for c in contacts[:3]:
-        lines += aligned([
-            f"B_{{{names.wheel(c.wheel.name)}}} &= {matrix([[poly(c.bx)], [poly(c.by)]])}, & "
-            f"w_{{{names.wheel(c.wheel.name)}}} &= {matrix([[_sum(c.wx)], [_sum(c.wy)]])}"
-        ])  # fmt: skip
+        index = f"_{{{names.wheel(c.wheel.name)}}}"
+        b, w = matrix([[poly(c.bx)], [poly(c.by)]]), matrix([[_sum(c.wx)], [_sum(c.wy)]])
+        wide = max(map(width, (poly(c.bx), poly(c.by)))) + max(map(width, (_sum(c.wx), _sum(c.wy)))) > 55
+        lines += aligned(
+            [f"B{index} &= {b}", f"w{index} &= {w}"] if wide else [f"B{index} &= {b}, & w{index} &= {w}"]
+        )
     if len(contacts) > 3:
-        lines += [f"The other {len(contacts) - 3} follow the same pattern.", ""]
+        lines += [f"{', '.join(code(c.wheel.name) for c in contacts[3:CAP])} likewise.", ""]
     if len(contacts) == 1:
         return [
             *lines,

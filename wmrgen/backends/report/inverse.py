@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
 
@@ -198,9 +199,9 @@ def _slip(s: Subject, projection: Projection) -> list[str]:
         words += "; nothing is projected away here, the wheels follow as well as they can"
     if len(forms) == 1:
         return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{poly(forms[0])}\right|")]
-    shown = " + ".join(rf"\left({poly(p)}\right)^2" for p in forms[:6]) + (
-        r" + \cdots" if len(forms) > 6 else ""
-    )
+    squares = Counter(rf"\left({poly(p)}\right)^2" for p in forms)
+    parts = [text if n == 1 else rf"{n}\,{text}" for text, n in squares.items()]
+    shown = " + ".join([*parts[:4], *([r"\cdots"] if len(parts) > 4 else [])])
     weight = "" if projection.weight == 1 else rf"{poly(Poly.of(projection.weight))}\left[ {shown} \right]"
     return [
         f"{words}, root mean square over the wheels:",

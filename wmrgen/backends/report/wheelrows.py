@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.subject import CAP, Subject
-from wmrgen.backends.report.tex import broken, pieces, poly, summands, terms_of
+from wmrgen.backends.report.tex import WIDE, broken, pieces, poly, summands, terms_of, width
 from wmrgen.constraints import ConstraintRow, along, heading, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
 
@@ -125,12 +125,12 @@ def _worked(s: Subject, kind: str, wheels: list[Wheel]) -> list[str]:
     lines += [
         f"and with its pivot's coordinates, x = l cos α and y = l sin α, the rolling equation of {only} reads"
     ]
-    lines += aligned(_unique([_equation(c) for c in rolling], [c.wheel.name for c in rolling]))
+    lines += aligned(_equations(rolling))
     if kind == "swedish":
         lines += ["The rollers turn with", *_rollers(first)]
     if sliding:
         lines += ["and the sliding equation"]
-        lines += aligned(_unique([_equation(c) for c in sliding], [c.wheel.name for c in sliding]))
+        lines += aligned(_equations(sliding))
     if len(wheels) > CAP:
         lines += [
             f"({len(wheels) - CAP} more wheels follow the same pattern; they stand in `model.json`.)",
@@ -150,28 +150,26 @@ def _plugged(w: Wheel) -> list[str]:
     return math(rf"\sin({a}{b}) = {poly(ex)}, \qquad \cos({a}{b}) = {poly(-ey)}")
 
 
-def _equation(c: ConstraintRow) -> str:
-    """``v_x - l omega &= r phi``; a sliding row's own rate stays on the left."""
+def _equations(rows: list[ConstraintRow]) -> list[str]:
+    """Equal equations once, with the names of all wheels that give them; long ones turned round, to be broken."""
+    sides = [_sides(c) for c in rows]
+    long = any(sum(map(width, left)) > WIDE for left, _ in sides)
+    found: dict[str, list[str]] = {}
+    for (left, right), c in zip(sides, rows, strict=True):
+        text = f"{right} &= {broken(left)}" if long else f"{broken(left)} &= {right}"
+        found.setdefault(text, []).append(names.wheel(c.wheel.name))
+    return [text if who[0] in text else f"{text} && ({', '.join(who)})" for text, who in found.items()]
+
+
+def _sides(c: ConstraintRow) -> tuple[list[str], str]:
+    """``v_x - l omega`` and ``r phi``; a sliding row's own rate stays on the left."""
     name = c.wheel.name
     ports = {"spin": f"{name}.spin", "steer": f"{name}.steer_rate"}
     rates = sum((k * Poly.gen("input", ports[joint]) for (_, joint), k in c.rates), Poly({}))
     left = pieces(terms_of(dot(c.row, TWIST)))
     if c.kind == "rolling":
-        return f"{broken(left)} &= {poly(-rates)}"
-    return f"{broken([*left, *pieces(terms_of(rates))] if rates else left)} &= 0"
-
-
-def _unique(equations: list[str], owners: list[str]) -> list[str]:
-    """Equal equations once, with the names of all wheels that give them."""
-    found: dict[str, list[str]] = {}
-    for equation, owner in zip(equations, owners, strict=True):
-        found.setdefault(equation, []).append(owner)
-    return [
-        equation
-        if names.wheel(who[0]) in equation
-        else f"{equation} && ({', '.join(names.wheel(n) for n in who)})"
-        for equation, who in found.items()
-    ]
+        return left, poly(-rates)
+    return ([*left, *pieces(terms_of(rates))] if rates else left), "0"
 
 
 def _rollers(w: Wheel) -> list[str]:

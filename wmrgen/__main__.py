@@ -17,6 +17,7 @@ def main() -> None:
         app()
     finally:
         close()
+        gc.freeze()  # the process ends here: spare it a last search for cycles through all of sympy
 
 
 if __name__ == "__main__":

@@ -167,7 +167,7 @@ class Derivation:
     @cached_property
     def module(self) -> Module:
         """The functions with every output of the contract, optimised."""
-        return self._selection({name: name for name in ("inverse", "forward", "odometry", "dynamics")})
+        return self._selection({f.name: f.name for f in self.program.formulas})
 
     @cached_property
     def c_module(self) -> Module:

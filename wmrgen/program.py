@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmrgen.kinematics import Formula, dynamics, forward, inverse, odometry
+from wmrgen.kinematics import Formula, contacts, dynamics, forward, inverse, odometry
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 
@@ -22,7 +22,7 @@ class Program:
 
 
 def program(robot: Robot, mobility: Mobility) -> Program:
-    """inverse, forward, odometry and dynamics of a robot."""
-    return Program(
-        robot.name, (inverse(robot, mobility), forward(robot), odometry(), dynamics(robot, mobility))
-    )
+    """inverse, forward, odometry and dynamics of a robot, and contacts where it has rollers or spheres."""
+    formulas = [inverse(robot, mobility), forward(robot), odometry(), dynamics(robot, mobility)]
+    extra = contacts(robot)
+    return Program(robot.name, (*formulas, extra) if extra else tuple(formulas))

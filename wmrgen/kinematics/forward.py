@@ -23,6 +23,7 @@ from wmrgen.kinematics.rootsum import norm
 from wmrgen.kinematics.sensing import Component, Contact, measurements, sensed_joints
 from wmrgen.kinematics.solve import fit_rigid, solve_general
 from wmrgen.layout.records import Robot
+from wmrgen.mobility.ranks import decide
 from wmrgen.ports import Role
 from wmrgen.symbolic import Expr, expression
 
@@ -77,7 +78,7 @@ def _constant(
         return (sympy.S.Zero,) * 3, sympy.S.Zero
     normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
     moment = [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
-    inverse = pseudo_inverse(normal)
+    inverse = pseudo_inverse(normal, _regular([r for r, _ in rows]))
     twist = [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
@@ -88,6 +89,16 @@ def _constant(
     named = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     fitted: Row = (named[0], named[1], named[2])
     return _three(named), norm([z - dot(r, fitted) for r, z in rows])
+
+
+def _regular(rows: list[Row]) -> bool:
+    """True when the rows have rank 3, exactly and at the tolerance; tunable rows count as they stand."""
+    numbers = [[v for p in row if (v := p.constant) is not None] for row in rows]
+    complete = [row for row in numbers if len(row) == 3]
+    if len(complete) < len(rows):
+        return False
+    rank = decide(complete)
+    return rank.value == rank.exact == 3
 
 
 def _negligible(p: Poly) -> bool:

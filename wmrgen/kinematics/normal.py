@@ -14,12 +14,15 @@ from wmrgen.mobility.ranks import independent, numeric_rank, to_array
 Matrix = list[list[Poly]]
 
 
-def pseudo_inverse(normal: Matrix) -> Matrix:
-    """The (pseudo-)inverse of a symmetric positive semidefinite 3x3 matrix of constants."""
+def pseudo_inverse(normal: Matrix, regular: bool) -> Matrix:
+    """The inverse of a symmetric positive semidefinite 3x3 matrix H^T H of constants.
+
+    ``regular``: H has rank 3 at the tolerance; otherwise the Moore-Penrose inverse is taken.
+    """
     result = [[Poly({}) for _ in range(3)] for _ in range(3)]
     for block in _blocks(normal):
         part = [[normal[i][j] for j in block] for i in block]
-        for i, row in zip(block, _invert(part), strict=True):
+        for i, row in zip(block, _invert(part, regular), strict=True):
             for j, value in zip(block, row, strict=True):
                 result[i][j] = value
     return result
@@ -34,12 +37,12 @@ def _blocks(m: Matrix) -> list[list[int]]:
     return sorted(blocks)
 
 
-def _invert(part: Matrix) -> Matrix:
+def _invert(part: Matrix, regular: bool) -> Matrix:
     numbers = [[p.constant for p in row] for row in part]
     if any(v is None for row in numbers for v in row):
         return _cofactors(part)
     exact = [[v for v in row if v is not None] for row in numbers]
-    return [[Poly.of(v) for v in row] for row in _exact(exact)]
+    return [[Poly.of(v) for v in row] for row in (inverse3(exact) if regular else _exact(exact))]
 
 
 def _exact(m: list[list[Exact]]) -> list[list[Exact]]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.ranks import null_basis
 from wmrgen.mobility.records import Array
 
 SMALL = 1e-9
@@ -115,16 +116,22 @@ def _planes(form: Array) -> list[Array]:
     top = np.abs(values).max()
     live = [k for k in range(3) if abs(values[k]) > 1e-9 * top]
     if len(live) == 1:
-        return [vectors[:, live[0]]]
+        return [_oriented(vectors[:, live[0]])]
     if len(live) == 2 and values[live[0]] * values[live[1]] < 0:
         p = np.sqrt(abs(values[live[0]])) * vectors[:, live[0]]
         q = np.sqrt(abs(values[live[1]])) * vectors[:, live[1]]
-        return [(p + q) / np.linalg.norm(p + q), (p - q) / np.linalg.norm(p - q)]
+        return [_oriented((p + q) / np.linalg.norm(p + q)), _oriented((p - q) / np.linalg.norm(p - q))]
     return []
 
 
+def _oriented(v: Array) -> Array:
+    """The vector or its opposite: the first clearly non-zero entry is positive."""
+    lead = next(float(c) for c in v if abs(c) > 1e-6)
+    return v if lead > 0 else -v
+
+
 def _on_plane(form: Array, normal: Array) -> Array:
-    plane = np.linalg.svd(normal[None, :])[2][1:]
+    plane = null_basis(normal[None, :])
     return np.asarray(plane @ form @ plane.T)
 
 
@@ -144,7 +151,7 @@ def _ternary(forms: list[Array], linear: Callable[[Array], Component], null: Arr
         planes = [n for r in roots if abs(r.imag) < 1e-9 for n in _planes(other - r.real * first)]
     found: list[Component] = []
     for normal in planes:
-        plane = np.linalg.svd(normal[None, :])[2][1:]
+        plane = null_basis(normal[None, :])
         rest = [f for f in (_on_plane(g, normal) for g in forms) if np.abs(f).max() > 1e-8]
         if not rest:
             found.append(linear(plane))
@@ -164,6 +171,6 @@ def _conic(form: Array, null: Array) -> list[Component]:
     z = np.zeros(3)
     z[others] = u
     z[odd] = np.sqrt(-sum(values[k] * z[k] ** 2 for k in others) / values[odd])
-    point = vectors @ z
-    tangent = np.linalg.svd((form @ point)[None, :])[2][1:]
+    point = _oriented(vectors @ z)
+    tangent = null_basis((form @ point)[None, :])
     return [Component(2, null, point @ null, False, tangent @ null)]

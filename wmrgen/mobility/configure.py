@@ -82,7 +82,7 @@ def _normal(best: Component, constant: int) -> Row | None:
     """The extra row that coupled steering imposes on a linear component of dimension 2 in the plane case."""
     if not best.linear or constant or best.dimension != 2:
         return None
-    n = np.linalg.svd(best.basis)[2][2]
+    n = null_basis(best.basis)[0]
     n = n / n[np.argmax(np.abs(n))]
     a, b, k = (
         Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n)

@@ -247,7 +247,13 @@ def ik(s: Seed) -> None:
         twist = turn(-g["phi"]) @ np.array(g["twist_world"])
     if "v_x" in g:
         twist = [g["v_x"], 0.0, g["omega"]]
+    if "heading_of_roll" in e:
+        sphere(s, named(twist))
+        return
     found = s.inverse(twist)
+    if "phi_sw_dot" in e:
+        rollers = s.model.call("contacts", named(twist))
+        s.close([rollers[f"{n}.roller"] for n in s.names], [e["phi_sw_dot"]])
     if "wheel_rates" in e:
         s.close([found[f"{n}.spin"] for n in s.names], e["wheel_rates"])
     if "wheel_linear_speeds" in e:
@@ -269,6 +275,14 @@ def ik(s: Seed) -> None:
         steering(s, np.array(twist, float), found)
     elif "v_c" in e:
         contact_velocities(s, np.array(twist, float))
+
+
+def sphere(s: Seed, twist: dict[str, float]) -> None:
+    """The direction of rolling is known modulo pi with the sign of the rate: here the rate is positive."""
+    found = s.model.call("contacts", twist)
+    (name,) = s.names
+    s.close(found[f"{name}.direction"], s.expect["heading_of_roll"])
+    s.close(found[f"{name}.roll"], s.expect["phi_dot"])
 
 
 def steering(s: Seed, twist: Array, found: dict[str, float]) -> None:

@@ -7,17 +7,22 @@ from a robot file are shown as escapes.
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from typing import TextIO
+from typing import NoReturn, TextIO
+
+from wmrgen.errors import EnvironmentFailure
 
 _SLOW = 1.0  # seconds after which a progress line appears
 
 
 def prepare() -> None:
     """Make both streams UTF-8, so that the locale has no say in what is printed."""
+    if sys.stderr is None:  # closed by the caller
+        sys.stderr = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
@@ -26,16 +31,33 @@ def prepare() -> None:
 
 def close() -> None:
     """Flush stdout; a reader that went away (``wmrgen … | head``) is no reason to complain."""
+    if sys.stdout is None:
+        return
     try:
         sys.stdout.flush()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        os._exit(141)
+        _reader_left()
+    except OSError as error:
+        failure(f"standard output cannot be written: {error.strerror}")
+        sys.stderr.flush()
+        os._exit(EnvironmentFailure.exit_code)
+
+
+def _reader_left() -> NoReturn:
+    """End as a process killed by SIGPIPE would."""
+    os._exit(141)
 
 
 def result(text: str, style: str = "") -> None:
     """A line of the result, to stdout."""
-    _line(sys.stdout, text, style)
+    if sys.stdout is None:
+        raise EnvironmentFailure("standard output is closed")
+    try:
+        _line(sys.stdout, text, style)
+    except BrokenPipeError:
+        _reader_left()
+    except OSError as error:
+        raise EnvironmentFailure(f"standard output cannot be written: {error.strerror}") from error
 
 
 def note(text: str) -> None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
@@ -19,6 +21,8 @@ from wmrgen.spec.text import suggestion
 
 _KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}
 Case = Mapping[str, Exact]
+_PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?")
+_LARGEST = Fraction(2) ** 1024
 
 
 def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
@@ -77,6 +81,8 @@ def _port(name: str, ports: Sequence[Port], place: str) -> Port:
 def _number(text: str, port: Port, place: str) -> Exact:
     """The exact SI value of ``text``, which may have a unit that fits the port."""
     what = f"{place}{port.name}"
+    if _PLAIN.fullmatch(text) and abs(value := Fraction(text)) < _LARGEST:
+        return Exact(value)  # what another program prints: 1e-40 m/s is a speed, if not one of a robot file
     scalar = Scalar(text, True, Mark("", 1, 1, ""))
     try:
         return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), what, Scope()), {})

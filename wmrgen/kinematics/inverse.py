@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import sympy
+
 from wmrgen.constraints import along, rolling_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.project import Projection, project
@@ -25,7 +27,7 @@ from wmrgen.kinematics.steer import Target, steer_group, steer_one
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, subtract, times
+from wmrgen.symbolic import Expr, add, expression, root, square, subtract, times
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,7 @@ def inverse(robot: Robot, mobility: Mobility) -> Formula:
     outputs.append(
         (
             slip_port("sliding that the ground must give: RMS over the constraining wheels"),
-            norm((*projection.residuals, *left_over), projection.weight),
+            _slip(projection, left_over, targets),
         )
     )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
@@ -78,6 +80,16 @@ def _named_twist(projection: Projection, names: Locals) -> Row:
         for p, q, n in zip(projection.twist, plain, ("vx", "vy", "omega"), strict=True)
     ]
     return parts[0], parts[1], parts[2]
+
+
+def _slip(projection: Projection, left_over: list[Poly], targets: dict[int, Target]) -> Expr:
+    """What slides: the forbidden part of the twist, and steered wheels that a limit or a coupling holds back."""
+    forbidden = norm((*projection.residuals, *left_over), projection.weight)
+    held = [t.lateral for t in targets.values() if t.lateral is not None]
+    if not held:
+        return forbidden
+    mean = times(sympy.Rational(1, len(held)), add(*(square(v) for v in held)))
+    return root(mean if forbidden.is_zero else add(square(forbidden), mean))
 
 
 def pivot(w: Wheel, twist: Row) -> tuple[Poly, Poly]:

@@ -12,11 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from wmrgen.constraints import sliding_row, working_view
+from wmrgen.constraints import rolling_row, sliding_row, working_view
 from wmrgen.exact.angles import sqrt_poly
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.normal import pseudo_inverse
 from wmrgen.kinematics.records import given
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
@@ -42,15 +43,39 @@ def project(robot: Robot, mobility: Mobility) -> Projection:
         return Projection((twist[0] - nx * lateral, twist[1] - ny * lateral, twist[2]), (lateral,), ONE)
     if picked.normal is not None and not picked.normal[0] and not picked.normal[1]:
         return _translate(robot, twist)
+    if len(picked.chosen) == 1 and not mobility.degenerate and not _turns(mobility.basis_rows[0]):
+        return _nearest(robot, mobility.basis_rows[0], twist)
     residuals = [dot(sliding_row(w, working_view(w)).row, twist) for w in fixed]
     residuals += _spin_residuals(robot, twist)
     return Projection(twist, tuple(residuals), ONE / max(len(fixed), 1))
 
 
+def _turns(row: Row) -> bool:
+    """True when the row depends on a castor's angle."""
+    return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
+
+
+def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:
+    """The nearest twist with row . xi = 0, measured by the mean square velocity of all wheel pivots.
+
+    xi - M^-1 row^T (row . xi) / (row M^-1 row^T), M the mean of [1 0 -y; 0 1 x]^T [1 0 -y; 0 1 x].
+    """
+    wheels = [working_view(w) for w in robot.wheels]
+    share = Fraction(1, len(wheels))
+    one, zero = Poly.of(1), Poly({})
+    gx, gy = Poly.sum(g.x for g in wheels).scale(share), Poly.sum(g.y for g in wheels).scale(share)
+    spread = Poly.sum(g.x * g.x + g.y * g.y for g in wheels).scale(share)
+    inverse = pseudo_inverse([[one, zero, -gy], [zero, one, gx], [-gy, gx, spread]], True)
+    direction = [dot((r[0], r[1], r[2]), row) for r in inverse]
+    size = dot((direction[0], direction[1], direction[2]), row)
+    violation = dot(row, twist)
+    factor = violation * size.inverse()
+    parts = [t - d * factor for t, d in zip(twist, direction, strict=True)]
+    return Projection((parts[0], parts[1], parts[2]), (violation * fix(sqrt_poly(size.inverse()), {}),), ONE)
+
+
 def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
     """Rim-speed differences that equal spins cannot follow (unsteered wheels)."""
-    from wmrgen.constraints import rolling_row
-
     groups: dict[int, list[int]] = {}
     for w in robot.wheels:
         if w.type in ("fixed", "swedish"):

@@ -37,10 +37,11 @@ Velocity = tuple[Poly, Poly]
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """Commanded angle [rad] and rim speed of the pivot [m/s]."""
+    """Commanded angle [rad], rim speed of the pivot [m/s] and, where it may slide, its lateral speed [m/s]."""
 
     steer: Expr
     rim: Expr
+    lateral: Expr | None = None
 
 
 def steer_limits(robot: Robot, wheel: Wheel) -> Interval | None:
@@ -94,7 +95,7 @@ def _limited(
     kept = select(high, nearest, inside, select(nearest, low, inside, nearest))
     steer = names.define(f"{w.name}_target", maximum(low, sympy.Min(high, kept, evaluate=False)))
     turn = names.define(f"{w.name}_turn", subtract(steer, now))
-    return Target(steer, add(seen[0] * sympy.cos(turn), seen[1] * sympy.sin(turn)))
+    return _turned(steer, turn, *seen)
 
 
 def steer_group(
@@ -117,4 +118,10 @@ def steer_group(
         target = maximum(number(limits.low), sympy.Min(number(limits.high), target, evaluate=False))
     steer = names.define(f"{lead.name}_target", target)
     turn = names.define(f"{lead.name}_turn", subtract(steer, now))
-    return {i: Target(steer, add(u * sympy.cos(turn), v * sympy.sin(turn))) for i, (u, v) in seen.items()}
+    return {i: _turned(steer, turn, u, v) for i, (u, v) in seen.items()}
+
+
+def _turned(steer: Expr, turn: Expr, u: Expr, v: Expr) -> Target:
+    """The pivot's velocity (u, v) seen from the wheel after it has turned."""
+    c, s = sympy.cos(turn), sympy.sin(turn)
+    return Target(steer, add(times(u, c), times(v, s)), subtract(times(v, c), times(u, s)))

@@ -98,25 +98,32 @@ def _wheel(
             notes.append(note)
         return value
 
-    def length(quantity: Quantity | None) -> Poly:
+    def plain(quantity: Quantity | None) -> Poly:
         return Poly.of(0) if quantity is None else to_poly(quantity, values)
 
     if w.x is not None and w.y is not None:
-        x, y = length(w.x), length(w.y)
+        x, y = plain(w.x), plain(w.y)
         at_origin = not number(x, values) and not number(y, values)
-        alpha = Poly.of(0) if at_origin else Poly.gen("atan2", "", y, x)
+        written = alpha = Poly.of(0) if at_origin else Poly.gen("atan2", "", y, x)
     else:
-        alpha = angle(w.alpha, "alpha")
+        written = plain(w.alpha)
+        alpha = snapped(written, "alpha")
         c, s = cos_sin(alpha)
-        x, y = length(w.l) * c, length(w.l) * s
+        x, y = plain(w.l) * c, plain(w.l) * s
     if w.heading is not None:
         heading = angle(w.heading, "heading")
+    elif w.beta is None:
+        heading = Poly.of(0)
     else:
-        beta = angle(w.beta, "beta") if w.beta is not None else HALF_PI - alpha
-        heading = snapped(alpha + beta - HALF_PI, "heading (alpha + beta - pi/2)")
+        # The sum as written first: rounding of alpha and beta cancels in it. Then the sum of the snapped angles.
+        what = "heading (alpha + beta - pi/2)"
+        beta = plain(w.beta)
+        heading = snapped(written + beta - HALF_PI, what)
+        if heading == written + beta - HALF_PI:
+            heading = snapped(alpha + snapped(beta, "beta") - HALF_PI, what)
     gamma = angle(w.gamma, "gamma")
     (ch, sh), (cg, sg) = cos_sin(heading), cos_sin(gamma)
-    symbolic = Geometry(x, y, ch, sh, cg, sg, length(w.r), length(w.d), length(w.offset_y), length(w.r_sw))
+    symbolic = Geometry(x, y, ch, sh, cg, sg, plain(w.r), plain(w.d), plain(w.offset_y), plain(w.r_sw))
     nominal = Geometry(*(number(getattr(symbolic, f.name), values) for f in fields(Geometry)))
     _check(w, nominal)
     return _display(

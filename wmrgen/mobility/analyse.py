@@ -15,8 +15,8 @@ from wmrgen.constraints import (
     symbolic_view,
     working_view,
 )
-from wmrgen.exact.poly import Row
-from wmrgen.layout.records import Robot
+from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.actuation import actuation
 from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1
 from wmrgen.mobility.coupled import constant_rows, steered_sets
@@ -39,6 +39,10 @@ class _Basis:
     coupled: tuple[Row, ...]  # the rows of the None sources, in order
     steered: tuple[int, ...]
 
+    def leaders(self, robot: Robot) -> tuple[str, ...]:
+        """The wheels whose joint angles the rows depend on, each coupled set once."""
+        return tuple(dict.fromkeys(robot.wheels[robot.steer_group[i]].name for i in self.steered))
+
     def rows(self, robot: Robot, view: View) -> tuple[Row, ...]:
         """The rows in one view of the geometry."""
         spare = iter(self.coupled)
@@ -46,7 +50,7 @@ class _Basis:
             next(spare) if i is None else sliding_row(robot.wheels[i], view(robot.wheels[i])).row
             for i in self.sources
         ]
-        found += [sliding_row(robot.wheels[i], view(robot.wheels[i])).row for i in self.steered]
+        found += [_led(robot, robot.wheels[i], view) for i in self.steered]
         return tuple(found)
 
 
@@ -75,7 +79,7 @@ def analyse(robot: Robot) -> Mobility:
         omnidirectional=mobility == 3, robot_type=None if degenerate else (mobility, steerability),
         degenerate=degenerate, reasons=reasons(found), actuation=actuation(found), growth_vector=growth,
         degree_of_nonholonomy=len(growth), singularities=singularities(found, columns), admissible=picked,
-        basis_rows=basis.rows(robot, working_view), basis_wheels=tuple(robot.wheels[i].name for i in basis.steered),
+        basis_rows=basis.rows(robot, working_view), basis_wheels=basis.leaders(robot),
         null_space=columns,
         null_space_symbolic=null_columns(basis.rows(robot, symbolic_view)) if mobility else (),
     )  # fmt: skip
@@ -107,6 +111,17 @@ def _basis(
     return _Basis(
         tuple(sources), tuple(coupled), tuple(steered[i - len(head)] for i in chosen if i >= len(head))
     )
+
+
+def _led(robot: Robot, w: Wheel, view: View) -> Row:
+    """The sliding row of a steered wheel, in the joint angle of the wheel that its coupling follows."""
+    lead = robot.wheels[robot.steer_group[w.index]].name
+
+    def value(gen: Gen) -> Poly | None:
+        return Poly.gen(gen.kind, lead) if gen.kind in ("cos", "sin") else None
+
+    row = sliding_row(w, view(w)).row
+    return row[0].substitute(value), row[1].substitute(value), row[2].substitute(value)
 
 
 def _all_twists(c: Constraints, rows: list[Row], picked: Admissible) -> Array:

@@ -58,7 +58,7 @@ def admissible(c: Constraints, rows: list[Row]) -> tuple[Admissible, list[ExactR
     chosen = independent(array, value)
     found = components(null_basis(array[chosen]), quadrics(robot))
     best = _freest(robot, array[chosen], found)
-    normal = _normal(best, len(chosen))
+    normal = _normal(best, array[chosen])
     picked = Admissible(
         chosen=tuple(chosen), normal=normal, dimension=best.dimension,
         basis=best.basis, sample=best.sample, linear=best.linear, tangent=best.tangent,
@@ -78,11 +78,11 @@ def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
     return best
 
 
-def _normal(best: Component, constant: int) -> Row | None:
-    """The extra row that coupled steering imposes on a linear component of dimension 2 in the plane case."""
-    if not best.linear or constant or best.dimension != 2:
+def _normal(best: Component, constant: Array) -> Row | None:
+    """The extra row that coupled steering imposes: orthogonal to the admissible plane or line."""
+    if not best.linear or best.dimension == 0 or len(constant) + best.dimension != 2:
         return None
-    n = null_basis(best.basis)[0]
+    n = null_basis(np.vstack([best.basis, constant]))[0]
     n = n / n[np.argmax(np.abs(n))]
     a, b, k = (
         Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n)

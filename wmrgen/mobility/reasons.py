@@ -16,7 +16,7 @@ from wmrgen.mobility.ranks import null_basis, numeric_rank, unit_rows
 def reasons(f: Findings) -> tuple[str, ...]:
     """Why the degrees are what they are, one sentence each."""
     return (
-        *_free_wheels(f), *_fixed(f), *_couplings(f), *_steered(f), *_degrees(f), *_verdict(f), *_doubts(f),
+        *_fixed(f), *_couplings(f), *_steered(f), *_free_wheels(f), *_degrees(f), *_verdict(f), *_doubts(f),
         *coincidences(f.robot),
     )  # fmt: skip
 

@@ -30,8 +30,10 @@ TARGETS = (
     Target("differential", "textbook_differential", "forward", 4),
     Target("four mecanum", "kuka_youbot", "inverse", 9),
     Target("four mecanum", "kuka_youbot", "forward", 10),
-    Target("three omni at 120°", "festo_robotino", "inverse", 8),
-    Target("three omni at 120°", "festo_robotino", "forward", 8),
+    Target("three omni at 120°", "lekiwi", "inverse", 8),
+    Target("three omni at 120°", "lekiwi", "forward", 8),
+    Target("three omni, positions rounded to 0.1 mm", "festo_robotino", "inverse", 9),
+    Target("three omni, positions rounded to 0.1 mm", "festo_robotino", "forward", 8),
     Target("four swerve", "wpilib_swervebot", "forward", 13, 8),
     Target("eight swerve", "swerve8", "forward", 27, 16),
 )

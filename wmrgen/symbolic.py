@@ -133,6 +133,8 @@ def subtract(a: Expr, b: Expr) -> Expr:
 
 def times(*factors: Expr) -> Expr:
     """A product as it stands."""
+    if any(f is sympy.S.Zero for f in factors):
+        return sympy.S.Zero
     kept = [f for f in factors if f is not sympy.S.One]
     return sympy.Mul(*kept, evaluate=False) if len(kept) > 1 else kept[0] if kept else sympy.S.One
 

@@ -58,7 +58,7 @@ def _parameters(spec: RobotSpec) -> tuple[tuple[Parameter, ...], dict[str, Poly]
         for p in ready:
             symbolic = to_poly(p.value, values)
             values[p.name] = symbolic.substitute(lambda g: values.get(g.name) if g.kind == "param" else None)
-            found.append(Parameter(p.name, symbolic, number(symbolic, values), p.tunable))
+            found.append(Parameter(p.name, symbolic, values[p.name], number(symbolic, values), p.tunable))
             pending.remove(p)
     order = [p.name for p in spec.parameters]
     return tuple(sorted(found, key=lambda p: order.index(p.name))), values

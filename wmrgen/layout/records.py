@@ -76,10 +76,11 @@ class Wheel:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A named length or angle; ``symbolic`` may refer to other parameters."""
+    """A named length or angle; ``symbolic`` may refer to other parameters, ``value`` does not and keeps pi."""
 
     name: str
     symbolic: Poly
+    value: Poly
     nominal: Exact
     tunable: bool
 
@@ -107,6 +108,11 @@ class Robot:
     def tunable(self) -> tuple[Parameter, ...]:
         """The parameters that stay inputs of the generated code."""
         return tuple(p for p in self.parameters if p.tunable)
+
+    @property
+    def constants(self) -> dict[str, Poly]:
+        """The values of the parameters that are not tunable."""
+        return {p.name: p.value for p in self.parameters if not p.tunable}
 
     def wheel(self, name: str) -> Wheel:
         """The wheel called ``name``. KeyError when there is none."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from wmrgen.constraints import (
     symbolic_view,
     working_view,
 )
+from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.actuation import actuation
@@ -23,11 +25,13 @@ from wmrgen.mobility.coupled import constant_rows, steered_sets
 from wmrgen.mobility.findings import Findings
 from wmrgen.mobility.freedom import closure, growth_vector
 from wmrgen.mobility.nullspace import null_columns
-from wmrgen.mobility.ranks import decide, independent, null_basis, to_array, unit_rows
+from wmrgen.mobility.ranks import decide, independent, null_basis, singular_values, to_array, unit_rows
 from wmrgen.mobility.reasons import reasons
 from wmrgen.mobility.records import Admissible, Array, Mobility, Rank
 from wmrgen.mobility.singular import singularities
 
+INDEPENDENT = 1e-3  # smallest singular value of rows taken for clearly independent
+MOST_CANDIDATES = 16  # steered wheels among which the independent ones are sought
 CAMPION = ((3, 0), (2, 0), (2, 1), (1, 1), (1, 2))
 
 
@@ -71,7 +75,8 @@ def analyse(robot: Robot) -> Mobility:
     found = Findings(
         robot, c, picked, rank_fixed, rank, mobility, steerability, basis.steered, at, degenerate
     )
-    columns = null_columns(basis.rows(robot, working_view)) if mobility else ()
+    symbolic = null_columns(basis.rows(robot, symbolic_view)) if mobility else ()
+    columns = tuple(_fixed(column, robot) for column in symbolic)
     return Mobility(
         degree_of_mobility=mobility, degree_of_steerability=steerability,
         degree_of_maneuverability=mobility + steerability,
@@ -80,8 +85,7 @@ def analyse(robot: Robot) -> Mobility:
         degenerate=degenerate, reasons=reasons(found), actuation=actuation(found), growth_vector=growth,
         degree_of_nonholonomy=len(growth), singularities=singularities(found, columns), admissible=picked,
         basis_rows=basis.rows(robot, working_view), basis_wheels=basis.leaders(robot),
-        null_space=columns,
-        null_space_symbolic=null_columns(basis.rows(robot, symbolic_view)) if mobility else (),
+        null_space=columns, null_space_symbolic=symbolic,
     )  # fmt: skip
 
 
@@ -99,7 +103,7 @@ def _basis(
         head = np.vstack([head, [[float(v) if v is not None else 0.0 for v in values]]])
     steered = [w.index for w in robot.wheels if w.type == "steered"]
     rows = unit_rows(np.vstack([head, at[len(picked.chosen) : len(picked.chosen) + len(steered)]]))
-    chosen = independent(rows, rank.value)
+    chosen = _chosen(robot, rows, len(head), steered, rank.value)
     keep = [i for i in chosen if i < len(head)]
     if len(keep) < len(head):
         coupled = [
@@ -111,6 +115,45 @@ def _basis(
     return _Basis(
         tuple(sources), tuple(coupled), tuple(steered[i - len(head)] for i in chosen if i >= len(head))
     )
+
+
+def _fixed(column: Row, robot: Robot) -> Row:
+    """A column with the parameters that are not tunable at their values."""
+    return fix(column[0], robot.constants), fix(column[1], robot.constants), fix(column[2], robot.constants)
+
+
+def _chosen(robot: Robot, rows: Array, head: int, steered: list[int], rank: int) -> list[int]:
+    """Rows that span: all independent constant ones, and the steered wheels that stay independent longest.
+
+    Of several choices the one is taken whose axles differ most with every wheel at its zero angle, then with
+    every wheel turned by 90 degrees: the posture model is singular where they fall into one line.
+    """
+    if not rank:
+        return []
+    constant = independent(rows[:head], min(rank, head)) if head else []
+    wanted = rank - len(constant)
+    candidates = range(head, min(len(rows), head + MOST_CANDIDATES))
+    best: tuple[tuple[float, float], list[int]] | None = None
+    for group in combinations(candidates, wanted):
+        picked = [*constant, *group]
+        if singular_values(rows[picked])[-1] < INDEPENDENT:
+            continue
+        wheels = [robot.wheels[steered[i - head]] for i in group]
+        apart = [_apart(rows[constant], wheels, turned) for turned in (False, True)]
+        score = (round(apart[0], 6), round(apart[1], 6))
+        if best is None or score > best[0]:
+            best = (score, picked)
+    return best[1] if best is not None else independent(rows, rank)
+
+
+def _apart(constant: Array, wheels: list[Wheel], turned: bool) -> float:
+    """The smallest singular value of the rows with every steered wheel at its zero angle, or turned."""
+    rows = [list(map(float, row)) for row in constant]
+    for w in wheels:
+        c, s, x, y = (float(v) for v in (w.nominal.ch, w.nominal.sh, w.nominal.x, w.nominal.y))
+        c, s = (-s, c) if turned else (c, s)
+        rows.append([-s, c, x * c + y * s])
+    return singular_values(np.array(rows).reshape(-1, 3))[-1] if rows else 0.0
 
 
 def _led(robot: Robot, w: Wheel, view: View) -> Row:

@@ -7,12 +7,11 @@ The null space of a rank-2 matrix is one cross product.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
-from math import gcd
 
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, cross
 
+NEGLIGIBLE = 1e-9
 ZERO, ONE = Poly({}), Poly.of(1)
 IDENTITY: tuple[Row, ...] = ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (ZERO, ZERO, ONE))
 
@@ -40,36 +39,27 @@ def _axle(row: Row) -> tuple[Row, ...]:
 
 
 def primitive(row: Row) -> Row:
-    """The row without common numeric and monomial factors, leading coefficient positive."""
+    """The row without common factors: no common monomial, leading coefficient 1."""
     terms = [(m, c) for p in row for m, c in p.terms.items()]
     if not terms:
         return row
-    scale = _content([c for _, c in terms])
     common: dict[Gen, int] = dict(terms[0][0])
     for m, _ in terms:
         powers = dict(m)
         common = {g: min(e, powers.get(g, 0)) for g, e in common.items()}
         common.update({g: min(e, 0) for g, e in powers.items() if e < 0 and g not in common})
     shift = {g: e for g, e in common.items() if e}
-    lead = next(p for p in row if p)
-    first = min(lead.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
-    factor = scale if (first[1] / scale).sign > 0 else -scale
+    factor = _leading(row)
     return _shifted(row[0], shift, factor), _shifted(row[1], shift, factor), _shifted(row[2], shift, factor)
 
 
-def _content(coefficients: list[Exact]) -> Exact:
-    """A positive number such that the quotients are readable: whole numbers when all are rational and short."""
-    if all(c.is_rational for c in coefficients):
-        parts = [c.parts[0] for c in coefficients]
-        num, den = 0, 1
-        for p in parts:
-            num = gcd(num, p.numerator)
-            den = den * p.denominator // gcd(den, p.denominator)
-        whole = [abs(p) * den / num for p in parts]
-        if max(whole) < 10**9:
-            return Exact(Fraction(num, den))
-    largest = max(coefficients, key=lambda c: abs(float(c)))
-    return -largest if largest.sign < 0 else largest
+def _leading(row: Row) -> Exact:
+    """The first coefficient of the first entry that is not negligible beside the largest."""
+    ordered = [
+        c for p in row for _, c in sorted(p.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+    ]
+    largest = max(abs(float(c)) for c in ordered)
+    return next(c for c in ordered if abs(float(c)) > NEGLIGIBLE * largest)
 
 
 def _shifted(p: Poly, shift: dict[Gen, int], factor: Exact) -> Poly:

@@ -41,6 +41,9 @@ def _banner(meta: Meta) -> list[str]:
     return lines
 
 
+LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
+
+
 def _table(meta: Meta, scalar: str) -> list[str]:
     lines = [
         *comment_lines(
@@ -49,7 +52,8 @@ def _table(meta: Meta, scalar: str) -> list[str]:
         *comment_lines(
             f"Scalars are {scalar}. No loops, recursion, heap or globals: every function may be called from "
             "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
-            "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0)."
+            "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
+            f"{LARGEST_INPUT[scalar]} in magnitude give finite results; beyond, squares may overflow."
         ),
     ]
     if meta.wheel_lines:

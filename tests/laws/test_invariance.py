@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.laws.common import admissible, derived, gallery, law, sensed
+from tests.laws.common import NAMES, admissible, coupled, derived, gallery, law, sensed
 from tests.laws.layouts import decimals, layouts, twists
-from tests.laws.test_kinematics import near, present_of
+from tests.laws.test_kinematics import gentle, near, present_of, within_limits
 from tests.oracle import oracle
 from tests.oracle.harness import Model, named, turn, twist_of
 
@@ -94,9 +94,17 @@ def compare(
     ``back`` takes a twist of the other description to this one. Spins agree, as one wheel's steering may lie
     a half turn off with the drive reversed only where both branches are equally near.
     """
-    a, b = derived(layout), derived(other)
+    check_same(derived(layout), layout, other, twist, twist_other, sign, numbers, back)
+
+
+def check_same(
+    a: Model, layout: Layout, other: Layout, twist: Any, twist_other: Any, sign: float, numbers: list[int],
+    back: Callable[[Any], Any],
+) -> None:  # fmt: skip
+    """`compare`, with the model of the first description at hand."""
+    b = derived(other)
     same_mobility(a, b)
-    present = present_of(layout, 0.31)
+    present = within_limits(a, coupled(layout, present_of(layout, 0.31)))
     p = a.call("inverse", named(twist) | present)
     q = b.call("inverse", named(twist_other) | {k: sign * v for k, v in present.items()})
     assert p.keys() == q.keys()
@@ -158,11 +166,49 @@ def test_unit_of_length(layout: Layout, weights: Any, numbers: list[int], k: flo
     compare(layout, scaled(layout, k), twist, units * twist, 1.0, numbers, lambda t: t / units)
 
 
-@pytest.mark.parametrize("name", ["clearpath_do100", "wpilib_swervebot", "mir_100", "tidybot2", "jpl_osr"])
-def test_gallery_mirrored(name: str) -> None:
-    """A real robot and its mirror image have the same mobility."""
+def described(name: str) -> tuple[Model, Layout, Any]:
+    """A gallery robot, its layout with the joints that have motors or encoders, and a twist for it."""
     model, layout = gallery(name)
-    same_mobility(model, derived(mirrored(layout)))
+    joints = {w.name: {"actuated": list(w.actuated), "sensed": list(w.sensed)} for w in model.robot.wheels}
+    layout = changed(layout, lambda w: w | joints[w["name"]])
+    return model, layout, admissible(layout, np.asarray(gentle(model, layout, (0.7, 0.2, -0.3)), float))
+
+
+RATES = [37 * k % 211 - 100 for k in range(1, 25)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gallery_frame(name: str) -> None:
+    model, layout, twist = described(name)
+    dx, dy, rotation = 0.25, -0.5, turn(-math.pi / 2)
+    at = rotation @ [twist[0] - twist[2] * dy, twist[1] + twist[2] * dx, twist[2]]
+
+    def back(t: Any) -> Any:
+        v = rotation.T @ t
+        return np.array([v[0] + v[2] * dy, v[1] - v[2] * dx, v[2]])
+
+    check_same(model, layout, moved(layout, dx, dy, 1), twist, at, 1.0, RATES, back)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gallery_mirrored(name: str) -> None:
+    model, layout, twist = described(name)
+    flip = np.array([1.0, -1.0, -1.0])
+    check_same(model, layout, mirrored(layout), twist, flip * twist, -1.0, RATES, lambda t: flip * t)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gallery_wheel_order(name: str) -> None:
+    model, layout, twist = described(name)
+    other = layout | {"wheels": layout["wheels"][1::2] + layout["wheels"][::2]}
+    check_same(model, layout, other, twist, twist, 1.0, RATES, lambda t: t)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gallery_unit_of_length(name: str) -> None:
+    model, layout, twist = described(name)
+    units = np.array([0.0254, 0.0254, 1.0])
+    check_same(model, layout, scaled(layout, 0.0254), twist, units * twist, 1.0, RATES, lambda t: t / units)
 
 
 @law(12)

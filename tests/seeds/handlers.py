@@ -110,6 +110,18 @@ def ik_world(s: Seed) -> None:
     ik_columns(s, turn(-s.given["phi"]))
 
 
+def ik_slip(s: Seed) -> None:
+    """Spins from world velocities, slip rates w along the rolling directions and z across them.
+
+    Rolling with slip is J1 xi + w = J2 spin, so spin = [J2^-1 J1 R(phi), J2^-1, 0] (x', y', phi', w, z).
+    R(phi) takes world to body (Siegwart (3.2)).
+    """
+    j1, j2 = s.model.matrix("J1"), s.model.matrix("J2")
+    assert s.given["wheel_order"] == s.names
+    inverse = np.linalg.inv(j2)
+    s.close(np.hstack([inverse @ j1 @ turn(-s.given["phi"]), inverse, np.zeros_like(j2)]), s.expect["value"])
+
+
 def fk_body(s: Seed) -> None:
     fk_columns(s, np.eye(3))
 
@@ -344,7 +356,7 @@ ADAPT: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"S-3.7.2": split
 _WHAT: dict[str, Callable[[Seed], None]] = {
     "IK_body": ik_body, "IK_world": ik_world, "FK_body": fk_body, "FK_world": fk_world, "M_world": m_world,
     "G_world": g_world, "J1": rows_j1, "C1": rows_c1, "J1_C1": rows_steered, "stack_J1_C1": stack,
-    "castor_rows": castor_rows, "H_Q": offset_rows, "FK_body_two_axis_balls": two_axis_balls,
+    "castor_rows": castor_rows, "IK_slip": ik_slip, "H_Q": offset_rows, "FK_body_two_axis_balls": two_axis_balls,
     "mecanum_wheel_jacobians": mecanum_jacobians,
 }  # fmt: skip
 

@@ -1,0 +1,55 @@
+"""The generated C of every gallery robot: straight lines, no state, no undefined quotient or root."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.c.harness import gallery
+from tests.conftest import GALLERY
+from wmrgen import derive, load
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.nodes import Module
+from wmrgen.ir.passes.guards import findings
+
+NAMES = [path.stem for path in GALLERY]
+LIBRARY = {"sin", "cos", "atan2", "sqrt", "fabs"}
+STATEMENT = re.compile(r"(const (float|double) \w+|[\w.>-]+) = [^;{}]+")
+FUNCTION = re.compile(r"^void \w+\([^)]*\)\n\{\n(.*?)^\}\n", flags=re.S | re.M)
+
+
+def code_of(text: str) -> str:
+    """Without comments and preprocessor lines."""
+    return re.sub(r"^#.*\n", "", re.sub(r"/\*.*?\*/", "", text, flags=re.S), flags=re.M)
+
+
+@pytest.mark.parametrize("scalar", ["float", "double"])
+@pytest.mark.parametrize("module", gallery(), ids=NAMES)
+def test_straight_lines_only(module: Module, scalar: str) -> None:
+    """Bodies are assignments of expressions; outside them nothing is defined, so there is no state."""
+    header, source = sources(module, Meta(scalar=scalar))
+    code = code_of(source)
+    bodies = FUNCTION.findall(code)
+    assert len(bodies) >= len([f for f in module.functions if f.outputs])
+    assert not FUNCTION.sub("", code).strip()
+    suffix = "f" if scalar == "float" else ""
+    for body in bodies:
+        for statement in (s.strip() for s in body.split(";")):
+            assert (
+                not statement or re.fullmatch(r"\(void\)\s?\w+", statement) or STATEMENT.fullmatch(statement)
+            )
+        assert set(re.findall(r"(\w+)\s*\(", body)) - {"void"} <= {name + suffix for name in LIBRARY}
+    declared = re.sub(r"typedef struct \{.*?^\} \w+;\n", "", code_of(header), flags=re.S | re.M)
+    declared = declared.replace('extern "C" {', "").replace("}", "")
+    assert all(s.strip().startswith("void ") for s in declared.split(";") if s.strip())
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=NAMES)
+def test_every_quotient_and_root_is_guarded(path: object) -> None:
+    derivation = derive(load(str(path)))
+    for module in (derivation.c_module, derivation.module):
+        prepare = () if module.prepare is None else (module.prepare,)
+        for function in (*module.functions, *prepare):
+            assert findings(function) == ()

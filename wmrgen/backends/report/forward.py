@@ -10,6 +10,7 @@ from wmrgen.backends.report.tex import broken, matrix, pieces, poly, summands, t
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.forward import constant_normal
 from wmrgen.kinematics.sensing import Component, Contact, measurements
+from wmrgen.kinematics.smallest import generic_rank
 
 _TERMS = 24  # summands of a printed formula
 _PSEUDO = " (as a pseudo-inverse, because it is singular: the smallest twist that explains the rates)."
@@ -182,6 +183,45 @@ def _sum(p: Poly) -> str:
     return "".join(pieces(terms_of(p))).removeprefix("+") or "0"
 
 
+_RANK_2 = r"\xi = \frac{1}{c_2}\left(c_1\left(I - \frac{\mathrm{adj}\,M}{c_2}\right) - M\right) H^T z"
+_INVARIANTS = r"M = H^T H,\quad c_1 = \mathrm{tr}\,M,\quad c_2 = \mathrm{tr}\,\mathrm{adj}\,M"
+
+
+def _solution(rank: int, may_fall: bool) -> list[str]:
+    """The least-squares twist from the rank that the rows have in general."""
+    if rank == 1:
+        return [
+            "The rows see one direction only. The smallest twist that explains them is",
+            *math(r"\xi = \frac{H^T z}{\mathrm{tr}\, H^T H}"),
+        ]
+    if rank == 2:
+        return [
+            "The rows leave one direction unseen. The smallest twist that explains them follows from the "
+            "Moore-Penrose inverse of HᵀH,",
+            *math(_RANK_2 + r",\qquad " + _INVARIANTS),
+            "and is Hᵀz / c₁ where a second direction is lost.",
+            "",
+        ]
+    lines = [
+        "HᵀH moves with the steering, so it is inverted at run time, by cofactors:",
+        *math(r"\xi = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}"),
+    ]
+    if not may_fall:
+        return [
+            *lines,
+            "The rows that do not steer have rank 3 by themselves, so det(HᵀH) cannot vanish.",
+            "",
+        ]
+    return [
+        *lines,
+        "Where the rows leave a direction unseen, det(HᵀH) vanishes (a singular value under a thousandth of the "
+        "largest counts as none). There the smallest twist is taken, by the Moore-Penrose inverse",
+        *math(_RANK_2 + r",\qquad " + _INVARIANTS),
+        "and Hᵀz / c₁ where a second direction is lost.",
+        "",
+    ]
+
+
 def _general(s: Subject, contacts: list[Contact], components: list[Component]) -> list[str]:
     """Cofactors of a 3x3 matrix that moves with the steering."""
     rows = _rows(contacts, components)
@@ -189,20 +229,8 @@ def _general(s: Subject, contacts: list[Contact], components: list[Component]) -
     lines = [
         "Stacked,",
         *_stacked(rows),
-        "HᵀH moves with the steering, so it is inverted at run time, by cofactors: one division.",
-        *math(r"\xi = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}"),
+        *_solution(generic_rank(contacts, components), "over_c2" in locals_),
     ]
-    if "over_det" in locals_:
-        lines += [
-            "Where the rows leave a direction unseen, det(HᵀH) vanishes. There the smallest twist is "
-            "taken, by the "
-            "Moore-Penrose inverse M⁺ = (c₁ (I − adj M / c₂) − M) / c₂ of M = HᵀH with its "
-            "invariants c₁ = tr M, "
-            "c₂ = tr adj M.",
-            "",
-        ]
-    else:
-        lines += ["The rows that do not steer have rank 3 by themselves, so det(HᵀH) cannot vanish.", ""]
     return [
         *lines,
         "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or "

@@ -47,7 +47,7 @@ def inverse(s: Subject) -> list[str]:
         lines += aligned(line for w in castors for line in _castor(w, twist))
     if steered:
         lines += _steered(s, steered, twist)
-    return [*lines, *_coupled(s, twist), *cut_note(s), *_slip(s, projection)]
+    return [*lines, *_coupled(s, twist), *cut_note(s), *_slip(s, projection, twist)]
 
 
 def _sum(p: Poly) -> str:
@@ -187,7 +187,27 @@ def _alike(wheels: list[Wheel], twist: Row) -> bool:
     return len({(_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
 
 
-def _slip(s: Subject, projection: Projection) -> list[str]:
+def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
+    said = _forbidden(projection)
+    held = [w.name for w in s.letters.wheels if w.type == "steered" and _held(s, w, twist)]
+    if not held:
+        return said
+    return [
+        *said,
+        "A steered wheel that a limit or a coupling keeps from its heading slides as well, at w cos Δ − u sin Δ. "
+        f"The mean square of these speeds over {listed(held)} is added under the root.",
+        "",
+    ]
+
+
+def _held(s: Subject, w: Wheel, twist: Row) -> bool:
+    """True when the wheel's command may differ from the heading that rolls."""
+    group = s.robot.steer_group
+    members = [v for v in s.letters.wheels if group[v.index] == group[w.index]]
+    return steer_limits(s.robot, w) is not None or not _alike(members, twist)
+
+
+def _forbidden(projection: Projection) -> list[str]:
     forms = [p for p in projection.residuals if p]
     if not forms:
         return [

@@ -38,12 +38,6 @@ class Subject:
         """How many wheels are not."""
         return max(len(self.robot.wheels) - CAP, 0)
 
-    @property
-    def has_letters(self) -> bool:
-        """True when parameters occur in the rows."""
-        polys = [p for c in (*self.rows.rolling, *self.rows.sliding) for p in c.row]
-        return any(g.kind not in ("cos", "sin") for p in polys for g in p.generators)
-
 
 def subject(d: Derivation) -> Subject:
     """The robot of a derivation."""

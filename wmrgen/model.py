@@ -14,7 +14,8 @@ from wmrgen.layout.records import Wheel
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
-    from wmrgen.mobility.records import Rank
+    from wmrgen.layout.records import Robot
+    from wmrgen.mobility.records import Mobility, Rank, Singularity
 
 FORMAT = 1
 _TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))
@@ -26,6 +27,23 @@ def model(d: Derivation) -> dict[str, Any]:
     c = constrain(robot, working_view)
     spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
     diagonal = [[spins[i] if i == j else Poly({}) for j in range(len(spins))] for i in range(len(spins))]
+    return {
+        **_identity(robot),
+        **_mobility(m),
+        "J1": strings([r.row for r in c.rolling]),
+        "J2": strings(diagonal),
+        "C1f": strings([r.row for r in c.sliding_of("fixed")]),
+        "C1s": strings([r.row for r in c.sliding_of("steered")]),
+        "null_space": [[text(column[i]) for column in m.null_space] for i in range(3)],
+        "functions": {
+            f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
+            for f in d.raw_module.functions
+        },
+        "operations": {f.name: _operations(f) for f in d.c_module.functions},
+    }
+
+
+def _identity(robot: Robot) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "name": robot.name,
@@ -39,6 +57,11 @@ def model(d: Derivation) -> dict[str, Any]:
         "couplings": [{"joint": joint, "wheels": list(wheels)} for joint, wheels in robot.couplings],
         "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
         "notes": list(robot.notes),
+    }
+
+
+def _mobility(m: Mobility) -> dict[str, Any]:
+    return {
         "degree_of_mobility": m.degree_of_mobility,
         "degree_of_steerability": m.degree_of_steerability,
         "degree_of_maneuverability": m.degree_of_maneuverability,
@@ -55,24 +78,17 @@ def model(d: Derivation) -> dict[str, Any]:
         "degenerate": m.degenerate,
         "reasons": list(m.reasons),
         "actuation": list(m.actuation),
-        "singularities": [
-            {
-                "kind": s.kind, "wheels": list(s.wheels), "meaning": s.meaning,
-                "conditions": [_condition(p) for p in s.conditions],
-            }
-            for s in m.singularities
-        ],
-        "J1": strings([r.row for r in c.rolling]),
-        "J2": strings(diagonal),
-        "C1f": strings([r.row for r in c.sliding_of("fixed")]),
-        "C1s": strings([r.row for r in c.sliding_of("steered")]),
-        "null_space": [[text(column[i]) for column in m.null_space] for i in range(3)],
-        "functions": {
-            f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
-            for f in d.raw_module.functions
-        },
-        "operations": {f.name: _operations(f) for f in d.c_module.functions},
-    }  # fmt: skip
+        "singularities": [_singularity(s) for s in m.singularities],
+    }
+
+
+def _singularity(s: Singularity) -> dict[str, Any]:
+    return {
+        "kind": s.kind,
+        "wheels": list(s.wheels),
+        "meaning": s.meaning,
+        "conditions": [_condition(p) for p in s.conditions],
+    }
 
 
 def _operations(function: Any) -> dict[str, int]:

@@ -82,48 +82,67 @@ def _uses(quantity: Quantity) -> set[str]:
     return walk(quantity.expr)
 
 
+class _Reader:
+    """Reads the quantities of one wheel; snaps angles and keeps the notes."""
+
+    def __init__(self, name: str, values: Values, tunable: frozenset[str] | None) -> None:
+        self.name, self.values, self.tunable = name, values, tunable
+        self.notes: list[str] = []
+
+    def plain(self, quantity: Quantity | None) -> Poly:
+        """The quantity as written; 0 when left out."""
+        return Poly.of(0) if quantity is None else to_poly(quantity, self.values)
+
+    def snapped(self, angle: Poly, key: str) -> Poly:
+        """The angle, or the multiple of pi/12 that it stands for."""
+        if self.tunable is None:
+            return angle
+        angle, note = snap(angle, self.values, self.tunable, f"{self.name}.{key}")
+        self.notes += [note] if note else []
+        return angle
+
+    def placement(self, w: WheelSpec) -> tuple[Poly, Poly, Poly, Poly]:
+        """x, y, alpha and alpha as written. Where x and y are given, nothing goes through the angle."""
+        if w.x is not None and w.y is not None:
+            x, y = self.plain(w.x), self.plain(w.y)
+            at_origin = not number(x, self.values) and not number(y, self.values)
+            alpha = Poly.of(0) if at_origin else Poly.gen("atan2", "", y, x)
+            return x, y, alpha, alpha
+        written = self.plain(w.alpha)
+        alpha = self.snapped(written, "alpha")
+        c, s = cos_sin(alpha)
+        return self.plain(w.l) * c, self.plain(w.l) * s, alpha, written
+
+    def heading(self, w: WheelSpec, alpha: Poly, written: Poly) -> Poly:
+        """The zero heading alpha + beta - pi/2.
+
+        The sum as written is snapped first, because rounding of alpha and beta cancels in it; then the sum of
+        the snapped angles.
+        """
+        if w.heading is not None:
+            return self.snapped(self.plain(w.heading), "heading")
+        if w.beta is None:
+            return Poly.of(0)
+        what = "heading (alpha + beta - pi/2)"
+        beta = self.plain(w.beta)
+        raw = written + beta - HALF_PI
+        heading = self.snapped(raw, what)
+        if heading == raw:
+            heading = self.snapped(alpha + self.snapped(beta, "beta") - HALF_PI, what)
+        return heading
+
+
 def _wheel(
     index: int, w: WheelSpec, values: Values, known: Values, tunable: frozenset[str] | None, notes: list[str]
 ) -> Wheel:
     """One wheel. ``tunable`` is None when snapping is off."""
-
-    def angle(quantity: Quantity | None, key: str) -> Poly:
-        return Poly.of(0) if quantity is None else snapped(to_poly(quantity, values), key)
-
-    def snapped(value: Poly, key: str) -> Poly:
-        if tunable is None:
-            return value
-        value, note = snap(value, values, tunable, f"{w.name}.{key}")
-        if note:
-            notes.append(note)
-        return value
-
-    def plain(quantity: Quantity | None) -> Poly:
-        return Poly.of(0) if quantity is None else to_poly(quantity, values)
-
-    if w.x is not None and w.y is not None:
-        x, y = plain(w.x), plain(w.y)
-        at_origin = not number(x, values) and not number(y, values)
-        written = alpha = Poly.of(0) if at_origin else Poly.gen("atan2", "", y, x)
-    else:
-        written = plain(w.alpha)
-        alpha = snapped(written, "alpha")
-        c, s = cos_sin(alpha)
-        x, y = plain(w.l) * c, plain(w.l) * s
-    if w.heading is not None:
-        heading = angle(w.heading, "heading")
-    elif w.beta is None:
-        heading = Poly.of(0)
-    else:
-        # The sum as written first: rounding of alpha and beta cancels in it. Then the sum of the snapped angles.
-        what = "heading (alpha + beta - pi/2)"
-        beta = plain(w.beta)
-        heading = snapped(written + beta - HALF_PI, what)
-        if heading == written + beta - HALF_PI:
-            heading = snapped(alpha + snapped(beta, "beta") - HALF_PI, what)
-    gamma = angle(w.gamma, "gamma")
-    (ch, sh), (cg, sg) = cos_sin(heading), cos_sin(gamma)
-    symbolic = Geometry(x, y, ch, sh, cg, sg, plain(w.r), plain(w.d), plain(w.offset_y), plain(w.r_sw))
+    read = _Reader(w.name, values, tunable)
+    x, y, alpha, written = read.placement(w)
+    heading = read.heading(w, alpha, written)
+    gamma = read.snapped(read.plain(w.gamma), "gamma")
+    notes += read.notes
+    lengths = (read.plain(q) for q in (w.r, w.d, w.offset_y, w.r_sw))
+    symbolic = Geometry(x, y, *cos_sin(heading), *cos_sin(gamma), *lengths)
     nominal = Geometry(*(number(getattr(symbolic, f.name), values) for f in fields(Geometry)))
     _check(w, nominal)
     return _display(
@@ -132,8 +151,7 @@ def _wheel(
             working=Geometry(*(fix(getattr(symbolic, f.name), known) for f in fields(Geometry))),
             nominal=nominal, l=0.0, alpha=float(number(alpha, values)), beta=0.0,
             gamma=float(number(gamma, values)), heading=float(number(heading, values)),
-            actuated=w.actuated, sensed=w.sensed,
-            limits=_limits(w.limits, values),
+            actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, values),
         )
     )  # fmt: skip
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
-from wmrgen.constraints import heading, rolling_row, working_view
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.constraints import heading, rolling_row, symbolic_view, working_view
+from wmrgen.exact.poly import Poly, Row, cross, dot
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.findings import Findings, listed
+from wmrgen.mobility.nullspace import primitive
 from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Singularity
+
+MOST_WHEELS = 8  # among which minors are written out
 
 
 def singularities(found: Findings, columns: tuple[Row, ...]) -> tuple[Singularity, ...]:
@@ -124,4 +129,16 @@ def _rolling_rank(found: Findings) -> list[Singularity]:
         "wheel, so the wheels cannot drive it. Mecanum rollers at the ground must form an O (seen from above the "
         "roller lines form a diamond around the centre), not an X through one point"
     )
-    return [Singularity("rolling_rank", (), text, tuple(w.name for w in wheels))]
+    return [Singularity("rolling_rank", _minors(wheels), text, tuple(w.name for w in wheels))]
+
+
+def _minors(wheels: list[Wheel]) -> tuple[Poly, ...]:
+    """What vanishes, in the named parameters: the 3x3 minors of the rolling rows, each form once."""
+    rows = [rolling_row(w, symbolic_view(w)).row for w in wheels[:MOST_WHEELS]]
+    found: list[Poly] = []
+    for a, b, c in combinations(rows, 3):
+        minor = dot(a, cross(b, c))
+        form = primitive((minor, Poly({}), Poly({})))[0]
+        if form and form.constant is None and form not in found:
+            found.append(form)
+    return tuple(found)

@@ -65,7 +65,8 @@ def libm(scalar: str) -> Libm:
 
 def ulps32(op: Op, args: tuple[float, ...], value: float) -> float:
     """Distance of ``value`` from the float64 result, in units in the last place of float32."""
-    exact = {Op.SIN: math.sin, Op.COS: math.cos, Op.ATAN2: math.atan2}[op](*args)
+    functions: dict[Op, Callable[..., float]] = {Op.SIN: math.sin, Op.COS: math.cos, Op.ATAN2: math.atan2}
+    exact = functions[op](*args)
     unit_ = math.ldexp(1.0, max(math.frexp(exact)[1] - 24, -149))
     return abs(value - exact) / unit_
 

@@ -59,8 +59,8 @@ def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
 def test_under_sanitizers(robots: tuple[Program, Path]) -> None:
     """Every compiler here that has the sanitizers' runtime; at least one has."""
     program, folder = robots
-    flags = ("-std=c99", "-O1", "-ffp-contract=off", "-g", "-fno-sanitize-recover=all")
-    flags += ("-fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow",)
+    kinds = "address,undefined,float-divide-by-zero,float-cast-overflow"
+    flags = ("-std=c99", "-O1", "-ffp-contract=off", "-g", "-fno-sanitize-recover=all", f"-fsanitize={kinds}")
     probed = folder / "probe.c"
     probed.write_text("int main(void) { return 0; }\n")
     failures = {}
@@ -78,7 +78,8 @@ def test_under_sanitizers(robots: tuple[Program, Path]) -> None:
 @pytest.fixture(scope="module")
 def random_layouts(tmp_path_factory: pytest.TempPathFactory) -> tuple[Module, ...]:
     """The C modules of twelve random layouts, the same in every run."""
-    folder, found = tmp_path_factory.mktemp("layouts"), []
+    folder = tmp_path_factory.mktemp("layouts")
+    found: list[Module] = []
 
     @settings(max_examples=12, derandomize=True, database=None, deadline=None, phases=[Phase.generate])
     @given(layouts())

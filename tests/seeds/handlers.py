@@ -26,11 +26,13 @@ class Seed:
 
     @property
     def given(self) -> dict[str, Any]:
-        return self.case["given"]
+        given: dict[str, Any] = self.case["given"]
+        return given
 
     @property
     def expect(self) -> dict[str, Any]:
-        return self.case["expect"]
+        expect: dict[str, Any] = self.case["expect"]
+        return expect
 
     @property
     def names(self) -> list[str]:
@@ -254,7 +256,7 @@ def mecanum_jacobians(s: Seed) -> None:
 
 def ik(s: Seed) -> None:
     e, g = s.expect, s.given
-    twist = g.get("twist_body")
+    twist: Any = g.get("twist_body")
     if "twist_world" in g:
         twist = turn(-g["phi"]) @ np.array(g["twist_world"])
     if "v_x" in g:
@@ -336,7 +338,7 @@ def contact_velocities(s: Seed, twist: Array) -> None:
 def fk(s: Seed) -> None:
     g, e = s.given, s.expect
     rates: dict[str, float] = {}
-    given = g.get("wheel_rates", g.get("wheel_linear_speeds", g.get("phi_dot")))
+    given: Any = g.get("wheel_rates", g.get("wheel_linear_speeds", g.get("phi_dot")))
     if "phi_dot_common" in g:
         given = [g["phi_dot_common"]] * len(s.names)
     if isinstance(given, list):

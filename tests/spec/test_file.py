@@ -39,7 +39,8 @@ def test_the_example_of_the_design() -> None:
     assert [w.name for w in spec.wheels] == ["left", "right", "tail"]
     assert [p.tunable for p in spec.parameters] == [False, True]
     assert spec.snap
-    assert spec.wheels[2].r.mark.line == 10
+    radius = spec.wheels[2].r
+    assert radius is not None and radius.mark.line == 10
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
@@ -205,7 +206,8 @@ def test_the_bad_byte_is_marked(tmp_path: Path) -> None:
     path.write_bytes(b"wmrgen: 1\nname: b\xe9c\n")
     with pytest.raises(RobotFileError) as caught:
         read_robot(path)
-    assert (caught.value.mark.line, caught.value.mark.column) == (2, 8)
+    mark = caught.value.mark
+    assert mark is not None and (mark.line, mark.column) == (2, 8)
 
 
 def test_every_error_names_file_line_column_and_shows_the_line() -> None:

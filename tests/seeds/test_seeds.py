@@ -30,6 +30,6 @@ def test_every_case_is_run() -> None:
 @pytest.mark.parametrize("case", RUN, ids=lambda c: c["id"])
 def test_seed(case: dict[str, Any], style: str, tmp_path: Path) -> None:
     layout, steer = layouts.of(case, style)
-    layout = handlers.ADAPT.get(case["id"], lambda x: x)(layout)
+    layout = handlers.ADAPT[case["id"]](layout) if case["id"] in handlers.ADAPT else layout
     model = Model.of(robot_text(layout, polar=style == "polar"), tmp_path)
     handlers.handler(case)(handlers.Seed(case, model, layout, steer))

@@ -262,3 +262,22 @@ def test_check_with_nothing_to_check(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert wmrgen_cli("check").code == 2
+
+
+def test_eval_in_c_takes_either_scalar(wmrgen_cli: Callable[..., Outcome]) -> None:
+    """Double agrees with exact to a double's rounding, float does not."""
+    words = (
+        "eval",
+        ROOT / "robots" / "kuka_youbot.yaml",
+        "inverse",
+        "vx=0.3",
+        "vy=0.1",
+        "omega=0.7",
+        "--json",
+    )
+    exact = json.loads(wmrgen_cli(*words).out)
+    worst = {}
+    for scalar in ("float", "double"):
+        found = json.loads(wmrgen_cli(*words, "--backend", "c", "--scalar", scalar).out)
+        worst[scalar] = max(abs(found[k] - exact[k]) for k in exact)
+    assert worst["double"] < 1e-13 < worst["float"] < 1e-4

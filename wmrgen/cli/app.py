@@ -144,6 +144,7 @@ def evaluate(
         ),
     ] = None,
     backend: Annotated[Backend, typer.Option(help="What computes; c needs a C compiler.")] = Backend.exact,
+    scalar: Annotated[Scalar, typer.Option(help="Scalar type of backend c.")] = Scalar.float,
     cases: Annotated[
         str | None,
         typer.Option(
@@ -158,7 +159,15 @@ def evaluate(
     """
     from wmrgen.cli.evaluate import run
 
-    return run(robot, function, values or [], backend=backend.value, cases=cases, as_json=json)
+    return run(
+        robot,
+        function,
+        values or [],
+        backend=backend.value,
+        scalar=scalar.value,
+        cases=cases,
+        as_json=json,
+    )
 
 
 @app.command(short_help="Say which generated files are out of date.")

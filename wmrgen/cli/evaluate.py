@@ -19,7 +19,14 @@ if TYPE_CHECKING:
 
 
 def run(
-    path: Path, name: str, words: Sequence[str], *, backend: str, cases: str | None, as_json: bool
+    path: Path,
+    name: str,
+    words: Sequence[str],
+    *,
+    backend: str,
+    scalar: str,
+    cases: str | None,
+    as_json: bool,
 ) -> int:
     """Evaluate one case from the words, or every case of a file."""
     if cases is not None and words:
@@ -34,7 +41,8 @@ def run(
         ports = function.inputs
         given = [from_words(words, ports)] if cases is None else from_file(cases, ports)
         step(f"computing {name} with {backend}")
-        results = _compute(derivation, function, [_completed(function, case) for case in given], backend)
+        complete = [_completed(function, case) for case in given]
+        results = _compute(derivation, function, complete, backend, scalar)
     _say_zeros(function, given)
     if cases is not None:
         console.result(json.dumps(results, indent=2))
@@ -66,7 +74,11 @@ def _say_zeros(function: Function, cases: Sequence[Case]) -> None:
 
 
 def _compute(
-    derivation: Derivation, function: Function, cases: Sequence[dict[str, Exact]], backend: str
+    derivation: Derivation,
+    function: Function,
+    cases: Sequence[dict[str, Exact]],
+    backend: str,
+    scalar: str = "float",
 ) -> list[dict[str, float]]:
     if backend == "exact":
         from wmrgen.ir.interpret import EXACT, evaluate_module
@@ -84,11 +96,16 @@ def _compute(
         raise UsageError(
             f"{backend} has no function {function.name!r} of {derivation.robot.name}; it has: {' '.join(has)}"
         )
+    doubles = [_doubles(case) for case in cases]
     results: list[dict[str, float]] = [{} for _ in cases]
     for part in parts:
-        for result, more in zip(
-            results, entry.load().evaluate(module, part, [_doubles(c) for c in cases]), strict=True
-        ):
+        if backend == "c":
+            from wmrgen.backends.c99 import evaluate
+
+            found = evaluate(module, part, doubles, scalar)
+        else:
+            found = entry.load().evaluate(module, part, doubles)
+        for result, more in zip(results, found, strict=True):
             result.update(more)
     order = [port.name for port in function.outputs]
     return [{name: result[name] for name in order if name in result} for result in results]

@@ -116,6 +116,8 @@ def evaluate_c(
     return [answer(call, line) for line in printed.splitlines()]
 
 
-def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
-    """`evaluate_c` in single precision with the system compiler."""
-    return evaluate_c(module, function, cases)
+def evaluate(
+    module: Module, function: str, cases: Sequence[Mapping[str, float]], scalar: str = "float"
+) -> list[dict[str, float]]:
+    """`evaluate_c` with the system compiler, in the scalar type that derive writes unless told otherwise."""
+    return evaluate_c(module, function, cases, scalar)

@@ -1,7 +1,8 @@
 """Angles that were meant to be special: 1.57 for pi/2.
 
 An unsnapped 1.57 turns a differential drive into a robot that cannot move. Within 1e-3 rad of a
-multiple of pi/12 an angle is taken as that multiple, and a note says so.
+multiple of pi/12 an angle is taken as that multiple, and a note says so; a little farther away a note
+says that it was kept.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from wmrgen.exact.evaluate import angle_value, number
 from wmrgen.exact.poly import Gen, Poly
 
 TOLERANCE = Fraction(1, 1000)
+SUSPICIOUS = Fraction(1, 200)  # nearer than this, but not snapped: 3.14 for pi
 _SAME = Fraction(1, 10**35)
 
 
@@ -34,7 +36,12 @@ def snap(
     k = round(value / step)
     error = abs(value - k * step)
     if error >= TOLERANCE:
-        return angle, None
+        if error >= SUSPICIOUS:
+            return angle, None
+        return (
+            angle,
+            f"{what}: {float(value):.12g} rad is {float(error):.2g} rad from {pi_text(k)}, kept as written",
+        )
     snapped = Poly.gen("pi").scale(Fraction(k, 12))
     if error < _SAME:
         return snapped, None

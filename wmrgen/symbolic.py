@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 import sympy
+from sympy.functions.elementary.piecewise import ExprCondPair
 
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
@@ -147,6 +148,35 @@ def root(a: Expr) -> Expr:
 def square(a: Expr) -> Expr:
     """a**2 as it stands."""
     return sympy.Pow(a, 2, evaluate=False)
+
+
+def substituted(expr: Expr, known: dict[Expr, Expr], memo: dict[Expr, Expr]) -> Expr:
+    """``expr`` with ``known`` put in and nothing evaluated: comparing nested maxima would take sympy minutes.
+
+    ``memo`` keeps what shared parts became.
+    """
+    if not expr.args:
+        return known.get(expr, expr)
+    if expr not in memo:
+        args = [substituted(a, known, memo) for a in expr.args]
+        lazy = (
+            sympy.Add,
+            sympy.Mul,
+            sympy.Pow,
+            sympy.Max,
+            sympy.Min,
+            sympy.Abs,
+            sympy.atan2,
+            sympy.StrictLessThan,
+        )
+        if isinstance(expr, (sympy.Piecewise, ExprCondPair)):
+            # Their constructors fold every piecewise condition, even unevaluated.
+            memo[expr] = sympy.Basic.__new__(type(expr), *args)
+        elif isinstance(expr, lazy):
+            memo[expr] = expr.func(*args, evaluate=False)
+        else:
+            memo[expr] = expr.func(*args)
+    return memo[expr]
 
 
 def select(a: Expr, b: Expr, then: Expr, otherwise: Expr) -> Expr:

@@ -56,6 +56,7 @@ def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
     assert worst <= 2.0
 
 
+@pytest.mark.slow
 def test_under_sanitizers(robots: tuple[Program, Path]) -> None:
     """Every compiler here that has the sanitizers' runtime; at least one has."""
     program, folder = robots

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, Local, expression, local
+from wmrgen.symbolic import Expr, Local, expression, local, substituted
 
 JOINT_UNIT = {"spin": "rad/s", "steer": "rad", "steer_rate": "rad/s"}
 _SPIN = "wheel speed about its axle, positive rolls along the rolling direction"
@@ -31,9 +31,10 @@ class Formula:
     def closed(self) -> dict[str, Expr]:
         """Output name -> expression in the inputs alone."""
         known: dict[Expr, Expr] = {}
+        memo: dict[Expr, Expr] = {}
         for symbol, expr in self.locals:
-            known[symbol] = expr.xreplace(known)
-        return {port.name: expr.xreplace(known) for port, expr in self.outputs}
+            known[symbol] = substituted(expr, known, memo)
+        return {port.name: substituted(expr, known, memo) for port, expr in self.outputs}
 
 
 class Locals:

@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal
 
 .PHONY: setup demo test check lint types generate bench clean
 .DEFAULT_GOAL := demo
@@ -21,10 +22,10 @@ demo: setup
 	@ls build/demo/*
 
 test: setup
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 check: setup lint types
-	$(BIN)/python -m pytest -m 'slow or not slow'
+	$(PYTEST) -m 'slow or not slow'
 	$(BIN)/wmrgen check
 
 lint: setup

@@ -13,6 +13,8 @@ from os import PathLike
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from wmrgen.derivation import Derivation
     from wmrgen.layout.records import Robot
 
@@ -27,8 +29,11 @@ def load(path: str | PathLike[str]) -> Robot:
     return load_robot(os.fspath(path))
 
 
-def derive(robot: Robot) -> Derivation:
-    """Everything that follows from the robot's layout. NotDerivableError where nothing does."""
+def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
+    """Everything that follows from the robot's layout. NotDerivableError where nothing does.
+
+    ``functions``: only those, instead of the ones that are generated for the robot.
+    """
     from wmrgen.derivation import derive as derive_robot
 
-    return derive_robot(robot)
+    return derive_robot(robot, functions)

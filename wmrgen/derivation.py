@@ -11,10 +11,13 @@ from wmrgen.layout import Robot, build
 from wmrgen.spec.load import read_robot
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import sympy
 
     from wmrgen.constraints import Constraints
     from wmrgen.ir.nodes import Module
+    from wmrgen.kinematics import Formula
     from wmrgen.mobility import Mobility
     from wmrgen.program import Program
     from wmrgen.symbolic import Expr
@@ -27,9 +30,9 @@ def load(path: str | Path) -> Robot:
     return build(read_robot(path))
 
 
-def derive(robot: Robot) -> Derivation:
-    """The model of a robot."""
-    return Derivation(robot)
+def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
+    """The model of a robot; ``functions``: only those instead of what is generated for it (see `wmrgen.program`)."""
+    return Derivation(robot, functions)
 
 
 class Derivation:
@@ -38,8 +41,9 @@ class Derivation:
     Matrices (J1, J2, C1f, C1s, pfaffian, null_space) keep named parameters as symbols.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, functions: Sequence[str] | None = None) -> None:
         self.robot = robot
+        self._functions = functions
 
     @property
     def itself(self) -> Derivation:
@@ -122,9 +126,16 @@ class Derivation:
     @cached_property
     def program(self) -> Program:
         """The functions of the model in symbols."""
-        from wmrgen.program import program
+        from wmrgen.program import program, standard
 
-        return program(self.robot, self.mobility)
+        names = standard(self.robot) if self._functions is None else self._functions
+        return program(self.robot, self.mobility, names)
+
+    def formula(self, name: str) -> Formula:
+        """Any function of the robot in symbols. NotDerivableError where it does not have it."""
+        from wmrgen.program import formula
+
+        return formula(self.robot, self.mobility, name)
 
     @property
     def inverse(self) -> dict[str, Expr]:
@@ -161,6 +172,8 @@ class Derivation:
         from wmrgen.ir.select import keep_outputs
 
         module = optimise(self.raw_module.functions, self.robot.name)
+        if "forward" not in {f.name for f in module.functions}:
+            return module
         twist = keep_outputs(module.function("forward"), TWIST, "forward_twist")
         return replace(module, functions=(*module.functions, twist))
 
@@ -171,15 +184,17 @@ class Derivation:
 
     @cached_property
     def c_module(self) -> Module:
-        """The functions for C: forward with and without the residual."""
-        return self._selection(
-            {
-                "inverse": "inverse",
-                "forward_twist": "forward",
-                "forward": "forward_slip",
-                "odometry": "odometry",
-            }
-        )
+        """The functions for C: forward with and without the residual, no posture model unless asked for."""
+        from wmrgen.program import IN_C
+
+        asked = self.robot.functions if self._functions is None else self._functions
+        names: dict[str, str] = {}
+        for f in self.program.formulas:
+            if f.name == "forward":
+                names |= {"forward_twist": "forward", "forward": "forward_slip"}
+            elif f.name in IN_C or f.name in asked:
+                names[f.name] = f.name
+        return self._selection(names)
 
     def _selection(self, names: dict[str, str]) -> Module:
         """Some of the optimised functions under new names, with the part of prepare() that they need."""

@@ -1,12 +1,21 @@
-"""The program of a robot: every function of its model in symbols, ready to be lowered."""
+"""The program of a robot: every function of its model in symbols, ready to be lowered.
+
+`STANDARD` functions are generated for every robot, `OPTIONAL` ones where its file asks for them under `functions`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from importlib import import_module
+from typing import cast
 
+from wmrgen.errors import NotDerivableError
 from wmrgen.kinematics import Formula, contacts, dynamics, forward, inverse, odometry
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
+
+Builder = Callable[[Robot, Mobility], Formula]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,8 +30,49 @@ class Program:
         return {f.name: f for f in self.formulas}[name]
 
 
-def program(robot: Robot, mobility: Mobility) -> Program:
-    """inverse, forward, odometry and dynamics of a robot, and contacts where it has rollers or spheres."""
-    formulas = [inverse(robot, mobility), forward(robot), odometry(), dynamics(robot, mobility)]
-    extra = contacts(robot)
-    return Program(robot.name, (*formulas, extra) if extra else tuple(formulas))
+def _contacts(robot: Robot, _: Mobility) -> Formula:
+    found = contacts(robot)
+    if found is None:
+        raise NotDerivableError(
+            f"{robot.name} has no contacts: it has neither rollers (r_sw) nor spheres with a radius (r)"
+        )
+    return found
+
+
+STANDARD: dict[str, Builder] = {
+    "inverse": inverse,
+    "forward": lambda robot, _: forward(robot),
+    "odometry": lambda robot, _: odometry(),
+    "dynamics": dynamics,
+    "contacts": _contacts,
+}
+IN_C = ("inverse", "forward", "odometry")  # of the standard ones: what firmware runs
+
+# Function -> where its builder stands; imported when asked for. A builder raises NotDerivableError where the
+# robot cannot have the function.
+OPTIONAL: dict[str, str] = {}
+
+
+def functions() -> tuple[str, ...]:
+    """Names of all functions that a robot may have."""
+    return (*STANDARD, *OPTIONAL)
+
+
+def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
+    """One function. KeyError for an unknown name, NotDerivableError where the robot does not have it."""
+    if name in STANDARD:
+        return STANDARD[name](robot, mobility)
+    module, _, attribute = OPTIONAL[name].partition(":")
+    builder = cast(Builder, getattr(import_module(module), attribute))
+    return builder(robot, mobility)
+
+
+def program(robot: Robot, mobility: Mobility, names: Iterable[str]) -> Program:
+    """The named functions of a robot."""
+    return Program(robot.name, tuple(formula(robot, mobility, name) for name in names))
+
+
+def standard(robot: Robot) -> tuple[str, ...]:
+    """The functions generated for a robot: the standard ones that it has, then those it asks for."""
+    has = [name for name in STANDARD if name != "contacts" or contacts(robot) is not None]
+    return (*has, *(name for name in robot.functions if name not in has))

@@ -15,7 +15,10 @@ PACKAGE = Path(__file__).resolve().parents[2] / "wmrgen"
 SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(PACKAGE.rglob("*.py"))}
 
 # From left to right. The IR stands beside the stages: it knows none of them, and `lower` hands over to it.
-STAGES = "spec layout constraints symbolic mobility kinematics program lower model derivation".split()
+STAGES = (
+    "spec layout constraints symbolic mobility kinematics models motion control space textbook"
+    " program lower model derivation"
+).split()
 TOOLS = {"errors", "exact", "ports"}
 MAY_IMPORT = {stage: {*TOOLS, *STAGES[:k]} for k, stage in enumerate(STAGES)} | {
     "errors": set(),

@@ -36,8 +36,8 @@ def run(
         robot = wmrgen.load(path)
         for text in robot.notes:
             console.note(f"{robot.name}: note: {text}")
-        derivation = wmrgen.derive(robot)
-        function = _function(derivation, name)
+        derivation = wmrgen.derive(robot, [known(robot.name, name)])
+        function = derivation.raw_module.function(name)
         ports = function.inputs
         given = [from_words(words, ports)] if cases is None else from_file(cases, ports)
         step(f"computing {name} with {backend}")
@@ -55,11 +55,13 @@ def run(
     return 0
 
 
-def _function(derivation: Derivation, name: str) -> Function:
-    known = {f.name: f for f in derivation.raw_module.functions}
-    if name not in known:
-        raise UsageError(f"{derivation.robot.name} has no function {name!r}; it has: {' '.join(known)}")
-    return known[name]
+def known(robot: str, name: str) -> str:
+    """The name, when a function has it."""
+    from wmrgen.program import functions
+
+    if name not in functions():
+        raise UsageError(f"{robot} has no function {name!r}; it has: {' '.join(functions())}")
+    return name
 
 
 def _completed(function: Function, case: Case) -> dict[str, Exact]:

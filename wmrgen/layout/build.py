@@ -13,6 +13,7 @@ from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.expressions import PI, evaluate, to_poly
+from wmrgen.layout.extras import Extras
 from wmrgen.layout.records import Geometry, Interval, Parameter, Robot, Wheel
 from wmrgen.layout.snap import snap
 from wmrgen.spec.records import Limit, Quantity, RobotSpec, WheelSpec
@@ -32,6 +33,7 @@ def build(spec: RobotSpec) -> Robot:
     )
     _check_names(spec, parameters)
     names = [w.name for w in wheels]
+    extras = Extras(spec, values, known)
     return Robot(
         name=spec.name,
         description=spec.description,
@@ -43,6 +45,12 @@ def build(spec: RobotSpec) -> Robot:
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
         limits=_limits(spec.limits, values),
         notes=tuple(notes),
+        virtual=extras.virtual(wheels),
+        trailers=extras.trailers(),
+        slip=spec.slip,
+        cg=extras.point(),
+        gains=extras.gains(),
+        functions=spec.functions,
     )
 
 

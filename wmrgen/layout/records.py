@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from wmrgen.exact.number import Exact
@@ -86,6 +86,45 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Length:
+    """One quantity in the three views."""
+
+    symbolic: Poly
+    working: Poly
+    nominal: Exact
+
+
+@dataclass(frozen=True, slots=True)
+class Trailer:
+    """A trailer: ``length`` [m] from its coupling to its axle, ``hitch`` [m] from the axle in front to the coupling."""
+
+    name: str
+    length: Length
+    hitch: Length
+
+
+@dataclass(frozen=True, slots=True)
+class Virtual:
+    """A wheel that is not there, at (x, y): its angle (``steers``) or its speed (``drives``) stands for those of
+    ``wheels``. Its heading at zero steering is that of the first of them."""
+
+    name: str
+    role: str  # steers drives
+    wheels: tuple[str, ...]
+    x: Length
+    y: Length
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A point in the robot frame [m], z above the ground."""
+
+    x: Length
+    y: Length
+    z: Length
+
+
+@dataclass(frozen=True, slots=True)
 class Robot:
     """A layout, ready for derivation.
 
@@ -103,6 +142,12 @@ class Robot:
     couplings: tuple[tuple[str, tuple[str, ...]], ...]
     limits: dict[str, Interval]
     notes: tuple[str, ...]
+    virtual: tuple[Virtual, ...] = ()
+    trailers: tuple[Trailer, ...] = ()
+    slip: bool = False
+    cg: Point | None = None
+    gains: dict[str, Length] = field(default_factory=dict)
+    functions: tuple[str, ...] = ()
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:

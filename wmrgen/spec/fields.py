@@ -73,8 +73,19 @@ WHEEL_KEYS = ("name", "type", *QUANTITIES, "actuated", "sensed", "limits")
 ROBOT_KEYS = (
     "wmrgen", "name", "description", "source", "angles", "snap",
     "parameters", "wheels", "couplings", "limits",
+    "virtual", "trailers", "slip", "cg", "gains", "functions",
 )  # fmt: skip
 ROBOT_REQUIRED = ("wmrgen", "name", "wheels")
+
+# Functions that are generated where a robot file asks for them; `wmrgen eval` computes any of them.
+OPTIONAL_FUNCTIONS: tuple[str, ...] = ("dynamics", "contacts")
+
+# Gain -> meaning.
+GAINS: dict[str, str] = {
+    "k_rho": "speed per distance to the goal [1/s]; goto_pose",
+    "k_alpha": "yaw rate per bearing of the goal [1/s]; goto_pose",
+    "k_beta": "yaw rate per heading left over at the goal [1/s]; goto_pose",
+}
 
 # Limit -> what it measures.
 LIMITS: dict[str, Kind] = {

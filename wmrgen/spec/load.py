@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from wmrgen.errors import RobotFileError
+from wmrgen.spec.extras import read_functions, read_gains, read_point, read_trailers, read_virtual
 from wmrgen.spec.fields import LIMITS, ROBOT_KEYS, ROBOT_REQUIRED
 from wmrgen.spec.joints import read_couplings, read_limits
 from wmrgen.spec.mappings import Table, mapping_of, table_of
@@ -70,6 +71,12 @@ def read_text(text: str, file_name: str) -> RobotSpec:
         couplings=read_couplings(table.get("couplings"), wheels),
         limits=read_limits(table.get("limits"), tuple(LIMITS), "the robot", scope),
         mark=table.mark,
+        virtual=read_virtual(table.get("virtual"), wheels, scope),
+        trailers=read_trailers(table.get("trailers"), wheels, scope),
+        slip=_word(table, "slip", {"true": True, "false": False}, False),
+        cg=read_point(table.get("cg"), scope),
+        gains=read_gains(table.get("gains"), scope),
+        functions=read_functions(table.get("functions")),
     )
 
 

@@ -117,6 +117,36 @@ class Coupling:
 
 
 @dataclass(frozen=True, slots=True)
+class TrailerSpec:
+    """One entry of ``trailers``. ``length``: from its coupling to its axle; ``hitch``: from the axle in front
+    back to the coupling."""
+
+    name: str
+    length: Quantity
+    hitch: Quantity | None
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
+class VirtualSpec:
+    """One entry of ``virtual``. ``role``: steers or drives."""
+
+    name: str
+    role: str
+    wheels: tuple[str, ...]
+    x: Quantity | None
+    y: Quantity | None
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
+class PointSpec:
+    x: Quantity
+    y: Quantity
+    z: Quantity
+
+
+@dataclass(frozen=True, slots=True)
 class RobotSpec:
     """A robot file, read and checked for form. Each parameter stands after those it uses."""
 
@@ -129,3 +159,9 @@ class RobotSpec:
     couplings: tuple[Coupling, ...]
     limits: tuple[Limit, ...]
     mark: Mark
+    virtual: tuple[VirtualSpec, ...] = ()
+    trailers: tuple[TrailerSpec, ...] = ()
+    slip: bool = False
+    cg: PointSpec | None = None
+    gains: tuple[tuple[str, Quantity], ...] = ()
+    functions: tuple[str, ...] = ()

@@ -1,0 +1,1 @@
+"""Control laws of the texts, from the pose error to wheel commands."""

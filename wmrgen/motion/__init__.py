@@ -1,0 +1,1 @@
+"""Motion under constant commands, instantaneous centres, consistency of steering angles."""

@@ -195,7 +195,9 @@ def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
 
 def _check_names(spec: RobotSpec, parameters: tuple[Parameter, ...]) -> None:
     joints = {f"{w.name}_{joint}" for w in spec.wheels for joint in ("spin", "steer", "steer_rate")}
-    wheels = {w.name for w in spec.wheels}
+    joints |= {f"{v.name}_{joint}" for v in spec.virtual for joint in ("steer", "steer_rate", "speed")}
+    joints |= {f"{t.name}_{what}" for t in spec.trailers for what in ("theta", "theta_rate", "x", "y")}
+    wheels = {w.name for w in spec.wheels} | {v.name for v in spec.virtual} | {t.name for t in spec.trailers}
     for p, read in zip(parameters, spec.parameters, strict=True):
         if p.name in joints or p.name in wheels:
             raise RobotFileError(f"parameter {p.name} has the name of a joint or wheel", read.value.mark)

@@ -5,7 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 from wmrgen.spec.expressions import MAX_CHARACTERS
-from wmrgen.spec.fields import COMMON_KEYS, LIMITS, QUANTITIES, ROBOT_REQUIRED, WHEEL_TYPES
+from wmrgen.spec.extras import MAX_TRAILERS
+from wmrgen.spec.fields import (
+    COMMON_KEYS,
+    GAINS,
+    LIMITS,
+    OPTIONAL_FUNCTIONS,
+    QUANTITIES,
+    ROBOT_REQUIRED,
+    WHEEL_TYPES,
+)
 from wmrgen.spec.joints import limits_of_type
 from wmrgen.spec.load import FORMAT, MAX_PARAMETERS, MAX_TEXT
 from wmrgen.spec.names import NAME_PATTERN
@@ -48,6 +57,7 @@ def json_schema() -> Schema:
             },
             "couplings": {"type": "array", "items": _coupling()},
             "limits": _limits(tuple(LIMITS)),
+            **_extras(),
         },
         "$defs": {
             "name": {"type": "string", "pattern": NAME_PATTERN},
@@ -101,6 +111,32 @@ def _limits(names: tuple[str, ...]) -> Schema:
 
     properties = {name: limit(LIMITS[name]) for name in names}
     return {"type": "object", "additionalProperties": False, "properties": properties}
+
+
+def _extras() -> Schema:
+    """Keys beyond the wheels: virtual, trailers, slip, cg, gains, functions."""
+    length, names = _ref(Kind.LENGTH), {"type": "array", "minItems": 1, "uniqueItems": True}
+    virtual: Schema = {key: {**names, "items": {"$ref": "#/$defs/name"}} for key in ("steers", "drives")}
+    trailer = {"name": {"$ref": "#/$defs/name"}, "length": length, "hitch": length}
+    return {
+        "virtual": _list(
+            _object({"name": {"$ref": "#/$defs/name"}, **virtual, "x": length, "y": length}, "name")
+        ),
+        "trailers": {**_list(_object(trailer, "length")), "maxItems": MAX_TRAILERS},
+        "slip": {"type": "boolean", "default": False, "description": "slip variables per wheel"},
+        "cg": _object({"x": length, "y": length, "z": length}, "x", "y", "z"),
+        "gains": _object({k: {**_ref(Kind.ANY), "description": text} for k, text in GAINS.items()}),
+        "functions": {**names, "items": {"enum": list(OPTIONAL_FUNCTIONS)}},
+    }
+
+
+def _object(properties: Schema, *required: str) -> Schema:
+    found: Schema = {"type": "object", "additionalProperties": False, "properties": properties}
+    return {**found, "required": list(required)} if required else found
+
+
+def _list(item: Schema) -> Schema:
+    return {"type": "array", "items": item}
 
 
 def _wheel(type_name: str) -> Schema:

@@ -1,0 +1,48 @@
+"""Siegwart Table 2.1, figure 3.14 and the degenerate layouts: degrees, ranks, DOF and holonomy of every row.
+
+The texts describe the rows in words; tables.json gives each a concrete layout (angles in degrees).
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import wmrgen
+
+ROWS: list[dict[str, Any]] = json.loads((Path(__file__).parent / "tables.json").read_text(encoding="utf-8"))
+
+
+def robot_file(row: dict[str, Any]) -> str:
+    lines = ["wmrgen: 1", "name: row", "angles: deg", "wheels:"]
+    for k, w in enumerate(row["wheels"]):
+        radius = "" if w["type"] == "spherical" else ", r: 0.1"
+        keys = ", ".join(f"{key}: {value}" for key, value in w.items())
+        lines.append(f"  - {{name: w{k}, {keys}{radius}}}")
+    if row["synchro"]:
+        lines.append("couplings:")
+        for joint in ("steer", "spin"):
+            lines.append(f"  - {{equal: [{', '.join(f'w{k}.{joint}' for k in range(len(row['wheels'])))}]}}")
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda r: r["id"])
+def test_row(row: dict[str, Any], tmp_path: Path) -> None:
+    path = tmp_path / "row.yaml"
+    path.write_text(robot_file(row), encoding="utf-8")
+    m = wmrgen.derive(wmrgen.load(path)).mobility
+    found = [m.degree_of_mobility, m.degree_of_steerability, m.degree_of_maneuverability]
+    assert found == row["degrees"]
+    assert (m.ddof, m.dof, m.holonomic) == (row["ddof"], row["dof"], row["holonomic"])
+    assert (m.rank_C1f.value, m.rank_C1.value) == (row["rank_C1f"], row["rank_C1"])
+    assert m.omnidirectional == (row["ddof"] == 3)
+    assert m.degenerate == (row["rank_C1f"] > 1)
+    assert m.reasons
+
+
+def test_every_row_is_there() -> None:
+    assert len(ROWS) == 33
+    assert sum(r["id"].startswith("S-T2.1") for r in ROWS) == 17

@@ -8,11 +8,13 @@ from wmrgen.backends.meta import Meta
 from wmrgen.backends.report.analysis import analysis
 from wmrgen.backends.report.closing import cost, singular
 from wmrgen.backends.report.forward import forward
+from wmrgen.backends.report.functions import functions
 from wmrgen.backends.report.inverse import inverse
 from wmrgen.backends.report.matrices import matrices, null_space
 from wmrgen.backends.report.motion import motion
 from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.subject import subject
+from wmrgen.backends.report.texts import texts
 from wmrgen.backends.report.wheelrows import wheel_rows
 from wmrgen.render import render
 
@@ -20,12 +22,16 @@ if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
 
 FILE = "report.md"
+_PARTS = (
+    opening, layout, wheel_rows, matrices, null_space, analysis, inverse, forward, motion, singular, texts,
+)  # fmt: skip
 
 
 def emit(derivation: Derivation, meta: Meta) -> dict[str, bytes]:
     """``report.md``; its picture, ``layout.svg``, is another backend's."""
     s = subject(derivation)
-    parts = (opening, layout, wheel_rows, matrices, null_space, analysis, inverse, forward, motion, singular)
-    lines = [line for part in parts for line in part(s)] + cost(s, meta)
+    lines = [line for part in _PARTS for line in part(s)]
+    further = functions(s)
+    lines += further + cost(s, meta, 12 if further else 11)
     kept = [line for i, line in enumerate(lines) if line or not i or lines[i - 1]]
     return {FILE: render("report/report.md.j2", lines=kept).encode()}

@@ -1,4 +1,4 @@
-"""Sections 9 and 10: singular configurations; cost and files."""
+"""Section 9, singular configurations, and the last one, cost and files."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ _TEXT = {
 }  # fmt: skip
 
 
-def cost(s: Subject, meta: Meta) -> list[str]:
-    """Section 10 and the foot of the page."""
+def cost(s: Subject, meta: Meta, number: int) -> list[str]:
+    """The last section and the foot of the page."""
     module = s.derivation.c_module
     functions = [*([module.prepare] if module.prepare else []), *module.functions]
     rows = []
@@ -87,7 +87,7 @@ def cost(s: Subject, meta: Meta) -> list[str]:
     head = ["function", "what it gives", "+ −", "×", "÷", "√", "sin, cos", "atan2", "select"]
     name = s.robot.name
     lines = [
-        "## 10 What it costs, and what else is in this folder",
+        f"## {number} What it costs, and what else is in this folder",
         "",
         "Operations of one call of the generated C:",
     ]

@@ -42,8 +42,12 @@ def port(name: str) -> str:
         return _PLAIN[name]
     if name in DRIVEN:
         return DRIVEN[name]
+    if name.endswith("_rate") and not name.endswith(".steer_rate"):
+        return rf"\dot{{{port(name.removesuffix('_rate'))}}}"
     owner, _, joint = name.partition(".")
     if joint in _JOINTS:
         return f"{_JOINTS[joint]}_{{{wheel(owner)}}}"
+    if joint in _PLAIN:
+        return f"{_PLAIN[joint]}_{{{wheel(owner)}}}"
     numbered = re.fullmatch(r"eta(\d+)", name)
     return rf"\eta_{{{numbered[1]}}}" if numbered else rf"\mathrm{{{escaped(name)}}}"

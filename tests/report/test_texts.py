@@ -1,0 +1,54 @@
+"""Equations are cited for the layouts that the texts write out, and for no others."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import wmrgen
+from tests.oracle.harness import robot_text
+from tests.seeds import layouts
+from wmrgen.backends.report.texts import citations
+
+SEEDS = Path(__file__).parents[1] / "seeds" / "cases.json"
+CASES = {c["id"]: c for c in json.loads(SEEDS.read_text(encoding="utf-8"))["cases"]}
+CITED = {
+    "S-3.33": "Siegwart (3.32)-(3.34)",
+    "S-3.29": "Siegwart (3.29), (3.30)",
+    "K-5": "Konstantinov (5)",
+    "K-4": "Konstantinov (3), (4)",
+    "T-2.74b": "Tzafestas (2.73), (2.74)",
+    "T-2.72-N5": "Tzafestas (2.72)",
+    "T-2.84-xfwd": "Tzafestas (2.82), (2.84)",
+    "T-2.37d": "Tzafestas (2.34)-(2.37), (2.41c)",
+    "T-Ex2.2-b-IK": "Tzafestas Example 2.2",
+    "T-2.28c": "Tzafestas (2.26)-(2.28)",
+    "KE-4ws-HQ": "Kelly (4.62)",
+    "KE-genbike-ik": "Kelly Box 4.2",
+    "KE-ack-inv": "Kelly, Ackermann",
+    "S-lockbike-phi": "Siegwart (3.39), 3.4.2",
+    "S-xr4000-ik": "Siegwart (3.17), (3.18)",
+}
+
+
+def cited(layout: dict[str, Any], folder: Path) -> set[str]:
+    path = folder / "robot.yaml"
+    path.write_text(robot_text(layout, polar=True), encoding="utf-8")
+    return {c.equation for c in citations(wmrgen.load(path))}
+
+
+@pytest.mark.parametrize("case", sorted(CITED))
+def test_cited(case: str, tmp_path: Path) -> None:
+    layout, _ = layouts.of(CASES[case], "polar")
+    assert CITED[case] in cited(layout, tmp_path)
+
+
+@pytest.mark.parametrize("case", ["S-3.33", "S-3.29", "K-5", "T-2.74b", "T-2.84-xfwd", "T-2.37d", "T-2.28c"])
+@pytest.mark.parametrize("key", ["x", "heading"])
+def test_another_geometry_is_not(case: str, key: str, tmp_path: Path) -> None:
+    layout, _ = layouts.of(CASES[case], "polar")
+    layout["wheels"][0][key] += 0.01
+    assert CITED[case] not in cited(layout, tmp_path)

@@ -1,0 +1,42 @@
+"""Section 11: the further functions that the robot file asks for, as formulas."""
+
+from __future__ import annotations
+
+from wmrgen.backends.report import names
+from wmrgen.backends.report.expr import Printer
+from wmrgen.backends.report.markdown import aligned, code, sentence, table
+from wmrgen.backends.report.subject import Subject
+from wmrgen.kinematics.records import Formula
+from wmrgen.symbolic import Expr
+
+_LONG = 1500  # operations and symbols of formulas that are still written out
+
+
+def functions(s: Subject) -> list[str]:
+    """Section 11, where there is any."""
+    asked = [f for f in s.derivation.program.formulas if f.name in s.robot.functions]
+    if not asked:
+        return []
+    return ["## 11 Further functions", "", *(line for f in asked for line in _function(f))]
+
+
+def _function(f: Formula) -> list[str]:
+    lines = [f"### `{f.name}`", "", sentence(f.text[:1].upper() + f.text[1:]).removesuffix(".") + ".", ""]
+    ports = [(p, "in") for p in f.inputs] + [(p, "out") for p, _ in f.outputs]
+    rows = [[code(p.name), way, p.unit or "1", sentence(p.text)] for p, way in ports]
+    lines += table(["port", "", "unit", "meaning"], rows, "l")
+    printer = Printer({p.name.replace(".", "_"): p.name for p, _ in ports})
+    if sum(_size(e) for _, e in (*f.locals, *f.outputs)) > _LONG:
+        return [*lines, "(The formulas are long; they stand in the code.)", ""]
+    if f.locals:
+        pairs = [(printer.doprint(symbol), printer.doprint(expr)) for symbol, expr in f.locals]
+        lines += ["With", *_equations(pairs)]
+    return lines + _equations([(names.port(p.name), printer.doprint(e)) for p, e in f.outputs])
+
+
+def _equations(pairs: list[tuple[str, str]]) -> list[str]:
+    return aligned(f"{left} &= {right}" for left, right in pairs)
+
+
+def _size(expr: Expr) -> int:
+    return 1 + sum(_size(a) for a in expr.args)

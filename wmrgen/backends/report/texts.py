@@ -1,0 +1,280 @@
+"""Section 10: which equations of the textbooks this robot reproduces.
+
+An equation is cited where the robot's rows are those of the text, with the text's letters put in, to 1e-9 of their
+size: robot files hold rounded numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from wmrgen.backends.report.markdown import listed, table
+from wmrgen.backends.report.numbers import plain
+from wmrgen.backends.report.subject import Subject
+from wmrgen.constraints import nominal_view, rolling_row
+from wmrgen.exact.angles import cos_sin
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.layout.records import Robot, Wheel
+
+_ROUNDING = 1e-9
+Letters = dict[str, Exact]
+Rows = tuple[tuple[Exact, Exact, Exact], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Citation:
+    """``equation`` of a text gives ``what``; ``letters``: the text's symbols and their values here."""
+
+    equation: str
+    what: str
+    letters: Letters
+    wheels: tuple[str, ...] = ()
+
+
+def texts(s: Subject) -> list[str]:
+    """Section 10."""
+    found = citations(s.robot)
+    lines = ["## 10 In the textbooks", ""]
+    if not found:
+        return [
+            *lines,
+            "No text among the five that wmrgen reproduces writes this layout out; its rows are those of "
+            "section 2, with the numbers given there.",
+            "",
+        ]
+    lines += ["The rows of this robot are those of", ""]
+    rows = []
+    for c in found:
+        letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
+        order = f"; wheels in the order {listed(c.wheels)}" if c.wheels else ""
+        rows.append([c.equation, c.what, letters + order])
+    return lines + table(["equation", "what it gives", "with"], rows, "l")
+
+
+def citations(robot: Robot) -> list[Citation]:
+    """Every citation that holds for the robot."""
+    return [c for rule in _RULES for c in rule(robot)]
+
+
+def _constraining(robot: Robot) -> list[Wheel]:
+    return [w for w in robot.wheels if w.type in ("fixed", "steered", "swedish")]
+
+
+def _rows(wheels: Iterable[Wheel]) -> Rows:
+    """Spin per twist of each wheel: J2^-1 J1, exact."""
+    found = []
+    for w in wheels:
+        g = nominal_view(w)
+        scale = (g.r * g.cg).inverse()
+        a, b, c = ((p * scale).constant for p in rolling_row(w, g).row)
+        found.append((a or ZERO, b or ZERO, c or ZERO))
+    return tuple(found)
+
+
+def _ahead(w: Wheel) -> bool:
+    return _same(w.nominal.ch, ONE) and _same(w.nominal.sh, ZERO)
+
+
+def _same(a: Exact, b: Exact) -> bool:
+    return abs(float(a - b)) <= _ROUNDING * max(1.0, abs(float(a)))
+
+
+def _alike(found: Rows, expected: Rows) -> bool:
+    return all(_same(a, b) for f, e in zip(found, expected, strict=True) for a, b in zip(f, e, strict=True))
+
+
+def _names(wheels: Iterable[Wheel]) -> tuple[str, ...]:
+    return tuple(w.name for w in wheels)
+
+
+def _differential(robot: Robot) -> list[Citation]:
+    """Two fixed wheels on one axle, the same on both sides of x."""
+    wheels = sorted(_constraining(robot), key=lambda w: float(w.nominal.y))
+    if len(wheels) != 2 or any(w.type != "fixed" or not _ahead(w) for w in wheels):
+        return []
+    right, left = wheels
+    a, b, r = left.nominal.y, left.nominal.x, left.nominal.r
+    if not a or not _same(right.nominal.y, -a) or not _same(right.nominal.x, b):
+        return []
+    pair = _names((right, left))
+    if not _alike(_rows((right, left)), ((ONE / r, ZERO, a / r), (ONE / r, ZERO, -a / r))):
+        return []
+    if b:
+        text = "Tzafestas Example 2.2"
+        return [
+            Citation(text, "`inverse`, and the constraint with the offset b", {"a": a, "b": b, "r": r}, pair)
+        ]
+    return [
+        Citation("Siegwart (3.29), (3.30)", "the stacked rows and `forward`", {"l": a, "r": r}, pair),
+        Citation("Tzafestas (2.34)-(2.37), (2.41c)", "`forward` and `inverse`", {"a": a, "r": r}, pair),
+        Citation("Kelly, differential steer", "`inverse` and `forward` in rim speeds", {"W": a}, pair),
+    ]
+
+
+def _unicycle(robot: Robot) -> list[Citation]:
+    wheels = _constraining(robot)
+    if len(wheels) != 1 or wheels[0].type != "fixed" or not _ahead(wheels[0]):
+        return []
+    g = wheels[0].nominal
+    if not _same(g.x, ZERO) or not _same(g.y, ZERO):
+        return []
+    return [
+        Citation("Tzafestas (2.26)-(2.28)", "the posture model of the unicycle", {"r": g.r}),
+        Citation("Siegwart (3.37)", "C1 of the single fixed wheel, rank 1", {"r": g.r}),
+    ]
+
+
+def _car(robot: Robot) -> list[Citation]:
+    """Fixed wheels on the axle through P, steered wheels in front."""
+    wheels = _constraining(robot)
+    fixed, steered = ([w for w in wheels if w.type == t] for t in ("fixed", "steered"))
+    if not fixed or not steered or len(fixed) + len(steered) < len(wheels):
+        return []
+    if not all(_same(w.nominal.x, ZERO) and _ahead(w) for w in fixed):
+        return []
+    if not all(_same(w.nominal.x, steered[0].nominal.x) for w in steered):
+        return []
+    front = steered[0].nominal
+    if (
+        not _same(sum((w.nominal.y for w in steered), ZERO), ZERO)
+        or not front.x
+        or any(w.nominal.o for w in steered)
+    ):
+        return []
+    letters = {"D": front.x}
+    if len(steered) > 1:
+        what = "the constraints, with psi the steering of a virtual wheel midway"
+        return [
+            Citation("Tzafestas (2.49)-(2.51)", what, letters),
+            Citation("Kelly, Ackermann", "tan psi = omega D / vx", letters),
+        ]
+    driven = "spin" in steered[0].actuated
+    model = ("(2.46), (2.56a)", "front") if driven else ("(2.52)-(2.55)", "rear")
+    return [
+        Citation(f"Tzafestas {model[0]}", f"the posture model, {model[1]} wheel driven", letters),
+        Citation("Tzafestas (2.51)", "the constraints", letters),
+        Citation("Kelly, Ackermann", "`inverse` and `forward`: tan psi = omega D / vx", letters),
+    ]  # fmt: skip
+
+
+def _omni(robot: Robot) -> list[Citation]:
+    """Omni wheels that drive along the tangent of one circle."""
+    wheels = _constraining(robot)
+    if len(wheels) < 3 or any(w.type != "swedish" or not _same(w.nominal.sg, ZERO) for w in wheels):
+        return []
+    r, first = wheels[0].nominal.r, _rows(wheels)[0][2] * wheels[0].nominal.r
+    tangential = all(_same(w.nominal.x * w.nominal.ch + w.nominal.y * w.nominal.sh, ZERO) for w in wheels)
+    arms = [row[2] * w.nominal.r for row, w in zip(_rows(wheels), wheels, strict=True)]
+    if not tangential or not all(_same(arm, first) for arm in arms):
+        return []
+    if any(w.nominal.r != r for w in wheels):
+        return []
+    found = []
+    radius = first if first.sign > 0 else -first
+    if first.sign > 0:
+        found.append(
+            Citation("Tzafestas (2.72)", "`inverse` for any number of omni wheels", {"D": radius, "r": r})
+        )
+        found += _ring(wheels, (0, 8, 16), "Tzafestas (2.73), (2.74)", {"D": radius, "r": r})
+    else:
+        found.append(
+            Citation(
+                "Konstantinov (3), (4)", "`inverse`, phi_i the polar angle of wheel i", {"a": radius, "r": r}
+            )
+        )
+        found += _ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": radius, "r": r})
+        found += _ring(wheels, (-6, 2, 10), "Konstantinov (5)", {"a": radius, "r": r})
+    return found  # fmt: skip
+
+
+def _ring(wheels: list[Wheel], twelfths: tuple[int, ...], equation: str, letters: Letters) -> list[Citation]:
+    """Three wheels whose headings are these multiples of pi/12, in any order."""
+    if len(wheels) != len(twelfths):
+        return []
+    order = []
+    for k in twelfths:
+        c, s = (p.constant for p in cos_sin(Poly.gen("pi") * Poly.of(k) * Poly.of(12).inverse()))
+        order += [w for w in wheels if _same(w.nominal.ch, c or ZERO) and _same(w.nominal.sh, s or ZERO)]
+    return [Citation(equation, "`inverse` and `forward`", letters, _names(order))] if len(order) == 3 else []
+
+
+def _mecanum(robot: Robot) -> list[Citation]:
+    """Four Swedish 45 degree wheels in a rectangle, roller axes at the ground through its middle lines."""
+    wheels = _constraining(robot)
+    if len(wheels) != 4 or any(w.type != "swedish" or not _ahead(w) or not w.nominal.sg for w in wheels):
+        return []
+    ordered = sorted(wheels, key=lambda w: (w.nominal.x.sign < 0, w.nominal.y.sign * w.nominal.x.sign))
+    front = ordered[0].nominal
+    d1, d2, r = -front.y, front.x, front.r
+    s = d1 + d2
+    rows: Rows = ((ONE, ONE, s), (ONE, -ONE, -s), (ONE, ONE, -s), (ONE, -ONE, s))
+    expected = tuple((a / r, b / r, c / r) for a, b, c in rows)
+    if not _alike(_rows(ordered), expected):
+        return []
+    letters = {"d1": d1, "d2": d2, "R": r}
+    what = "`inverse` and `forward`, turned to x forward"
+    return [Citation("Tzafestas (2.82), (2.84)", what, letters, _names(ordered))]
+
+
+def _all_steered(robot: Robot) -> list[Citation]:
+    wheels = _constraining(robot)
+    if len(wheels) < 2 or any(w.type != "steered" for w in wheels):
+        return []
+    if robot.couplings:
+        parallel = (
+            all(
+                _same(w.nominal.ch, wheels[0].nominal.ch) and _same(w.nominal.sh, wheels[0].nominal.sh)
+                for w in wheels
+            )
+            and len(set(robot.steer_group)) == 1
+        )
+        return (
+            [Citation("Siegwart 3.3.3", "synchro drive: the chassis only translates", {})] if parallel else []
+        )
+    what = "rows H of the contact velocities and their least squares"
+    found = [Citation("Kelly Box 4.2", what, {})]
+    offsets = {w.nominal.o for w in wheels if w.nominal.o}
+    if len(wheels) == 4 and offsets:
+        found.append(
+            Citation(
+                "Kelly (4.62)",
+                "H and Q of four wheel steering with offset contacts",
+                {"d": max(offsets, key=float)},
+            )
+        )
+    return found  # fmt: skip
+
+
+def _castors(robot: Robot) -> list[Citation]:
+    powered = [w for w in robot.wheels if w.type == "castor" and "steer" in w.actuated]
+    if not powered:
+        return []
+    return [
+        Citation(
+            "Siegwart (3.17), (3.18)", "both rates of a powered castor from the twist", {}, _names(powered)
+        )
+    ]
+
+
+def _locked_bicycle(robot: Robot) -> list[Citation]:
+    """Two fixed wheels in line, one behind the other."""
+    wheels = _constraining(robot)
+    if len(wheels) != 2 or any(
+        w.type != "fixed" or not _same(w.nominal.y, ZERO) or not _same(w.nominal.sh, ZERO) for w in wheels
+    ):
+        return []
+    l1, l2 = sorted((w.nominal.x for w in wheels), key=float, reverse=True)
+    if _same(l1, l2):
+        return []
+    return [
+        Citation(
+            "Siegwart (3.39), 3.4.2", "C1f of rank 2: a holonomic robot on a line", {"l1": l1, "l2": -l2}
+        )
+    ]
+
+
+_RULES: tuple[Callable[[Robot], list[Citation]], ...] = (
+    _unicycle, _differential, _locked_bicycle, _car, _omni, _mecanum, _all_steered, _castors,
+)  # fmt: skip

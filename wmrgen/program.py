@@ -50,7 +50,18 @@ IN_C = ("inverse", "forward", "odometry")  # of the standard ones: what firmware
 
 # Function -> where its builder stands; imported when asked for. A builder raises NotDerivableError where the
 # robot cannot have the function.
-OPTIONAL: dict[str, str] = {}
+OPTIONAL: dict[str, str] = {
+    "motion": "wmrgen.motion.circle:motion",
+    "circle": "wmrgen.motion.circle:circle",
+    "icr": "wmrgen.motion.icr:icr",
+    "axles": "wmrgen.motion.axles:axles",
+    "steer_to": "wmrgen.motion.icr:steer_to",
+    "reach": "wmrgen.motion.reach:reach",
+    "contact_velocity": "wmrgen.motion.points:contact_velocity",
+    "projections": "wmrgen.motion.points:projections",
+    "inverse_world": "wmrgen.motion.world:inverse_world",
+    "forward_world": "wmrgen.motion.world:forward_world",
+}
 
 
 def functions() -> tuple[str, ...]:

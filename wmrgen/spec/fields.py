@@ -78,7 +78,20 @@ ROBOT_KEYS = (
 ROBOT_REQUIRED = ("wmrgen", "name", "wheels")
 
 # Functions that are generated where a robot file asks for them; `wmrgen eval` computes any of them.
-OPTIONAL_FUNCTIONS: tuple[str, ...] = ("dynamics", "contacts")
+OPTIONAL_FUNCTIONS: tuple[str, ...] = (
+    "dynamics",
+    "contacts",
+    "motion",
+    "circle",
+    "icr",
+    "axles",
+    "steer_to",
+    "reach",
+    "contact_velocity",
+    "projections",
+    "inverse_world",
+    "forward_world",
+)
 
 # Gain -> meaning.
 GAINS: dict[str, str] = {

@@ -16,7 +16,7 @@ SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(
 
 # From left to right. The IR stands beside the stages: it knows none of them, and `lower` hands over to it.
 STAGES = (
-    "spec layout constraints symbolic mobility kinematics models motion control space textbook"
+    "spec layout constraints symbolic mobility kinematics models motion control space"
     " program lower model derivation"
 ).split()
 TOOLS = {"errors", "exact", "ports"}
@@ -37,6 +37,8 @@ MAY_IMPORT["derivation"] |= {"ir", "backends"}
 # Code comes from the IR alone; the report and the wheel table of the banners show the stages themselves.
 SHOWS_STAGES = {"backends/report", "backends/wheels"}
 MAY_IMPORT["emit"] = {*MAY_IMPORT["derivation"], "derivation", "backends"}
+# The textbook is a program without a robot: it uses the whole line, and checks the texts against the engine.
+MAY_IMPORT["textbook"] = {*MAY_IMPORT["derivation"], "derivation", "backends", "render"}
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
 
 

@@ -168,6 +168,8 @@ def _number(expr: Expr) -> Exact | None:
 
 
 def _root(base: Fraction, exponent: sympy.Rational) -> Exact:
+    if exponent.q == 1:
+        return Exact(base) ** int(exponent.p)
     if exponent.q != 2:
         raise ValueError(f"no number for exponent {exponent}")
     root = exact_sqrt(base) or Exact(sqrt_rational(base.numerator * base.denominator) / base.denominator)

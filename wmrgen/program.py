@@ -61,6 +61,17 @@ OPTIONAL: dict[str, str] = {
     "projections": "wmrgen.motion.points:projections",
     "inverse_world": "wmrgen.motion.world:inverse_world",
     "forward_world": "wmrgen.motion.world:forward_world",
+    "goto_pose": "wmrgen.control.goto_pose:goto_pose",
+    "pursuit": "wmrgen.control.pursuit:pursuit",
+    "posture": "wmrgen.models.functions:posture",
+    "configuration": "wmrgen.models.functions:configuration",
+    "virtual_steering": "wmrgen.models.virtual:virtual_steering",
+    "virtual_angle": "wmrgen.models.virtual:virtual_angle",
+    "zeta": "wmrgen.models.zeta:zeta",
+    "trailer": "wmrgen.models.trailers:trailer",
+    "trailer_positions": "wmrgen.models.trailers:trailer_positions",
+    "steady_circle": "wmrgen.models.steady:steady_circle",
+    "slip_inverse": "wmrgen.models.slip:slip_inverse",
 }
 
 

@@ -91,6 +91,17 @@ OPTIONAL_FUNCTIONS: tuple[str, ...] = (
     "projections",
     "inverse_world",
     "forward_world",
+    "goto_pose",
+    "pursuit",
+    "posture",
+    "configuration",
+    "virtual_steering",
+    "virtual_angle",
+    "zeta",
+    "trailer",
+    "trailer_positions",
+    "steady_circle",
+    "slip_inverse",
 )
 
 # Gain -> meaning.

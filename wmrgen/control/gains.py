@@ -1,0 +1,117 @@
+"""Gains of the polar feedback law: which stabilise it, decided exactly.
+
+The linearised closed loop has the characteristic polynomial (s + k_rho)(s^2 + (k_alpha - k_rho) s - k_rho k_beta)
+(Siegwart (3.60)-(3.64)). Comparisons with pi are decided by rational bounds: pi is irrational, so digits suffice.
+"""
+
+from __future__ import annotations
+
+import cmath
+from dataclasses import dataclass
+from fractions import Fraction
+
+import mpmath
+
+from wmrgen.exact.angles import to_fraction
+from wmrgen.exact.number import Exact
+from wmrgen.layout.records import Robot
+
+# Siegwart (3.59).
+TEXTBOOK = {"k_rho": Exact(3), "k_alpha": Exact(8), "k_beta": Exact(Fraction(-3, 2))}
+_STRONG = "k_alpha + 5/3 k_beta - 2/pi k_rho > 0"
+_ALL_BETA = "k_alpha + 2 k_beta - 2/pi k_rho > 0"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What gains do. ``violated``: conditions of local stability that fail, as text.
+
+    ``strong``: Siegwart (3.65), alpha stays within +-90 deg from |beta| <= 5 pi / 6. ``strong_all_beta``: the
+    corrected condition, the same from every beta in (-pi, pi). Both include the signs of k_rho and k_beta.
+    ``eigenvalues`` [1/s] of the linearisation.
+    """
+
+    stable: bool
+    strong: bool
+    strong_all_beta: bool
+    violated: tuple[str, ...]
+    eigenvalues: tuple[complex, complex, complex]
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """The strong conditions that fail."""
+        return tuple(
+            text for text, holds in ((_STRONG, self.strong), (_ALL_BETA, self.strong_all_beta)) if not holds
+        )
+
+
+def judge(k_rho: Exact, k_alpha: Exact, k_beta: Exact) -> Verdict:
+    """Local stability (Siegwart (3.61)-(3.64)) and the strong conditions (Siegwart (3.65), corrected)."""
+    conditions = {
+        "k_rho > 0": k_rho.sign > 0,
+        "k_beta < 0": k_beta.sign < 0,
+        "k_alpha - k_rho > 0": (k_alpha - k_rho).sign > 0,
+    }
+    signs = conditions["k_rho > 0"] and conditions["k_beta < 0"]
+    return Verdict(
+        all(conditions.values()),
+        signs and exceeds(k_alpha + k_beta * Fraction(5, 3), k_rho),
+        signs and exceeds(k_alpha + k_beta * 2, k_rho),
+        tuple(text for text, holds in conditions.items() if not holds),
+        _eigenvalues(float(k_rho), float(k_alpha), float(k_beta)),
+    )
+
+
+def exceeds(a: Exact, k: Exact) -> bool:
+    """a > (2/pi) k, exactly."""
+    if not a or not k:
+        return a.sign > 0 or (not a and k.sign < 0)
+    digits = 60
+    while True:
+        low, high = _pi_bounds(digits)
+        signs = {(a * bound - k * 2).sign for bound in (low, high)}
+        if len(signs) == 1 and 0 not in signs:
+            return signs == {1}
+        digits *= 2
+
+
+def _pi_bounds(digits: int) -> tuple[Fraction, Fraction]:
+    """Fractions below and above pi, 2 * 10**-digits apart."""
+    with mpmath.workdps(digits + 5):
+        middle = to_fraction(+mpmath.pi)
+    width = Fraction(1, 10**digits)
+    return middle - width, middle + width
+
+
+def _eigenvalues(k_rho: float, k_alpha: float, k_beta: float) -> tuple[complex, complex, complex]:
+    middle = (k_alpha - k_rho) / 2
+    root = cmath.sqrt(middle * middle + k_rho * k_beta)
+    return complex(-k_rho), -middle + root, -middle - root
+
+
+def nominal_gains(robot: Robot) -> dict[str, Exact]:
+    """The gains of the robot file; the text's where it gives none."""
+    return {
+        name: robot.gains[name].nominal if name in robot.gains else value for name, value in TEXTBOOK.items()
+    }
+
+
+def warnings(robot: Robot) -> tuple[str, ...]:
+    """What is to be said about the gains in a robot's file; nothing where it has none."""
+    if not robot.gains.keys() & TEXTBOOK.keys():
+        return ()
+    gains = nominal_gains(robot)
+    verdict = judge(**gains)
+    if not verdict.stable:
+        return (f"gains {shown(gains)} do not stabilise goto_pose: {', '.join(verdict.violated)} fails",)
+    if verdict.lost:
+        return (
+            f"gains {shown(gains)} stabilise goto_pose near the goal, but {' and '.join(verdict.lost)} fails: "
+            "from some poses the goal leaves the half plane ahead on the way",
+        )
+    return ()
+
+
+def shown(gains: dict[str, Exact]) -> str:
+    """``k_rho = 3, k_alpha = 8, k_beta = -1.5``"""
+    return ", ".join(f"{name} = {float(value):g}" for name, value in gains.items())

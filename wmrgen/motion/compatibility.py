@@ -1,0 +1,155 @@
+"""Compatibility rows: what the wheel speeds of an over-actuated robot obey whatever it does.
+
+More wheels drive than the robot has freedoms, so w . spin = 0 with w in the left null space of J2^-1 J1 on the
+admissible twists: theta1 + theta2 = theta3 + theta4 of a mecanum base (Tzafestas (2.84)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from wmrgen.constraints import View, rolling_row, sliding_row, symbolic_view, working_view
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.evaluate import fix
+from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.kinematics.records import Formula, given, joint_port, tunable_ports
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.nullspace import IDENTITY
+from wmrgen.mobility.ranks import independent, numeric_rank, unit_rows
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import expression
+
+NEGLIGIBLE = 1e-12
+Relation = tuple[Poly, ...]  # one entry per driven wheel
+
+
+def relations(
+    robot: Robot, mobility: Mobility, view: View = working_view
+) -> tuple[list[Wheel], list[Relation]]:
+    """The driven wheels, and the independent rows w with w . spin = 0, steering held.
+
+    A degenerate robot (skid-steer) keeps every twist, as its inverse does.
+    """
+    driven = [w for w in robot.wheels if "spin" in w.actuated]
+    columns = mobility.null_space_symbolic if view is symbolic_view else mobility.null_space
+    if mobility.degenerate:
+        columns = IDENTITY
+    if not driven or not columns:
+        return driven, []
+    rims = [tuple(dot(_row(w, view), column) for column in columns) for w in driven]
+    numbers = np.array([[_float(robot, p) for p in row] for row in rims]).reshape(len(driven), -1)
+    numbers = np.hstack([numbers, np.zeros((len(driven), 3 - numbers.shape[1]))])
+    rank, _ = numeric_rank(unit_rows(numbers))
+    rows = independent(numbers, rank)
+    keep = independent(np.pad(numbers[rows].T, ((0, 0), (0, 3 - rank))), rank) if rank else []
+    found = []
+    for other in (i for i in range(len(driven)) if i not in rows):
+        entries = _relation([rims[i] for i in rows], rims[other], keep)
+        full = dict(zip((*rows, other), entries, strict=True))
+        row = [full.get(i, Poly({})) * _radius(w, view) for i, w in enumerate(driven)]
+        found.append(_readable(row))
+    return driven, found
+
+
+def _row(w: Wheel, view: View) -> Row:
+    """Rolling row on the twist; the steering rate of a castor with an axle offset follows from the twist."""
+    g = view(w)
+    row = rolling_row(w, g).row
+    if w.type != "castor" or not g.o:
+        return row
+    slide, share = sliding_row(w, g).row, g.o * g.d.inverse()
+    return row[0] + slide[0] * share, row[1] + slide[1] * share, row[2] + slide[2] * share
+
+
+def _radius(w: Wheel, view: View) -> Poly:
+    g = view(w)
+    return g.r * g.cg if w.type == "swedish" else g.r
+
+
+def _float(robot: Robot, poly: Poly) -> float:
+    """The value at nominal parameters and steering angles without meaning."""
+
+    def value(gen: Gen) -> Poly | None:
+        if gen.kind not in ("cos", "sin"):
+            return None
+        index = [w.name for w in robot.wheels].index(gen.name)
+        t = Poly.of(2 + index) * Poly.of(7 + index * index).inverse()
+        over = (1 + t * t).inverse()
+        return (1 - t * t) * over if gen.kind == "cos" else 2 * t * over
+
+    values = {p.name: Poly.of(p.nominal) for p in robot.parameters}
+    number = fix(poly.substitute(value), values).constant
+    return float(number) if number is not None else 0.0
+
+
+def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: Sequence[int]) -> list[Poly]:
+    """Cramer's rule: coefficients of the basis rows and of the other one, whose sum vanishes."""
+    square = [[row[k] for k in keep] for row in basis]
+    last = [other[k] for k in keep]
+    entries = [
+        -_determinant([last if i == k else r for i, r in enumerate(square)]) for k in range(len(square))
+    ]
+    return [*entries, _determinant(square)]
+
+
+def _determinant(m: list[list[Poly]]) -> Poly:
+    if not m:
+        return Poly.of(1)
+    return Poly.sum(
+        (m[0][k] * _determinant([row[:k] + row[k + 1 :] for row in m[1:]])).scale((-1) ** k)
+        for k in range(len(m))
+    )
+
+
+def _readable(row: Sequence[Poly]) -> Relation:
+    """The row without rounding dust and common factors: leading coefficient 1."""
+    largest = max(abs(float(c)) for p in row for c in p.terms.values())
+    kept = [Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest}) for p in row]
+    first = next(p for p in kept if p)
+    ratios = [_ratio(p, first) for p in kept]
+    if all(r is not None for r in ratios):
+        return tuple(r for r in ratios if r is not None)
+    powers = [dict(m) for p in kept for m in p.terms]
+    shared = {g: min(q.get(g, 0) for q in powers) for g in sorted({g for q in powers for g in q})}
+    factor = Poly({tuple((g, -e) for g, e in shared.items() if e): _leading(first).terms[()]})
+    return tuple(p * factor for p in kept)
+
+
+def _leading(p: Poly) -> Poly:
+    """One over the first coefficient."""
+    first = min(p.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+    return Poly.of(first[1].inverse())
+
+
+def _ratio(a: Poly, b: Poly) -> Poly | None:
+    """a / b when it is a number."""
+    if not a:
+        return a
+    if a.terms.keys() != b.terms.keys():
+        return None
+    m = next(iter(b.terms))
+    ratio = a.terms[m] / b.terms[m]
+    close = all(abs(float(c - ratio * b.terms[k])) <= NEGLIGIBLE * abs(float(c)) for k, c in a.terms.items())
+    return Poly.of(ratio) if close else None
+
+
+def compatibility(robot: Robot, mobility: Mobility) -> Formula:
+    """Wheel speeds to the residual of each compatibility row: 0 where they agree."""
+    driven, found = relations(robot, mobility)
+    if not found:
+        raise NotDerivableError(
+            f"{robot.name} has no compatibility rows: its {len(driven)} driven wheels turn independently"
+        )
+    spins = [given(f"{w.name}.spin") for w in driven]
+    outputs = []
+    for k, row in enumerate(found, 1):
+        port = Port(f"residual{k}", Role.COMMAND, "rad/s", f"compatibility row {k} times the wheel speeds")
+        outputs.append((port, expression(Poly.sum(a * b for a, b in zip(row, spins, strict=True)))))
+    seen = {g.name for row in found for p in row for g in p.generators if g.kind in ("cos", "sin")}
+    steers = [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.name in seen]
+    inputs = (*(joint_port(w, "spin", Role.COMMAND) for w in driven), *steers, *tunable_ports(robot))
+    text = "residuals of the wheel speeds of an over-actuated robot, steering held"
+    return Formula("compatibility", inputs, (), tuple(outputs), text)

@@ -11,12 +11,13 @@ from wmrgen.layout import Robot, build
 from wmrgen.spec.load import read_robot
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import sympy
 
     from wmrgen.constraints import Constraints
-    from wmrgen.ir.nodes import Module
+    from wmrgen.exact.number import Exact
+    from wmrgen.ir.nodes import Function, Module
     from wmrgen.kinematics import Formula
     from wmrgen.mobility import Mobility
     from wmrgen.program import Program
@@ -44,6 +45,7 @@ class Derivation:
     def __init__(self, robot: Robot, functions: Sequence[str] | None = None) -> None:
         self.robot = robot
         self._functions = functions
+        self._lowered: dict[str, Function] = {}
 
     @property
     def itself(self) -> Derivation:
@@ -113,6 +115,34 @@ class Derivation:
         return ("vx", "vy", "omega", *rates)
 
     @cached_property
+    def H(self) -> sympy.Matrix:
+        """2N x 3: velocities of all contact points per twist, v_c = H xi + Q steer_rate (Kelly Box 4.2, (4.62))."""
+        from wmrgen.constraints import symbolic_view
+        from wmrgen.motion.points import matrices
+
+        return self._matrix(matrices(self.robot, symbolic_view)[0])
+
+    @cached_property
+    def Q(self) -> sympy.Matrix:
+        """2N x M: velocities of all contact points per steering rate of the M wheels that turn, in wheel order."""
+        from wmrgen.constraints import symbolic_view
+        from wmrgen.motion.points import matrices
+        from wmrgen.symbolic import matrix
+
+        turning = sum(w.turns for w in self.robot.wheels)
+        return matrix(matrices(self.robot, symbolic_view)[1], turning)
+
+    @cached_property
+    def compatibility(self) -> sympy.Matrix:
+        """Rows w with w . spin = 0, one column per driven wheel: left null space of J2^-1 J1 (Tzafestas (2.84))."""
+        from wmrgen.constraints import symbolic_view
+        from wmrgen.motion.compatibility import relations
+        from wmrgen.symbolic import matrix
+
+        driven, rows = relations(self.robot, self.mobility, symbolic_view)
+        return matrix(rows, len(driven))
+
+    @cached_property
     def null_space(self) -> sympy.Matrix:
         """3 x delta_m: columns span the admissible twists at steering angles that meet in one ICR."""
         return self._matrix(self.mobility.null_space_symbolic).T
@@ -136,6 +166,18 @@ class Derivation:
         from wmrgen.program import formula
 
         return formula(self.robot, self.mobility, name)
+
+    def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
+        """Any function at exact values. Inputs left out are 0, parameters nominal."""
+        from wmrgen.exact.number import ZERO
+        from wmrgen.ir.interpret import EXACT, evaluate
+        from wmrgen.lower import lower
+
+        if name not in self._lowered:
+            self._lowered[name] = lower(self.formula(name))
+        function = self._lowered[name]
+        missing = {p.name: ZERO for p in function.inputs if p.default is None}
+        return evaluate(function, missing | dict(values), EXACT)
 
     @property
     def inverse(self) -> dict[str, Expr]:

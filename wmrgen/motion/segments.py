@@ -1,0 +1,166 @@
+"""Trajectories of segments (Siegwart figures 3.15, 3.16): wheel commands per segment, with the waits for steering.
+
+A segment is a constant twist for a time. Steered wheels must stand at its angles before it begins: the robot waits
+while they turn, as long as the slowest needs at its limit of ``steer_rate``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from wmrgen.errors import NotDerivableError, UsageError
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.layout.records import Interval, Robot, Wheel
+
+Values = Mapping[str, Exact]
+Call = Callable[[str, Values], Values]  # function name and inputs to outputs
+FORBIDDEN = Exact(Fraction(1, 10**9))  # [m/s] sliding that is more than rounding
+STILL = Exact(Fraction(1, 10**12))  # [rad] a turn that is none
+
+TWIST = ("vx", "vy", "omega")
+RATES = ("x_rate", "y_rate", "theta_rate")
+POSE = ("x", "y", "theta")
+KINDS = {"twist": TWIST, "world": RATES, "displacement": POSE}
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """``kind``: twist (vx vy omega, robot frame), world (x_rate y_rate theta_rate) or displacement (x y theta in the
+    robot frame at its start). ``values`` in that order, SI; ``dt`` [s]."""
+
+    kind: str
+    values: tuple[Exact, Exact, Exact]
+    dt: Exact
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """A stretch of constant commands. ``action``: steer (the robot stands) or drive.
+
+    ``spins`` [rad/s] and ``steers`` (angle at the end [rad]) by wheel name; ``twist`` in the robot frame; ``pose``
+    (x, y, theta) at the end; ``slip`` [m/s] as of ``inverse``. ``segment`` counts from 0.
+    """
+
+    segment: int
+    action: str
+    dt: Exact
+    spins: Mapping[str, Exact]
+    steers: Mapping[str, Exact]
+    twist: tuple[Exact, Exact, Exact]
+    pose: tuple[Exact, Exact, Exact]
+    slip: Exact = ZERO
+
+
+def segment(values: Values, place: str) -> Segment:
+    """A segment from its named values: one of the three kinds, and dt. UsageError when it is none."""
+    names = [n for n in values if n != "dt"]
+    kinds = [k for k, own in KINDS.items() if names and all(n in own for n in names)]
+    if len(kinds) != 1:
+        ways = "; ".join(" ".join(own) for own in KINDS.values())
+        raise UsageError(f"{place}: give dt and values of one kind: {ways}")
+    dt = values.get("dt", ZERO)
+    if dt <= 0:
+        raise UsageError(f"{place}: dt must be above 0")
+    a, b, c = (values.get(n, ZERO) for n in KINDS[kinds[0]])
+    if kinds[0] == "world" and c and (a or b):
+        raise UsageError(
+            f"{place}: a velocity that is constant in the world while the robot turns needs wheel speeds that change; "
+            "give vx vy omega (an arc), or translate and turn one after the other"
+        )
+    return Segment(kinds[0], (a, b, c), dt)
+
+
+def plan(
+    robot: Robot, segments: Sequence[Segment], call: Call, start: Sequence[Exact], steers: Values
+) -> list[Phase]:
+    """Phases of the segments. ``start``: pose; ``steers``: present steering angles by wheel name (0 if absent).
+
+    NotDerivableError for driven castors, whose commands change on the way; UsageError for a motion that the wheels
+    forbid. A degenerate robot slides where it must: see ``slip``.
+    """
+    castors = [w.name for w in robot.wheels if w.type == "castor" and w.actuated]
+    if castors:
+        raise NotDerivableError(
+            f"{robot.name} has no segments: the commands of its castor {castors[0]} change within a constant twist"
+        )
+    phases: list[Phase] = []
+    pose = (start[0], start[1], start[2])
+    now = {w.name: steers.get(w.name, ZERO) for w in robot.wheels if w.turns}
+    for k, part in enumerate(segments):
+        twist = _twist(part, pose, call)
+        present = {f"{name}.steer": angle for name, angle in now.items()}
+        joints = call("inverse", {**dict(zip(TWIST, twist, strict=True)), **present})
+        target = {w.name: joints[f"{w.name}.steer"] for w in robot.wheels if w.type == "steered"}
+        wait = _wait(robot, k, now, target, pose)
+        phases += [wait] if wait is not None else []
+        now |= target
+        pose = _moved(pose, twist, part.dt, call)
+        spins = {w.name: joints[f"{w.name}.spin"] for w in robot.wheels if "spin" in w.actuated}
+        phases.append(Phase(k, "drive", part.dt, spins, _commanded(robot, now), twist, pose, joints["slip"]))
+    return phases
+
+
+def forbidden(phases: Sequence[Phase]) -> list[Phase]:
+    """The phases in which wheels slide."""
+    return [p for p in phases if p.slip > FORBIDDEN]
+
+
+def _twist(part: Segment, pose: Sequence[Exact], call: Call) -> tuple[Exact, Exact, Exact]:
+    """The constant twist in the robot frame."""
+    a, b, c = part.values
+    if part.kind == "displacement":
+        found = call("reach", {"x": a, "y": b, "theta": c, "dt": part.dt})
+        return found["vx"], found["vy"], found["omega"]
+    if part.kind == "world":  # seen from the robot: turned by -theta
+        seen = call("odometry", {"theta": -pose[2], "vx": a, "vy": b, "dt": Exact(1)})
+        return seen["x"], seen["y"], c
+    return a, b, c
+
+
+def _moved(
+    pose: Sequence[Exact], twist: Sequence[Exact], dt: Exact, call: Call
+) -> tuple[Exact, Exact, Exact]:
+    values = dict(zip((*POSE, *TWIST), (*pose, *twist), strict=True))
+    end = call("odometry", {**values, "dt": dt})
+    return end["x"], end["y"], end["theta"]
+
+
+def _wait(
+    robot: Robot, k: int, now: Values, target: Values, pose: tuple[Exact, Exact, Exact]
+) -> Phase | None:
+    """The steering before a segment; None when every wheel stands right. Without a limit it takes no time."""
+    swings = {name: angle - now[name] for name, angle in target.items()}
+    if all(abs(s) <= STILL for s in swings.values()):
+        return None
+    wheels = [robot.wheel(name) for name in swings]
+    dt = max((_time(w, swings[w.name], _limit(robot, w)) for w in wheels), default=ZERO)
+    spins = {w.name: _held(w, swings.get(w.name, ZERO), dt) for w in robot.wheels if "spin" in w.actuated}
+    return Phase(k, "steer", dt, spins, _commanded(robot, target), (ZERO, ZERO, ZERO), pose)
+
+
+def _limit(robot: Robot, w: Wheel) -> Interval | None:
+    return w.limits.get("steer_rate") or robot.limits.get("steer_rate")
+
+
+def _time(w: Wheel, swing: Exact, limit: Interval | None) -> Exact:
+    if limit is None or not swing:
+        return ZERO
+    rate = limit.high if swing > 0 else limit.low
+    if rate * swing <= 0:
+        raise UsageError(
+            f"{w.name} cannot turn by {float(swing):.6g} rad: its steer_rate limit forbids that direction"
+        )
+    return swing / rate
+
+
+def _held(w: Wheel, swing: Exact, dt: Exact) -> Exact:
+    """A wheel beside its steering axis rolls while it turns, so that the robot stands: r spin = -o steer_rate."""
+    if not w.nominal.o or not dt:
+        return ZERO
+    return -(w.nominal.o * swing) / (w.nominal.r * dt)
+
+
+def _commanded(robot: Robot, angles: Values) -> dict[str, Exact]:
+    return {w.name: angles[w.name] for w in robot.wheels if w.type == "steered"}

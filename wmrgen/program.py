@@ -75,6 +75,12 @@ OPTIONAL: dict[str, str] = {
     "trailer_positions": "wmrgen.models.trailers:trailer_positions",
     "steady_circle": "wmrgen.models.steady:steady_circle",
     "slip_inverse": "wmrgen.models.slip:slip_inverse",
+    "chained": "wmrgen.models.chained:chained",
+    "chained_input": "wmrgen.models.chained:chained_input",
+    "chained_rates": "wmrgen.models.chained:chained_rates",
+    "brockett": "wmrgen.models.canonical:brockett",
+    "brockett_input": "wmrgen.models.canonical:brockett_input",
+    "brockett_rates": "wmrgen.models.canonical:brockett_rates",
 }
 
 

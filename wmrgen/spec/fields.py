@@ -105,6 +105,12 @@ OPTIONAL_FUNCTIONS: tuple[str, ...] = (
     "trailer_positions",
     "steady_circle",
     "slip_inverse",
+    "chained",
+    "chained_input",
+    "chained_rates",
+    "brockett",
+    "brockett_input",
+    "brockett_rates",
 )
 
 # Gain -> meaning.

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmrgen.kinematics.records import Formula
+import sympy
+
+from wmrgen.kinematics.records import Formula, Locals
+from wmrgen.models.guard import guarded
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, signal, times
 
@@ -21,7 +24,8 @@ class Domain:
 class System:
     """State q, inputs u and vector fields. The symbol of a port is ``signal(port.name)``.
 
-    ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry`` (tunable parameters).
+    ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry``: the tunable
+    parameters, or in the symbolic view all of them; the symbol of those is ``parameter(port.name)``.
     """
 
     name: str
@@ -32,25 +36,36 @@ class System:
     geometry: tuple[Port, ...] = ()
     domain: tuple[Domain, ...] = ()
 
+    @property
+    def G(self) -> sympy.Matrix:
+        """(states) x (inputs): q' = G(q) u. Column k is the vector field of input k."""
+        return sympy.Matrix(len(self.state), len(self.inputs), lambda i, k: self.fields[k][i])
+
+    @property
+    def by_input(self) -> dict[str, tuple[Expr, ...]]:
+        """Input name -> its vector field, components in the order of the state."""
+        return {port.name: field for port, field in zip(self.inputs, self.fields, strict=True)}
+
+    @property
+    def rates(self) -> tuple[Expr, ...]:
+        """q' as expressions in state, inputs and geometry, in the order of the state."""
+        pairs = [(field, signal(u.name)) for field, u in zip(self.fields, self.inputs, strict=True)]
+        return tuple(add(*(times(field[i], u) for field, u in pairs)) for i in range(len(self.state)))
+
     def formula(self) -> Formula:
-        """State and inputs to the rates of the state."""
+        """State and inputs to the rates of the state. Where a divisor of the model vanishes its quotient reads 0."""
+        names = Locals()
+        memo: dict[Expr, Expr] = {}
         outputs = tuple(
-            (
-                _rate(port),
-                add(
-                    *(
-                        times(field[i], signal(u.name))
-                        for field, u in zip(self.fields, self.inputs, strict=True)
-                    )
-                ),
-            )
-            for i, port in enumerate(self.state)
+            (rate_port(port), guarded(rate, names, memo))
+            for port, rate in zip(self.state, self.rates, strict=True)
         )
-        return Formula(self.name, (*self.state, *self.inputs, *self.geometry), (), outputs, self.text)
+        inputs = (*self.state, *self.inputs, *self.geometry)
+        return Formula(self.name, inputs, tuple(names.items), outputs, self.text)
 
 
-def _rate(port: Port) -> Port:
-    """``x`` -> ``x_rate``, ``front.steer`` -> ``front.steer_rate``."""
-    return Port(
-        f"{port.name}_rate", Role.COMMAND, f"{port.unit}/s" if port.unit else "1/s", f"rate of {port.name}"
-    )
+def rate_port(port: Port) -> Port:
+    """``x`` -> ``x_rate``, ``front.steer`` -> ``front.steer_rate``, ``front.angle`` -> ``front.spin``."""
+    name = f"{port.name[:-6]}.spin" if port.name.endswith(".angle") else f"{port.name}_rate"
+    unit = f"{port.unit}/s" if port.unit else "1/s"
+    return Port(name, Role.COMMAND, unit, f"rate of {port.name}")

@@ -1,0 +1,40 @@
+"""The models of a robot by name, as systems and as functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from wmrgen.kinematics.records import Formula
+from wmrgen.layout.records import Robot
+from wmrgen.mobility.records import Mobility
+from wmrgen.models.configuration import configuration_system
+from wmrgen.models.posture import eta_system, posture_system
+from wmrgen.models.system import System
+from wmrgen.models.trailers import check_trailers, trailer_system
+from wmrgen.models.virtual import check_virtual
+from wmrgen.models.zeta import zeta_system
+
+SYSTEMS: dict[str, Callable[[Robot, Mobility, bool], System]] = {
+    "posture": posture_system,
+    "configuration": configuration_system,
+    "eta": eta_system,
+    "zeta": zeta_system,
+    "trailer": trailer_system,
+}
+
+
+def posture(robot: Robot, mobility: Mobility) -> Formula:
+    """State and driven speeds to the rates of the posture."""
+    return posture_system(robot, mobility).formula()
+
+
+def configuration(robot: Robot, mobility: Mobility) -> Formula:
+    """State and driven speeds to the rates of everything that moves."""
+    return configuration_system(robot, mobility).formula()
+
+
+def check(robot: Robot, mobility: Mobility) -> None:
+    """NotDerivableError where the file asks for trailers or virtual wheels that the layout cannot have."""
+    if robot.virtual:
+        check_virtual(robot, mobility)
+    check_trailers(robot, mobility)

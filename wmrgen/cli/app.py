@@ -186,3 +186,91 @@ def check(
     from wmrgen.cli.check import run
 
     return run(robots or [], out)
+
+
+@app.command(short_help="Size the rollers of a mecanum wheel.")
+@guarded
+def rollers(
+    radius: Annotated[str, typer.Option(help="Radius of the wheel: 150mm, 0.15.", show_default=False)],
+    count: Annotated[str, typer.Option(help="Number of rollers, at least 3.", show_default=False)],
+    angle: Annotated[
+        str, typer.Option(help="Hub axis to roller axis: 45deg; 90deg is an omni wheel.", show_default=False)
+    ],
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen rollers --radius 150mm --count 8 --angle 45deg
+
+    Size the rollers of a mecanum wheel: length of a roller, width of the wheel (Tzafestas (2.86)-(2.91)).
+    """
+    from wmrgen.cli.rollers import run
+
+    return run(radius, count, angle, as_json=json)
+
+
+@app.command(short_help="Write the library of textbook formulas and the errata of the texts.")
+@guarded
+def textbook(out: Out = Path("generated")) -> int:
+    """Example:  wmrgen textbook -o generated
+
+    Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (misprints of
+    the texts, each with the check that decides it). `wmrgen eval textbook FUNCTION` computes one of the formulas.
+    """
+    from wmrgen.cli.textbook import run
+
+    return run(out)
+
+
+@app.command(short_help="Say where constant wheel speeds take a robot.")
+@guarded
+def motion(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
+    values: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME=VALUE",
+            help="Speeds of wheels (left=4 or left.spin=4), steering angles, start pose x y theta.",
+            show_default=False,
+        ),
+    ] = None,
+    time: Annotated[str | None, typer.Option(metavar="T", help="How long [s].", show_default=False)] = None,
+    segments: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE.json",
+            help="A list of {vx vy omega | x_rate y_rate theta_rate | x y theta: value, dt: value}; - is stdin.",
+        ),
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen motion robots/pioneer3dx.yaml left=4 right=2 --time 2.3
+
+    Say where constant wheel speeds take a robot: the pose at the end, and the straight line or circle driven. With
+    --segments: the wheel commands of each segment, waits for steering included.
+    """
+    from wmrgen.cli.motion import run
+
+    return run(robot, values or [], time=time, segments=segments, as_json=json)
+
+
+@app.command(short_help="Find the centre of rotation of a twist or of steering angles.")
+@guarded
+def icr(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
+    values: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME=VALUE",
+            help="vx vy omega (and a point: point.x point.y), or <wheel>.steer, or icr.x icr.y.",
+            show_default=False,
+        ),
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen icr robots/ackermann_car.yaml front_left.steer=0.3 front_right.steer=0.25
+
+    Find the centre of rotation (ICR) of a twist; or of the axles at given steering angles, with the wheels that do
+    not point at it; or the steering angles that turn the robot about icr.x, icr.y.
+    """
+    from wmrgen.cli.icr import run
+
+    return run(robot, values or [], as_json=json)

@@ -13,7 +13,7 @@ from math import cos, sin
 
 import numpy as np
 
-from wmrgen.layout.records import Robot
+from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.mobility.records import Array
 
@@ -38,8 +38,7 @@ class SteeringCheck:
 def check_steering(robot: Robot, steer: Mapping[str, float]) -> SteeringCheck:
     """``steer``: joint angle [rad] by wheel name, 0 where not given."""
     wheels = [w for w in robot.wheels if w.type in ("fixed", "steered")]
-    rows = np.array([_row(float(w.nominal.ch), float(w.nominal.sh), float(w.nominal.x), float(w.nominal.y),
-                          steer.get(w.name, 0.0) if w.type == "steered" else 0.0) for w in wheels]).reshape(-1, 3)  # fmt: skip
+    rows = np.array([_row(w, steer) for w in wheels]).reshape(-1, 3)
     rank, singular = _rank(rows)
     odd = [
         w.name
@@ -53,7 +52,19 @@ def _rank(rows: Array) -> tuple[int, tuple[float, ...]]:
     return numeric_rank(unit_rows(rows)) if len(rows) else (0, ())
 
 
-def _row(ch: float, sh: float, x: float, y: float, angle: float) -> list[float]:
+def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float, float]) -> dict[str, float]:
+    """How far the axle line of each fixed or steered wheel passes from a point of the robot frame [m]."""
+    found = {}
+    for w in robot.wheels:
+        if w.type in ("fixed", "steered"):
+            b, a, k = _row(w, steer)  # (-s, c, x c + y s)
+            found[w.name] = abs(a * point[0] - b * point[1] - k)
+    return found
+
+
+def _row(w: Wheel, steer: Mapping[str, float]) -> list[float]:
     """Sliding row of the pivot: [-s, c, x c + y s]."""
+    ch, sh, x, y = (float(v) for v in (w.nominal.ch, w.nominal.sh, w.nominal.x, w.nominal.y))
+    angle = steer.get(w.name, 0.0) if w.type == "steered" else 0.0
     c, s = ch * cos(angle) - sh * sin(angle), sh * cos(angle) + ch * sin(angle)
     return [-s, c, x * c + y * s]

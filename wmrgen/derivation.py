@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
     from wmrgen.kinematics import Formula
     from wmrgen.mobility import Mobility
+    from wmrgen.models.system import System
     from wmrgen.program import Program
     from wmrgen.symbolic import Expr
 
@@ -61,10 +62,15 @@ class Derivation:
 
     @cached_property
     def mobility(self) -> Mobility:
-        """Degrees, ranks and reasons."""
+        """Degrees, ranks and reasons. NotDerivableError for trailers or virtual wheels that the layout cannot have."""
         from wmrgen.mobility import analyse
 
-        return analyse(self.robot)
+        found = analyse(self.robot)
+        if self.robot.trailers or self.robot.virtual:
+            from wmrgen.models.check import check
+
+            check(self.robot, found)
+        return found
 
     @cached_property
     def J1(self) -> sympy.Matrix:
@@ -94,16 +100,22 @@ class Derivation:
 
     @cached_property
     def pfaffian(self) -> sympy.Matrix:
-        """A with A (vx, vy, omega, joint rates) = 0; joints in the order of `pfaffian_rates`."""
+        """A with A (vx, vy, omega, joint rates) = 0; joints in the order of `pfaffian_rates`.
+
+        With ``slip: true``, e . v + slip_x = r spin in rolling rows and n . v = slip_y in sliding rows (Tzafestas Ex. 2.2).
+        """
         from wmrgen.exact.poly import Poly
         from wmrgen.symbolic import matrix
 
         joints = self.constraints.joints
+        every = (*self.constraints.rolling, *self.constraints.sliding)
         rows = []
-        for c in (*self.constraints.rolling, *self.constraints.sliding):
+        for i, c in enumerate(every):
             rates = dict(c.rates)
-            rows.append([*c.row, *(rates.get(j, Poly({})) for j in joints)])
-        return matrix(rows, 3 + len(joints))
+            sign = 1 if c.kind == "rolling" else -1
+            slips = (Poly.of(sign * int(i == k)) for k in range(len(every))) if self.robot.slip else ()
+            rows.append([*c.row, *(rates.get(j, Poly({})) for j in joints), *slips])
+        return matrix(rows, len(self.pfaffian_rates))
 
     @property
     def pfaffian_rates(self) -> tuple[str, ...]:
@@ -112,7 +124,9 @@ class Derivation:
         rates = (
             f"{names[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in self.constraints.joints
         )
-        return ("vx", "vy", "omega", *rates)
+        every = (*self.constraints.rolling, *self.constraints.sliding) if self.robot.slip else ()
+        slips = (f"{c.wheel.name}.slip_{'x' if c.kind == 'rolling' else 'y'}" for c in every)
+        return ("vx", "vy", "omega", *rates, *slips)
 
     @cached_property
     def H(self) -> sympy.Matrix:
@@ -166,6 +180,15 @@ class Derivation:
         from wmrgen.program import formula
 
         return formula(self.robot, self.mobility, name)
+
+    def system(self, name: str, symbolic: bool = False) -> System:
+        """A model q' = G(q) u: posture, configuration, trailer, zeta or eta. NotDerivableError where there is none.
+
+        ``symbolic`` keeps every named parameter as a symbol, else only tunable ones.
+        """
+        from wmrgen.models.functions import SYSTEMS
+
+        return SYSTEMS[name](self.robot, self.mobility, symbolic)
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal."""
@@ -228,8 +251,9 @@ class Derivation:
     def c_module(self) -> Module:
         """The functions for C: forward with and without the residual, no posture model unless asked for."""
         from wmrgen.program import IN_C
+        from wmrgen.program import asked as wanted
 
-        asked = self.robot.functions if self._functions is None else self._functions
+        asked = wanted(self.robot) if self._functions is None else self._functions
         names: dict[str, str] = {}
         for f in self.program.formulas:
             if f.name == "forward":

@@ -106,4 +106,10 @@ def program(robot: Robot, mobility: Mobility, names: Iterable[str]) -> Program:
 def standard(robot: Robot) -> tuple[str, ...]:
     """The functions generated for a robot: the standard ones that it has, then those it asks for."""
     has = [name for name in STANDARD if name != "contacts" or contacts(robot) is not None]
-    return (*has, *(name for name in robot.functions if name not in has))
+    return (*has, *(name for name in asked(robot) if name not in has))
+
+
+def asked(robot: Robot) -> tuple[str, ...]:
+    """The functions beyond the standard ones that a robot file asks for; `slip: true` asks for slip_inverse."""
+    slip = ("slip_inverse",) if robot.slip and "slip_inverse" not in robot.functions else ()
+    return (*robot.functions, *slip)

@@ -10,8 +10,7 @@ from wmrgen.mobility.records import Mobility
 from wmrgen.models.configuration import configuration_system
 from wmrgen.models.posture import eta_system, posture_system
 from wmrgen.models.system import System
-from wmrgen.models.trailers import check_trailers, trailer_system
-from wmrgen.models.virtual import check_virtual
+from wmrgen.models.trailers import trailer_system
 from wmrgen.models.zeta import zeta_system
 
 SYSTEMS: dict[str, Callable[[Robot, Mobility, bool], System]] = {
@@ -31,10 +30,3 @@ def posture(robot: Robot, mobility: Mobility) -> Formula:
 def configuration(robot: Robot, mobility: Mobility) -> Formula:
     """State and driven speeds to the rates of everything that moves."""
     return configuration_system(robot, mobility).formula()
-
-
-def check(robot: Robot, mobility: Mobility) -> None:
-    """NotDerivableError where the file asks for trailers or virtual wheels that the layout cannot have."""
-    if robot.virtual:
-        check_virtual(robot, mobility)
-    check_trailers(robot, mobility)

@@ -7,6 +7,7 @@ from wmrgen.backends.report.expr import Printer
 from wmrgen.backends.report.markdown import aligned, code, sentence, table
 from wmrgen.backends.report.subject import Subject
 from wmrgen.kinematics.records import Formula
+from wmrgen.program import asked
 from wmrgen.symbolic import Expr
 
 _LONG = 1500  # operations and symbols of formulas that are still written out
@@ -14,10 +15,11 @@ _LONG = 1500  # operations and symbols of formulas that are still written out
 
 def functions(s: Subject) -> list[str]:
     """Section 11, where there is any."""
-    asked = [f for f in s.derivation.program.formulas if f.name in s.robot.functions]
-    if not asked:
+    wanted = asked(s.robot)
+    further = [f for f in s.derivation.program.formulas if f.name in wanted]
+    if not further:
         return []
-    return ["## 11 Further functions", "", *(line for f in asked for line in _function(f))]
+    return ["## 11 Further functions", "", *(line for f in further for line in _function(f))]
 
 
 def _function(f: Formula) -> list[str]:

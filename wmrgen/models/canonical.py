@@ -24,8 +24,8 @@ def _written(robot: Robot, mobility: Mobility) -> Written:
     t = train(robot, mobility, what=WHAT)
     if not t.by_heading:
         raise NotDerivableError(
-            f"{robot.name}: {WHAT} is equivalent to the (2,3) chain of a (2, 0) robot without trailers (Tzafestas (2.65)); "
-            f"this one has {t.size} states and becomes the (2,{t.size}) chain: `chained`"
+            f"{robot.name}: {WHAT} is equivalent to the (2,3) chain of a (2, 0) robot without trailers (Tzafestas "
+            f"(2.65)); this one has {t.size} states and becomes the (2,{t.size}) chain: `chained`"
         )
     return write(t)
 

@@ -19,7 +19,7 @@ from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Trailer
 from wmrgen.mobility.records import Mobility
 from wmrgen.models.axle import Axle, Steering, body_axle
-from wmrgen.models.series import Link, Path, path, safe
+from wmrgen.models.series import NARROW, Gate, Link, Path, path
 from wmrgen.models.trailers import check_trailers, state_ports
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
@@ -86,9 +86,9 @@ def train(robot: Robot, mobility: Mobility, symbolic: bool = False, what: str = 
         )
     if off:
         raise NotDerivableError(
-            f"{robot.name}: {off[0].name} is coupled {float(off[0].hitch.nominal):.6g} m off the axle, and {what} is built "
-            "on the last axle, which works for trailers coupled on the axle (hitch: 0). With one coupled off it the train "
-            "is flat, but with another output that is not derived here"
+            f"{robot.name}: {off[0].name} is coupled {float(off[0].hitch.nominal):.6g} m off the axle, and {what} is "
+            "built on the last axle, which works for trailers coupled on the axle (hitch: 0). With one coupled off it "
+            "the train is flat, but with another output, which is not derived here"
         )
     return Train(robot, axle, robot.trailers, symbolic)
 
@@ -143,9 +143,11 @@ def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
     sine = names.define("steer_sine", add(times(sh, c), times(ch, n)))
     inverse = s.x.inverse()
     divisor = names.define("steer_divisor", add(cosine, times(expression(s.y * inverse), sine)))
-    kept = names.define("steer_divisor_safe", safe(divisor))
-    kappa = names.define("kappa", times(expression(inverse), sine, sympy.Pow(kept, -1)))
-    leverage = times(expression(inverse), sympy.Pow(kept, -2))
+    gate = Gate(divisor, NARROW)
+    kept = names.define("steer_divisor_kept", gate.choose(sympy.S.One, divisor))
+    over = names.define("steer_over", gate.choose(sympy.S.Zero, sympy.Pow(kept, -1)))
+    kappa = names.define("kappa", times(expression(inverse), sine, over))
+    leverage = times(expression(inverse), over, over)
     return kappa, leverage, times(expression(s.x), divisor, divisor)
 
 

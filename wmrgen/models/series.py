@@ -8,11 +8,14 @@ Driving so that ds = 1, the states follow (Tzafestas (2.70), divided by the spee
 
 Derivatives of y with respect to s are then coefficients of a power series. Its recurrences share every
 intermediate result, so N trailers cost some N**3 operations where repeated differentiation doubles with each order.
+
+The order N + 3 grows like 1/cos to the power 2 N + 5. Where the product of all cosines is below `threshold`, at the
+edge of the domain, every 1/cos reads 0: the derivatives are 0 and the tractor stands, in float32 too.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import factorial
 
 import sympy
@@ -20,7 +23,8 @@ import sympy
 from wmrgen.kinematics.records import Locals
 from wmrgen.symbolic import Expr, absolute, add, select, subtract, times
 
-SMALLEST = sympy.Rational(1, 10**6)  # a cosine nearer to zero than this counts as this
+DIGITS = 24  # float32 holds 38; what is left is for lengths and factorials
+NARROW = sympy.Rational(1, 10**5)  # a divisor of the steering nearer to zero than this counts as zero
 
 Series = list[Expr]
 
@@ -50,13 +54,30 @@ class Path:
     inverse_gain: Expr
 
 
+@dataclass(frozen=True, slots=True)
+class Gate:
+    """Open where |value| is at least ``least``."""
+
+    value: Expr
+    least: Expr
+
+    def choose(self, closed: Expr, opened: Expr) -> Expr:
+        """``opened`` where the gate is open."""
+        return select(absolute(self.value), self.least, closed, opened)
+
+
+def threshold(trailers: int) -> Expr:
+    """The least product of cosines, a power of two: its power 2 N + 5 keeps to DIGITS."""
+    return sympy.Rational(1, 2 ** (DIGITS * 332 // (100 * (2 * trailers + 5))))
+
+
 class _Level:
     """The series of one angle: d, T = tan d, c = 1/cos d, w, and the state that it drives."""
 
-    def __init__(self, names: Locals, link: Link, orders: int, first: bool) -> None:
+    def __init__(self, names: Locals, link: Link, orders: int, first: bool, gate: Gate) -> None:
         self.names, self.link, self.orders, self.first = names, link, orders, first
-        self.cosine = names.define(f"{link.name}_cosine", safe(link.cosine))
-        sec = names.define(f"{link.name}_sec", sympy.Pow(self.cosine, -1))
+        kept = names.define(f"{link.name}_kept", gate.choose(sympy.S.One, link.cosine))
+        sec = names.define(f"{link.name}_sec", gate.choose(sympy.S.Zero, sympy.Pow(kept, -1)))
         tan = names.define(f"{link.name}_tan", times(link.sine, sec))
         self.d: Series = [sympy.S.Zero]
         self.tan, self.sec, self.state = [tan], [sec], [sympy.S.Zero]
@@ -90,7 +111,10 @@ def path(names: Locals, links: list[Link], curvature: Expr | None) -> Path:
     """The path of the last axle. ``links``: d_(N+1) first, d_1 last. ``curvature``: of the tractor; None: it turns
     by an input of its own, at rest in ``slopes``. Orders 0 to len(links) + 2 with a curvature, else one less."""
     orders = len(links) + (2 if curvature is not None else 1)
-    levels = [_Level(names, link, orders - i, i == 0) for i, link in enumerate(links)]
+    links = [replace(x, cosine=names.define(f"{x.name}_cosine", x.cosine)) for x in links]
+    cosines = [x.cosine for x in links]
+    gate = Gate(names.define("cosines", times(*cosines)), threshold(len(links) - 1))
+    levels = [_Level(names, link, orders - i, i == 0, gate) for i, link in enumerate(links)]
     w: list[Series] = [[sympy.S.One]] + [[] for _ in levels]
     head: Series = [sympy.S.Zero]
     for k in range(orders):
@@ -104,15 +128,14 @@ def path(names: Locals, links: list[Link], curvature: Expr | None) -> Path:
         turning = curvature is not None and k < orders - len(levels)
         head.append(times(curvature, w[-1][k], sympy.Rational(1, k + 1)) if turning else sympy.S.Zero)
     slopes = tuple(times(sympy.Integer(factorial(m)), value) for m, value in enumerate(levels[0].state))
-    along = [level.cosine for level in levels]
     gain = times(*(times(x.sec[0], x.sec[0], w[i][0], x.link.inverse_length) for i, x in enumerate(levels)))
     inverse = times(
         *(
-            times(x.cosine, x.cosine, *along[:i], sympy.Pow(x.link.inverse_length, -1))
-            for i, x in enumerate(levels)
+            times(x.cosine, x.cosine, *cosines[:i], sympy.Pow(x.inverse_length, -1))
+            for i, x in enumerate(links)
         )
     )
-    return Path(slopes, w[-1][0], times(*along), gain, inverse)
+    return Path(slopes, w[-1][0], gate.value, gain, inverse)
 
 
 def convolve(a: Series, b: Series, k: int) -> Expr:
@@ -127,8 +150,3 @@ def _against(steps: Series, series: Series) -> Expr:
     """sum over i of i d_i series_(k-i), i from 1 to k."""
     k = len(steps)
     return add(*(times(steps[i - 1], series[k - i]) for i in range(1, k + 1)))
-
-
-def safe(divisor: Expr) -> Expr:
-    """The divisor, or SMALLEST where it is nearer to zero: quotients stay finite outside the domain."""
-    return select(absolute(divisor), SMALLEST, SMALLEST, divisor)

@@ -91,9 +91,9 @@ def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     from wmrgen.motion.steering import axle_distances, check_steering
 
     robot = derivation.robot
-    ports = derivation.formula("axles").inputs
+    ports = [p for p in derivation.formula("axles").inputs if p.name.endswith(".steer")]
     values = from_words(words, ports)
-    missing = [p.name for p in ports if p.name.endswith(".steer") and p.name not in values]
+    missing = [p.name for p in ports if p.name not in values]
     if missing:
         console.note(f"not given, taken as 0: {' '.join(missing)}")
     found = _floats(derivation.evaluate("axles", values))
@@ -114,7 +114,7 @@ def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     result["mismatch"] = found["mismatch"]
     distances = {} if isinstance(result["icr"], str) else axle_distances(robot, steer, tuple(result["icr"]))
     result["wheels"] = {}
-    for name in (p.name.removesuffix(".steer") for p in ports if p.name.endswith(".steer")):
+    for name in (p.name.removesuffix(".steer") for p in ports):
         present, error = steer.get(name, 0.0), found[f"{name}.error"]
         facts = {"steer": present, "needed": present + error, "error": error}
         result["wheels"][name] = facts | ({"distance": distances[name]} if name in distances else {})

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
     from wmrgen.kinematics import Formula
     from wmrgen.mobility import Mobility
+    from wmrgen.models.frobenius import Integrability
     from wmrgen.models.system import System
     from wmrgen.program import Program
     from wmrgen.symbolic import Expr
@@ -71,6 +72,13 @@ class Derivation:
 
             check(self.robot, found)
         return found
+
+    @cached_property
+    def integrability(self) -> Integrability:
+        """Frobenius's test of each constraint, of all together, and what they integrate to."""
+        from wmrgen.models.frobenius import integrability
+
+        return integrability(self.robot, self.mobility)
 
     @cached_property
     def J1(self) -> sympy.Matrix:

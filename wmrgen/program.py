@@ -81,6 +81,7 @@ OPTIONAL: dict[str, str] = {
     "brockett": "wmrgen.models.canonical:brockett",
     "brockett_input": "wmrgen.models.canonical:brockett_input",
     "brockett_rates": "wmrgen.models.canonical:brockett_rates",
+    "wheel_angles": "wmrgen.models.integrals:wheel_angles",
     "input_limits": "wmrgen.control.input_limits:input_limits",
 }
 

@@ -111,6 +111,7 @@ OPTIONAL_FUNCTIONS: tuple[str, ...] = (
     "brockett",
     "brockett_input",
     "brockett_rates",
+    "wheel_angles",
     "input_limits",
 )
 

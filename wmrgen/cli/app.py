@@ -47,6 +47,17 @@ class Backend(StrEnum):
     c = "c"
 
 
+class Form(StrEnum):
+    """The forms of a model that ``wmrgen model`` prints."""
+
+    posture = "posture"
+    configuration = "configuration"
+    eta = "eta"
+    zeta = "zeta"
+    trailer = "trailer"
+    chained = "chained"
+
+
 def guarded(command: Callable[P, int]) -> Callable[P, None]:
     """A command that ends with an exit code and never with a stack trace."""
 
@@ -274,3 +285,45 @@ def icr(
     from wmrgen.cli.icr import run
 
     return run(robot, values or [], as_json=json)
+
+
+@app.command(short_help="Print a model of a robot: state, inputs, equations, singular sets.")
+@guarded
+def model(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
+    form: Annotated[
+        Form, typer.Option(help="Driven speeds, all joints, null-space inputs, front wheel, trailers, chained.")
+    ] = Form.posture,
+    latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen model robots/bicycle.yaml --form posture
+
+    Print a model x' = G(x) u of a robot: state, inputs, equations, vector fields, and where it is singular.
+    """
+    from wmrgen.cli.model import run
+
+    return run(robot, form.value, as_json=json, as_latex=latex)
+
+
+@app.command(short_help="Judge gains of the polar feedback law.")
+@guarded
+def gains(
+    values: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[ROBOT.yaml] NAME=VALUE",
+            help="k_rho k_alpha k_beta [1/s]; what is not given is the robot file's or the text's.",
+            show_default=False,
+        ),
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen gains k_rho=3 k_alpha=8 k_beta=-1.5
+
+    Judge gains of the polar feedback law of goto_pose: stable near the goal, and from how far, with the conditions
+    violated and the eigenvalues (Siegwart (3.60)-(3.65), corrected). Decided exactly.
+    """
+    from wmrgen.cli.gains import run
+
+    return run(values or [], as_json=json)

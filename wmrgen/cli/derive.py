@@ -37,6 +37,7 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
             step(f"deriving {robot.name} ({len(done) + 1} of {len(paths)})")
             for text in robot.notes:
                 console.note(f"{robot.name}: note: {text}")
+            _judge_gains(robot)
             derivation = wmrgen.derive(robot)
             done.append((derivation, artifacts(derivation, scalar)))
     written = [write_tree(out / derivation.robot.name, files) for derivation, files in done]
@@ -47,6 +48,15 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
     for (derivation, _), report in zip(done, written, strict=True):
         _summary(derivation, report, out)
     return 0
+
+
+def _judge_gains(robot: Robot) -> None:
+    """Gains of the file that do not stabilise, or not from everywhere."""
+    if robot.gains:
+        from wmrgen.control.gains import warnings
+
+        for text in warnings(robot):
+            console.note(f"{robot.name}: warning: {text}")
 
 
 def _summary(derivation: Derivation, written: Written, out: Path) -> None:

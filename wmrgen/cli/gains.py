@@ -1,0 +1,51 @@
+"""``wmrgen gains``: do gains of the polar feedback law stabilise it, decided exactly."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import wmrgen
+from wmrgen.cli import console
+from wmrgen.cli.values import from_words
+from wmrgen.ports import Port, Role
+
+
+def run(words: Sequence[str], *, as_json: bool) -> int:
+    """Verdict on the gains of the words, else of the robot file before them, else of the text."""
+    from wmrgen.control.gains import TEXTBOOK, judge, nominal_gains
+
+    gains = dict(TEXTBOOK)
+    if words and "=" not in words[0]:
+        robot = wmrgen.load(Path(words[0]))
+        gains, words = nominal_gains(robot), words[1:]
+    gains |= from_words(words, [Port(name, Role.COMMAND, "1/s") for name in gains])
+    verdict = judge(**gains)
+    values: dict[str, object] = {name: float(value) for name, value in gains.items()}
+    values |= {
+        "stable": verdict.stable,
+        "strong_3_65": verdict.strong,
+        "strong_all_beta": verdict.strong_all_beta,
+        "violated": list(verdict.violated),
+        "eigenvalues": [[e.real, e.imag] for e in verdict.eigenvalues],
+    }
+    if as_json:
+        console.result(json.dumps(values, indent=2))
+        return 0
+    width = max(map(len, values))
+    for key, value in values.items():
+        console.result(f"{key:<{width}} = {_text(key, value)}")
+    for text in verdict.lost if verdict.stable else ():
+        console.note(f"not from every pose: {text} fails")
+    return 0
+
+
+def _text(key: str, value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if key == "violated" and isinstance(value, list):
+        return ", ".join(value) if value else "nothing"
+    if key == "eigenvalues" and isinstance(value, list):
+        return ", ".join(f"{re:.6g}" if not im else f"{re:.6g}{im:+.6g}i" for re, im in value)
+    return repr(value)

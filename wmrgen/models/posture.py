@@ -60,12 +60,17 @@ class Motion:
     @property
     def domain(self) -> tuple[Domain, ...]:
         """Where the inputs lose their grip on the motion."""
-        condition = essential(self.divisor)
-        if never_zero(condition, self.robot):
-            return ()
-        names = ", ".join(p.name for p in self.inputs if not self._turns(p))
-        text = f"where this is 0, {names} cannot move the robot every way it can go"
-        return (Domain(expression(condition), text),)
+        if self.divisor.constant is not None and len(self.frame.columns) == 1:
+            condition = Poly.sum(p * p for p in self.frame.columns[0])
+            text = "all entries of the null space vanish: axles fall into one line and rank C1 drops"
+        else:
+            condition = essential(self.divisor)
+            names = ", ".join(p.name for p in self.inputs if not self._turns(p))
+            one = len(self.frame.columns) == 1
+            text = f"G is unbounded: {names} " + (
+                "stands still whatever the robot does" if one else "no longer determine the motion"
+            )
+        return () if never_zero(condition, self.robot) else (Domain(expression(condition), text),)
 
     def _turns(self, port: Port) -> bool:
         return port.name in {f"{w.name}.steer_rate" for w in self.frame.wheels}

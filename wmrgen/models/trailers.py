@@ -171,7 +171,7 @@ def _jackknives(motion: Motion, body: Body, axles: list[list[Axle]]) -> list[Dom
     for i, t in enumerate(motion.robot.trailers):
         if not _of(t.hitch, motion.frame.symbolic) and (i or body.axle):
             condition: Expr = sympy.cos(hitch_angle(motion.robot, i))
-            why = "it stands at a right angle and what pulls it cannot move it"
+            why = "what pulls it stands square to it and cannot move it"
         else:
             parts = [
                 (chain[i].speed, u)
@@ -180,7 +180,7 @@ def _jackknives(motion: Motion, body: Body, axles: list[list[Axle]]) -> list[Dom
             ]
             condition = parts[0][0] if len(parts) == 1 else add(*(times(v, signal(u.name)) for v, u in parts))
             why = "its axle stands still and turns on the spot while it is pulled; beyond, it is pushed backwards"
-        found.append(Domain(condition, f"where this is 0 {t.name} is jack-knifed: {why}"))
+        found.append(Domain(condition, f"{t.name} is jack-knifed: {why}"))
     return found
 
 
@@ -215,7 +215,7 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
         for t, a in zip(robot.trailers, axles, strict=True)
     ]
     inputs = (*state, *headings, *motion.inputs, *tunable_ports(robot))
-    text = f"rates of a body with trailers: {motion.text}"
+    text = f"rates of a body with trailers (one is jack-knifed where its speed is 0): {motion.text}"
     return Formula("trailer", inputs, tuple(names.items), tuple(outputs), text)
 
 

@@ -64,11 +64,7 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
     domain = (
         ()
         if never_zero(condition, robot)
-        else (
-            Domain(
-                _in_zeta(condition), f"where this is 0 the ICR lies on {wheel.name}: its centre stands still"
-            ),
-        )
+        else (Domain(_in_zeta(condition), f"the ICR lies on {wheel.name}: its centre stands still"),)
     )
     text = f"zeta form (Tzafestas (2.56b)): the reference is {wheel.name}, its rolling direction is zeta"
     return System(

@@ -1,0 +1,43 @@
+"""``wmrgen model``: the models of a robot, written down."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import wmrgen
+from wmrgen.cli import console
+
+if TYPE_CHECKING:
+    from wmrgen.derivation import Derivation
+    from wmrgen.models.sheet import Sheet
+
+
+def run(path: Path, form: str, *, as_json: bool, as_latex: bool) -> int:
+    """Print one form of the model of a robot."""
+    from wmrgen.models.sheet import data, latex, lines
+
+    with console.progress() as step:
+        step(f"deriving {path}")
+        robot = wmrgen.load(path)
+        for text in robot.notes:
+            console.note(f"{robot.name}: note: {text}")
+        sheets = _sheets(wmrgen.derive(robot), form)
+        if as_json:
+            found = [data(sheet) for sheet in sheets]
+            console.result(json.dumps(found[0] if len(found) == 1 else found, indent=2))
+            return 0
+        written = [latex(sheet) if as_latex else "\n".join(lines(sheet)) for sheet in sheets]
+    console.result("\n\n".join(written))
+    return 0
+
+
+def _sheets(derivation: Derivation, form: str) -> list[Sheet]:
+    """The chained form is three functions: the transformation, its inputs and its rates; any other form a system."""
+    from wmrgen.models.sheet import sheet_of, sheet_of_formula
+
+    if form == "chained":
+        names = ("chained", "chained_input", "chained_rates")
+        return [sheet_of_formula(name, derivation.formula(name)) for name in names]
+    return [sheet_of(form, derivation.system(form, symbolic=True))]

@@ -116,3 +116,18 @@ def constrain(robot: Robot, view: View = working_view) -> Constraints:
     rolling = tuple(rolling_row(w, view(w)) for w in robot.wheels if w.has_spin)
     sliding = tuple(sliding_row(w, view(w)) for w in robot.wheels if w.type in ("fixed", "steered", "castor"))
     return Constraints(robot, rolling, sliding)
+
+
+def pfaffian(c: Constraints, slip: bool) -> list[list[Poly]]:
+    """Rows over (vx, vy, omega, joint rates): rolling rows, then sliding rows.
+
+    With ``slip`` a column for each row: e . v + slip_x = r spin, n . v - slip_y = 0 (Tzafestas Ex. 2.2).
+    """
+    every = (*c.rolling, *c.sliding)
+    rows: list[list[Poly]] = []
+    for i, row in enumerate(every):
+        rates = dict(row.rates)
+        sign = 1 if row.kind == "rolling" else -1
+        slips = [Poly.of(sign * int(i == k)) for k in range(len(every))] if slip else []
+        rows.append([*row.row, *(rates.get(j, Poly({})) for j in c.joints), *slips])
+    return rows

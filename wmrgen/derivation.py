@@ -110,20 +110,12 @@ class Derivation:
     def pfaffian(self) -> sympy.Matrix:
         """A with A (vx, vy, omega, joint rates) = 0; joints in the order of `pfaffian_rates`.
 
-        With ``slip: true``, e . v + slip_x = r spin in rolling rows and n . v = slip_y in sliding rows (Tzafestas Ex. 2.2).
+        With ``slip: true``, e . v + slip_x = r spin in rolling rows and n . v = slip_y in sliding rows.
         """
-        from wmrgen.exact.poly import Poly
+        from wmrgen.constraints import pfaffian
         from wmrgen.symbolic import matrix
 
-        joints = self.constraints.joints
-        every = (*self.constraints.rolling, *self.constraints.sliding)
-        rows = []
-        for i, c in enumerate(every):
-            rates = dict(c.rates)
-            sign = 1 if c.kind == "rolling" else -1
-            slips = (Poly.of(sign * int(i == k)) for k in range(len(every))) if self.robot.slip else ()
-            rows.append([*c.row, *(rates.get(j, Poly({})) for j in joints), *slips])
-        return matrix(rows, len(self.pfaffian_rates))
+        return matrix(pfaffian(self.constraints, self.robot.slip), len(self.pfaffian_rates))
 
     @property
     def pfaffian_rates(self) -> tuple[str, ...]:

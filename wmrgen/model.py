@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from wmrgen.constraints import constrain, working_view
+from wmrgen.constraints import Constraints, constrain, pfaffian, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.ir.cost import count
 from wmrgen.layout.records import Wheel
+from wmrgen.program import asked
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
@@ -40,7 +41,29 @@ def model(d: Derivation) -> dict[str, Any]:
             for f in d.raw_module.functions
         },
         "operations": {f.name: _operations(f) for f in d.c_module.functions},
+        **_slip(d, c),
+        **_domains(d),
     }
+
+
+def _slip(d: Derivation, c: Constraints) -> dict[str, Any]:
+    """The Pfaffian matrix where `slip: true` adds columns to it."""
+    if not d.robot.slip:
+        return {}
+    return {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(d.pfaffian_rates)}
+
+
+def _domains(d: Derivation) -> dict[str, Any]:
+    """Where the models that the file asks for are singular: trailers that jack-knife among them."""
+    wanted = asked(d.robot)
+    if not wanted:
+        return {}
+    from wmrgen.models.functions import SYSTEMS
+    from wmrgen.models.sheet import data, sheet_of
+
+    names = [name for name in wanted if name in SYSTEMS]
+    found = {name: data(sheet_of(name, d.system(name)))["domain"] for name in names}
+    return {"singular_models": found} if names else {}
 
 
 def _identity(robot: Robot) -> dict[str, Any]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
     from wmrgen.kinematics import Formula
     from wmrgen.mobility import Mobility
+    from wmrgen.models.brackets import Growth
     from wmrgen.models.frobenius import Integrability
     from wmrgen.models.system import System
     from wmrgen.program import Program
@@ -79,6 +80,13 @@ class Derivation:
         from wmrgen.models.frobenius import integrability
 
         return integrability(self.robot, self.mobility)
+
+    @cached_property
+    def growth(self) -> Growth:
+        """Vector fields, Lie brackets and growth vector of the posture model, with trailers where there are some."""
+        from wmrgen.models.brackets import robot_growth
+
+        return robot_growth(self.robot, self.mobility)
 
     @cached_property
     def J1(self) -> sympy.Matrix:

@@ -91,6 +91,8 @@ def _factor(expr: Expr, known: Ports) -> Factor:
 class Printer(LatexPrinter):  # type: ignore[misc]
     """sympy's LaTeX without what GitHub refuses, inputs as the contract's names."""
 
+    printmethod = ""  # not the symbols' own
+
     def __init__(self, ports: dict[str, str]) -> None:
         super().__init__({"order": "none"})
         self.ports = ports

@@ -10,7 +10,7 @@ from wmrgen.kinematics.records import Formula
 from wmrgen.program import asked
 from wmrgen.symbolic import Expr
 
-_LONG = 1500  # operations and symbols of formulas that are still written out
+_LONG = 600  # operations and symbols of formulas that are still written out
 
 
 def functions(s: Subject) -> list[str]:

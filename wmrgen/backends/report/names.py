@@ -43,7 +43,8 @@ def port(name: str) -> str:
     if name in DRIVEN:
         return DRIVEN[name]
     if name.endswith("_rate") and not name.endswith(".steer_rate"):
-        return rf"\dot{{{port(name.removesuffix('_rate'))}}}"
+        letter, bar, index = port(name.removesuffix("_rate")).partition("_")
+        return rf"\dot{{{letter}}}{bar}{index}" if len(letter) < 8 else rf"\dot{{{letter}{bar}{index}}}"
     owner, _, joint = name.partition(".")
     if joint in _JOINTS:
         return f"{_JOINTS[joint]}_{{{wheel(owner)}}}"

@@ -11,6 +11,7 @@ import sympy
 from sympy.printing.latex import LatexPrinter
 
 from wmrgen.backends.report import names
+from wmrgen.backends.report.numbers import decimal
 from wmrgen.backends.report.tex import Factor, Term, total
 from wmrgen.exact.number import ONE, Exact, exact_sqrt
 from wmrgen.kinematics.records import Formula
@@ -105,3 +106,18 @@ class Printer(LatexPrinter):  # type: ignore[misc]
     def _print_atan2(self, expr: Any) -> str:
         y, x = (self._print(a) for a in expr.args)
         return rf"\mathrm{{atan2}}\left({y},\, {x}\right)"
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        (then, condition), (otherwise, _) = expr.args
+        cases = (
+            rf"{self._print(then)} & {self._print(condition)} \\ {self._print(otherwise)} & \mathrm{{else}}"
+        )
+        return rf"\begin{{cases}} {cases} \end{{cases}}"
+
+    def _print_Rational(self, expr: Any) -> str:
+        if len(str(expr.q)) < 7 and len(str(expr.p)) < 10:
+            return str(super()._print_Rational(expr))
+        power = len(str(expr.q)) - 1
+        if expr.q == 10**power and expr.p == 1:
+            return f"10^{{-{power}}}"
+        return decimal(float(expr))

@@ -83,6 +83,7 @@ OPTIONAL: dict[str, str] = {
     "brockett_rates": "wmrgen.models.canonical:brockett_rates",
     "wheel_angles": "wmrgen.models.integrals:wheel_angles",
     "input_limits": "wmrgen.control.input_limits:input_limits",
+    "accelerations": "wmrgen.space.accelerations:accelerations",
 }
 
 

@@ -31,7 +31,7 @@ from wmrgen.symbolic import Expr, add, expression, root, square, subtract, times
 
 
 @dataclass(frozen=True, slots=True)
-class _Joints:
+class Joints:
     """What the inverse commands for one wheel; ``spin`` is the rim speed [m/s] before coupling."""
 
     rim: Expr
@@ -48,12 +48,12 @@ def inverse(robot: Robot, mobility: Mobility) -> Formula:
     targets = _steering(robot, twist, names)
     swivels, left_over = _swivels(robot, twist)
     joints = {w.index: _joints(w, twist, targets, swivels) for w in robot.wheels if w.has_spin}
-    spins = _spins(robot, joints)
+    speeds = spins(robot, joints)
     outputs: list[tuple[Port, Expr]] = []
     for w in robot.wheels:
         if w.index not in joints:
             continue
-        outputs.append((joint_port(w, "spin", Role.COMMAND), spins[w.index]))
+        outputs.append((joint_port(w, "spin", Role.COMMAND), speeds[w.index]))
         j = joints[w.index]
         if j.steer is not None:
             outputs.append((joint_port(w, "steer", Role.COMMAND), j.steer))
@@ -142,21 +142,21 @@ def _swivels(robot: Robot, twist: Row) -> tuple[dict[int, Poly], list[Poly]]:
     return rates, left_over
 
 
-def _joints(w: Wheel, twist: Row, targets: dict[int, Target], swivels: dict[int, Poly]) -> _Joints:
+def _joints(w: Wheel, twist: Row, targets: dict[int, Target], swivels: dict[int, Poly]) -> Joints:
     g = working_view(w)
     if w.type == "steered":
         target = targets[w.index]
         rim = subtract(target.rim, expression(g.o * twist[2])) if g.o else target.rim
-        return _Joints(rim, g.r, target.steer)
+        return Joints(rim, g.r, target.steer)
     rolling = dot(rolling_row(w, g).row, twist)
     if w.type == "castor":
         rate = swivels[w.index]
         rim_speed = rolling - g.o * rate if g.o else rolling
-        return _Joints(expression(rim_speed), g.r, None, expression(rate))
-    return _Joints(expression(rolling), g.r * g.cg)
+        return Joints(expression(rim_speed), g.r, None, expression(rate))
+    return Joints(expression(rolling), g.r * g.cg)
 
 
-def _spins(robot: Robot, joints: dict[int, _Joints]) -> dict[int, Expr]:
+def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
     """Rim speeds to wheel speeds; wheels that must turn alike share the least-squares speed."""
     groups: dict[int, list[int]] = {}
     for i in joints:

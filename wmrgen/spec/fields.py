@@ -113,6 +113,7 @@ OPTIONAL_FUNCTIONS: tuple[str, ...] = (
     "brockett_rates",
     "wheel_angles",
     "input_limits",
+    "accelerations",
 )
 
 # Gain -> meaning.

@@ -34,10 +34,10 @@ def run(path: Path, form: str, *, as_json: bool, as_latex: bool) -> int:
 
 
 def _sheets(derivation: Derivation, form: str) -> list[Sheet]:
-    """The chained form is three functions: the transformation, its inputs and its rates; any other form a system."""
-    from wmrgen.models.sheet import sheet_of, sheet_of_formula
+    """The chained form is a transformation of state and inputs; any other form a system."""
+    from wmrgen.models.chained_sheet import chained_sheet
+    from wmrgen.models.sheet import sheet_of
 
     if form == "chained":
-        names = ("chained", "chained_input", "chained_rates")
-        return [sheet_of_formula(name, derivation.formula(name)) for name in names]
+        return [chained_sheet(derivation.robot, derivation.mobility)]
     return [sheet_of(form, derivation.system(form, symbolic=True))]

@@ -112,26 +112,32 @@ class Written:
 def write(t: Train) -> Written:
     """Everything that the functions below share."""
     names, axle = Locals(), t.axle
-    theta = signal("theta")
-    c, s = _turned(axle, sympy.cos(theta), sympy.sin(theta))
-    c, s = names.define("axle_cosine", c), names.define("axle_sine", s)
-    x: Expr = signal("x")
-    y: Expr = signal("y")
-    if axle.x or axle.y:
-        qx, qy, ct, st = expression(axle.x), expression(axle.y), sympy.cos(theta), sympy.sin(theta)
-        x = add(x, subtract(times(qx, ct), times(qy, st)))
-        y = add(y, add(times(qx, st), times(qy, ct)))
+    c, s = turned(axle, sympy.cos(signal("theta")), sympy.sin(signal("theta")))
+    if t.by_heading:
+        c, s = names.define("axle_cosine", c), names.define("axle_sine", s)
     curvature: Expr | None = None
     leverage = answer = sympy.S.One
     if axle.steering is not None:
         curvature, leverage, answer = bending(axle.steering, names)
-    links = _links(t)
-    for trailer in t.trailers:
-        heading, length = signal(f"{trailer.name}.theta"), expression(_length(t, trailer))
-        x, y = subtract(x, times(length, sympy.cos(heading))), subtract(y, times(length, sympy.sin(heading)))
+    x, y = last_axle(t)
     x, y = names.define("last_x", x), names.define("last_y", y)
-    found = None if t.by_heading else path(names, links, curvature)
+    found = None if t.by_heading else path(names, _links(t), curvature)
     return Written(t, names, c, s, x, y, curvature, leverage, answer, found)
+
+
+def last_axle(t: Train) -> tuple[Expr, Expr]:
+    """Position of the centre of the last axle, world frame [m]."""
+    theta = signal("theta")
+    x: Expr = signal("x")
+    y: Expr = signal("y")
+    if t.axle.x or t.axle.y:
+        qx, qy, c, s = expression(t.axle.x), expression(t.axle.y), sympy.cos(theta), sympy.sin(theta)
+        x = add(x, subtract(times(qx, c), times(qy, s)))
+        y = add(y, add(times(qx, s), times(qy, c)))
+    for trailer in t.trailers:
+        heading, length = signal(f"{trailer.name}.theta"), expression(length_of(t, trailer))
+        x, y = subtract(x, times(length, sympy.cos(heading))), subtract(y, times(length, sympy.sin(heading)))
+    return x, y
 
 
 def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
@@ -151,11 +157,12 @@ def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
     return kappa, leverage, times(expression(s.x), divisor, divisor)
 
 
-def _length(t: Train, trailer: Trailer) -> Poly:
+def length_of(t: Train, trailer: Trailer) -> Poly:
+    """The trailer's length in the view that the train is written in."""
     return trailer.length.symbolic if t.symbolic else trailer.length.working
 
 
-def _turned(axle: Axle, c: Expr, s: Expr) -> tuple[Expr, Expr]:
+def turned(axle: Axle, c: Expr, s: Expr) -> tuple[Expr, Expr]:
     """Cosine and sine of the axle's heading, from those of the robot's."""
     ex, ey = expression(axle.ex), expression(axle.ey)
     return subtract(times(ex, c), times(ey, s)), add(times(ex, s), times(ey, c))
@@ -166,15 +173,15 @@ def _links(t: Train) -> list[Link]:
     theta = signal("theta")
     headings = [signal(f"{trailer.name}.theta") for trailer in t.trailers]
     if not headings:
-        c, s = _turned(t.axle, sympy.cos(theta), sympy.sin(theta))
-        return [Link("axle", c, s, sympy.S.One)]
+        c, s = turned(t.axle, sympy.cos(theta), sympy.sin(theta))
+        return [Link("last", c, s, sympy.S.One)]
     last = headings[-1]
     links = [Link("last", sympy.cos(last), sympy.sin(last), sympy.S.One)]
     for k in reversed(range(len(headings))):
         d = subtract(headings[k - 1] if k else theta, headings[k])
         c, s = sympy.cos(d), sympy.sin(d)
-        c, s = (c, s) if k else _turned(t.axle, c, s)
-        inverse = expression(_length(t, t.trailers[k]).inverse())
+        c, s = (c, s) if k else turned(t.axle, c, s)
+        inverse = expression(length_of(t, t.trailers[k]).inverse())
         links.append(Link(f"hitch{k + 1}", c, s, inverse))
     return links
 

@@ -1,8 +1,9 @@
-"""The smallest eigenvector of a 3 x 3 mean of squares, without trigonometry and defined for every input.
+"""The smallest eigenvector of a 3 x 3 mean of squares G, in closed form and defined for every input.
 
-Newton's method on the characteristic polynomial, started at zero, grows towards the smallest eigenvalue and never
-passes it; rows that fit a motion exactly have the eigenvalue zero, where it already stands. The adjugate of
-G - lambda I is then a multiple of the eigenvector's square; its largest column is the eigenvector.
+The smallest eigenvalue is q + 2 p cos(phi + 2 pi / 3) with q = tr G / 3, p**2 = tr (G - q I)**2 / 6 and
+cos 3 phi = det(G - q I) / 2 p**3. Its cosine loses half the digits where two eigenvalues meet, which Newton steps on
+the characteristic polynomial give back. The adjugate of G - lambda I is then a multiple of the eigenvector's square;
+its largest column is the eigenvector.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ import sympy
 from wmrgen.exact.number import Exact
 from wmrgen.kinematics.records import Locals
 from wmrgen.motion.compose import over
-from wmrgen.symbolic import Expr, add, maximum, number, root, select, square, subtract, times
+from wmrgen.symbolic import Expr, add, angle_of, maximum, number, root, select, square, subtract, times
 
-STEPS = 5
+STEPS = 2
 FLOOR = Exact(Fraction(1, 10**12))  # a slope or an eigenvector's square below is no information
 Vector = tuple[Expr, Expr, Expr]
 
@@ -45,18 +46,41 @@ def smallest_eigenvector(rows: Sequence[Sequence[Expr]], fallback: Vector, names
 
 
 def _smallest(gram: dict[tuple[int, int], Expr], names: Locals) -> Expr:
-    """The smallest eigenvalue from below: lambda + p(lambda) / -p'(lambda), repeated."""
+    """The smallest eigenvalue, between 0 and a third of the trace."""
     adjugate = _adjugate(gram, names, "adj")
     trace = names.define("trace", add(*(gram[i, i] for i in range(3))))
     second = names.define("second", add(*(adjugate[i, i] for i in range(3))))
     third = names.define("third", add(*(times(gram[0, j], adjugate[0, j]) for j in range(3))))
-    value: Expr = sympy.S.Zero
+    mean = names.define("mean", times(sympy.Rational(1, 3), trace))
+    value = names.define("eigenvalue0", _kept(_cosine_root(trace, second, third, mean, names), mean))
     for k in range(STEPS):
         rest = add(third, times(value, subtract(times(value, subtract(trace, value)), second)))
         slope = add(second, times(value, subtract(times(3, value), times(2, trace))))
         step = over(rest, maximum(slope, number(FLOOR)))
-        value = names.define(f"eigenvalue{k + 1}", add(value, maximum(step, sympy.S.Zero)))
+        value = names.define(f"eigenvalue{k + 1}", _kept(add(value, step), mean))
     return value
+
+
+def _kept(value: Expr, mean: Expr) -> Expr:
+    return maximum(sympy.Min(value, mean, evaluate=False), sympy.S.Zero)
+
+
+def _cosine_root(trace: Expr, second: Expr, third: Expr, mean: Expr, names: Locals) -> Expr:
+    """q + 2 p cos(phi + 2 pi / 3) from the invariants: p**2 = (tr**2 - 3 second) / 9, and with x = lambda - q
+
+    det(G - q I) = third - q second + 2 q**3.
+    """
+    zero, one = sympy.S.Zero, sympy.S.One
+    spread = times(sympy.Rational(1, 9), subtract(square(trace), times(3, second)))
+    p = names.define("half_range", root(maximum(spread, zero)))
+    cube = maximum(times(2, p, p, p), number(FLOOR))
+    shifted = add(third, times(mean, subtract(times(2, mean, mean), second)))
+    ratio = names.define(
+        "ratio", maximum(sympy.Min(over(shifted, cube), one, evaluate=False), times(-1, one))
+    )
+    height = root(maximum(subtract(one, square(ratio)), zero))
+    angle = add(times(sympy.Rational(1, 3), angle_of(height, ratio)), times(sympy.Rational(2, 3), sympy.pi))
+    return add(mean, times(2, p, sympy.cos(names.define("angle", angle))))
 
 
 def _adjugate(m: dict[tuple[int, int], Expr], names: Locals, name: str) -> dict[tuple[int, int], Expr]:

@@ -82,8 +82,10 @@ OPTIONAL: dict[str, str] = {
     "brockett_input": "wmrgen.models.canonical:brockett_input",
     "brockett_rates": "wmrgen.models.canonical:brockett_rates",
     "wheel_angles": "wmrgen.models.integrals:wheel_angles",
+    "flat": "wmrgen.models.flat:flat",
     "input_limits": "wmrgen.control.input_limits:input_limits",
     "accelerations": "wmrgen.space.accelerations:accelerations",
+    "wheel_motion": "wmrgen.space.wheel_motion:wheel_motion",
 }
 
 

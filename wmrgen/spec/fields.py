@@ -112,8 +112,10 @@ OPTIONAL_FUNCTIONS: tuple[str, ...] = (
     "brockett_input",
     "brockett_rates",
     "wheel_angles",
+    "flat",
     "input_limits",
     "accelerations",
+    "wheel_motion",
 )
 
 # Gain -> meaning.

@@ -86,6 +86,8 @@ OPTIONAL: dict[str, str] = {
     "input_limits": "wmrgen.control.input_limits:input_limits",
     "accelerations": "wmrgen.space.accelerations:accelerations",
     "wheel_motion": "wmrgen.space.wheel_motion:wheel_motion",
+    "stability": "wmrgen.space.stability:stability",
+    "cg_force": "wmrgen.space.specific_force:cg_force",
 }
 
 

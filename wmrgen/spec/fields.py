@@ -116,6 +116,8 @@ OPTIONAL_FUNCTIONS: tuple[str, ...] = (
     "input_limits",
     "accelerations",
     "wheel_motion",
+    "stability",
+    "cg_force",
 )
 
 # Gain -> meaning.

@@ -327,3 +327,27 @@ def gains(
     from wmrgen.cli.gains import run
 
     return run(values or [], as_json=json)
+
+
+@app.command(short_help="Say how far a robot is from tipping over.")
+@guarded
+def stability(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
+    values: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME=VALUE",
+            help="Specific force a - g at the centre of gravity: fx fy fz; <wheel>.steer of castors.",
+            show_default=False,
+        ),
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen stability my_robot.yaml fx=0 fy=4
+
+    Say how far a robot is from tipping over about each edge of its support polygon, and about which line it lifts
+    off. The robot file gives the centre of gravity: cg: {x: 0, y: 0, z: 0.6}.
+    """
+    from wmrgen.cli.stability import run
+
+    return run(robot, values or [], as_json=json)

@@ -2,7 +2,7 @@
 
 Contacts of castors and of offset wheels move on circles about their steering axes. Whether three contacts turn
 left is decided now where no motion changes it, exactly for contacts that stand still; what is left becomes a
-condition on the steering angles.
+condition on the steering angles. Tunable lengths count at their nominal values here; margins follow the tuned ones.
 """
 
 from __future__ import annotations

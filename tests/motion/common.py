@@ -163,7 +163,7 @@ def par(*names: str) -> list[Expr]:
 
 def vanishes(difference: Expr) -> bool:
     """True when an expression is identically zero."""
-    return sympy.simplify(sympy.expand_trig(sympy.expand(difference.doit()))) == 0
+    return bool(sympy.simplify(sympy.expand_trig(sympy.expand(difference.doit()))) == 0)
 
 
 def run_cli(*words: str, code: int = 0) -> tuple[str, str]:

@@ -218,7 +218,9 @@ def test_reach_is_the_inverse_of_odometry(x: tuple[float, float, float]) -> None
 
 def sliding(derivation: Derivation, steer: dict[str, float]) -> tuple[Array, Array, Array]:
     """(rows of the steered wheels, velocity rows of all wheels with an axle, null space of the fixed rows)."""
-    steered, fixed, speeds = [], [], []
+    steered: list[list[float]] = []
+    fixed: list[list[float]] = []
+    speeds: list[list[float]] = []
     for w in derivation.robot.wheels:
         if w.type not in ("fixed", "steered"):
             continue

@@ -360,3 +360,11 @@ def test_figure_3_16(tmp_path: Path) -> None:
     speeds = [abs(turned[f"{w}.spin"]) * radius / (math.pi / 2) for w in run.wheels]
     run.close(speeds, [run.expect["wheel_speed_abs_for_omega1"]] * 2)
     run.close([phases[-1]["pose"][k] for k in ("x", "y", "theta")], [1, 1, math.pi / 2])
+
+
+def test_world_and_robot_rates(on: Callable[[str], Run]) -> None:
+    """S-3.5: the contact of a wheel at P moves in the world as P does."""
+    run = on("S-3.5")
+    run.write(ONE_WHEEL % ("steered", 0.0, 0.1))
+    found = run.call("projections", theta=run.given["theta"], **named(run.expect["rate_robot"]))
+    run.close([found["w.x_rate"], found["w.y_rate"]], run.given["rate_world"][:2])

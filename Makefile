@@ -37,6 +37,7 @@ types: setup
 
 generate: setup
 	$(BIN)/wmrgen derive robots/*.yaml -o generated
+	$(BIN)/wmrgen textbook -o generated
 
 bench: setup
 	$(BIN)/python -m benchmarks

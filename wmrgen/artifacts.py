@@ -85,6 +85,35 @@ def differences(directory: Path, files: Mapping[str, bytes]) -> list[Difference]
     return found + [Difference(p, "not produced") for p in extra]
 
 
+def write_file(path: Path, content: bytes) -> bool:
+    """Make one file, which belongs to no set, hold ``content``. True when it had to change."""
+    _checked(path.name)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for place in (path.parent, path):
+            _refuse_link(place)
+        with _locked(path.parent):
+            if _holds(path, content):
+                return False
+            with tempfile.TemporaryDirectory(prefix=_STAGE, dir=path.parent) as staging:
+                _stage(Path(staging) / path.name, content)
+                _move(Path(staging) / path.name, path.parent, path.name)
+            _sync_directory(path.parent)
+            return True
+    except OSError as error:
+        raise EnvironmentFailure(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def file_difference(path: Path, content: bytes) -> list[Difference]:
+    """How one file differs from what `write_file` would leave there."""
+    try:
+        if not path.is_symlink() and path.read_bytes() == content:
+            return []
+        return [Difference(path, "differs")]
+    except OSError:
+        return [Difference(path, "missing")]
+
+
 def write_log(text: str) -> Path:
     """Keep the details of a failure in a new temporary file; its path."""
     handle, name = tempfile.mkstemp(prefix="wmrgen-", suffix=".log")

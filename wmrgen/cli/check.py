@@ -37,7 +37,10 @@ def run(paths: Sequence[Path], out: Path) -> int:
             names.add(name)
             found += stale
     if not paths and not code:
-        found += [Difference(p, "not produced") for p in _strangers(out, names)]
+        from wmrgen.cli.textbook import ERRATA, FOLDER, differing
+
+        found += differing(out)
+        found += [Difference(p, "not produced") for p in _strangers(out, {*names, FOLDER, ERRATA})]
     for difference in found:
         console.result(f"{difference.path.as_posix()}: {_WHY[difference.why]}")
     if found:

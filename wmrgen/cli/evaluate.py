@@ -16,6 +16,7 @@ from wmrgen.exact.number import ZERO, Exact
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
     from wmrgen.ir.nodes import Function
+    from wmrgen.textbook import Textbook
 
 
 def run(
@@ -33,10 +34,7 @@ def run(
         raise UsageError("give NAME=VALUE words or --cases, not both")
     with console.progress() as step:
         step(f"deriving {path}")
-        robot = wmrgen.load(path)
-        for text in robot.notes:
-            console.note(f"{robot.name}: note: {text}")
-        derivation = wmrgen.derive(robot, [known(robot.name, name)])
+        derivation = _source(path, name)
         function = derivation.raw_module.function(name)
         ports = function.inputs
         given = [from_words(words, ports)] if cases is None else from_file(cases, ports)
@@ -53,6 +51,18 @@ def run(
         for key, value in results[0].items():
             console.result(f"{key:<{width}} = {value!r}")
     return 0
+
+
+def _source(path: Path, name: str) -> Derivation | Textbook:
+    """The function of a robot; of the library where ``path`` is the word textbook and no such file is there."""
+    if path == Path("textbook") and not path.exists():
+        from wmrgen.cli.textbook import library
+
+        return library(name)
+    robot = wmrgen.load(path)
+    for text in robot.notes:
+        console.note(f"{robot.name}: note: {text}")
+    return wmrgen.derive(robot, [known(robot.name, name)])
 
 
 def known(robot: str, name: str) -> str:
@@ -76,7 +86,7 @@ def _say_zeros(function: Function, cases: Sequence[Case]) -> None:
 
 
 def _compute(
-    derivation: Derivation,
+    derivation: Derivation | Textbook,
     function: Function,
     cases: Sequence[dict[str, Exact]],
     backend: str,
@@ -96,7 +106,7 @@ def _compute(
     parts = [part for part in (function.name, f"{function.name}_slip") if part in has]
     if not parts:
         raise UsageError(
-            f"{backend} has no function {function.name!r} of {derivation.robot.name}; it has: {' '.join(has)}"
+            f"{backend} has no function {function.name!r} of {module.name}; it has: {' '.join(has)}"
         )
     doubles = [_doubles(case) for case in cases]
     results: list[dict[str, float]] = [{} for _ in cases]

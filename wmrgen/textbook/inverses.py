@@ -80,7 +80,7 @@ def _numeric_rank(J: sympy.Matrix) -> int:
     with mpmath.workdps(_DIGITS):
         values = mpmath.matrix(rows, columns)
         for i, j in pairs(range(rows), range(columns)):
-            values[i, j] = mpmath.mpf(sympy.N(J[i, j], _DIGITS)._mpf_)
+            values[i, j] = mpmath.mpf(sympy.Float(sympy.N(J[i, j], _DIGITS), _DIGITS)._mpf_)
         singular = mpmath.svd_r(values, compute_uv=False)
         return sum(1 for s in singular if s > _SMALL * max(singular[0], 1))
 

@@ -1,0 +1,68 @@
+"""`wmrgen model`, and the time that trains take."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROBOTS = Path(__file__).parents[2] / "robots"
+SINGULAR = "cos(front.steer) = 0: G is unbounded"
+
+
+def wmrgen(*words: str | Path, code: int = 0) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "wmrgen", *map(str, words)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == code, done.stderr
+    return done.stdout if not code else done.stderr
+
+
+def test_posture_in_plain_notation() -> None:
+    lines = wmrgen("model", ROBOTS / "bicycle.yaml", "--form", "posture").splitlines()
+    assert "  x'           = rear.spin*r*cos(theta)" in lines
+    assert "  theta'       = rear.spin*r*tan(front.steer)/wheelbase" in lines
+    assert "with:   wheelbase = 11/10, r = 17/50" in lines
+    assert any(SINGULAR in line for line in lines)
+
+
+def test_trailers_name_their_jack_knife() -> None:
+    found = wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", "trailer")
+    assert "cos(theta - trailer1.theta) = 0: trailer1 is jack-knifed" in found
+    model = json.loads((ROBOTS.parent / "generated/car_with_trailers/model.json").read_text(encoding="utf-8"))
+    assert "jack-knifed" in model["singular_models"]["trailer"][1]["meaning"]
+
+
+@pytest.mark.parametrize("form", ["posture", "configuration", "eta", "zeta", "trailer", "chained"])
+def test_json_and_latex_of_every_form(form: str) -> None:
+    found = json.loads(wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", form, "--json"))
+    for sheet in found if isinstance(found, list) else [found]:
+        assert sheet["inputs"] and sheet["equations"]
+        assert all(len(field) == len(sheet["state"]) for field in sheet["fields"].values())
+    shown = wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", form, "--latex")
+    assert shown.startswith("\\begin{aligned}") and shown.rstrip().endswith("\\end{aligned}")
+
+
+def test_what_there_is_not_is_said() -> None:
+    assert "no trailers" in wmrgen("model", ROBOTS / "bicycle.yaml", "--form", "trailer", code=3)
+    assert "zeta form" in wmrgen("model", ROBOTS / "pioneer3dx.yaml", "--form", "zeta", code=3)
+    assert "Missing actuation" in wmrgen("model", ROBOTS / "unicycle.yaml", code=3)
+
+
+@pytest.mark.parametrize("hitch", ["0", "0.15"])
+def test_eight_trailers_derive_in_time(hitch: str, tmp_path: Path) -> None:
+    """Whole process, C and CasADi included; each case of fewer trailers is quicker."""
+    text = (ROBOTS / "car_with_trailers.yaml").read_text(encoding="utf-8")
+    head = text[: text.index("trailers:\n")]
+    trailers = "".join(f"  - {{length: {0.5 + 0.1 * k:.1f}, hitch: {hitch}}}\n" for k in range(8))
+    path = tmp_path / "train.yaml"
+    path.write_text(f"{head}trailers:\n{trailers}functions: [trailer]\n", encoding="utf-8")
+    begin = time.perf_counter()
+    wmrgen("derive", path, "-o", tmp_path / "out")
+    assert time.perf_counter() - begin < 10
+    files = {f.name for f in (tmp_path / "out" / "car_with_trailers").iterdir()}
+    assert {"car_with_trailers.c", "car_with_trailers_trailer.casadi"} <= files

@@ -81,6 +81,8 @@ OPTIONAL: dict[str, str] = {
     "brockett": "wmrgen.models.canonical:brockett",
     "brockett_input": "wmrgen.models.canonical:brockett_input",
     "brockett_rates": "wmrgen.models.canonical:brockett_rates",
+    "desaturate": "wmrgen.edges.desaturate:desaturate",
+    "inverse_together": "wmrgen.edges.together:inverse_together",
     "wheel_angles": "wmrgen.models.integrals:wheel_angles",
     "flat": "wmrgen.models.flat:flat",
     "input_limits": "wmrgen.control.input_limits:input_limits",

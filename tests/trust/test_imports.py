@@ -16,7 +16,7 @@ SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(
 
 # From left to right. The IR stands beside the stages: it knows none of them, and `lower` hands over to it.
 STAGES = (
-    "spec layout constraints symbolic mobility kinematics models motion control space"
+    "spec layout constraints symbolic mobility kinematics models motion control space edges"
     " program lower model derivation"
 ).split()
 TOOLS = {"errors", "exact", "ports"}

@@ -6,6 +6,7 @@ Steering comes from atan2 of the pivot's velocity seen from the present wheel, s
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import sympy
@@ -40,12 +41,22 @@ class Joints:
     steer_rate: Expr | None = None
 
 
+Steering = Callable[[Robot, Row, Locals], dict[int, Target]]  # driven twist -> target per wheel index
+
+
 def inverse(robot: Robot, mobility: Mobility) -> Formula:
     """vx vy omega and the present steering angles to every joint's command."""
+    return joint_commands(
+        robot, mobility, nearest_steering, "inverse", "twist of P in the robot frame to joint commands"
+    )
+
+
+def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: str, text: str) -> Formula:
+    """An inverse whose steered wheels take the targets of ``steering``."""
     names = Locals()
     projection = project(robot, mobility)
     twist = _named_twist(projection, names)
-    targets = _steering(robot, twist, names)
+    targets = steering(robot, twist, names)
     swivels, left_over = _swivels(robot, twist)
     joints = {w.index: _joints(w, twist, targets, swivels) for w in robot.wheels if w.has_spin}
     speeds = spins(robot, joints)
@@ -66,10 +77,8 @@ def inverse(robot: Robot, mobility: Mobility) -> Formula:
         )
     )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
-    return Formula(
-        "inverse", (*twist_ports(), *steers, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
-        "twist of P in the robot frame to joint commands",
-    )  # fmt: skip
+    inputs = (*twist_ports(), *steers, *tunable_ports(robot))
+    return Formula(name, inputs, tuple(names.items), tuple(outputs), text)
 
 
 def _named_twist(projection: Projection, names: Locals) -> Row:
@@ -99,18 +108,27 @@ def pivot(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
     return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
-def _steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
-    """Targets of all steered wheels, coupled ones together."""
-    result: dict[int, Target] = {}
+def steered_groups(robot: Robot) -> list[list[Wheel]]:
+    """The steered wheels, those that one motor turns together."""
     groups: dict[int, list[Wheel]] = {}
     for w in robot.wheels:
         if w.type == "steered":
             groups.setdefault(robot.steer_group[w.index], []).append(w)
-    for members in groups.values():
+    return list(groups.values())
+
+
+def moves_as_one(members: list[Wheel], velocities: dict[int, tuple[Poly, Poly]]) -> bool:
+    """True when the wheels of a group see the same velocity of their pivots from the same heading."""
+    return len({(velocities[w.index], w.working.ch, w.working.sh) for w in members}) == 1
+
+
+def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
+    """Targets of all steered wheels, coupled ones together, each on the branch nearest to its present angle."""
+    result: dict[int, Target] = {}
+    for members in steered_groups(robot):
         velocities = {w.index: pivot(w, twist) for w in members}
-        same = len({(velocities[w.index], w.working.ch, w.working.sh) for w in members}) == 1
         lead = members[0]
-        if same:
+        if moves_as_one(members, velocities):
             one = steer_one(robot, lead, velocities[lead.index], names)
             result.update({w.index: one for w in members})
         else:

@@ -49,7 +49,7 @@ def steer_limits(robot: Robot, wheel: Wheel) -> Interval | None:
     return wheel.limits.get("steer") or robot.limits.get("steer")
 
 
-def _seen(w: Wheel, velocity: Velocity, names: Locals, lead: Wheel | None = None) -> tuple[Expr, Expr]:
+def seen_from(w: Wheel, velocity: Velocity, names: Locals, lead: Wheel | None = None) -> tuple[Expr, Expr]:
     """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``."""
     g = working_view(w)
     c, s = heading(w if lead is None else lead, g)
@@ -67,7 +67,7 @@ def _short(names: Locals, name: str, value: Poly) -> Poly:
 
 def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Target:
     """A wheel steered on its own."""
-    u, v = _seen(w, velocity, names)
+    u, v = seen_from(w, velocity, names)
     now = signal(f"{w.name}.steer")
     zero = sympy.S.Zero
     swing = angle_of(select(u, zero, times(-1, v), v), absolute(u))
@@ -95,7 +95,7 @@ def _limited(
     kept = select(high, nearest, inside, select(nearest, low, inside, nearest))
     steer = names.define(f"{w.name}_target", maximum(low, sympy.Min(high, kept, evaluate=False)))
     turn = names.define(f"{w.name}_turn", subtract(steer, now))
-    return _turned(steer, turn, *seen)
+    return turned(steer, turn, *seen)
 
 
 def steer_group(
@@ -107,7 +107,7 @@ def steer_group(
     (sum of u**2 - w**2, sum of 2 u w), the nearest of the two branches.
     """
     lead = members[0]
-    seen = {w.index: _seen(w, velocities[w.index], names, lead) for w in members}
+    seen = {w.index: seen_from(w, velocities[w.index], names, lead) for w in members}
     double = add(*(2 * u * v for u, v in seen.values()))
     difference = add(*(subtract(u**2, v**2) for u, v in seen.values()))
     now = signal(f"{lead.name}.steer")
@@ -118,10 +118,10 @@ def steer_group(
         target = maximum(number(limits.low), sympy.Min(number(limits.high), target, evaluate=False))
     steer = names.define(f"{lead.name}_target", target)
     turn = names.define(f"{lead.name}_turn", subtract(steer, now))
-    return {i: _turned(steer, turn, u, v) for i, (u, v) in seen.items()}
+    return {i: turned(steer, turn, u, v) for i, (u, v) in seen.items()}
 
 
-def _turned(steer: Expr, turn: Expr, u: Expr, v: Expr) -> Target:
+def turned(steer: Expr, turn: Expr, u: Expr, v: Expr) -> Target:
     """The pivot's velocity (u, v) seen from the wheel after it has turned."""
     c, s = sympy.cos(turn), sympy.sin(turn)
     return Target(steer, add(times(u, c), times(v, s)), subtract(times(v, c), times(u, s)))

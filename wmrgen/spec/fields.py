@@ -111,6 +111,8 @@ OPTIONAL_FUNCTIONS: tuple[str, ...] = (
     "brockett",
     "brockett_input",
     "brockett_rates",
+    "desaturate",
+    "inverse_together",
     "wheel_angles",
     "flat",
     "input_limits",

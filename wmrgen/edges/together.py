@@ -1,0 +1,185 @@
+"""`inverse_together`: all steered wheels drive backwards or none, so that swinging modules do not turn the robot.
+
+`inverse` takes the nearer branch for each wheel on its own; near 90 degrees of swing neighbours then swing to
+opposite sides, and the robot yaws until they arrive. Here the wheels decide together: backwards where, as they
+stand, they would on the whole roll backwards (sum of u < 0, u the speed of the pivot along the wheel). Steering
+limits come first: the choice that leaves less of any angle outside them wins. A wheel whose pivot stands still
+holds its angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy
+
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.poly import Row
+from wmrgen.kinematics.inverse import joint_commands, moves_as_one, pivot, steered_groups
+from wmrgen.kinematics.records import Formula, Locals
+from wmrgen.kinematics.steer import Target, Velocity, seen_from, steer_limits, turned
+from wmrgen.layout.records import Interval, Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.symbolic import (
+    Expr,
+    absolute,
+    add,
+    angle_of,
+    expression,
+    local,
+    maximum,
+    number,
+    root,
+    select,
+    signal,
+    square,
+    subtract,
+    times,
+)
+
+_ZERO = sympy.S.Zero
+
+
+@dataclass(frozen=True, slots=True)
+class _Unit:
+    """Wheels that one motor steers. ``swing``: to the nearer branch; ``rim``: the way that branch rolls.
+
+    ``seen``: (u, v) per wheel; ``forwards``, ``backwards``: joint angle that rolls that way, limits aside.
+    """
+
+    lead: Wheel
+    members: tuple[Wheel, ...]
+    seen: dict[int, tuple[Expr, Expr]]
+    along: Expr
+    speed: Expr
+    forwards: Expr
+    backwards: Expr
+    limits: Interval | None
+
+
+def inverse_together(robot: Robot, mobility: Mobility) -> Formula:
+    """As ``inverse``, with one decision for all modules. NotDerivableError where fewer than two steer."""
+    count = len(steered_groups(robot))
+    if count < 2:
+        found = (
+            "no wheel is steered" if not count else "all steered wheels turn by one motor, so inverse does it"
+        )
+        raise NotDerivableError(f"{robot.name} has no inverse_together: {found}")
+    text = "twist of P in the robot frame to joint commands, all modules on the same branch"
+    return joint_commands(robot, mobility, _steering, "inverse_together", text)
+
+
+def _steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
+    units = [_unit(robot, members, twist, names) for members in steered_groups(robot)]
+    direction = names.define("direction", _direction(units, names))
+    result: dict[int, Target] = {}
+    for unit in units:
+        result.update(_targets(unit, direction, names))
+    return result
+
+
+def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Unit:
+    lead = members[0]
+    velocities = {w.index: pivot(w, twist) for w in members}
+    if moves_as_one(members, velocities):
+        seen = dict.fromkeys(velocities, seen_from(lead, velocities[lead.index], names))
+        u, v = seen[lead.index]
+        own, speed = u, names.define(f"{lead.name}_speed", _length([velocities[lead.index]]))
+        swing = angle_of(select(u, _ZERO, times(-1, v), v), absolute(u))
+    else:
+        seen = {w.index: seen_from(w, velocities[w.index], names, lead) for w in members}
+        own, speed, swing = _common(lead, seen, velocities, names)
+    swing = names.define(f"{lead.name}_near", swing)
+    half = select(_ZERO, swing, subtract(swing, sympy.pi), add(swing, sympy.pi))
+    far = names.define(f"{lead.name}_far", select(_ZERO, speed, half, swing))
+    now = signal(f"{lead.name}.steer")
+
+    def define(way: str, low: Expr, high: Expr) -> Expr:
+        return names.define(f"{lead.name}_{way}", add(now, select(own, _ZERO, low, high)))
+
+    return _Unit(
+        lead, tuple(members), seen, add(*(u for u, _ in seen.values())), speed,
+        define("forwards", far, swing), define("backwards", swing, far), steer_limits(robot, lead),
+    )  # fmt: skip
+
+
+def _common(
+    lead: Wheel, seen: dict[int, tuple[Expr, Expr]], velocities: dict[int, Velocity], names: Locals
+) -> tuple[Expr, Expr, Expr]:
+    """Rim speed on the nearer branch, speed and swing of wheels on one motor (see `steer_group`)."""
+    double = add(*(times(2, u, v) for u, v in seen.values()))
+    difference = add(*(subtract(square(u), square(v)) for u, v in seen.values()))
+    swing = names.define(f"{lead.name}_swing", angle_of(double, difference) / 2)
+    c, s = sympy.cos(swing), sympy.sin(swing)
+    rim = add(*(add(times(u, c), times(v, s)) for u, v in seen.values()))
+    speed = _length(list(velocities.values()))
+    return names.define(f"{lead.name}_rim", rim), names.define(f"{lead.name}_speed", speed), swing
+
+
+def _length(velocities: list[Velocity]) -> Expr:
+    """Root of the sum of squares of all pivots' velocities."""
+    return root(add(*(square(expression(p)) for velocity in velocities for p in velocity)))
+
+
+def _direction(units: list[_Unit], names: Locals) -> Expr:
+    """Negative: backwards. Steering limits first, then how the wheels stand."""
+    along = add(*(u.along for u in units))
+    limited = [u for u in units if u.limits is not None]
+    if not limited:
+        return along
+    over = {
+        way: names.define(f"over_{way}", _largest([_excess(u, getattr(u, way), names, way) for u in limited]))
+        for way in ("forwards", "backwards")
+    }
+    one = sympy.S.One
+    backwards_better = select(over["backwards"], over["forwards"], times(-1, one), along)
+    return select(over["forwards"], over["backwards"], one, backwards_better)
+
+
+def _largest(values: list[Expr]) -> Expr:
+    found = values[0]
+    for value in values[1:]:
+        found = maximum(found, value)
+    return found
+
+
+def _excess(unit: _Unit, angle: Expr, names: Locals, way: str) -> Expr:
+    """How far the best full turn of ``angle`` lies outside the limits."""
+    return _outside(unit, _wrapped(unit, angle, names, way))
+
+
+def _outside(unit: _Unit, angle: Expr) -> Expr:
+    assert unit.limits is not None
+    low, high = number(unit.limits.low), number(unit.limits.high)
+    return maximum(_ZERO, maximum(subtract(low, angle), subtract(angle, high)))
+
+
+def _wrapped(unit: _Unit, angle: Expr, names: Locals, way: str) -> Expr:
+    """``angle`` or, where that leaves less outside the limits, the same heading a full turn away."""
+    assert unit.limits is not None
+    low, high, turn = number(unit.limits.low), number(unit.limits.high), 2 * sympy.pi
+    key = f"{unit.lead.name}_{way}"
+    other = names.define(
+        f"{key}_turned",
+        select(high, angle, subtract(angle, turn), select(angle, low, add(angle, turn), angle)),
+    )
+    best = select(_outside(unit, other), _outside(unit, angle), other, angle)
+    return names.define(f"{key}_best", best)
+
+
+def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
+    alone = len(unit.seen) == 1 or len(set(unit.seen.values())) == 1
+    if unit.limits is None and alone:
+        steer = select(direction, _ZERO, unit.backwards, unit.forwards)
+        rim = select(direction, _ZERO, times(-1, unit.speed), unit.speed)
+        return dict.fromkeys(unit.seen, Target(steer, rim))
+    key = unit.lead.name
+    if unit.limits is None:
+        wanted = select(direction, _ZERO, unit.backwards, unit.forwards)
+    else:
+        chosen = select(direction, _ZERO, local(f"{key}_backwards_best"), local(f"{key}_forwards_best"))
+        low, high = number(unit.limits.low), number(unit.limits.high)
+        wanted = maximum(low, sympy.Min(high, chosen, evaluate=False))
+    steer = names.define(f"{key}_target", wanted)
+    turn = names.define(f"{key}_turn", subtract(steer, signal(f"{key}.steer")))
+    return {i: turned(steer, turn, u, v) for i, (u, v) in unit.seen.items()}

@@ -1,0 +1,166 @@
+"""The generated C of many robots in one image, called by the names of the contract."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from benchmarks.emulator.image import Image
+from benchmarks.emulator.machine import Machine, Run, Trap
+from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.c99.emit import Unit, unit
+from wmrgen.backends.c99.step import Step
+from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.nodes import Module
+
+EVERY = "every.c"
+# What the float build may take from <math.h>, and how many arguments each has.
+LIBM = {"sinf": 1, "cosf": 1, "atan2f": 2, "sqrtf": 1}
+_PLACES = {name: DATA + 0x8000 * k for k, name in enumerate(("params", "prepared", "in", "out"), 1)}
+_POISON = b"\xff\xff\xff\xff"  # a NaN: an output that was not written is seen
+Libm = Mapping[str, Callable[..., float]]
+Sources = Callable[[Module], tuple[str, str]]
+
+
+def default_sources(module: Module) -> tuple[str, str]:
+    """Header and source as ``wmrgen derive`` writes them, banner aside."""
+    return sources(module, Meta())
+
+
+def write_sources(folder: Path, modules: Sequence[Module], made: Sources = default_sources) -> None:
+    """The files of all modules, and `EVERY`: all in one translation unit with the layouts of their structs."""
+    lines = []
+    for module in modules:
+        header, source = made(module)
+        (folder / f"{module.name}.h").write_text(header)
+        (folder / f"{module.name}.c").write_text(source)
+        lines.append(f'#include "{module.name}.c"')
+    lines.append("#include <stddef.h>")
+    for module in modules:
+        lines += [_layout(s) for step in unit(module, "float").steps for s, _ in step.arguments]
+    (folder / EVERY).write_text("\n".join(dict.fromkeys(lines)) + "\n")
+
+
+def _layout(s: Struct) -> str:
+    words = [f"sizeof({s.name}) / 4", *(f"offsetof({s.name}, {m}) / 4" for m in s.members.values())]
+    declared = f"const unsigned short layout_{s.name}[]"
+    return f"extern {declared};\n{declared} = {{{', '.join(words)}}};"
+
+
+def _stubs(names: Sequence[str]) -> str:
+    return "".join(
+        f"float {name}({', '.join(f'float x{k}' for k in range(LIBM[name]))});\n"
+        f"float {name}({', '.join(f'float x{k}' for k in range(LIBM[name]))}) "
+        f"{{ {' '.join(f'(void)x{k};' for k in range(1, LIBM[name]))} return x0; }}\n"
+        for name in names
+    )
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """``modules`` in ``image``; libm's functions are stubs in it, which ``libm`` answers."""
+
+    modules: tuple[Module, ...]
+    image: Image
+    libm: Libm
+    target: Target = M4F
+    counts: bool = True
+
+    @classmethod
+    def build(
+        cls,
+        folder: Path,
+        modules: Sequence[Module],
+        libm: Libm,
+        made: Sources = default_sources,
+        target: Target = M4F,
+        flags: Sequence[str] = FLAGS,
+        counts: bool = True,
+    ) -> Fleet:
+        """Compile and link ``modules`` in ``folder``."""
+        write_sources(folder, modules, made)
+        (folder / "stubs.c").write_text(_stubs(sorted(LIBM)))
+        objects = compile_objects(folder, (EVERY, "stubs.c"), target, flags)
+        return cls(
+            tuple(modules),
+            Image(link(folder, objects, f"every.{target.name}.elf", target)),
+            libm,
+            target,
+            counts,
+        )
+
+    @cached_property
+    def machine(self) -> Machine:
+        traps: dict[str, Trap] = {name: (LIBM[name], function) for name, function in self.libm.items()}
+        return Machine(self.image, traps, self.target.fpu, self.counts)
+
+    @cached_property
+    def units(self) -> dict[str, Unit]:
+        return {module.name: unit(module, "float") for module in self.modules}
+
+    def steps(self, robot: str) -> tuple[Step, ...]:
+        """The functions of the contract, without params_default and prepare."""
+        own = (f"{robot}_params_default", f"{robot}_prepare")
+        return tuple(s for s in self.units[robot].steps if s.name not in own)
+
+    def inputs(self, step: Step) -> tuple[str, ...]:
+        """Names of the inputs of ``step``, the tunable parameters last."""
+        names = [name for s, parameter in step.arguments[:-1] if parameter == "in" for name in s.members]
+        if any(parameter == "prepared" for _, parameter in step.arguments):
+            names += [n for n in self._tunable(step) if n not in names]
+        return tuple(names)
+
+    def _tunable(self, step: Step) -> tuple[str, ...]:
+        prepare = self._prepare(step)
+        return tuple(
+            name for s, parameter in prepare.arguments if parameter == "params" for name in s.members
+        )
+
+    def _prepare(self, step: Step) -> Step:
+        return next(
+            s
+            for u in self.units.values()
+            if step in u.steps
+            for s in u.steps
+            if s.name == f"{u.robot}_prepare"
+        )
+
+    def call(
+        self, step: Step, values: Mapping[str, float], stack: bool = False
+    ) -> tuple[Run, dict[str, float]]:
+        """Run ``step``, after prepare where it takes its result. The run is of the step alone."""
+        if any(parameter == "prepared" for _, parameter in step.arguments):
+            self._enter(self._prepare(step), values)
+        run = self._enter(step, values, stack)
+        out = step.arguments[-1][0]
+        size, places = self._layouts[out.name]
+        words = struct.unpack(f"<{size}f", self.machine.read(_PLACES["out"], 4 * size))
+        return run, {name: words[k] for name, k in places.items()}
+
+    def _enter(self, step: Step, values: Mapping[str, float], stack: bool = False) -> Run:
+        for s, parameter in step.arguments:
+            size, places = self._layouts[s.name]
+            if parameter in ("in", "params"):
+                words = [0.0] * size
+                for name, k in places.items():
+                    words[k] = values[name]
+                self.machine.write(_PLACES[parameter], struct.pack(f"<{size}f", *words))
+            elif s is step.arguments[-1][0]:
+                self.machine.write(_PLACES[parameter], _POISON * size)
+        return self.machine.call(step.name, *(_PLACES[p] for _, p in step.arguments), stack=stack)
+
+    @cached_property
+    def _layouts(self) -> dict[str, tuple[int, dict[str, int]]]:
+        """Struct -> (its size, place of each member), in words."""
+        found = {}
+        for u in self.units.values():
+            for s in (s for step in u.steps for s, _ in step.arguments):
+                content = self.image.content(f"layout_{s.name}")
+                size, *places = struct.unpack(f"<{len(content) // 2}H", content)
+                found[s.name] = size, dict(zip(s.members, places, strict=True))
+        return found

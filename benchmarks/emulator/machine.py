@@ -1,0 +1,114 @@
+"""A Cortex-M that calls one function at a time and counts what it executes."""
+
+from __future__ import annotations
+
+import struct
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from unicorn import UC_ARCH_ARM, UC_HOOK_CODE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc
+from unicorn import arm_const as arm
+
+from benchmarks.emulator.image import Image
+from benchmarks.emulator.zig import DATA, STACK
+
+FLASH, RAM, SYSTEM = (0, 0x0020_0000), (DATA, STACK - DATA), (0xE000_E000, 0x1000)
+CPACR = 0xE000_ED88  # coprocessor access: without full access to 10 and 11 the FPU faults
+RETURN = 0x001F_0000  # where a called function returns to
+LIMIT = 50_000_000
+_ARGUMENTS = (arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_ARM_REG_R3)
+Trap = tuple[int, Callable[..., float]]  # how many floats, and what is computed of them
+
+
+@dataclass(frozen=True)
+class Run:
+    """One call: ``instructions`` outside trapped functions, bytes of ``stack`` (0 unless asked), ``calls`` of traps."""
+
+    instructions: int
+    stack: int
+    calls: Mapping[str, int]
+
+
+class Machine:
+    """An image in a Cortex-M4F (``fpu``) or a Cortex-M0, memory and registers kept between calls.
+
+    ``traps`` are functions of floats that the host computes in place of the image's own. An instruction that
+    its IT block skips counts: it takes its cycle. Without ``counts`` calls are quick and their runs empty.
+    """
+
+    def __init__(
+        self, image: Image, traps: Mapping[str, Trap] | None = None, fpu: bool = True, counts: bool = True
+    ) -> None:
+        self.image, self._fpu = image, fpu
+        self._uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
+        self._uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4 if fpu else arm.UC_CPU_ARM_CORTEX_M0)
+        for start, size in (FLASH, RAM, SYSTEM):
+            self._uc.mem_map(start, size)
+        for start, data in image.segments:
+            self._uc.mem_write(start, data)
+        if fpu:
+            self._uc.mem_write(CPACR, struct.pack("<I", 0xF << 20))
+        # What an instruction counts, by address: 0 in traps and behind IT, which counts its whole block.
+        self._weights: dict[int, int] = {}
+        self._traps: dict[int, tuple[str, int, Callable[..., float]]] = {}
+        for name, (count, function) in (traps or {}).items():
+            symbol = image.symbols[name]
+            self._traps[symbol.address] = (name, count, function)
+            self._weights.update(dict.fromkeys(range(symbol.address, symbol.address + symbol.size), 0))
+        self._count, self._lowest, self._watching = 0, STACK, False
+        self._calls: Counter[str] = Counter()
+        for begin, end in [(1, 0)] if counts else [(place, place) for place in self._traps]:
+            self._uc.hook_add(UC_HOOK_CODE, self._step, begin=begin, end=end)
+
+    def _step(self, uc: Uc, address: int, size: int, data: object) -> None:
+        weight = self._weights.get(address)
+        self._count += self._weigh(address) if weight is None else weight
+        trap = self._traps.get(address)
+        if trap is not None:
+            self._calls[trap[0]] += 1
+            self._answer(trap[1], trap[2])
+        elif self._watching:
+            self._lowest = min(self._lowest, uc.reg_read(arm.UC_ARM_REG_SP))
+
+    def _weigh(self, address: int) -> int:
+        code = self._halfword(address)
+        weight, mask = 1, code & 0xF
+        if code & 0xFF00 == 0xBF00 and mask:
+            block = 4 - ((mask & -mask).bit_length() - 1)
+            place = address + 2
+            for _ in range(block):
+                self._weights[place] = 0
+                place += 4 if self._halfword(place) >> 11 >= 0b11101 else 2
+            weight += block
+        self._weights[address] = weight
+        return weight
+
+    def _halfword(self, address: int) -> int:
+        return int.from_bytes(self.read(address, 2), "little")
+
+    def _answer(self, count: int, function: Callable[..., float]) -> None:
+        registers = [arm.UC_ARM_REG_S0 + k for k in range(count)] if self._fpu else _ARGUMENTS[:count]
+        given = struct.pack(f"<{count}I", *(self._uc.reg_read(r) & 0xFFFF_FFFF for r in registers))
+        result = struct.pack("<f", function(*struct.unpack(f"<{count}f", given)))
+        self._uc.reg_write(registers[0], int.from_bytes(result, "little"))
+
+    def call(self, name: str, *arguments: int, stack: bool = False) -> Run:
+        """Call a function with up to four words; ``stack``: look at the stack pointer at every step."""
+        uc = self._uc
+        for register, value in zip(_ARGUMENTS, arguments, strict=False):
+            uc.reg_write(register, value)
+        uc.reg_write(arm.UC_ARM_REG_SP, STACK)
+        uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
+        self._count, self._lowest, self._watching = 0, STACK, stack
+        self._calls.clear()
+        uc.emu_start(self.image.symbols[name].address | 1, RETURN, count=LIMIT)
+        if uc.reg_read(arm.UC_ARM_REG_PC) != RETURN:
+            raise RuntimeError(f"{name} did not return within {LIMIT} instructions")
+        return Run(self._count, STACK - self._lowest, dict(self._calls))
+
+    def write(self, address: int, values: bytes) -> None:
+        self._uc.mem_write(address, values)
+
+    def read(self, address: int, size: int) -> bytes:
+        return bytes(self._uc.mem_read(address, size))

@@ -72,7 +72,7 @@ OPTIONAL: dict[str, str] = {
     "virtual_angle": "wmrgen.models.virtual:virtual_angle",
     "zeta": "wmrgen.models.zeta:zeta",
     "trailer": "wmrgen.models.trailers:trailer",
-    "trailer_positions": "wmrgen.models.trailers:trailer_positions",
+    "trailer_positions": "wmrgen.models.places:trailer_positions",
     "steady_circle": "wmrgen.models.steady:steady_circle",
     "slip_inverse": "wmrgen.models.slip:slip_inverse",
     "chained": "wmrgen.models.chained:chained",

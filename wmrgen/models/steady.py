@@ -14,11 +14,12 @@ from __future__ import annotations
 
 import sympy
 
+from wmrgen.constraints import working_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.models.trailers import body_of, check_trailers, trailer_motion
+from wmrgen.models.trailers import body_of, check_trailers, require_trailers
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, angle_of, expression, maximum, root, signal, square, times
 
@@ -30,10 +31,9 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
 
     margin is the smallest v_i**2: the steady circle exists where it is not negative. Forward motion is stable on it.
     """
-    if not robot.trailers:
-        trailer_motion(robot, mobility)
+    require_trailers(robot)
     check_trailers(robot, mobility)
-    if not body_of(robot, mobility, lambda w: w.working).axle:
+    if not body_of(robot, mobility, working_view).axle:
         raise NotDerivableError(
             f"{robot.name} has no steady circle in closed form: its body has no fixed axle that leads the trailers."
         )

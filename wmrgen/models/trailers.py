@@ -20,7 +20,6 @@ import sympy
 from wmrgen.constraints import View
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
-from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
@@ -139,12 +138,17 @@ def state_ports(trailers: Sequence[Trailer]) -> tuple[Port, ...]:
     return tuple(Port(f"{t.name}.theta", Role.STATE, "rad", text) for t in trailers)
 
 
-def trailer_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> tuple[Motion, Body]:
-    """How the body moves and where it tows. NotDerivableError where it cannot."""
+def require_trailers(robot: Robot) -> None:
+    """NotDerivableError where the file names none."""
     if not robot.trailers:
         raise NotDerivableError(
             f"{robot.name} has no trailers.\n  Write trailers: [{{length: 1.1}}] in its file; hitch: 0 is on the axle."
         )
+
+
+def trailer_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> tuple[Motion, Body]:
+    """How the body moves and where it tows. NotDerivableError where it cannot."""
+    require_trailers(robot)
     check_trailers(robot, mobility)
     motion = best_motion(robot, mobility, symbolic)
     return motion, body_of(robot, mobility, motion.frame.view)
@@ -226,36 +230,3 @@ def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Ex
     ]
     total = add(*terms)
     return total if total is sympy.S.Zero else names.define(f"body_{'xyz'[i]}", guarded(total, names, memo))
-
-
-def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
-    """Pose of the body and headings of the trailers to the centre of each trailer's axle, world frame [m]."""
-    if not robot.trailers:
-        trailer_motion(robot, mobility)
-    check_trailers(robot, mobility)
-    body = body_of(robot, mobility, lambda w: w.working)
-    names = Locals()
-    h = robot.trailers[0].hitch.working
-    px, py = expression(body.x - body.fx * h), expression(body.y - body.fy * h)
-    theta = signal("theta")
-    c, s = sympy.cos(theta), sympy.sin(theta)
-    x = add(signal("x"), subtract(times(px, c), times(py, s)))
-    y = add(signal("y"), add(times(px, s), times(py, c)))
-    outputs: list[tuple[Port, Expr]] = []
-    for i, t in enumerate(robot.trailers):
-        angle = signal(f"{t.name}.theta")
-        back = t.length.working
-        if i:
-            ahead = signal(f"{robot.trailers[i - 1].name}.theta")
-            h = t.hitch.working
-            x = subtract(x, times(expression(h), sympy.cos(ahead)))
-            y = subtract(y, times(expression(h), sympy.sin(ahead)))
-        x = names.define(f"{t.name}.at_x", subtract(x, times(expression(back), sympy.cos(angle))))
-        y = names.define(f"{t.name}.at_y", subtract(y, times(expression(back), sympy.sin(angle))))
-        outputs += [
-            (Port(f"{t.name}.{k}", Role.STATE, "m", "centre of the trailer's axle, world frame"), v)
-            for k, v in (("x", x), ("y", y))
-        ]
-    inputs = (*POSE, *state_ports(robot.trailers), *tunable_ports(robot))
-    text = "where the axles of the trailers stand"
-    return Formula("trailer_positions", inputs, tuple(names.items), tuple(outputs), text)

@@ -83,8 +83,8 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
     exact = _least(subtract(car.top, root(add(square(v), square(turn)))), subtract(slope, b))
     inner = _least(subtract(v_max, a), subtract(slope, b))
     outputs += [
-        (_port("exact.margin", "m/s", "of the nearest bound, negative outside"), exact),
-        (_port("inner.margin", "m/s", "of the nearest bound, negative outside"), inner),
+        (_port("exact.margin", "m/s", "slack of the tightest bound, negative outside"), exact),
+        (_port("inner.margin", "m/s", "slack of the tightest bound, negative outside"), inner),
     ]
     return Formula(
         "input_limits", (*INPUTS, *tunable_ports(robot)), tuple(names.items), tuple(outputs),

@@ -1,4 +1,4 @@
-"""``make bench``: print the tables. ``python -m benchmarks [derive] [start] [check] [counts] [--runs N]``."""
+"""``make bench``: print the tables. ``python -m benchmarks [SECTION…] [--runs N] [--update]``."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import argparse
 import platform
 import sys
 
-from benchmarks import counts, speed
+from benchmarks import budgets, counts, speed
 
 SECTIONS = {
-    "start": speed.start,
-    "derive": speed.derive,
-    "check": speed.check,
-    "counts": lambda runs: counts.table(),
+    "start": lambda chosen: speed.start(chosen.runs),
+    "derive": lambda chosen: speed.derive(chosen.runs),
+    "check": lambda chosen: speed.check(chosen.runs),
+    "counts": lambda chosen: counts.table(),
+    "budgets": lambda chosen: budgets.run(chosen.update),
 }
 
 
@@ -20,6 +21,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("sections", nargs="*", help=f"{' '.join(SECTIONS)}; default: all")
     parser.add_argument("--runs", type=int, default=7, help="runs of each command (default 7)")
+    parser.add_argument("--update", action="store_true", help="budgets: write what is measured")
     chosen = parser.parse_args()
     unknown = [name for name in chosen.sections if name not in SECTIONS]
     if unknown:
@@ -27,7 +29,7 @@ def main() -> None:
     print(f"Python {platform.python_version()}, {platform.system()} {platform.machine()}\n")
     for name, section in SECTIONS.items():
         if not chosen.sections or name in chosen.sections:
-            for line in section(chosen.runs):
+            for line in section(chosen):
                 print(line)
                 sys.stdout.flush()
             print()

@@ -21,6 +21,7 @@ from pathlib import Path
 from wmrgen.errors import EnvironmentFailure
 
 MANIFEST = "manifest.json"
+BUDGET = "budget.json"  # what the C of a robot may cost; measured, written and held by `python -m benchmarks budgets`
 _STAGE = ".wmrgen-stage-"
 _PART = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
 
@@ -70,7 +71,7 @@ def write_tree(directory: Path, files: Mapping[str, bytes]) -> Written:
 
 
 def differences(directory: Path, files: Mapping[str, bytes]) -> list[Difference]:
-    """How ``directory`` differs from what `write_tree` would leave there, by file, in order."""
+    """How ``directory`` differs from what `write_tree` would leave there, by file, in order; `BUDGET` may be there."""
     wanted = with_manifest(files)
     found = []
     for name, content in wanted.items():
@@ -80,7 +81,7 @@ def differences(directory: Path, files: Mapping[str, bytes]) -> list[Difference]
                 found.append(Difference(path, "differs"))
         except OSError:
             found.append(Difference(path, "missing"))
-    kept = {directory / name for name in wanted}
+    kept = {directory / name for name in (*wanted, BUDGET)}
     extra = [p for p in sorted(directory.rglob("*")) if not p.is_dir() and p not in kept]
     return found + [Difference(p, "not produced") for p in extra]
 

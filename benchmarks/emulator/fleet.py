@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.meta import Meta
 from wmrgen.ir.nodes import Module
 
-EVERY = "every.c"
+EVERY, LAYOUTS, STUBS = "every.c", "layouts.c", "stubs.c"
 # What the float build may take from <math.h>, and how many arguments each has.
 LIBM = {"sinf": 1, "cosf": 1, "atan2f": 2, "sqrtf": 1}
 _PLACES = {name: DATA + 0x8000 * k for k, name in enumerate(("params", "prepared", "in", "out"), 1)}
@@ -33,17 +33,16 @@ def default_sources(module: Module) -> tuple[str, str]:
 
 
 def write_sources(folder: Path, modules: Sequence[Module], made: Sources = default_sources) -> None:
-    """The files of all modules, and `EVERY`: all in one translation unit with the layouts of their structs."""
-    lines = []
+    """The files of all modules, `LAYOUTS` of their structs, and `EVERY`: all in one translation unit."""
+    layouts = ["#include <stddef.h>", *(f'#include "{module.name}.h"' for module in modules)]
     for module in modules:
         header, source = made(module)
         (folder / f"{module.name}.h").write_text(header)
         (folder / f"{module.name}.c").write_text(source)
-        lines.append(f'#include "{module.name}.c"')
-    lines.append("#include <stddef.h>")
-    for module in modules:
-        lines += [_layout(s) for step in unit(module, "float").steps for s, _ in step.arguments]
-    (folder / EVERY).write_text("\n".join(dict.fromkeys(lines)) + "\n")
+        layouts += [_layout(s) for step in unit(module, "float").steps for s, _ in step.arguments]
+    (folder / LAYOUTS).write_text("\n".join(dict.fromkeys(layouts)) + "\n")
+    every = [*(f"{module.name}.c" for module in modules), LAYOUTS]
+    (folder / EVERY).write_text("".join(f'#include "{name}"\n' for name in every))
 
 
 def _layout(s: Struct) -> str:
@@ -70,6 +69,7 @@ class Fleet:
     libm: Libm
     target: Target = M4F
     counts: bool = True
+    objects: Mapping[str, Path] = field(default_factory=dict)
 
     @classmethod
     def build(
@@ -81,18 +81,16 @@ class Fleet:
         target: Target = M4F,
         flags: Sequence[str] = FLAGS,
         counts: bool = True,
+        separate: bool = False,
     ) -> Fleet:
-        """Compile and link ``modules`` in ``folder``."""
+        """Compile and link ``modules`` in ``folder``: in one go, or ``separate``, an object for each."""
         write_sources(folder, modules, made)
-        (folder / "stubs.c").write_text(_stubs(sorted(LIBM)))
-        objects = compile_objects(folder, (EVERY, "stubs.c"), target, flags)
-        return cls(
-            tuple(modules),
-            Image(link(folder, objects, f"every.{target.name}.elf", target)),
-            libm,
-            target,
-            counts,
-        )
+        (folder / STUBS).write_text(_stubs(sorted(LIBM)))
+        units = [f"{module.name}.c" for module in modules] + [LAYOUTS] if separate else [EVERY]
+        objects = compile_objects(folder, (*units, STUBS), target, flags)
+        image = Image(link(folder, objects, f"every.{target.name}.elf", target))
+        made_of = dict(zip(units, objects, strict=False))
+        return cls(tuple(modules), image, libm, target, counts, made_of)
 
     @cached_property
     def machine(self) -> Machine:
@@ -107,6 +105,11 @@ class Fleet:
         """The functions of the contract, without params_default and prepare."""
         own = (f"{robot}_params_default", f"{robot}_prepare")
         return tuple(s for s in self.units[robot].steps if s.name not in own)
+
+    def text(self, robot: str) -> int:
+        """Bytes of flash of all functions of ``robot``, of a fleet built separately."""
+        sizes = Image(self.objects[f"{robot}.c"]).sizes()
+        return sum(size for name, size in sizes.items() if name.startswith((".text", ".rodata")))
 
     def inputs(self, step: Step) -> tuple[str, ...]:
         """Names of the inputs of ``step``, the tunable parameters last."""

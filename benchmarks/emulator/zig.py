@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,12 +63,14 @@ def compile_objects(
 ) -> list[Path]:
     """The object of each of ``sources`` (names of C files in ``folder``), beside it."""
     chosen = ("-target", target.triple, f"-mcpu={target.cpu}", *flags, *_HOSTED)
-    made = []
-    for source in sources:
+
+    def one(source: str) -> Path:
         name = f"{Path(source).stem}.{target.name}.o"
         _zig(folder, "cc", *chosen, "-c", source, "-o", name)
-        made.append(folder / name)
-    return made
+        return folder / name
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(one, sources))
 
 
 def link(folder: Path, objects: Sequence[Path], name: str, target: Target) -> Path:

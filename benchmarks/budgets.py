@@ -1,0 +1,135 @@
+"""``generated/<robot>/budget.json``: what the C of each robot costs, and the check that it does not grow.
+
+Instructions, bytes of code and of stack are those of a Cortex-M4F and of the compiler in constraints.txt, so
+they are the same everywhere; libm's own are not in them (``calls`` says how often it is called).
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import wmrgen
+from benchmarks.emulator.fleet import Fleet
+from benchmarks.emulator.inputs import cases, nominal
+from benchmarks.emulator.zig import FLAGS, M4F, version
+from wmrgen.artifacts import BUDGET, write_file
+from wmrgen.ir.arithmetic import FLOAT32
+from wmrgen.ir.cost import count
+from wmrgen.ir.nodes import Module, Op
+
+ROOT = Path(__file__).resolve().parent.parent
+GENERATED = ROOT / "generated"
+RUNS = 12
+LIMITED = ("instructions", "text", "stack")
+Budget = dict[str, Any]
+_ANSWERS = {"sinf": Op.SIN, "cosf": Op.COS, "atan2f": Op.ATAN2, "sqrtf": Op.SQRT}
+
+
+def gallery() -> list[Module]:
+    """The C modules of all robot files."""
+    return [wmrgen.derive(wmrgen.load(path)).c_module for path in sorted((ROOT / "robots").glob("*.yaml"))]
+
+
+def measure(modules: Sequence[Module]) -> dict[str, Budget]:
+    """Robot -> what its budget.json would hold."""
+    answers = {name: FLOAT32.apply[op] for name, op in _ANSWERS.items()}
+    with tempfile.TemporaryDirectory(prefix="wmrgen-budget-") as folder:
+        fleet = Fleet.build(Path(folder), modules, answers, separate=True)
+        return {module.name: _robot(fleet, module) for module in modules}
+
+
+def _robot(fleet: Fleet, module: Module) -> Budget:
+    functions = {}
+    for step in fleet.steps(module.name):
+        name = step.name.removeprefix(f"{module.name}_")
+        values = cases(fleet.inputs(step), nominal(module), step.name, RUNS)
+        runs = [fleet.call(step, case, stack=True)[0] for case in values]
+        calls: Counter[str] = Counter()
+        for run in runs:
+            calls |= Counter(run.calls)
+        operations = {kind: n for kind, n in asdict(count(module.function(name))).items() if n}
+        functions[name] = {
+            "operations": operations,
+            "instructions": max(run.instructions for run in runs),
+            "calls": dict(sorted(calls.items())),
+            "text": fleet.image.symbols[step.name].size,
+            "stack": max(run.stack for run in runs),
+        }
+    return {
+        "format": 1,
+        "target": f"Cortex-M4F: zig cc -mcpu={M4F.cpu} {FLAGS[0]} {FLAGS[2]}",
+        "compiler": version(),
+        "text": fleet.text(module.name),
+        "functions": functions,
+    }
+
+
+def growth(old: Budget, new: Budget) -> list[str]:
+    """What is dearer in ``new``, or has no budget, in words."""
+    if old.get("format") != new["format"] or old.get("compiler") != new["compiler"]:
+        return [f"measured with {old.get('compiler')}, here is {new['compiler']}"]
+    found = _grown("text", old.get("text", 0), new["text"])
+    for name, now in new["functions"].items():
+        was = old["functions"].get(name)
+        if was is None:
+            found.append(f"{name} has no budget")
+            continue
+        for key in LIMITED:
+            found += _grown(f"{name}: {key}", was[key], now[key])
+        for key in ("operations", "calls"):
+            for kind in now[key]:
+                found += _grown(f"{name}: {kind}", was[key].get(kind, 0), now[key][kind])
+    return found
+
+
+def _grown(what: str, was: int, now: int) -> list[str]:
+    return [f"{what} {was} -> {now}"] if now > was else []
+
+
+def read(path: Path) -> Budget | None:
+    """A budget; None where there is none."""
+    try:
+        found: Budget = json.loads(path.read_bytes())
+        return found
+    except (OSError, ValueError):
+        return None
+
+
+def text(budget: Budget) -> bytes:
+    return (json.dumps(budget, indent=2) + "\n").encode()
+
+
+def check(measured: Mapping[str, Budget], folder: Path = GENERATED) -> list[str]:
+    """One line per excess; empty when every robot keeps to its budget."""
+    found = []
+    for robot, now in measured.items():
+        was = read(folder / robot / BUDGET)
+        why = ["no budget"] if was is None else growth(was, now)
+        found += [f"{robot}: {line}" for line in why]
+    return found
+
+
+def update(measured: Mapping[str, Budget], folder: Path = GENERATED) -> int:
+    """Write what was measured; how many files changed."""
+    return sum(write_file(folder / robot / BUDGET, text(budget)) for robot, budget in measured.items())
+
+
+def run(renew: bool) -> Iterator[str]:
+    """The lines to print; ends with SystemExit(1) when a robot exceeds its budget and ``renew`` is not asked for."""
+    measured = measure(gallery())
+    if renew:
+        yield f"{update(measured)} of {len(measured)} budgets changed"
+        return
+    found = check(measured)
+    yield from found
+    if found:
+        yield "if that is meant: python -m benchmarks budgets --update"
+        raise SystemExit(1)
+    smaller = sum(read(GENERATED / robot / BUDGET) != now for robot, now in measured.items())
+    yield f"{len(measured)} robots keep to their budgets; {smaller} need less (budgets --update writes that down)"

@@ -24,7 +24,7 @@ def test_the_robot_file_is_the_gallery_s() -> None:
     assert len(shown.splitlines()) <= 12
 
 
-@pytest.mark.parametrize("command", ["wmrgen derive robots", "wmrgen eval robots"])
+@pytest.mark.parametrize("command", ["wmrgen derive robots", "wmrgen eval robots", "wmrgen model robots"])
 def test_commands_print_what_is_shown(
     wmrgen_cli: Callable[..., Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:

@@ -47,7 +47,7 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
     names.items += first.locals
     commands = {port.name: value for port, value in first.outputs}
     motion = motion_of(project(robot, mobility).twist)
-    turns = steered_turns(robot, motion, names) | castor_turns(robot, motion, names)
+    turns = steered_turns(robot, motion, commands, names) | castor_turns(robot, motion, names)
     speeds, rates = _spins(robot, motion, turns, commands, names)
     outputs: list[tuple[Port, Expr]] = []
     for w in robot.wheels:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 import sympy
 
 from wmrgen.constraints import heading, working_view
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.kinematics.inverse import pivot
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.smallest import FLOOR
 from wmrgen.kinematics.steer import steer_limits
-from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
+AT_LIMIT = Exact(Fraction(1, 10**6))  # rad: a command so near a limit is held by it
 _TWIST = ("vx", "vy", "omega")
 Jet = tuple[Expr, Expr, Expr]
 
@@ -59,7 +63,9 @@ def _groups(robot: Robot, kind: str) -> list[list[Wheel]]:
     return list(groups.values())
 
 
-def steered_turns(robot: Robot, motion: Motion, names: Locals) -> dict[int, Turn]:
+def steered_turns(
+    robot: Robot, motion: Motion, commands: Mapping[str, Expr], names: Locals
+) -> dict[int, Turn]:
     """Rates of the angles that `inverse` commands: alone atan2 of vA, together half of a sum's double angle."""
     result: dict[int, Turn] = {}
     for members in _groups(robot, "steered"):
@@ -70,7 +76,7 @@ def steered_turns(robot: Robot, motion: Motion, names: Locals) -> dict[int, Turn
         turn = _angle_rates(x, y, lead.name, names, sympy.S.One if alike else sympy.S.Half)
         limits = steer_limits(robot, lead)
         if limits is not None:
-            turn = _held(names, lead, number(limits.low), number(limits.high), turn)
+            turn = _held(names, lead, commands[f"{lead.name}.steer"], limits, turn)
         result.update({w.index: turn for w in members})
     return result
 
@@ -121,9 +127,10 @@ def _angle_rates(x: Jet, y: Jet, name: str, names: Locals, share: Expr) -> Turn:
     return Turn(rate, names.define(f"{name}_bent", bent))
 
 
-def _held(names: Locals, lead: Wheel, low: Expr, high: Expr, turn: Turn) -> Turn:
+def _held(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Turn) -> Turn:
     """0 where the commanded angle is at a limit."""
-    target = next(s for s, _ in names.items if s.name == f"{lead.name}_target")
+    target = names.define(f"{lead.name}_aimed", command)
+    low, high = number(limits.low + AT_LIMIT), number(limits.high - AT_LIMIT)
     rate, bent = (
         names.define(
             f"{lead.name}_{k}", select(low, target, select(target, high, value, sympy.S.Zero), sympy.S.Zero)

@@ -166,7 +166,8 @@ def evaluate(
 ) -> int:
     """Example:  wmrgen eval robots/pioneer3dx.yaml inverse vx=0.5 omega="30 deg/s"
 
-    Compute a function of a robot's model. Inputs that are not given are 0, parameters nominal.
+    Compute a function of a robot's model. Inputs that are not given are 0, parameters nominal. With the word
+    textbook for the robot: a formula of the texts that needs none, as `wmrgen eval textbook pursuit distance=3`.
     """
     from wmrgen.cli.evaluate import run
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from functools import cache
 from typing import Any
 
 import sympy
@@ -22,6 +23,11 @@ DESCRIPTION = "Formulas of the texts that need no robot, in their corrected form
 
 def artifacts(scalar: str = "float") -> dict[str, bytes]:
     """File name -> content of everything in ``DIR/textbook/``, the manifest aside."""
+    return dict(_artifacts(scalar))
+
+
+@cache
+def _artifacts(scalar: str) -> dict[str, bytes]:
     book = textbook()
     facts = (json.dumps(_functions(book), indent=2, ensure_ascii=False) + "\n").encode()
     digest = hashlib.sha256(facts)
@@ -41,6 +47,7 @@ def artifacts(scalar: str = "float") -> dict[str, bytes]:
     return files | {"report.md": page(report(book))}
 
 
+@cache
 def errata() -> bytes:
     """The content of ``DIR/errata.md``, from running every check."""
     from wmrgen.textbook.errata.page import lines

@@ -11,7 +11,7 @@ from sympy.printing.latex import LatexPrinter
 
 from wmrgen.kinematics.records import Formula
 from wmrgen.ports import Port
-from wmrgen.symbolic import Expr, signal, substituted
+from wmrgen.symbolic import Expr, local, signal, substituted
 from wmrgen.textbook.plain import unguarded
 
 _GREEK = frozenset("alpha beta gamma epsilon zeta theta xi rho phi psi omega".split())
@@ -85,7 +85,9 @@ def equations(formula: Formula) -> list[str]:
     lines = []
     for symbol, expr in formula.locals:
         value = substituted(unguarded(expr), known, memo)
-        if uses[symbol] <= 1 or value.count_ops() <= 3:
+        if symbol.name.endswith("_exp"):
+            value = sympy.exp(known[local(f"{symbol.name}_of")])
+        if "_exp_" in symbol.name or uses[symbol] <= 1 or value.count_ops() <= 3:
             known[symbol] = value
             continue
         known[symbol] = sympy.Symbol(rf"\mathit{{{_spaced(symbol.name)}}}", real=True)

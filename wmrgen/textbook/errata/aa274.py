@@ -36,7 +36,7 @@ TRICYCLE = Record(
 
 V, W, TOP, ZMAX = symbol("v"), symbol(r"\omega"), symbol(r"u_1^{max}"), symbol(r"\zeta_{max}")
 _TOP, _ZETA = sympy.S.One, sympy.pi / 6
-_GRID = [(sympy.Rational(a, 10), sympy.Rational(b, 10)) for a, b in product(range(-10, 11), range(-6, 7))]
+_GRID = [(sympy.Rational(a, 5), sympy.Rational(b, 5)) for a, b in product(range(-5, 6), range(-3, 4))]
 
 
 def _attained(v: sympy.Expr, w: sympy.Expr) -> bool:

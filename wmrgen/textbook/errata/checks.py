@@ -112,7 +112,7 @@ def undefined(*defined: Expr) -> Slip:
     known = frozenset(defined)
 
     def slip(form: Form) -> str:
-        strangers = sorted(form.symbols - known, key=lambda s: str(s.name))
+        strangers = sorted(form.names - known, key=lambda s: str(s.name))
         return f"nothing defines {', '.join(f'${latex(s)}$' for s in strangers)}" if strangers else ""
 
     return slip

@@ -68,6 +68,11 @@ def castor_rate() -> Expr:
     return shown(d.pfaffian[d.J1.rows + 1 : d.J1.rows + 2, column])[0]
 
 
+def inverse(m: sympy.Matrix) -> sympy.Matrix:
+    """The inverse by cofactors, as it stands: no pivot has to be recognised as 0."""
+    return m.adjugate() / m.det(method="berkowitz")
+
+
 def robot(wheels: str, name: str = "robot") -> Derivation:
     """The derivation of a robot whose wheels are given as lines of a robot file, without parameters."""
     lines = "".join(f"  - {{{line.strip()}}}\n" for line in wheels.strip().splitlines())

@@ -46,7 +46,7 @@ class Form:
         return tuple(line[-1] for line in self.lines)
 
     @property
-    def symbols(self) -> frozenset[Expr]:
+    def names(self) -> frozenset[Expr]:
         """Every symbol of the display."""
         return frozenset(s for v in self.values for s in v.free_symbols)
 

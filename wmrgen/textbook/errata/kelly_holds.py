@@ -101,7 +101,7 @@ VEHICLES = (
           remark="Needs at least two wheels at different contact points."),
     holds("differential steer", "wmrgen's rolling rows of the right and the left wheel, and their inverse",
           ("H", DD, M.vstack(*(row.extract([0], [0, 2]) for row in SIDES))),
-          ("H^{-1}", M([[W, W], [1, -1]]) / (2 * W), DD.inv())),
+          ("H^{-1}", M([[W, W], [1, -1]]) / (2 * W), engine.inverse(DD))),
     holds("Ackermann, steering", "the front wheel of wmrgen's rows does not slide at tan γ = ω L/v_x",
           (r"v_x\sin\gamma-\omega L\cos\gamma", ZERO,
            (FRONT[1] * M([vx, ZERO, sympy.tan(gamma) * vx / L]))[0])),

@@ -145,7 +145,7 @@ ABOVE, RIGHT = w[1] + w[2] - 2 * w[0], sqrt(3) * (w[1] - w[2])
 def _direction(e: sympy.Expr) -> list[sympy.Expr]:
     """Body velocity from wmrgen's rows at phi = 0, a = r = 1: v (cos theta, sin theta)."""
     rows = M.vstack(*(wheel_row(i) for i in (1, 2, 3))).xreplace({phi: sympy.S.Zero, a: sympy.S.One})
-    body = rows.inv() * M(w)
+    body = engine.inverse(rows) * M(w)
     speed = sqrt(body[0] ** 2 + body[1] ** 2)
     return [speed * cos(e) - body[0], speed * sin(e) - body[1]]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.symbolic import Expr
+from wmrgen.textbook.errata import engine
 from wmrgen.textbook.errata.claims import claim
 from wmrgen.textbook.errata.forms import Value, symbol
 from wmrgen.textbook.errata.konstantinov import (
@@ -35,7 +36,7 @@ from wmrgen.textbook.errata.records import Record
 from wmrgen.textbook.transforms import world_to_robot_rows
 
 BODY = M.vstack(*(wheel_row(i) for i in (1, 2, 3))).xreplace({phi: sympy.S.Zero})
-TWIST = M(world_to_robot_rows(phi)).T * BODY.inv() * (r * M(w))  # world velocity from wheel speeds
+TWIST = M(world_to_robot_rows(phi)).T * engine.inverse(BODY) * (r * M(w))  # world velocity from wheel speeds
 PLACES = [M([x + a * cos(angle(i)), y + a * sin(angle(i))]) for i in (1, 2, 3)]
 HUBS = [M([xd, yd]) + sympy.diff(p, phi) * phid for p in PLACES]
 E = [M([[sin(angle(i)), -cos(angle(i))]]) for i in (1, 2, 3)]

@@ -24,7 +24,7 @@ def cross(name_or_vector: sympy.Matrix) -> sympy.Matrix:
 
 def rate(value: sympy.Matrix, rates: Mapping[Expr, Expr]) -> sympy.Matrix:
     """The time derivative by the chain rule; ``rates``: symbol -> its rate."""
-    return value.applyfunc(lambda e: sympy.Add(*(sympy.diff(e, s) * v for s, v in rates.items())))
+    return value.applyfunc(lambda e: sympy.Add(*(sympy.diff(e, s) * v for s, v in rates.items() if e.has(s))))
 
 
 class Turning:
@@ -39,10 +39,10 @@ class Turning:
         first = [symbol(rf"\dot{{{n}}}") for n in "abc"]
         second = [symbol(rf"\ddot{{{n}}}") for n in "abc"]
         self.r, self.v, self.acc = vector("r"), vector("v"), vector("a^m")
-        self.m, self.vm, self.am = vector("m"), vector("v^f"), vector("a^f")
-        chain = ((angles, first), (first, second), (self.r, self.v), (self.v, self.acc),
-                 (self.m, self.vm), (self.vm, self.am))  # fmt: skip
-        rates = {now: then for a, b in chain for now, then in zip(a, b, strict=True)}
+        self.vm, self.am = vector("v^f"), vector("a^f")
+        rates = {
+            now: then for a, b in ((angles, first), (first, second)) for now, then in zip(a, b, strict=True)
+        }
         turn = sympy.eye(3)
         for axis, angle in zip("zyx", angles, strict=True):
             turn = turn * sympy.Matrix(rotation_rows(axis, angle))
@@ -50,7 +50,8 @@ class Turning:
         turned = rate(turn, rates)
         spin = turned * turn.T  # [omega]x
         omega = sympy.Matrix([spin[2, 1], spin[0, 2], spin[1, 0]])
-        velocity = self.vm + turned * self.r + turn * self.v  # d/dt (m + R r)
         self.omega, self.alpha = omega.xreplace(parallel), rate(omega, rates).xreplace(parallel)
-        self.velocity = velocity.xreplace(parallel)
-        self.acceleration = rate(velocity, rates).xreplace(parallel)
+        # m + R r by the product rule, R = 1 at this moment
+        first_R, second_R = turned.xreplace(parallel), rate(turned, rates).xreplace(parallel)
+        self.velocity = self.vm + first_R * self.r + self.v
+        self.acceleration = self.am + second_R * self.r + 2 * first_R * self.v + self.acc

@@ -202,7 +202,7 @@ def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
         at = {"right": {ALPHA: -pi / 2, BETA: pi}, "left": {ALPHA: pi / 2, BETA: sympy.S.Zero}}
         rows = [engine.rolling("fixed").xreplace({**at[n], L: sympy.Integer(5)}) for n in ("right", "left")]
         stack = M.vstack(*rows, engine.sliding("fixed").xreplace({**at["left"], L: sympy.Integer(5)}))
-        twist = stack.inv() * M([6 * right, 6 * left, 0])
+        twist = engine.inverse(stack) * M([6 * right, 6 * left, 0])
         truth = M(world_to_robot_rows(pi / 4)).T * twist
         found = vanishes(f.values[-1] - truth, f"wmrgen's rows with radii {number(left)} and {number(right)}")
         return Finding(found.holds, f"{found.text}; twist ({', '.join(number(e) for e in truth)})")

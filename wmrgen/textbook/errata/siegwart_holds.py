@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import sympy
 
 from wmrgen.textbook.errata import engine
@@ -44,7 +42,7 @@ F1, F2, F3 = (symbol(rf"\dot{{\varphi}}_{k}") for k in (1, 2, 3))
 AT = {"right": {ALPHA: -pi / 2, BETA: pi}, "left": {ALPHA: pi / 2, BETA: ZERO}}
 RIGHT, LEFT = (engine.rolling("fixed").xreplace(AT[n]) for n in ("right", "left"))
 STACK = M.vstack(RIGHT, LEFT, engine.sliding("fixed").xreplace(AT["left"]))
-TWIST = STACK.inv() * M([R * F1, R * F2, 0])
+TWIST = engine.inverse(STACK) * M([R * F1, R * F2, 0])
 SUM = ALPHA + BETA
 ROLL = M([[sin(SUM), -cos(SUM), -L * cos(BETA)]])
 SLIDE = M([[cos(SUM), sin(SUM), L * sin(BETA)]])
@@ -69,7 +67,7 @@ THREE_INVERSE = M([
 
 WHEELS = (
     holds("(3.2), (3.4), (3.5), (3.10)", "R(θ) R(θ)ᵀ = 1, and wmrgen's rotation of a velocity",
-          (r"R(\theta)^{-1}", TURN.T, TURN.inv().applyfunc(sympy.simplify)),
+          (r"R(\theta)^{-1}", TURN.T, engine.inverse(TURN)),
           (r"\dot{x}_R", cos(theta) * xd + sin(theta) * yd,
            book("world_to_robot", theta=theta, x_rate=xd, y_rate=yd, theta_rate=thd)["vx"])),
     holds("(3.7)–(3.9)", "wmrgen's rows of the differential drive, solved; wheel 1 is the right one",
@@ -90,10 +88,10 @@ WHEELS = (
           (r"C_1\dot{\xi}_R", M([0]), STACK[2, :] * TWIST)),
     holds("(3.30)", "inverse of wmrgen's stacked rows",
           (r"\begin{bmatrix}J_1\\C_1\end{bmatrix}^{-1}",
-           M([[HALF, HALF, 0], [0, 0, 1], [1 / (2 * L), -1 / (2 * L), 0]]), STACK.inv())),
+           M([[HALF, HALF, 0], [0, 0, 1], [1 / (2 * L), -1 / (2 * L), 0]]), engine.inverse(STACK))),
     holds("(3.31), (3.32)", "wmrgen's rolling rows at α = 60°, 180°, −60°",
           ("J_{1f}", M([[sqrt(3) / 2, -HALF, -L], [0, 1, -L], [-sqrt(3) / 2, -HALF, -L]]), THREE)),
-    holds("(3.33)", "inverse of wmrgen's rolling rows", ("J_{1f}^{-1}", THREE_INVERSE, THREE.inv())),
+    holds("(3.33)", "inverse of wmrgen's rolling rows", ("J_{1f}^{-1}", THREE_INVERSE, engine.inverse(THREE))),
     residual(TEXT, "(3.44)", "−1 times wmrgen's rolling row and spin",
              r"[-\sin,\cos,l\cos\beta]\dot{\xi}_R+r\dot{\varphi}", (-ROLL * XI)[0] + R * phid,
              lambda e: e + (engine.rolling("fixed") * XI)[0] - engine.radius("fixed") * phid),
@@ -153,14 +151,19 @@ def degrees(equation: str, says: str, *said: tuple[str, str, int], remark: str =
     return Record(TEXT, equation, check, shown, remark=remark)
 
 
-def relation(
-    equation: str, says: str, left: str, right: Value, test: Callable[[dict[str, int]], int]
-) -> Record:
-    """A relation between degrees, tried on every robot of this page."""
+def relation(equation: str, says: str, key: str, right: Value) -> Record:
+    """A degree as a function of other ranks and degrees, on every robot of this page."""
     every = (*ROBOTS.values(), DIFFERENTIAL, LOCKED, SINGLE, SYNCHRO)
-    entries = [sympy.Integer(test(facts(text))) for text in every]
-    shown = forms((symbol(left), EQ, right))
-    return Record(TEXT, equation, lambda f: vanishes(entries, f"{says}, for {len(every)} robots"), shown)
+    shown = forms((symbol(NAMES[key]), EQ, right))
+
+    def check(f: Form) -> Finding:
+        entries = []
+        for text in every:
+            found = {symbol(NAMES[k]): sympy.Integer(n) for k, n in facts(text).items()}
+            entries.append(f.rights[0].xreplace(found) - facts(text)[key])
+        return vanishes(entries, f"{says}, for {len(every)} robots")
+
+    return Record(TEXT, equation, check, shown)
 
 
 RANKS = (
@@ -171,10 +174,10 @@ RANKS = (
           ("C_{1f}", M([[0, 1, L], [0, -1, L]]),
            M.vstack(*(engine.sliding("fixed").xreplace({ALPHA: a, BETA: pi / 2}) for a in (ZERO, pi))))),
     degrees("(3.39), rank", "locked bicycle", (LOCKED, "rank_C1f", 2), (LOCKED, "degree_of_mobility", 1)),
-    relation("(3.40)", "δ_m + rank C₁ = 3 at steering angles that meet in one ICR", r"\delta_m",
-             3 - symbol(NAMES["rank_C1"]), lambda d: d["degree_of_mobility"] + d["rank_C1"] - 3),
-    relation("(3.42)", "δ_M = δ_m + δ_s (a definition)", r"\delta_M", symbol(r"\delta_m") + symbol(r"\delta_s"),
-             lambda d: d["degree_of_maneuverability"] - d["degree_of_mobility"] - d["degree_of_steerability"]),
+    relation("(3.40)", "wmrgen's analysis, ranks at steering angles that meet in one ICR", "degree_of_mobility",
+             3 - symbol(NAMES["rank_C1"])),
+    relation("(3.42)", "wmrgen's analysis (a definition)", "degree_of_maneuverability",
+             symbol(NAMES["degree_of_mobility"]) + symbol(NAMES["degree_of_steerability"])),
     degrees("3.3.3, synchro drive", "three wheels steered and driven by belts",
             (SYNCHRO, "degree_of_mobility", 1), (SYNCHRO, "degree_of_steerability", 1),
             (SYNCHRO, "degree_of_maneuverability", 2), (SYNCHRO, "dof", 2)),
@@ -237,7 +240,7 @@ NUMBERS = (
           (r"\dot{\xi}_I", M([0, 3, 1]), TURN.T.xreplace({theta: pi / 2}) * TWIST.xreplace(EXAMPLE))),
     holds("(3.34)", "wmrgen's rolling rows at r = l = 1, θ = 0 and φ̇ = (4, 1, 2)",
           (r"\dot{\xi}_I", M([2 / sqrt(3), -sympy.Rational(4, 3), -sympy.Rational(7, 3)]),
-           THREE.inv().xreplace({L: ONE}) * M([4, 1, 2])), remark="The text's “speeds (φ₁ = 4)” are φ̇."),
+           engine.inverse(THREE).xreplace({L: ONE}) * M([4, 1, 2])), remark="The text's “speeds (φ₁ = 4)” are φ̇."),
 )  # fmt: skip
 
 HOLDS: tuple[Record, ...] = (*WHEELS, *RANKS, *MODELS, *NUMBERS)

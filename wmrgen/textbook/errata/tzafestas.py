@@ -278,7 +278,7 @@ def jacobians(third: list[tuple[sympy.Expr, sympy.Expr]]) -> list[sympy.Matrix]:
 
 def _mecanum(f: Form) -> Finding:
     """Wheel rates from the J_i, against (2.84), and their rank where d1 = d2."""
-    rows = M.vstack(*(J.inv()[0, :] for J in f.rights)).applyfunc(sympy.simplify)
+    rows = M.vstack(*(engine.inverse(J)[0, :] for J in f.rights)).applyfunc(sympy.cancel)
     rank = rows.xreplace({D2: D1}).rank()
     found = vanishes(rows - IK4, "wheel rates from the Jᵢ⁻¹ against (2.84)")
     return Finding(found.holds, f"{found.text}; their rank at d₁ = d₂ is {rank}")

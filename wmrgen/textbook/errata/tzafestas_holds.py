@@ -51,8 +51,8 @@ def holds(equation: str, says: str, *lines: tuple[str, object, object], remark: 
 
 # ---- 2.2: inverses and transforms
 
-LEFT = (TALL.T * TALL).inv() * TALL.T
-RIGHT = WIDE.T * (WIDE * WIDE.T).inv()
+LEFT = engine.inverse(TALL.T * TALL) * TALL.T
+RIGHT = WIDE.T * engine.inverse(WIDE * WIDE.T)
 NUMBERS = M([[1, 2], [3, -1], [2, 5]])
 PLUS = generalised_inverse(NUMBERS).matrix
 TURN = M(rotation_rows("z", phi)) * M(rotation_rows("x", psi))
@@ -67,7 +67,7 @@ INVERSES = (
     residual(TEXT, "(2.8a)", "the normal equations JᵀJ J⁺ = Jᵀ, for a 3×2 matrix of rank 2", "J^+", LEFT,
              lambda e: TALL.T * TALL * e - TALL.T),
     residual(TEXT, "(2.8b)", "J J⁺ = 1 and J⁺ = Jᵀ λ/2 with λ = 2 (J Jᵀ)⁻¹, for a 2×3 matrix of rank 2", "J^+", RIGHT,
-             lambda e: [WIDE * e - sympy.eye(2), e - WIDE.T * (2 * (WIDE * WIDE.T).inv()) / 2]),
+             lambda e: [WIDE * e - sympy.eye(2), e - WIDE.T * (2 * engine.inverse(WIDE * WIDE.T)) / 2]),
     residual(TEXT, "Penrose conditions", "the four conditions, (J⁺)⁺ = J, (Jᵀ)⁺ = (J⁺)ᵀ and (J Jᵀ)⁺ = (J⁺)ᵀ J⁺", "J^+",
              PLUS, lambda e: [*penrose(NUMBERS, e), generalised_inverse(e).matrix - NUMBERS,
                               generalised_inverse(NUMBERS.T).matrix - e.T,
@@ -109,11 +109,11 @@ DRIVES = (
           ("v_r", vq + a * phid, (PAIR[0] * M([vq, 0, phid]))[0]),
           ("v_l", vq - a * phid, (PAIR[1] * M([vq, 0, phid]))[0]), remark="a is half the track."),
     holds("(2.36)–(2.38)", "wmrgen's rows, solved and turned into the world frame",
-          ("J", FORWARD, BACK.T * STACK.inv() * M([[r, 0], [0, r], [0, 0]]))),
+          ("J", FORWARD, BACK.T * engine.inverse(STACK) * M([[r, 0], [0, r], [0, 0]]))),
     residual(TEXT, "(2.39), (2.42)", "M J = 0 with J of (2.37d), and M is wmrgen's sliding row", "M",
              M([[-sin(phi), cos(phi), 0]]), lambda e: [e * FORWARD, e - SLIDE * BACK]),
-    holds("(2.41c)", "the generalised inverse (JᵀJ)⁻¹Jᵀ of (2.37d)",
-          ("J^+", INVERSE, generalised_inverse(FORWARD).matrix)),
+    residual(TEXT, "(2.41c)", "the four Penrose conditions with (2.37d): it is (JᵀJ)⁻¹Jᵀ", "J^+", INVERSE,
+             lambda e: penrose(FORWARD, e)),
     holds("Example 2.2", "wmrgen's rows of wheels at (b, ∓a)",
           (r"r\dot{\theta}_r", xd * cos(phi) + yd * sin(phi) + a * phid, (REAR[0][0] * BACK * WORLD)[0]),
           (r"r\dot{\theta}_l", xd * cos(phi) + yd * sin(phi) - a * phid, (REAR[1][0] * BACK * WORLD)[0]),
@@ -252,7 +252,7 @@ OTHERS = (
           ("v_i", vhx * cos(beta) + vhy * sin(beta) + D * phid, (omni_row(beta) * M([vhx, vhy, phid]))[0])),
     holds("(2.73), (2.74)", "wmrgen's rolling rows at β = 0°, 120°, 240°, and their inverse",
           ("J^{-1}", THREE, M.vstack(*(omni_row(k * PI * 2 / 3) for k in range(3))) / r),
-          ("J", THREE_INVERSE, (M.vstack(*(omni_row(k * PI * 2 / 3) for k in range(3))) / r).inv())),
+          ("J", THREE_INVERSE, engine.inverse(M.vstack(*(omni_row(k * PI * 2 / 3) for k in range(3))) / r))),
     AUGMENTATION,
     holds("(2.76)–(2.79)", "determinant of the product of the wheel's and the body's matrix",
           (r"\det J_i", -RR * RS * sin(ALPHA_C),
@@ -260,8 +260,8 @@ OTHERS = (
           remark="Square, and invertible where sin α ≠ 0."),
     holds("(2.84)", "wmrgen's rolling rows of four Swedish wheels, y forward, γ = ±45°",
           ("J^{-1}", IK4, _mecanum_truth())),
-    holds("(2.82)", "the least-squares inverse of (2.84)", ("J", FK4, generalised_inverse(IK4).matrix),
-          remark="Consistent where θ̇₁ + θ̇₂ = θ̇₃ + θ̇₄."),
+    residual(TEXT, "(2.82)", "the four Penrose conditions with (2.84)", "J", FK4, lambda e: penrose(IK4, e),
+             remark="Consistent where θ̇₁ + θ̇₂ = θ̇₃ + θ̇₄."),
     holds("(2.83), (2.85)", "the library's rotation into the world frame",
           (r"\dot{x}", vhx * cos(phi) - vhy * sin(phi),
            book("robot_to_world", theta=phi, vx=vhx, vy=vhy, omega=phid)["x_rate"]),

@@ -34,10 +34,10 @@ def sample(symbols: Iterable[Expr], k: int = 0) -> dict[Expr, Expr]:
     return {s: sympy.Rational(3 + 4 * i + 2 * k * (i + 1), 10) for i, s in enumerate(symbols)}
 
 
-def counterexample(expr: Expr) -> Point | None:
+def counterexample(expr: Expr, tries: int = 2) -> Point | None:
     """A rational point at which the expression is not 0; None where it is 0 at the points tried."""
     symbols = symbols_of([expr])
-    for k in range(2):
+    for k in range(tries):
         point = sample(symbols, k)
         value = sympy.N(expr.xreplace(point), _DIGITS)
         if abs(value) > _SMALL:
@@ -49,9 +49,13 @@ def is_zero(expr: Expr) -> bool:
     """True exactly if the expression vanishes identically. ValueError where neither can be shown."""
     if expr.is_zero:
         return True
+    if counterexample(expr, 1) is not None:
+        return False
+    if _proved(expr):
+        return True
     if counterexample(expr) is not None:
         return False
-    if _proved(expr) or sympy.simplify(expr) == 0:
+    if sympy.simplify(expr) == 0:
         return True
     raise ValueError(f"0 at the points tried, but not proved to be 0: {expr}")
 

@@ -1,0 +1,180 @@
+"""Running error bounds: a function at many points at once, each value with a bound of its rounding error.
+
+Values are computed in float64. The bound says how far code in the target's arithmetic (rounding unit ``unit``,
+library functions within ``LIBRARY`` ulp) may be from the exact formula at that point: Higham, Accuracy and
+Stability of Numerical Algorithms, 3.3. Contraction to fused multiply-add only leaves roundings out, so the bound
+holds with it. A comparison that rounding may turn counts both branches.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.rounding import to_float32, to_float64
+
+Array = Any  # numpy array of float64, one value per point
+UNITS = {"float": 2.0**-24, "double": 2.0**-53}
+LIBRARY = 4.0  # ulp of sin, cos and atan2, more than any libm in use needs
+_HALF = 2.0**-53  # of the float64 values themselves
+
+
+@dataclass(frozen=True, slots=True)
+class Bounded:
+    """``value`` and ``error`` per point; ``taken``: for choices, +1 and -1 where the outcome is sure, else 0."""
+
+    value: Array
+    error: Array
+    taken: Array | None = None
+
+
+@lru_cache(maxsize=4096)
+def _constant(value: Exact, scalar: str) -> tuple[float, float]:
+    near = to_float64(value)
+    single = to_float32(value)
+    if value == Exact(Fraction(single)):
+        return near, 0.0
+    return near, (abs(single - near) if scalar == "float" else 0.0) + _HALF * abs(near)
+
+
+def bounds(function: Function, inputs: Mapping[str, Bounded], scalar: str, count: int) -> list[Bounded]:
+    """Every node of ``function`` at ``count`` points; ``inputs`` by name."""
+    unit = UNITS[scalar] + _HALF
+    known: list[Bounded] = []
+    with np.errstate(all="ignore"):
+        for node in function.nodes:
+            if node.value is not None:
+                value, error = _constant(node.value, scalar)
+                known.append(Bounded(np.full(count, value), np.full(count, error)))
+            elif node.op is Op.INPUT:
+                known.append(inputs[node.name or ""])
+            else:
+                known.append(_apply(node, [known[a] for a in node.args], unit))
+    return known
+
+
+def outputs(function: Function, known: list[Bounded]) -> dict[str, Bounded]:
+    """The outputs by name."""
+    return {port.name: known[i] for port, i in zip(function.outputs, function.results, strict=True)}
+
+
+def _apply(node: Node, args: list[Bounded], unit: float) -> Bounded:
+    if node.op is Op.MUL and node.args[0] == node.args[1]:
+        return _square(args[0], unit)
+    return _RULES[node.op](unit, *args)
+
+
+def _rounded(value: Array, error: Array, unit: float) -> Bounded:
+    """One rounding on top of ``error``; none where exact operands give a number that every type holds."""
+    exact = (error == 0) & (value.astype(np.float32) == value)
+    return Bounded(value, np.where(exact, 0.0, error + unit * (np.abs(value) + error)))
+
+
+def _add(unit: float, a: Bounded, b: Bounded) -> Bounded:
+    return _rounded(a.value + b.value, a.error + b.error, unit)
+
+
+def _sub(unit: float, a: Bounded, b: Bounded) -> Bounded:
+    return _rounded(a.value - b.value, a.error + b.error, unit)
+
+
+def _mul(unit: float, a: Bounded, b: Bounded) -> Bounded:
+    error = np.abs(a.value) * b.error + np.abs(b.value) * a.error + a.error * b.error
+    return _rounded(a.value * b.value, error, unit)
+
+
+def _square(a: Bounded, unit: float) -> Bounded:
+    return _rounded(a.value * a.value, (2 * np.abs(a.value) + a.error) * a.error, unit)
+
+
+def _div(unit: float, a: Bounded, b: Bounded) -> Bounded:
+    value = a.value / b.value
+    room = np.abs(b.value) - b.error
+    error = np.where(room > 0, (a.error + np.abs(value) * b.error) / room, np.inf)
+    return _rounded(value, error, unit)
+
+
+def _sqrt(unit: float, a: Bounded) -> Bounded:
+    value = np.sqrt(a.value)
+    lower = np.sqrt(np.maximum(a.value - a.error, 0.0))
+    error = np.where(a.error > 0, a.error / np.maximum(value + lower, 1e-300), 0.0)
+    return _rounded(value, np.minimum(error, np.sqrt(a.value + a.error)), unit)
+
+
+def _elementwise(function: Callable[..., float], *args: Array) -> Array:
+    """``function`` of the platform's libm, not numpy's, whose last bit depends on the processor."""
+    return np.array([function(*(float(x) for x in xs)) for xs in zip(*args, strict=True)])
+
+
+def _circular(unit: float, a: Bounded, name: str) -> Bounded:
+    sine, cosine = _elementwise(math.sin, a.value), _elementwise(math.cos, a.value)
+    value, slope = (sine, cosine) if name == "sin" else (cosine, sine)
+    error = np.minimum(np.abs(slope) * a.error + a.error**2 / 2, 2.0)
+    return Bounded(value, error + 2 * LIBRARY * unit * np.abs(value))
+
+
+def _atan2(unit: float, y: Bounded, x: Bounded) -> Bounded:
+    value = _elementwise(math.atan2, y.value, x.value)
+    radius = np.hypot(x.value, y.value)
+    shift = np.hypot(x.error, y.error)
+    first = np.abs(x.value) * y.error + np.abs(y.value) * x.error
+    error = np.where(shift < radius / 64, 1.05 * first / np.maximum(radius**2, 1e-300), np.pi)
+    error = np.where((shift == 0) & (radius == 0), 0.0, error)
+    cut = (x.value - x.error < 0) & (np.abs(y.value) <= y.error)  # the sign of y decides between +pi and -pi
+    return Bounded(value, np.where(cut, 2 * np.pi, error) + 2 * LIBRARY * unit * np.abs(value))
+
+
+def _atan(unit: float, a: Bounded) -> Bounded:
+    value = _elementwise(math.atan, a.value)
+    return Bounded(value, a.error + 2 * LIBRARY * unit * np.abs(value))
+
+
+def _rint(unit: float, a: Bounded) -> Bounded:
+    del unit
+    value = np.rint(a.value)
+    sure = (np.abs(a.value - value) + a.error < 0.5) | (a.error == 0)
+    return Bounded(value, np.where(sure, 0.0, 1.0 + a.error))
+
+
+def _less(a: Bounded, b: Bounded) -> Array:
+    """+1 where a < b for sure, -1 where a >= b for sure, 0 where rounding decides."""
+    gap, slack = b.value - a.value, a.error + b.error
+    sure = (np.abs(gap) > slack) | (slack == 0)
+    return sure * np.where(gap > 0, 1, -1)
+
+
+def _select(unit: float, a: Bounded, b: Bounded, x: Bounded, y: Bounded) -> Bounded:
+    del unit
+    taken = _less(a, b)
+    first = a.value < b.value
+    value = np.where(first, x.value, y.value)
+    apart = np.abs(x.value - y.value)
+    either = np.where(first, np.maximum(x.error, apart + y.error), np.maximum(y.error, apart + x.error))
+    error = np.where(taken == 1, x.error, np.where(taken == -1, y.error, either))
+    return Bounded(value, error, taken)
+
+
+def _extreme(a: Bounded, b: Bounded, value: Array) -> Bounded:
+    taken = _less(a, b)
+    low, high = a.error, b.error
+    return Bounded(value, np.maximum(low, high), taken)
+
+
+_RULES: dict[Op, Callable[..., Bounded]] = {
+    Op.ADD: _add, Op.SUB: _sub, Op.MUL: _mul, Op.DIV: _div, Op.SQRT: _sqrt, Op.ATAN2: _atan2, Op.SELECT: _select,
+    Op.ATAN: _atan, Op.RINT: _rint,
+    Op.NEG: lambda unit, a: Bounded(-a.value, a.error),
+    Op.ABS: lambda unit, a: Bounded(np.abs(a.value), a.error),
+    Op.SIN: lambda unit, a: _circular(unit, a, "sin"),
+    Op.COS: lambda unit, a: _circular(unit, a, "cos"),
+    Op.MIN: lambda unit, a, b: _extreme(a, b, np.where(a.value < b.value, a.value, b.value)),
+    Op.MAX: lambda unit, a, b: _extreme(a, b, np.where(b.value < a.value, a.value, b.value)),
+}  # fmt: skip

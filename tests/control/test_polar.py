@@ -82,7 +82,9 @@ def test_hurwitz_conditions_are_the_eigenvalues() -> None:
             for r in grid:
                 verdict = judge(Exact(p), Exact(q), Exact(r))
                 values = np.linalg.eigvals(np.array(matrix(float(p), float(q), float(r)), float))
-                assert np.allclose(np.sort_complex(values), np.sort_complex(verdict.eigenvalues), atol=1e-7)
+                assert np.allclose(
+                    np.sort_complex(values), np.sort_complex(np.array(verdict.eigenvalues)), atol=1e-7
+                )
                 if abs(values.real.max()) > 1e-9:
                     assert verdict.stable == (values.real.max() < 0)
     assert not judge(Exact(2), Exact(2), Exact(-1)).stable  # on the border: not Hurwitz
@@ -286,6 +288,8 @@ def test_gains_that_are_only_locally_good_get_a_note(
 ) -> None:
     path = write(tmp_path, PAIR.replace("wheels:", "gains: {k_rho: 0.5, k_alpha: 10.5, k_beta: -6}\nwheels:"))
     done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
+    assert done.code == 0 and "k_alpha + 2 k_beta - 2/pi k_rho > 0" in done.err
+    done = wmrgen_cli("eval", path, "goto_pose", "x=-1")
     assert done.code == 0 and "k_alpha + 2 k_beta - 2/pi k_rho > 0" in done.err
 
 

@@ -115,6 +115,19 @@ def test_case_a_bounds(backend: str, tmp_path: Path) -> None:
     assert found["omega_max"] == pytest.approx(expect["omega_max"], abs=1e-9)
 
 
+def test_case_a_reduction(tmp_path: Path) -> None:
+    """v = u1 cos xi, omega = u1 sin xi / L of the front wheel's speed and angle, by forward kinematics (L = 1)."""
+    given, expect = CASES["A-reduction"]["given"], CASES["A-reduction"]["expect"]
+    path = write(tmp_path, TRICYCLE.format(base=1.0))
+    steer = {"front.steer": given["xi"]}
+    joints = call(path, "inverse", {"vx": expect["v"], "omega": expect["omega"]} | steer)
+    assert joints["front.steer"] == pytest.approx(given["xi"]) and joints["front.spin"] == pytest.approx(
+        given["u1"] / 0.1
+    )
+    twist = driven(path, joints)
+    assert [twist["vx"], twist["omega"]] == pytest.approx([expect["v"], expect["omega"]], abs=1e-9)
+
+
 def test_case_t_rs_dubins() -> None:
     expect = CASES["T-RS-Dubins"]["expect"]
     assert list(INPUT_SETS["reeds_shepp"]) == [Fraction(v) for v in expect["reeds_shepp_v1"]]

@@ -116,7 +116,7 @@ def test_contacts_move_as_positions_in_the_world_do(backend: str, tmp_path: Path
 
     def attitude(t: float) -> Array:
         first, second = (p[0] * t + p[1] * t * t / 2 for p in paces)
-        return rotation(axis, 0.4 + first) @ rotation(other, -0.7 + second)
+        return np.asarray(rotation(axis, 0.4 + first) @ rotation(other, -0.7 + second))
 
     def position(name: str, t: float) -> Array:
         w = robot.wheel(name)
@@ -125,7 +125,7 @@ def test_contacts_move_as_positions_in_the_world_do(backend: str, tmp_path: Path
         d, o, r = (float(v) for v in (w.nominal.d, w.nominal.o, w.nominal.r))
         e, n = np.array([math.cos(h), math.sin(h), 0]), np.array([-math.sin(h), math.cos(h), 0])
         hub = np.array([float(w.nominal.x), float(w.nominal.y), r + travel])
-        return poly(origin, t) + attitude(t) @ (hub + d * e + o * n - np.array([0, 0, r]))
+        return np.asarray(poly(origin, t) + attitude(t) @ (hub + d * e + o * n - np.array([0, 0, r])))
 
     def omega(t: float) -> Array:
         step = 1e-4
@@ -134,7 +134,7 @@ def test_contacts_move_as_positions_in_the_world_do(backend: str, tmp_path: Path
         return np.array([spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]]) / 2
 
     back = attitude(0.0).T
-    given = {}
+    given: dict[str, float] = {}
     for name, value in (("v", back @ origin[1]), ("w", omega(0.0)), ("a", back @ origin[2])):
         given |= {f"{name}{k}": float(x) for k, x in zip("xyz", value, strict=True)}
     rate = (omega(1e-3) - omega(-1e-3)) / 2e-3

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import wmrgen
 from wmrgen.artifacts import Written, write_tree
 from wmrgen.cli import console
+from wmrgen.cli.gains import warn
 from wmrgen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
             step(f"deriving {robot.name} ({len(done) + 1} of {len(paths)})")
             for text in robot.notes:
                 console.note(f"{robot.name}: note: {text}")
-            _judge_gains(robot)
+            if robot.gains:
+                warn(robot)
             derivation = wmrgen.derive(robot)
             done.append((derivation, artifacts(derivation, scalar)))
     written = [write_tree(out / derivation.robot.name, files) for derivation, files in done]
@@ -48,15 +50,6 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
     for (derivation, _), report in zip(done, written, strict=True):
         _summary(derivation, report, out)
     return 0
-
-
-def _judge_gains(robot: Robot) -> None:
-    """Gains of the file that do not stabilise, or not from everywhere."""
-    if robot.gains:
-        from wmrgen.control.gains import warnings
-
-        for text in warnings(robot):
-            console.note(f"{robot.name}: warning: {text}")
 
 
 def _summary(derivation: Derivation, written: Written, out: Path) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.gains import warn
 from wmrgen.cli.values import Case, from_file, from_words
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
@@ -62,6 +63,8 @@ def _source(path: Path, name: str) -> Derivation | Textbook:
     robot = wmrgen.load(path)
     for text in robot.notes:
         console.note(f"{robot.name}: note: {text}")
+    if name == "goto_pose" and robot.gains:
+        warn(robot)
     return wmrgen.derive(robot, [known(robot.name, name)])
 
 

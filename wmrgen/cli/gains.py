@@ -5,11 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.values import from_words
 from wmrgen.ports import Port, Role
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
 
 
 def run(words: Sequence[str], *, as_json: bool) -> int:
@@ -39,6 +43,14 @@ def run(words: Sequence[str], *, as_json: bool) -> int:
     for text in verdict.lost if verdict.stable else ():
         console.note(f"not from every pose: {text} fails")
     return 0
+
+
+def warn(robot: Robot) -> None:
+    """Say which gains of a robot's file do not stabilise, or not from everywhere."""
+    from wmrgen.control.gains import warnings
+
+    for text in warnings(robot):
+        console.note(f"{robot.name}: warning: {text}")
 
 
 def _text(key: str, value: object) -> str:

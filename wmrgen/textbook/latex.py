@@ -29,6 +29,10 @@ class _Printer(LatexPrinter):  # type: ignore[misc]
         text = rf"\mathrm{{atan2}}\left({y}, {x}\right)"
         return text if exp is None else rf"{text}^{{{exp}}}"
 
+    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
+        del style  # the name of a symbol is its LaTeX
+        return str(expr.name)
+
     def _print_sign(self, expr: Expr, exp: str | None = None) -> str:
         text = rf"\mathrm{{sign}}\left({self._print(expr.args[0])}\right)"
         return text if exp is None else rf"{text}^{{{exp}}}"

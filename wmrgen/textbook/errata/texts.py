@@ -6,6 +6,7 @@ from wmrgen.textbook.errata import (
     aa274,
     aa274_holds,
     kelly,
+    kelly_conventions,
     kelly_holds,
     konstantinov,
     konstantinov_holds,
@@ -13,6 +14,7 @@ from wmrgen.textbook.errata import (
     siegwart_conventions,
     siegwart_holds,
     tzafestas,
+    tzafestas_conventions,
     tzafestas_holds,
 )
 from wmrgen.textbook.errata.records import Record
@@ -22,8 +24,8 @@ ERRATA: tuple[Record, ...] = (
     *tzafestas.ERRATA, *konstantinov.ERRATA, *kelly.ERRATA, *siegwart.ERRATA, *aa274.ERRATA,
 )  # fmt: skip
 CONVENTIONS: tuple[Record, ...] = (
-    *tzafestas.CONVENTIONS, *konstantinov.CONVENTIONS, *kelly.CONVENTIONS, *siegwart_conventions.CONVENTIONS,
-    *aa274.CONVENTIONS,
+    *tzafestas_conventions.CONVENTIONS, *konstantinov.CONVENTIONS, *kelly_conventions.CONVENTIONS,
+    *siegwart_conventions.CONVENTIONS, *aa274.CONVENTIONS,
 )  # fmt: skip
 HOLDS: tuple[Record, ...] = (
     *tzafestas_holds.HOLDS, *konstantinov_holds.HOLDS, *kelly_holds.HOLDS, *siegwart_holds.HOLDS,

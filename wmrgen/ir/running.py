@@ -168,9 +168,9 @@ def _extreme(a: Bounded, b: Bounded, value: Array) -> Bounded:
     return Bounded(value, np.maximum(low, high), taken)
 
 
-_RULES: dict[Op, Callable[..., Bounded]] = {
+_RULES: dict[str, Callable[..., Bounded]] = {
     Op.ADD: _add, Op.SUB: _sub, Op.MUL: _mul, Op.DIV: _div, Op.SQRT: _sqrt, Op.ATAN2: _atan2, Op.SELECT: _select,
-    Op.ATAN: _atan, Op.RINT: _rint,
+    "atan": _atan, "rint": _rint,
     Op.NEG: lambda unit, a: Bounded(-a.value, a.error),
     Op.ABS: lambda unit, a: Bounded(np.abs(a.value), a.error),
     Op.SIN: lambda unit, a: _circular(unit, a, "sin"),

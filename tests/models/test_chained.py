@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 import random
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -321,19 +321,21 @@ def test_jacobian_is_finite_at_the_edge() -> None:
 
 
 def test_eight_trailers_in_ten_seconds(tmp_path: Path) -> None:
-    """Derive, optimise, emit C and CasADi of all three functions, whole process."""
+    """Derive, optimise, emit C and CasADi of all three functions: processor time of the whole process."""
     trailers = ", ".join("{length: 0.8}" for _ in range(8))
     text = "wmrgen: 1\nname: road_train\nwheels:\n"
     text += "  - {name: rear, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n"
     text += "  - {name: front, type: steered, x: 1.4, y: 0, heading: 0, r: 0.1}\n"
     text += f"trailers: [{trailers}]\nfunctions: [chained, chained_input, chained_rates]\n"
     (tmp_path / "road_train.yaml").write_text(text, encoding="utf-8")
-    start = time.perf_counter()
+    before = os.times()
     subprocess.run(
         [sys.executable, "-m", "wmrgen", "derive", "road_train.yaml", "-o", "out"], cwd=tmp_path, check=True,
         capture_output=True,
     )  # fmt: skip
-    assert time.perf_counter() - start < 10
+    after = os.times()  # not the clock on the wall: other tests run beside this one
+    spent = after.children_user - before.children_user + after.children_system - before.children_system
+    assert 0 < spent < 10
     assert "road_train_chained_input" in (tmp_path / "out" / "road_train" / "road_train.h").read_text(
         encoding="utf-8"
     )

@@ -42,7 +42,15 @@ def test_tzafestas_2_25_not_integrable() -> None:
     assert row.proof == (
         "c = (-sin(theta), cos(theta), 0), curl c = (sin(theta), -cos(theta), 0), c . curl c = -1 != 0: not integrable"
     )
-    assert r"\sin" in row.latex and r"\neq 0" in row.latex
+    assert r"\nabla \times c" in row.latex and r"= -1 \neq 0" in row.latex
+    rolling = derived(UNICYCLE).integrability.row("wheel", "rolling")
+    assert "c ^ dc = (-1) dx ^ dy ^ dtheta + ... != 0: not integrable" in rolling.proof
+
+
+def test_heading_of_a_synchro_drive_is_constant() -> None:
+    d = wmrgen.derive(wmrgen.load(next(path for path in ROBOTS if path.stem == "synchro_drive")))
+    assert [i.text for i in d.integrability.integrals] == ["theta = const"]
+    assert not d.integrability.holonomic  # theta integrates, the rest does not
 
 
 def test_every_axle_row_has_the_same_curl() -> None:

@@ -145,3 +145,17 @@ def test_the_chained_form_is_printed(backend: str, tmp_path: Path) -> None:
         assert "front.steer_rate = " in out and "cos(front.steer)/5 = 0" in out
     else:
         assert r"\frac{\kappa" in out or r"\kappa" in out or "kappa" in out
+
+
+@pytest.mark.parametrize("name", ["bicycle", "locked_bicycle", "festo_robotino", "synchro_drive"])
+def test_structure_is_printed(name: str) -> None:
+    """`wmrgen structure`: the proofs, the integrals, the brackets, and why something is not there."""
+    path = Path(__file__).parents[2] / "robots" / f"{name}.yaml"
+    said, _ = run_cli("structure", str(path))
+    facts = json.loads(run_cli("structure", str(path), "--json")[0])
+    d = wmrgen.derive(wmrgen.load(path))
+    assert facts["holonomic"] == d.mobility.holonomic and facts["text"] in said
+    assert all(row["proof"] in said and not row["integrable"] for row in facts["constraints"])
+    assert len(facts["fields"]) == d.mobility.growth_vector[-1]
+    assert facts["chained"].startswith("none: " if name != "bicycle" else "(2,4) chain")
+    assert facts["flat"].startswith("none: ") == (name in ("locked_bicycle", "synchro_drive"))

@@ -307,6 +307,22 @@ def model(
     return run(robot, form.value, as_json=json, as_latex=latex)
 
 
+@app.command(short_help="Say what integrates, what Lie brackets reach, what is flat or chained.")
+@guarded
+def structure(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen structure robots/bicycle.yaml
+
+    Test every rolling constraint by Frobenius, proof printed, and all together; relations that they integrate to;
+    Lie brackets with the growth vector; flat outputs; the chained form, or why there is none.
+    """
+    from wmrgen.cli.structure import run
+
+    return run(robot, as_json=json)
+
+
 @app.command(short_help="Judge gains of the polar feedback law.")
 @guarded
 def gains(

@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+import sympy
+
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import rank
 from wmrgen.exact.number import Exact
@@ -18,6 +20,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.models.fields import Field, derivative, to_poly, value_at
 from wmrgen.models.posture import eta_system
+from wmrgen.models.sheet import tidy
 from wmrgen.models.system import System
 from wmrgen.models.trailers import trailer_system
 from wmrgen.symbolic import Expr, expression
@@ -37,6 +40,11 @@ class Bracket:
     def field(self) -> tuple[Expr, ...]:
         """Components in the order of the state."""
         return tuple(expression(p) for p in self.polys)
+
+    @property
+    def written(self) -> tuple[str, ...]:
+        """Components in Python syntax."""
+        return tuple(sympy.sstr(tidy(e)) for e in self.field)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,8 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.kinematics.records import Formula, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.models.chained import V, Written, chain_inputs, chained_input, coordinates, train, write
+from wmrgen.models.chained import chain_inputs, chained_input, coordinates
+from wmrgen.models.train import V, Written, train, write
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, signal, subtract, times
 

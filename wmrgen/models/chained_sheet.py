@@ -9,10 +9,11 @@ import sympy
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.models.chained import OMEGA, Train, U, V, last_axle, length_of, train, turned
+from wmrgen.models.chained import U
 from wmrgen.models.fields import derivative, to_poly
 from wmrgen.models.posture import parameter_ports
 from wmrgen.models.sheet import Equation, Sheet, tidy
+from wmrgen.models.train import OMEGA, Train, V, last_axle, length_of, train, turned
 from wmrgen.models.verify import verify
 from wmrgen.symbolic import Expr, expression, local, signal
 

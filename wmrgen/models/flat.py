@@ -17,7 +17,7 @@ from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_port
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.models.axle import Axle, Steering
-from wmrgen.models.chained import Train, V, train
+from wmrgen.models.train import Train, V, train
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import (
     Expr,
@@ -69,10 +69,8 @@ def flatness(robot: Robot, mobility: Mobility) -> Flatness:
             order,
             f"the last axle; derivatives to order {order} of its path determine all",
         )
-    where = "the centre of the axle"
-    return Flatness(
-        f"x, y of {where}", order, f"{where}: its direction is the heading, its curvature the turning"
-    )
+    text = "the direction of its path is the heading, the curvature gives the turning"
+    return Flatness("x, y of the centre of the axle", order, text)
 
 
 def flat(robot: Robot, mobility: Mobility) -> Formula:

@@ -43,12 +43,12 @@ class RowTest:
     @property
     def proof(self) -> str:
         """One line that can be followed by hand."""
-        return _written(self, sympy.sstr, " != 0", " . ")
+        return _written(self, sympy.sstr, _PLAIN)
 
     @property
     def latex(self) -> str:
         """The same line for LaTeX math."""
-        return _written(self, sympy.latex, r" \neq 0", r" \cdot ")
+        return _written(self, sympy.latex, _LATEX)
 
     @property
     def text(self) -> str:
@@ -120,17 +120,41 @@ def _together(m: Mobility) -> str:
     )
 
 
-def _written(test: RowTest, shown: Callable[[Expr], str], nonzero: str, by: str) -> str:
+@dataclass(frozen=True, slots=True)
+class _Signs:
+    curl: str
+    curl_product: str
+    wedge: str
+    differential: str
+    nonzero: str
+    said: str
+    more: str
+
+
+_PLAIN = _Signs("curl c", "c . curl c", " ^ ", "d%s", " != 0", ": %s", "...")
+_LATEX = _Signs(
+    r"\nabla \times c",
+    r"c \cdot (\nabla \times c)",
+    r" \wedge ",
+    r"d\mathit{%s}",
+    r" \neq 0",
+    r":\ \text{%s}",
+    r"\dots",
+)
+
+
+def _written(test: RowTest, shown: Callable[[Expr], str], sign: _Signs) -> str:
     """c = (...), curl c = (...), c . curl c = ...: verdict."""
     row = ", ".join(shown(e) for e in test.row)
-    verdict = "integrable" if test.integrable else "not integrable"
-    if shown is sympy.latex:
-        verdict = rf"\ \text{{{verdict}}}"
+    verdict = sign.said % ("integrable" if test.integrable else "not integrable")
     if test.curl is not None:
         curl = ", ".join(shown(e) for e in test.curl)
-        sign = "" if test.integrable else nonzero
-        return f"c = ({row}), curl c = ({curl}), c{by}curl c = {shown(test.value)}{sign}: {verdict}"
+        nonzero = "" if test.integrable else sign.nonzero
+        return f"c = ({row}), {sign.curl} = ({curl}), {sign.curl_product} = {shown(test.value)}{nonzero}{verdict}"
+    product = f"c{sign.wedge}dc"
     if test.integrable:
-        return f"c = ({row}), c ^ dc = 0 in every component: {verdict}"
+        return f"c = ({row}), {product} = 0{verdict}"
     names, value = next((n, e) for n, e in test.components if e != 0)
-    return f"c = ({row}), c ^ dc has {shown(value)} on d{names[0]} ^ d{names[1]} ^ d{names[2]}{nonzero}: {verdict}"
+    plain = sign is _PLAIN
+    basis = sign.wedge.join(sign.differential % (n if plain else n.replace("_", r"\_")) for n in names)
+    return f"c = ({row}), {product} = ({shown(value)}) {basis} + {sign.more}{sign.nonzero}{verdict}"

@@ -40,10 +40,10 @@ class Integral:
 
 
 def integrals(robot: Robot, mobility: Mobility) -> tuple[Integral, ...]:
-    """Relations that the constraints integrate to; none are sought where wheels that steer decide the motion."""
+    """Relations that the constraints integrate to; where steered wheels decide the motion, those of the pose alone."""
     twists = _constant_twists(robot, mobility)
-    if twists is None:
-        return ()
+    if twists is None:  # a subalgebra of se(2) of dimension 2 is that of the translations
+        return (Integral((("theta", 1.0),), "theta = const"),) if mobility.dof == 2 else ()
     if mobility.dof == 3:
         return _combinations(robot)
     return (*_posture(twists), *_rolled(robot, twists))

@@ -15,11 +15,12 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.kinematics.records import Formula, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.models.chained import Train, chained, chained_input, chained_rates, train
+from wmrgen.models.chained import chained, chained_input, chained_rates
 from wmrgen.models.exactly import Dual, Evaluator, Place, circle
 from wmrgen.models.posture import eta_motion, posture_field, posture_state
 from wmrgen.models.system import System
 from wmrgen.models.trailers import body_of, convoy, state_ports
+from wmrgen.models.train import Train, train
 from wmrgen.symbolic import Expr, expression, parameter, signal
 
 POINTS = 3

@@ -1,0 +1,82 @@
+"""``wmrgen structure``: what integrates, what Lie brackets reach, what is flat, whether a chained form exists."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import wmrgen
+from wmrgen.cli import console
+from wmrgen.errors import NotDerivableError
+
+if TYPE_CHECKING:
+    from wmrgen.derivation import Derivation
+
+
+def run(path: Path, *, as_json: bool) -> int:
+    """Print Frobenius's test with its proofs, integrals, Lie brackets, flat outputs and the chained form."""
+    with console.progress() as step:
+        step(f"deriving {path}")
+        robot = wmrgen.load(path)
+        for text in robot.notes:
+            console.note(f"{robot.name}: note: {text}")
+        found = _facts(wmrgen.derive(robot))
+        lines = [found["text"]]
+        lines += [f"  {row['wheel']}, {row['kind']}: {row['proof']}" for row in found["constraints"]]
+        lines += [f"  integrates to: {text}" for text in found["integrals"]]
+        lines += [f"brackets: {found['brackets']}"]
+        lines += [f"  {name} = ({', '.join(field)})" for name, field in found["fields"].items()]
+        lines += [f"{key}: {found[key]}" for key in ("flat", "chained")]
+    console.result(json.dumps(found, indent=2) if as_json else "\n".join(lines))
+    return 0
+
+
+def _facts(d: Derivation) -> dict[str, Any]:
+    tests = d.integrability
+    return {
+        "text": tests.text,
+        "holonomic": tests.holonomic,
+        "ddof": tests.ddof,
+        "dof": tests.dof,
+        "constraints": [
+            {"wheel": r.wheel, "kind": r.kind, "integrable": r.integrable, "proof": r.proof, "latex": r.latex}
+            for r in tests.rows
+        ],
+        "integrals": [i.text for i in tests.integrals],
+        "brackets": _or_why(lambda: d.growth.text),
+        "fields": _fields(d),
+        "flat": _or_why(lambda: _flat(d)),
+        "chained": _or_why(lambda: _chained(d)),
+    }
+
+
+def _fields(d: Derivation) -> dict[str, list[str]]:
+    """The input fields and the brackets that add a dimension, component by component."""
+    try:
+        return {b.name: list(b.written) for b in d.growth.brackets}
+    except NotDerivableError:
+        return {}
+
+
+def _flat(d: Derivation) -> str:
+    from wmrgen.models.flat import flatness
+
+    known = flatness(d.robot, d.mobility)
+    return f"{known.outputs}: {known.text}"
+
+
+def _chained(d: Derivation) -> str:
+    from wmrgen.models.train import train
+
+    size = train(d.robot, d.mobility).size
+    return f"(2,{size}) chain; `wmrgen model {d.robot.name}.yaml --form chained` writes it down"
+
+
+def _or_why(fact: Callable[[], str]) -> str:
+    """The fact, or why the robot does not have it."""
+    try:
+        return fact()
+    except NotDerivableError as error:
+        return f"none: {error}"

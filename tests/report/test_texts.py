@@ -11,6 +11,8 @@ import pytest
 import wmrgen
 from tests.oracle.harness import robot_text
 from tests.seeds import layouts
+from wmrgen.backends.report.analysis import analysis
+from wmrgen.backends.report.subject import subject
 from wmrgen.backends.report.texts import citations
 
 SEEDS = Path(__file__).parents[1] / "seeds" / "cases.json"
@@ -52,3 +54,20 @@ def test_another_geometry_is_not(case: str, key: str, tmp_path: Path) -> None:
     layout, _ = layouts.of(CASES[case], "polar")
     layout["wheels"][0][key] += 0.01
     assert CITED[case] not in cited(layout, tmp_path)
+
+
+@pytest.mark.parametrize(("case", "words"), [
+    ("S-3.29", "Nor can they together: brackets of the motions left over reach 3 dimensions, DDOF is 2."),
+    ("S-lockbike-phi", "Together they can be integrated all the same"),
+    ("S-3.33", None),
+])  # fmt: skip
+def test_frobenius_is_printed(case: str, words: str | None, tmp_path: Path) -> None:
+    layout, _ = layouts.of(CASES[case], "polar")
+    path = tmp_path / "robot.yaml"
+    path.write_text(robot_text(layout, polar=True), encoding="utf-8")
+    page = " ".join(analysis(subject(wmrgen.derive(wmrgen.load(path)))))
+    if words is None:
+        assert "Frobenius" not in page
+    else:
+        assert words in page
+        assert r"-\sin^2(\theta+h) - \cos^2(\theta+h) = -1" in page

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from wmrgen.backends.report.integrability import integrability
 from wmrgen.backends.report.markdown import aligned, sentence, table
 from wmrgen.backends.report.subject import Subject
 from wmrgen.exact.evaluate import fix
@@ -42,6 +43,7 @@ def analysis(s: Subject) -> list[str]:
         *_generic(s),
         "What follows:",
         *_verdicts(m),
+        *integrability(s),
     ]
     lines += ["Actuation:", "", *(f"* {sentence(a)}." for a in m.actuation), ""]
     return lines

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 
 import mpmath
@@ -69,6 +70,11 @@ def test_case_of_gains(name: str, wmrgen_cli: Callable[..., Outcome]) -> None:
     done = wmrgen_cli("gains", *words, "--json")
     assert done.code == 0
     found = json.loads(done.out)
+    known = dict(zip((kr, ka, kb), (sympy.Rational(str(g)) for g in given["k"]), strict=True))
+    A = polar.linearisation().xreplace(known)
+    assert found["linearisation"] == np.array(A, float).tolist()
+    s = sympy.Symbol("s")
+    assert found["polynomial"] == [float(c) for c in sympy.Poly((s * sympy.eye(3) - A).det(), s).all_coeffs()]
     for key in ("stable", "strong_3_65", "strong_all_beta"):
         if key in expect:
             assert found[key] is expect[key]
@@ -88,6 +94,14 @@ def test_hurwitz_conditions_are_the_eigenvalues() -> None:
                 if abs(values.real.max()) > 1e-9:
                     assert verdict.stable == (values.real.max() < 0)
     assert not judge(Exact(2), Exact(2), Exact(-1)).stable  # on the border: not Hurwitz
+
+
+def test_a_slow_mode_is_not_lost_in_the_fast_ones(wmrgen_cli: Callable[..., Outcome]) -> None:
+    """Roots of s^2 + 9e30 s + 1 that digits would cancel; and gains whose cubes are no numbers are refused."""
+    verdict = judge(Exact(10**30), Exact(10**31), Exact(Fraction(-1, 10**30)))
+    assert verdict.eigenvalues[1] == pytest.approx(-1 / 9e30) and verdict.stable
+    done = wmrgen_cli("gains", "k_rho=1e200", "k_alpha=1e201")
+    assert done.code == 2 and "beyond 1e+50" in done.err
 
 
 def test_comparison_with_pi_is_exact() -> None:
@@ -180,12 +194,13 @@ RESTING = [(p, b) for p in DRIVEN for b in BACKENDS if b != "c" or p.stem in COM
 
 @pytest.mark.parametrize(("robot", "backend"), RESTING, ids=lambda v: getattr(v, "stem", v))
 def test_every_wheel_rests_at_the_goal(robot: Path, backend: str) -> None:
-    for direction in (-1.0, 0.0, 1.0):
-        found = call(robot, "goto_pose", {"direction": direction}, backend)
+    """On the goal, and where its direction is no longer known: driving on would leave it again."""
+    for x, direction in product((0.0, 1e-10), (-1.0, 0.0, 1.0)):
+        found = call(robot, "goto_pose", {"x": x, "direction": direction}, backend)
         moving = {
             k: x
             for k, x in found.items()
-            if k.endswith((".spin", "_rate", ".steer")) or k in "v omega rho slip".split()
+            if k.endswith((".spin", "_rate", ".steer")) or k in "v omega slip".split()
         }
         assert not any(moving.values())
 

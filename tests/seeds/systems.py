@@ -145,7 +145,7 @@ SYSTEMS: dict[str, dict[str, str]] = {
     "S-DELTA": {"synchro": "dynamics", "two_steer": "dynamics", "tricycle": "configuration"},
     "S-SYNCHRO": {"synchro": "forward inverse"},
     "S-POLAR": {TEXTBOOK: "polar_coordinates polar_rates polar_rates_reverse"},
-    "S-POLAR-CL": {TEXTBOOK: "polar_closed_loop", "differential": "goto_pose"},
+    "S-POLAR-CL": {TEXTBOOK: "polar_closed_loop polar_linearisation polar_gains", "differential": "goto_pose"},
     "S-TRAJ": {"omni3_s": "motion reach", "two_steer": "motion reach"},
     "S-PROB": {"differential": "forward", "omni3_s": "inverse"},
     "A-DISK": {TEXTBOOK: "disk_constraint"},

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import casadi
 import numpy as np
 import pytest
+import sympy
 
 from tests.textbook.common import call, matrix, one, spread, vector
 from wmrgen.backends.registry import BACKENDS
+from wmrgen.control import polar
+from wmrgen.control.gains import judge
+from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.textbook import FUNCTIONS, formula, textbook
 from wmrgen.textbook.emit import artifacts
@@ -39,6 +44,7 @@ def test_backends_agree(name: str) -> None:
             assert ours == pytest.approx(theirs, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_c_agrees_in_float() -> None:
     """All functions in one compiled library; inputs of moderate size, results to a few float roundings."""
     from wmrgen.backends.c99 import evaluate_c
@@ -228,3 +234,23 @@ def test_names_of_one_function() -> None:
     assert spread({"v": (1, 2, 3)}) == {"v.x": 1.0, "v.y": 2.0, "v.z": 3.0}
     with pytest.raises(KeyError):
         assert textbook("rotat").formulas
+
+
+def test_the_linearised_loop_is_the_derived_one() -> None:
+    """`polar_linearisation` against the Jacobian of the closed loop, and its polynomial against det(s I - A)."""
+    outputs = {p.name: v for p, v in formula("polar_linearisation").outputs}
+    A = sympy.Matrix(3, 3, [outputs[f"a{i}{j}"] for i in (1, 2, 3) for j in (1, 2, 3)])
+    assert sympy.expand(A - polar.linearisation()) == sympy.zeros(3)
+    s = sympy.Symbol("s")
+    p = s**3 + outputs["p2"] * s**2 + outputs["p1"] * s + outputs["p0"]
+    assert sympy.expand(p - polar.characteristic_polynomial(s)) == 0
+
+
+@pytest.mark.parametrize("backend", ["exact", "casadi", "c"])
+def test_gains_are_judged_as_the_command_does(backend: str) -> None:
+    for gains in ((3, 8, -1.5), (3, 2, -1.5), (3, 8, 1.5), (-1, 8, -1.5), (0.5, 10.5, -6.0), (3, 2.9, -0.01)):
+        verdict = judge(*(Exact(Fraction(g)) for g in gains))
+        found = call(backend, "polar_gains", **dict(zip(("k_rho", "k_alpha", "k_beta"), gains, strict=True)))
+        assert [found[k] > 0 for k in ("stable", "strong_3_65", "strong_all_beta")] == [
+            verdict.stable, verdict.strong, verdict.strong_all_beta,
+        ]  # fmt: skip

@@ -84,9 +84,24 @@ def _pi_bounds(digits: int) -> tuple[Fraction, Fraction]:
 
 
 def _eigenvalues(k_rho: float, k_alpha: float, k_beta: float) -> tuple[complex, complex, complex]:
+    """-k_rho and the roots of s^2 + 2 m s - k_rho k_beta: the larger one, and the product over it."""
     middle = (k_alpha - k_rho) / 2
     root = cmath.sqrt(middle * middle + k_rho * k_beta)
-    return complex(-k_rho), -middle + root, -middle - root
+    large = -middle - root if middle > 0 else -middle + root
+    small = -k_rho * k_beta / large if large and not root.imag else -2 * middle - large
+    pair = (small, large) if middle > 0 else (large, small)
+    return complex(0.0 - k_rho), pair[0], pair[1]
+
+
+def linearisation(k_rho: Exact, k_alpha: Exact, k_beta: Exact) -> list[list[Exact]]:
+    """A of d/dt (rho, alpha, beta) = A (rho, alpha, beta) at the goal: Siegwart (3.60), (3.61)."""
+    zero = Exact(0)
+    return [[-k_rho, zero, zero], [zero, k_rho - k_alpha, -k_beta], [zero, -k_rho, zero]]
+
+
+def polynomial(k_rho: Exact, k_alpha: Exact, k_beta: Exact) -> list[Exact]:
+    """det(s I - A), highest power first: Siegwart (3.62)."""
+    return [Exact(1), k_alpha, k_rho * (k_alpha - k_rho - k_beta), -(k_rho * k_rho * k_beta)]
 
 
 def nominal_gains(robot: Robot) -> dict[str, Exact]:

@@ -35,7 +35,7 @@ from wmrgen.symbolic import (
     times,
 )
 
-AT_GOAL = number(Exact(Fraction(1, 10**9)))  # [m]: nearer counts as there, where directions mean nothing
+AT_GOAL = number(Exact(Fraction(1, 10**9)))  # [m]: nearer counts as there: directions mean nothing, it stands
 BORDER = number(Exact(Fraction(1, 10**6)))  # [rad]: so near a border of the angles counts as on it
 
 _OUTPUTS = (
@@ -55,7 +55,7 @@ def goto_pose(robot: Robot, mobility: Mobility) -> Formula:
     names = Locals()
     rho, alpha, beta, way = _polar(ref, names)
     k_rho, k_alpha, k_beta = (_gain(robot, name) for name in TEXTBOOK)
-    v = names.define("v_value", times(way, k_rho, rho))
+    v = names.define("v_value", select(AT_GOAL, rho, times(way, k_rho, rho), sympy.S.Zero))
     omega = names.define("omega_value", add(times(k_alpha, alpha), times(k_beta, beta)))
     more, outputs = commands(robot, mobility, ref, v, omega, names)
     inputs = (

@@ -79,6 +79,8 @@ CHAPTERS: dict[str, dict[str, Builder]] = {
         "polar_rates": polar.polar_rates,
         "polar_rates_reverse": polar.polar_rates_reverse,
         "polar_closed_loop": polar.polar_closed_loop,
+        "polar_linearisation": polar.polar_linearisation,
+        "polar_gains": polar.polar_gains,
     },
     "Cars": {
         "turning_radius": car.turning_radius,

@@ -79,10 +79,47 @@ def polar_closed_loop() -> Formula:
     """Siegwart (3.56)-(3.58): v = k_rho rho, omega = k_alpha alpha + k_beta beta; no quotient is left."""
     page = Page("polar_closed_loop", "closed loop of the polar feedback law, Siegwart (3.58)")
     rho, alpha, beta = _polar(page)
-    k_rho, k_alpha, k_beta = (page.given(f"k_{n}", "1/s", "gain") for n in ("rho", "alpha", "beta"))
+    k_rho, k_alpha, k_beta = _gains(page)
     omega = page.let("steer", k_alpha * alpha + k_beta * beta)
     swing = page.let("swing", k_rho * sin(alpha))
     _gives(page, -k_rho * rho * cos(alpha), swing - omega, -swing)
     page.gives("v", "m/s", k_rho * rho, "speed forward")
     page.gives("omega", "rad/s", omega, "turning rate")
+    return page.formula()
+
+
+def _gains(page: Page) -> tuple[Expr, Expr, Expr]:
+    k_rho, k_alpha, k_beta = (page.given(f"k_{n}", "1/s", "gain") for n in ("rho", "alpha", "beta"))
+    return k_rho, k_alpha, k_beta
+
+
+def polar_linearisation() -> Formula:
+    """Siegwart (3.60)-(3.63): A of d/dt (rho, alpha, beta) at the goal; s^3 + p2 s^2 + p1 s + p0 = det(s I - A)."""
+    page = Page(
+        "polar_linearisation", "linearised closed loop of the polar law at the goal, Siegwart (3.60)-(3.63)"
+    )
+    k_rho, k_alpha, k_beta = _gains(page)
+    zero = sympy.S.Zero
+    rows = ((-k_rho, zero, zero), (zero, k_rho - k_alpha, -k_beta), (zero, -k_rho, zero))
+    page.gives_matrix("a", rows, "1/s")
+    page.gives("p2", "1/s", k_alpha, "of the characteristic polynomial")
+    page.gives("p1", "1/s^2", k_rho * (k_alpha - k_rho - k_beta), "of the characteristic polynomial")
+    page.gives("p0", "1/s^3", -(k_rho**2) * k_beta, "of the characteristic polynomial")
+    return page.formula()
+
+
+def polar_gains() -> Formula:
+    """Siegwart (3.61)-(3.65), (3.65) also corrected: slack of the tightest condition, positive where all hold."""
+    page = Page("polar_gains", "do gains stabilise the polar law, Siegwart (3.61)-(3.65), (3.65) corrected")
+    k_rho, k_alpha, k_beta = _gains(page)
+    signs = page.let("signs", sympy.Min(k_rho, -k_beta, evaluate=False))
+    share = page.let("share", k_rho * 2 / sympy.pi)
+    for name, value, text in (
+        ("stable", k_alpha - k_rho, "Hurwitz: k_rho, -k_beta, k_alpha - k_rho"),
+        ("strong_3_65", k_alpha + k_beta * sympy.Rational(5, 3) - share,
+         "(3.65): k_rho, -k_beta, k_alpha + 5/3 k_beta - 2/pi k_rho; alpha stays in I1 from |beta| <= 5 pi/6"),
+        ("strong_all_beta", k_alpha + k_beta * 2 - share,
+         "corrected: k_rho, -k_beta, k_alpha + 2 k_beta - 2/pi k_rho; alpha stays in I1 from every beta"),
+    ):  # fmt: skip
+        page.gives(name, "1/s", sympy.Min(signs, value, evaluate=False), text)
     return page.formula()

@@ -25,7 +25,7 @@ test: setup
 	$(PYTEST)
 
 check: setup lint types
-	$(PYTEST) -m 'slow or not slow'
+	WMRGEN_DEEP=1 $(PYTEST) -m 'slow or not slow'
 	$(BIN)/wmrgen check
 
 lint: setup

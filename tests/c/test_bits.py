@@ -39,6 +39,7 @@ def test_float(robots: tuple[Program, Path], compiler: str, level: str) -> None:
     assert program.mismatches(folder, compiler, (*STRICT, level)) == []
 
 
+@pytest.mark.slow
 def test_double(tmp_path: Path) -> None:
     program = Program((*MODULES, *gallery()), "double", 4)
     program.write(tmp_path)

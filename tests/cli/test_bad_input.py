@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -73,7 +72,6 @@ def test_bad_robot_files(wmrgen_cli: Callable[..., Outcome], tmp_path: Path, cas
     content, says = BAD[case]
     path = tmp_path / "bad.yaml"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    start = time.perf_counter()
     done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
     assert (done.code, done.out) == (2, ""), done
     assert says in done.err
@@ -82,4 +80,3 @@ def test_bad_robot_files(wmrgen_cli: Callable[..., Outcome], tmp_path: Path, cas
     assert "bug" not in done.err
     assert len(done.err) < 2000
     assert [p.name for p in tmp_path.iterdir()] == ["bad.yaml"]
-    assert time.perf_counter() - start < 5

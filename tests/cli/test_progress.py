@@ -9,13 +9,17 @@ import time
 
 import pytest
 
+from wmrgen.cli import console
+
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="terminals")
 SLOW = """
 import sys, time
 import wmrgen
 from wmrgen import __main__
 
-plain, seconds = wmrgen.derive, float(sys.argv.pop(1))
+from wmrgen.cli import console
+plain, seconds, patience = wmrgen.derive, float(sys.argv.pop(1)), float(sys.argv.pop(1))
+console.PATIENCE = patience
 
 def slow(robot):
     time.sleep(seconds)
@@ -27,10 +31,12 @@ __main__.main()
 """
 
 
-def stderr_of(robot: object, out: object, seconds: float, terminal: bool) -> tuple[bytes, float | None]:
+def stderr_of(
+    robot: object, out: object, seconds: float, terminal: bool, patience: float = 1.0
+) -> tuple[bytes, float | None]:
     """What a run whose derivation takes ``seconds`` longer writes to stderr, and when the first of it came."""
     read, write = os.openpty() if terminal else os.pipe()
-    command = [sys.executable, "-c", SLOW, str(seconds), "derive", str(robot), "-o", str(out)]
+    command = [sys.executable, "-c", SLOW, str(seconds), str(patience), "derive", str(robot), "-o", str(out)]
     start = time.monotonic()
     running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=write)
     os.close(write)
@@ -57,7 +63,8 @@ def test_on_a_terminal_after_a_second(robot_file: object, tmp_path: object) -> N
 
 
 def test_not_for_quick_work(robot_file: object, tmp_path: object) -> None:
-    assert stderr_of(robot_file, f"{tmp_path}/out", 0.0, terminal=True)[0] == b""
+    assert console.PATIENCE == 1.0
+    assert stderr_of(robot_file, f"{tmp_path}/out", 0.0, terminal=True, patience=600.0)[0] == b""
 
 
 def test_never_when_piped(robot_file: object, tmp_path: object) -> None:

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.depth import examples
 from tests.ir.common import CONSTANTS, functions
 from wmrgen.exact.number import SQRT2, Exact
 from wmrgen.ir.build import Builder
@@ -102,7 +103,7 @@ def test_powers_multiply_few_times(b: Builder) -> None:
 
 
 @given(functions())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150), deadline=None)
 def test_canonical_form_keeps_every_value(f) -> None:
     once = canonicalise(f)
     verify_function(f, once, "canonicalise", 3)

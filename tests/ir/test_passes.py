@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import given, settings
 
+from tests.depth import examples
 from tests.ir.common import RING, build, functions
 from wmrgen.ir.cost import count
 from wmrgen.ir.geometry import geometry_only
@@ -26,13 +27,13 @@ from wmrgen.ir.verify import PassError, points, verify_function, verify_module
 
 @pytest.mark.parametrize("step", [*BEFORE_HOIST, *AFTER_HOIST], ids=lambda step: step.__name__)
 @given(f=functions())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 def test_a_pass_keeps_every_value(step, f: Function) -> None:
     verify_function(f, step(f), step.__name__, 3)
 
 
 @given(functions(kinds=RING, size=40))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 def test_polynomials_keep_their_values_in_plain_exact_arithmetic(f: Function) -> None:
     module = optimise((f,), "m")
     for point in points(f, 3):
@@ -43,7 +44,7 @@ def test_polynomials_keep_their_values_in_plain_exact_arithmetic(f: Function) ->
 
 
 @given(functions(), functions())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 def test_the_pipeline_keeps_every_value_and_reads_no_geometry(f: Function, g: Function) -> None:
     g = Function("g", g.inputs, g.nodes, g.outputs, g.results)
     module = optimise((f, g), "m", verify=True)
@@ -65,7 +66,7 @@ def _reads_input(function: Function, i: int) -> bool:
 
 
 @given(functions())
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50), deadline=None)
 def test_the_pipeline_is_repeatable(f: Function) -> None:
     assert optimise((f,), "m") == optimise((f,), "m")
 
@@ -248,7 +249,7 @@ def test_unguarded_divisors_are_reported(name: str) -> None:
 
 
 @given(functions())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 def test_functions_without_findings_are_defined(f: Function) -> None:
     if not findings(f):
         for point in points(f, 3):
@@ -257,7 +258,7 @@ def test_functions_without_findings_are_defined(f: Function) -> None:
 
 
 @given(functions())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_optimised_floats_agree_with_the_exact_value(f: Function) -> None:
     if any(node.op in (Op.SELECT, Op.ATAN2) for node in f.nodes):
         return

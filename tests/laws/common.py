@@ -13,6 +13,7 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from numpy.typing import NDArray
 
+from tests.depth import examples as drawn
 from tests.oracle import oracle, robot_file
 from tests.oracle.harness import Model, named, robot_text, twist_of
 
@@ -28,7 +29,7 @@ NAMES = [p.stem for p in ROBOTS]
 def law(examples: int) -> settings:
     """Settings of a law on random layouts: the same layouts in every run, unless WMRGEN_EXPLORE asks for more."""
     return settings(
-        deadline=None, derandomize=not EXPLORE, database=None, max_examples=examples * max(EXPLORE, 1),
+        deadline=None, derandomize=not EXPLORE, database=None, max_examples=drawn(examples) * max(EXPLORE, 1),
         suppress_health_check=[HealthCheck.too_slow],
     )  # fmt: skip
 

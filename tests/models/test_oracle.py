@@ -188,6 +188,7 @@ def test_trailer_axles_do_not_slide(name: str, seed: int) -> None:
         assert [places[f"{t.name}.x"], places[f"{t.name}.y"]] == pytest.approx(list(at), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["three on the axle", "off axle"])
 def test_a_train_settles_on_the_steady_circle(name: str) -> None:
     """Driving forward with a constant steering angle: the hitch angles approach those of the closed form."""

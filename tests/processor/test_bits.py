@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from benchmarks.emulator.zig import M0, M4F
 from tests.processor.fleets import mismatches
 
@@ -18,6 +20,7 @@ def test_cortex_m4f(tmp_path: Path) -> None:
     assert calls > 3000
 
 
+@pytest.mark.slow
 def test_cortex_m0(tmp_path: Path) -> None:
     """The same bits without an FPU, from compiler-rt's arithmetic."""
     calls, wrong = mismatches(M0, tmp_path, 3)

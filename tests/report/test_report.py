@@ -165,6 +165,7 @@ def test_equal_lengths_that_lower_a_rank_are_named(tmp_path: Path) -> None:
     assert "The rank of J₁ is 2 for the values given, but 3 for parameters in general" in page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["fixed", "steered", "castor", "swedish", "spherical"])
 def test_sixty_four_wheels_stay_readable(tmp_path: Path, kind: str) -> None:
     extra = {"castor": ", d: 0.03, actuated: [spin, steer]", "swedish": ", gamma: pi/4"}.get(kind, "")

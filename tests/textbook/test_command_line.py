@@ -82,6 +82,7 @@ def test_a_file_called_textbook_is_a_robot(
     assert wmrgen_cli("eval", "textbook", "inverse", "vx=1").code == 0
 
 
+@pytest.mark.slow
 def test_written_and_checked(wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What `textbook` writes is what stands in generated/, and check notices a change in it."""
     monkeypatch.chdir(tmp_path)

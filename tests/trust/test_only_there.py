@@ -135,6 +135,7 @@ def test_a_read_only_directory(
     assert tree(out) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("call", ["replace", "mkdir"])
 def test_permission_is_refused(
     robot_file: Path,

@@ -26,6 +26,7 @@ SURROUNDINGS = [
 ]
 
 
+@pytest.mark.slow
 def test_same_bytes_everywhere(tmp_path: Path) -> None:
     made = []
     for k, env in enumerate(SURROUNDINGS):
@@ -42,6 +43,7 @@ def test_same_bytes_everywhere(tmp_path: Path) -> None:
         assert [name for name in other if other[name] != made[0][name]] == []
 
 
+@pytest.mark.slow
 def test_order_and_company_do_not_matter(tmp_path: Path) -> None:
     """A robot derived after others, in the same process, has the bytes it has alone."""
     together, alone = tmp_path / "together", tmp_path / "alone"

@@ -16,7 +16,7 @@ from typing import NoReturn, TextIO
 
 from wmrgen.errors import EnvironmentFailure
 
-_SLOW = 1.0  # seconds after which a progress line appears
+PATIENCE = 1.0  # seconds after which a progress line appears
 
 
 def prepare() -> None:
@@ -89,7 +89,7 @@ def progress() -> Iterator[Callable[[str], None]]:
         if shown.is_set():
             draw()
 
-    timer = threading.Timer(_SLOW, draw)
+    timer = threading.Timer(PATIENCE, draw)
     timer.daemon = True
     timer.start()
     try:

@@ -1,0 +1,21 @@
+"""How deep the tests go: `make test` is everyday, `make check` (and so CI) sets WMRGEN_DEEP."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+
+import pytest
+
+DEEP = os.environ.get("WMRGEN_DEEP") == "1"
+
+
+def examples(count: int) -> int:
+    """How many random examples of ``count`` to draw: all in depth, a quarter every day, never under 4."""
+    return count if DEEP else max(count // 4, min(count, 4))
+
+
+def everyday(values: Iterable[object], kept: Iterable[object]) -> list[object]:
+    """``values`` as parameters, those not in ``kept`` marked slow."""
+    chosen = list(kept)
+    return [v if v in chosen else pytest.param(v, marks=pytest.mark.slow) for v in values]

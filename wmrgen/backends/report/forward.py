@@ -15,6 +15,7 @@ from wmrgen.kinematics.smallest import generic_rank
 _TERMS = 24  # summands of a printed formula
 _PSEUDO = " (as a pseudo-inverse, because it is singular: the smallest twist that explains the rates)."
 _ROWS = 14  # rows of a printed H
+_DET = 70  # glyphs of a printed determinant
 
 
 def forward(s: Subject) -> list[str]:
@@ -81,15 +82,37 @@ def _constant(s: Subject, contacts: list[Contact], components: list[Component]) 
     numbers = _rows(*measurements(s.numbers))
     normal = [[sum((r[i] * r[j] for r, _ in numbers), Poly({})) for j in range(3)] for i in range(3)]
     lines = ["Stacked,", *_stacked(rows)]
+    singular = _singular(normal)
     lines += [
-        "More rows than unknowns: the least-squares solution is",
+        f"{_count(len(rows), singular)}: the least-squares solution is",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix([[poly(p) for p in row] for row in normal])),
         _why(bool(contacts), any(c.wheel.turns for c in contacts)) + " It is inverted once, here"
-        + (_PSEUDO if _singular(normal) else "."),
+        + (_PSEUDO if singular else "."),
         "",
+        *([] if singular else _condition(rows)),
         "The result, as the code computes it:",
     ]  # fmt: skip
     return [*lines, *_closed(s), *cut_note(s)]
+
+
+def _count(rows: int, singular: bool) -> str:
+    if singular:
+        return "The rows leave a direction unseen"
+    return "More rows than unknowns" if rows > 3 else "As many rows as unknowns"
+
+
+def _condition(rows: list[tuple[Row, Poly]]) -> list[str]:
+    """The condition on the rank, and the determinant that it is about where that is short."""
+    a, b, c = ([Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3))
+    det = poly(
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+    words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
+    if width(det) > _DET:
+        return [f"{words}.", ""]
+    return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
 
 
 def _why(pairs: bool, turns: bool) -> str:
@@ -170,7 +193,8 @@ def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
             r"\omega &= \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}",
             r"v &= \bar{w} - \omega\,\hat{z}\times\bar{B}",
         ]),
-        f"with n = {len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is "
+        "This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here "
+        f"n = {len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is "
         "all that is left for run time; its "
         "denominator is kept above 10⁻¹² m². The residual `slip`, the norm of all w<sub>i</sub> − v "
         "− ω ẑ × B<sub>i</sub> [m/s], "
@@ -209,11 +233,13 @@ def _solution(rank: int, may_fall: bool) -> list[str]:
     if not may_fall:
         return [
             *lines,
-            "The rows that do not steer have rank 3 by themselves, so det(HᵀH) cannot vanish.",
+            "The rows that do not steer have rank 3 by themselves, so H keeps the full column rank 3 that this "
+            "needs (Tzafestas (2.8a)): det(HᵀH) cannot vanish.",
             "",
         ]
     return [
         *lines,
+        "This needs H of full column rank 3 (Tzafestas (2.8a)). "
         "Where the rows leave a direction unseen, det(HᵀH) vanishes (a singular value under a thousandth of the "
         "largest counts as none). There the smallest twist is taken, by the Moore-Penrose inverse",
         *math(_RANK_2 + r",\qquad " + _INVARIANTS),

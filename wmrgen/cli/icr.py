@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.motion import show, spelled
+from wmrgen.cli.motion import clean, show, spelled
 from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.number import ONE, ZERO, Exact
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
@@ -60,7 +60,7 @@ def _centre(values: Mapping[str, float]) -> dict[str, Any]:
 
 
 def _floats(values: Mapping[str, Exact]) -> dict[str, float]:
-    return {k: float(v) for k, v in values.items()}
+    return {k: clean(v) for k, v in values.items()}
 
 
 def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
@@ -83,7 +83,16 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     """Steering angles whose axles meet in the point; icr.w is 1 unless given."""
     values = dict(from_words(words, derivation.formula("steer_to").inputs))
     values.setdefault("icr.w", ONE)
-    return _floats(derivation.evaluate("steer_to", values))
+    x, y, w = (values.get(f"icr.{k}", ZERO) for k in "xyw")
+    found = derivation.evaluate("steer_to", values)
+    turned = {k: v for k, v in values.items() if not k.startswith("icr.")}
+    slip = float(derivation.evaluate("inverse", turned | {"vx": y, "vy": -x, "omega": w})["slip"])
+    if slip > _TOLERANCE * max(1.0, float(abs(x)), float(abs(y)), float(abs(w))):
+        console.note(
+            f"{derivation.robot.name}: the axles cannot meet there, because the fixed wheels keep theirs; the angles "
+            "are those of the nearest motion"
+        )
+    return _floats(found)
 
 
 def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:

@@ -53,14 +53,16 @@ def run(path: Path, words: Sequence[str], *, time: str | None, segments: str | N
     return 0
 
 
-def spelled(words: Sequence[str], robot: Robot, joint: str) -> list[str]:
-    """``left=4`` is ``left.spin=4``: a bare wheel name stands for its joint."""
+def spelled(words: Sequence[str], robot: Robot, joint: str, ports: Sequence[Port] = ()) -> list[str]:
+    """``left=4`` is ``left.spin=4``: a bare wheel name stands for its ``joint``, or for the only one in ``ports``."""
     wheels = {w.name for w in robot.wheels}
     result = []
     for word in words:
         name, equals, value = word.partition("=")
-        bare = equals and name.strip() in wheels
-        result.append(f"{name.strip()}.{joint}={value}" if bare else word)
+        name = name.strip()
+        own = [p.name for p in ports if p.name.startswith(f"{name}.")]
+        full = own[0] if len(own) == 1 else f"{name}.{joint}"
+        result.append(f"{full}={value}" if equals and name in wheels else word)
     return result
 
 
@@ -80,7 +82,7 @@ def _constant(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     """Pose at the end, then the path: a straight line, or a circle with centre, radius and period."""
     robot = derivation.robot
     ports = derivation.formula("motion").inputs
-    values = from_words(spelled(words, robot, "spin"), ports)
+    values = from_words(spelled(words, robot, "spin", ports), ports)
     missing = [p.name for p in ports if p.name.endswith((".spin", ".steer")) and p.name not in values]
     if missing:
         console.note(f"not given, taken as 0: {' '.join(missing)}")
@@ -120,7 +122,10 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
     steers = [Port(f"{n}.steer", Role.STATE, "rad") for n in turning]
     given = from_words(spelled(words, robot, "steer"), [*start, *steers])
     ports = [Port(n, Role.COMMAND, unit) for n, unit in _UNITS.items()]
-    parts = [segment(case, f"{file}, segment {k}") for k, case in enumerate(from_file(file, ports))]
+    cases = from_file(file, ports)
+    if not cases:
+        raise UsageError(f'{file} holds no segment. Write a list: [{{"vx": 0.5, "dt": 2}}, …]')
+    parts = [segment(case, f"{file}, segment {k}") for k, case in enumerate(cases)]
     phases = plan(
         robot,
         parts,
@@ -141,13 +146,13 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
 
 
 def _phase(p: Phase) -> dict[str, Any]:
-    commands = {f"{n}.spin": _clean(v) for n, v in p.spins.items()}
-    commands |= {f"{n}.steer": _clean(v) for n, v in p.steers.items()}
-    pose = {k: _clean(v) for k, v in zip(_POSE, p.pose, strict=True)}
+    commands = {f"{n}.spin": clean(v) for n, v in p.spins.items()}
+    commands |= {f"{n}.steer": clean(v) for n, v in p.steers.items()}
+    pose = {k: clean(v) for k, v in zip(_POSE, p.pose, strict=True)}
     return {"segment": p.segment, "action": p.action, "dt": float(p.dt), "commands": commands, "pose": pose}
 
 
-def _clean(value: Exact) -> float:
+def clean(value: Exact) -> float:
     """The nearest double; what the 60 digits of pi leave over is 0."""
     return float(value) if abs(value) > _DUST else 0.0
 

@@ -75,17 +75,34 @@ def _port(name: str, ports: Sequence[Port], place: str) -> Port:
             return port
     hint = suggestion(name, [port.name for port in ports])
     every = "" if hint.startswith("Valid") else f" Inputs are: {_names(ports)}."
+    if not ports:
+        raise UsageError(f"{place}there is no input {name!r}: the function takes none")
     raise UsageError(f"{place}there is no input {name!r}. {hint}{every}")
 
 
 def _number(text: str, port: Port, place: str) -> Exact:
     """The exact SI value of ``text``, which may have a unit that fits the port."""
     what = f"{place}{port.name}"
+    text = _without_unit(text, port, what)
     if _PLAIN.fullmatch(text) and abs(value := Fraction(text)) < _LARGEST:
         return Exact(value)  # what another program prints: 1e-40 m/s is a speed, if not one of a robot file
     scalar = Scalar(text, True, Mark("", 1, 1, ""))
     try:
-        return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), what, Scope()), {})
+        return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), port.name, Scope()), {})
     except RobotFileError as error:
         hint = " ".join(part for part in (error.why, error.instead) if part)
         raise UsageError(f"{what} = {text[:60]!r}: {error.what}. {hint}".rstrip()) from error
+
+
+def _without_unit(text: str, port: Port, what: str) -> str:
+    """``2.3 s`` as ``2.3`` where the port's unit is one that robot files have no use for; UsageError for another."""
+    unit = port.unit
+    if not unit or unit in _KINDS:
+        return text
+    space = r"\s+" if unit[0].isdigit() else r"\s*"
+    found = re.fullmatch(rf"(.*[\d.)]){space}{re.escape(unit)}\s*", text)
+    if found:
+        return found[1]
+    if re.search(r"[\d.)]\s*[a-zµ°\"]", re.sub(r"[\d.][eE][+-]?\d", "", text)):
+        raise UsageError(f"{what} = {text[:60]!r}: {port.name} is in {unit}. Write the number alone.")
+    return text

@@ -1,0 +1,69 @@
+"""NAME=VALUE words of the commands: units, bare wheel names, and notes on what cannot be."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Outcome
+
+Cli = Callable[..., Outcome]
+PIONEER = ROOT / "robots" / "pioneer3dx.yaml"
+CAR = """\
+wmrgen: 1
+name: car
+wheels:
+  - {name: left,  type: fixed, x: -0.3, y: 0.6,  heading: 0, r: 0.3}
+  - {name: right, type: fixed, x: -0.3, y: -0.6, heading: 0, r: 0.3}
+  - {name: front, type: steered, x: 2.2, y: 0, heading: 0, r: 0.3, actuated: [steer]}
+"""
+
+
+@pytest.fixture
+def car(tmp_path: Path) -> Path:
+    path = tmp_path / "car.yaml"
+    path.write_text(CAR, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("time", ["2.5", "2.5s", "2.5 s", "5/2", "25e-1 s"])
+def test_a_time_may_have_its_unit(time: str, wmrgen_cli: Cli) -> None:
+    found = json.loads(wmrgen_cli("motion", PIONEER, "left=4", "right=4", "--time", time, "--json").out)
+    assert found["x"] == pytest.approx(2.5 * 4 * 0.0975)
+
+
+@pytest.mark.parametrize("time", ["2.5m", "2.5ms", "30 deg", "2.5 rad/s"])
+def test_another_unit_is_no_time(time: str, wmrgen_cli: Cli) -> None:
+    done = wmrgen_cli("motion", PIONEER, "left=4", "right=4", "--time", time)
+    assert done.code == 2 and "dt is in s" in done.err and done.out == ""
+
+
+def test_a_bare_wheel_is_its_only_joint(car: Path, wmrgen_cli: Cli) -> None:
+    short = wmrgen_cli("motion", car, "left=1", "right=1.2", "front=0.1", "--time", "1", "--json")
+    long = wmrgen_cli(
+        "motion", car, "left.spin=1", "right.spin=1.2", "front.steer=0.1", "--time", "1", "--json"
+    )
+    assert short.code == 0 and short.out == long.out
+
+
+def test_a_centre_that_the_fixed_wheels_refuse_is_said(car: Path, wmrgen_cli: Cli) -> None:
+    assert wmrgen_cli("icr", car, "icr.x=-0.3", "icr.y=3").err.count("cannot meet there") == 0
+    assert wmrgen_cli("icr", car, "icr.x=1", "icr.y=3").err.count("cannot meet there") == 1
+
+
+def test_turning_on_the_axle_centre_has_no_dust(car: Path, wmrgen_cli: Cli) -> None:
+    found = json.loads(wmrgen_cli("icr", car, "front=pi/2", "--json").out)
+    assert found["icr"] == pytest.approx([-0.3, 0.0], abs=1e-12)
+
+
+def test_no_segments_and_a_wrong_unit_in_one(tmp_path: Path, wmrgen_cli: Cli) -> None:
+    file = tmp_path / "segments.json"
+    file.write_text("[]")
+    done = wmrgen_cli("motion", PIONEER, "--segments", file)
+    assert done.code == 2 and "holds no segment" in done.err
+    file.write_text('[{"theta_rate": "90 deg", "dt": 1}]')
+    done = wmrgen_cli("motion", PIONEER, "--segments", file)
+    assert done.code == 2 and done.err.count("segments.json") == 1 and "deg/s" in done.err

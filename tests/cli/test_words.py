@@ -67,3 +67,14 @@ def test_no_segments_and_a_wrong_unit_in_one(tmp_path: Path, wmrgen_cli: Cli) ->
     file.write_text('[{"theta_rate": "90 deg", "dt": 1}]')
     done = wmrgen_cli("motion", PIONEER, "--segments", file)
     assert done.code == 2 and done.err.count("segments.json") == 1 and "deg/s" in done.err
+
+
+@pytest.mark.parametrize("words", [(PIONEER, "goto_pose", "x=-1"), ("textbook", "polar_gains", "k_rho=2")])
+def test_eval_computes_with_numpy_too(words: tuple[str, ...], wmrgen_cli: Cli) -> None:
+    found = [json.loads(wmrgen_cli("eval", *words, "--json", "--backend", b).out) for b in ("exact", "numpy")]
+    assert found[1] == pytest.approx(found[0], abs=1e-12)
+
+
+def test_beyond_a_double_is_no_bug(wmrgen_cli: Cli) -> None:
+    done = wmrgen_cli("motion", PIONEER, "left=1e308", "--time", "1e308")
+    assert done.code == 2 and "range of a double" in done.err and done.out == ""

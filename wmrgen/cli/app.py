@@ -12,7 +12,7 @@ import typer
 
 from wmrgen import __version__
 from wmrgen.cli import console
-from wmrgen.errors import WmrgenError
+from wmrgen.errors import UsageError, WmrgenError
 
 P = ParamSpec("P")
 _BUG = 70  # exit code of an internal error, as in sysexits.h
@@ -44,6 +44,7 @@ class Backend(StrEnum):
 
     exact = "exact"
     casadi = "casadi"
+    numpy = "numpy"
     c = "c"
 
 
@@ -74,6 +75,9 @@ def _outcome(work: Callable[[], int]) -> int:
     except WmrgenError as error:
         console.failure(str(error))
         return error.exit_code
+    except OverflowError:
+        console.failure("a result is beyond the range of a double: give smaller values")
+        return UsageError.exit_code
     except KeyboardInterrupt:
         console.failure("interrupted")
         return _INTERRUPTED
@@ -145,7 +149,9 @@ def evaluate(
     function: Annotated[
         str,
         typer.Argument(
-            metavar="FUNCTION", help="inverse, forward, odometry or dynamics.", show_default=False
+            metavar="FUNCTION",
+            help="inverse, forward, motion, goto_pose and others; an unknown word lists them.",
+            show_default=False,
         ),
     ],
     values: Annotated[

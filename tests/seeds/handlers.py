@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tests.oracle.harness import Model, named, rank, same_span, turn, twist_of
+from wmrgen.exact.number import Exact
 
 Array = NDArray[np.float64]
 
@@ -113,15 +115,18 @@ def ik_world(s: Seed) -> None:
 
 
 def ik_slip(s: Seed) -> None:
-    """Spins from world velocities, slip rates w along the rolling directions and z across them.
-
-    Rolling with slip is J1 xi + w = J2 spin, so spin = [J2^-1 J1 R(phi), J2^-1, 0] (x', y', phi', w, z).
-    R(phi) takes world to body (Siegwart (3.2)).
-    """
-    j1, j2 = s.model.matrix("J1"), s.model.matrix("J2")
+    """Spins of `slip_inverse` from world velocities and longitudinal slip; lateral slip z is an output, no input."""
     assert s.given["wheel_order"] == s.names
-    inverse = np.linalg.inv(j2)
-    s.close(np.hstack([inverse @ j1 @ turn(-s.given["phi"]), inverse, np.zeros_like(j2)]), s.expect["value"])
+    world = [named(turn(-s.given["phi"]) @ axis) for axis in np.eye(3)]
+    columns = []
+    for values in (*world, *({f"{n}.slip_x": 1.0} for n in s.names)):
+        found = s.model.derivation.evaluate(
+            "slip_inverse", {k: Exact(Fraction(v)) for k, v in values.items()}
+        )
+        columns.append([float(found[f"{n}.spin"]) for n in s.names])
+    inputs = {p.name for p in s.model.derivation.formula("slip_inverse").inputs}
+    assert not any(f"{n}.slip_y" in inputs for n in s.names)
+    s.close(np.hstack([np.array(columns).T, np.zeros((2, 2))]), s.expect["value"])
 
 
 def fk_body(s: Seed) -> None:

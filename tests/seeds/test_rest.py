@@ -47,7 +47,7 @@ def test_s_3_22_y(tmp_path: Path) -> None:
 
 
 def test_s_3_44(tmp_path: Path) -> None:
-    """Siegwart (3.44) is the rolling row (3.12) times -1, for any wheel."""
+    """Siegwart (3.44), as the case gives it, is the engine's rolling row times -1, for any wheel."""
     case = BY_ID["S-3.44"]
     assert case["expect"]["holds"]
     rng = random.Random(44)
@@ -58,8 +58,10 @@ def test_s_3_44(tmp_path: Path) -> None:
         tmp_path,
     )
     j1, j2 = made.matrix("J1")[0], made.matrix("J2")[0, 0]
-    printed = -math.sin(a + b) * vx + math.cos(a + b) * vy + l * math.cos(b) * w + r * f
-    assert printed == pytest.approx(-(j1 @ [vx, vy, w] - j2 * f), abs=case["tol"])
+    values = dict(zip(case["given"]["symbols"], (a, b, l, vx, vy, w, r, f), strict=True))
+    for side in ("lhs", "rhs"):
+        printed = eval(case["given"][side], {"sin": math.sin, "cos": math.cos}, values)
+        assert printed == pytest.approx(-(j1 @ [vx, vy, w] - j2 * f), abs=case["tol"])
 
 
 def test_t_2_81_printed_singular(tmp_path: Path) -> None:

@@ -84,6 +84,7 @@ def test_gains_may_be_tunable() -> None:
         ("cg: {x: 0, y: 0, z: 3 rad}\n", "is a length"),
         ("gains: {k_rh: 3}\n", "Did you mean k_rho?"),
         ("gains: {k_rho: 1/0}\n", "division by zero"),
+        ("gains: {k_rho: 3 m}\n", "has a unit"),
         ("functions: [dynamcs]\n", "Did you mean dynamics?"),
         ("functions: [dynamics, dynamics]\n", "stands twice"),
         ("functions: dynamics\n", "must be a list"),

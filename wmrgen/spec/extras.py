@@ -9,7 +9,7 @@ from wmrgen.spec.joints import list_of
 from wmrgen.spec.mappings import Table, table_of
 from wmrgen.spec.names import wheel_name
 from wmrgen.spec.nodes import Node, Scalar
-from wmrgen.spec.numbers import Kind
+from wmrgen.spec.numbers import Kind, plain_number
 from wmrgen.spec.quantities import read_quantity, scalar_of
 from wmrgen.spec.records import PointSpec, Quantity, TrailerSpec, VirtualSpec, WheelSpec
 from wmrgen.spec.scope import Scope
@@ -101,7 +101,19 @@ def read_gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], .
     if node is None:
         return ()
     table = table_of(node, tuple(GAINS), "gains", "gains: {k_rho: 3, k_alpha: 8, k_beta: -1.5}")
-    return tuple((key, read_quantity(table.values[key], Kind.ANY, key, scope)) for key in table.values)
+    return tuple((key, _gain(value, key, scope)) for key, value in table.values.items())
+
+
+def _gain(node: Node, key: str, scope: Scope) -> Quantity:
+    scalar = scalar_of(node, key)
+    found = plain_number(scalar)
+    if found and found[1] is not None:
+        raise scalar.error(
+            f"{key} is a number per second, and {quoted(scalar.text.strip())} has a unit",
+            "",
+            f"Write the number alone, as {key}: 3.",
+        )
+    return read_quantity(scalar, Kind.ANY, key, scope)
 
 
 def read_functions(node: Node | None) -> tuple[str, ...]:

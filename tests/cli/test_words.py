@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -57,6 +58,13 @@ def test_a_centre_that_the_fixed_wheels_refuse_is_said(car: Path, wmrgen_cli: Cl
 def test_turning_on_the_axle_centre_has_no_dust(car: Path, wmrgen_cli: Cli) -> None:
     found = json.loads(wmrgen_cli("icr", car, "front=pi/2", "--json").out)
     assert found["icr"] == pytest.approx([-0.3, 0.0], abs=1e-12)
+
+
+def test_a_centre_at_infinity_lies_to_the_left_of_travel(wmrgen_cli: Cli) -> None:
+    robot = ROOT / "robots" / "festo_robotino.yaml"
+    found = json.loads(wmrgen_cli("icr", robot, "vx=0.3", "vy=0.4", "--json").out)
+    assert found["travel"] == pytest.approx(math.atan2(0.4, 0.3))
+    assert found["direction"] == pytest.approx(found["travel"] + math.pi / 2)
 
 
 def test_no_segments_and_a_wrong_unit_in_one(tmp_path: Path, wmrgen_cli: Cli) -> None:

@@ -50,13 +50,18 @@ def run(path: Path, words: Sequence[str], *, as_json: bool) -> int:
 
 
 def _centre(values: Mapping[str, float]) -> dict[str, Any]:
-    """The centre as a point, or its direction where it is at infinity."""
+    """The centre as a point; where it is at infinity its direction, and that of travel, both from x of the robot."""
     x, y, w = (values[f"icr.{k}"] for k in "xyw")
     if abs(w) * _FAR > hypot(x, y):
         return {"icr": [x / w, y / w], "radius": values["radius"], "curvature": values["curvature"]}
     if hypot(x, y) <= 0:
         return {"icr": "none: standstill"}
-    return {"icr": "at infinity", "direction": atan2(y, x), "curvature": 0.0}
+    return {
+        "icr": "at infinity",
+        "direction": atan2(y, x),
+        "travel": atan2(-x + 0.0, y),
+        "curvature": 0.0,
+    }
 
 
 def _floats(values: Mapping[str, Exact]) -> dict[str, float]:

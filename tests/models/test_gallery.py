@@ -11,10 +11,9 @@ import pytest
 import wmrgen
 from tests.models.robots import call
 from wmrgen.derivation import Derivation
-from wmrgen.models.drive import UnderactuatedError
 
 ROBOTS = {path.stem: path for path in sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))}
-# No drive for every freedom: `posture` says what is missing, the others use eta.
+# No drive for every freedom: the models use eta and say what is missing.
 UNDERACTUATED = {"office_chair", "textbook_omni_steer", "unicycle"}
 
 
@@ -24,13 +23,14 @@ def derivation(name: str) -> Derivation:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_posture_needs_a_drive_for_every_freedom(name: str) -> None:
-    if name in UNDERACTUATED:
-        with pytest.raises(UnderactuatedError, match="Missing actuation"):
-            derivation(name).system("posture")
-    else:
-        system = derivation(name).system("posture")
-        assert len(system.inputs) == len(system.fields) >= derivation(name).mobility.degree_of_mobility
+def test_every_robot_that_moves_has_a_posture_model(name: str) -> None:
+    """Siegwart 3.4: xi' = R(theta)^T Sigma(beta) u, in driven speeds where every freedom is driven, else in eta."""
+    d = derivation(name)
+    system = d.system("posture")
+    assert len(system.inputs) == len(system.fields) >= d.mobility.degree_of_mobility
+    assert ("Missing actuation" in system.text) == (name in UNDERACTUATED)
+    in_eta = {f"eta{k + 1}" for k in range(d.mobility.degree_of_mobility)} <= {u.name for u in system.inputs}
+    assert in_eta == (name in UNDERACTUATED)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -24,7 +24,7 @@ ZERO = Poly({})
 
 
 class UnderactuatedError(NotDerivableError):
-    """Fewer independent driven joints than degrees of mobility."""
+    """Fewer independent driven joints than degrees of mobility; the text says what is missing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ def _independent(rows: list[list[float]]) -> bool:
 def _missing(frame: Frame, found: list[Drive], idle: list[str]) -> str:
     robot, need = frame.robot, len(frame.columns)
     have = ", ".join(d.port.name for d in found) or "nothing"
-    beside = f" ({', '.join(idle)} adds nothing that is independent)" if idle else ""
+    beside = f"; {', '.join(idle)} adds nothing that is independent" if idle else ""
     free = [f"{w.name}.spin" for w in robot.wheels if w.has_spin and "spin" not in w.actuated]
     free += [f"{w.name}.steer_rate" for w in robot.wheels if w.type == "castor" and "steer" not in w.actuated]
     missing = need - len(found)
@@ -130,11 +130,7 @@ def _missing(frame: Frame, found: list[Drive], idle: list[str]) -> str:
         if free
         else f"{missing} more driven wheel{'s' if missing > 1 else ''} would be needed"
     )
-    return (
-        f"{robot.name}: the degree of mobility is {need}, but the driven joints move {len(found)} of its freedoms: "
-        f"{have}{beside}.\n  Missing actuation: {advice}.\n"
-        "  `dynamics` gives the posture model in null-space coordinates eta, whatever is actuated."
-    )
+    return f"the driven joints move {len(found)} of {need} freedoms ({have}{beside}). Missing actuation: {advice}"
 
 
 def etas(chosen: Chosen, rates: tuple[str, ...]) -> tuple[list[tuple[Poly, ...]], Poly]:

@@ -1,13 +1,13 @@
 """The posture model xi_I' = R(theta)^T Sigma(beta) u in the speeds that drive the robot (Siegwart 3.4; Campion (1996)).
 
-Inputs are driven wheel speeds and the steering rates of the steering coordinates: with a driven rear wheel the
-car of Tzafestas (2.55), with a driven front wheel that of (2.56a), the tricycle (2.46), the differential drive
-(2.37d), three omni wheels (2.74).
+Inputs are driven wheel speeds and the steering rates of the steering coordinates; where too few wheels are driven,
+null-space coordinates eta in place of the speeds. With a driven rear wheel the car of Tzafestas (2.55), with a
+driven front wheel that of (2.56a), the tricycle (2.46), the differential drive (2.37d), three omni wheels (2.74).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import sympy
 
@@ -115,13 +115,14 @@ def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Mot
     """In driven speeds where the actuation allows it, else in null-space coordinates."""
     try:
         return posture_motion(robot, mobility, symbolic)
-    except UnderactuatedError:
-        return eta_motion(robot, mobility, symbolic, virtual=True)
+    except UnderactuatedError as error:
+        found = eta_motion(robot, mobility, symbolic, virtual=True)
+        return replace(found, text=f"{found.text}: {error}")
 
 
 def posture_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """State x y theta, steering coordinates and the castors that matter; inputs driven speeds and steering rates."""
-    return system_of("posture", posture_motion(robot, mobility, symbolic))
+    """State x y theta, steering coordinates and the castors that matter; inputs as in `best_motion`."""
+    return system_of("posture", best_motion(robot, mobility, symbolic))
 
 
 def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:

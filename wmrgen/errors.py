@@ -43,13 +43,19 @@ class RobotFileError(WmrgenError):
         self.what, self.mark, self.why, self.instead = what, mark, why, instead
 
     def __str__(self) -> str:
-        lines = [f"{self.mark}: {self.what}" if self.mark else self.what]
-        if self.mark and self.mark.text:
-            shown = self.mark.text[:160]
-            caret = min(self.mark.column - 1, len(shown))
-            lines += [f"    {shown}", "    " + " " * caret + "^"]
+        lines = _at(self.mark, self.what)
         lines += [f"  {text}" for text in (self.why, self.instead) if text]
         return "\n".join(lines)
+
+
+def _at(mark: Mark | None, what: str) -> list[str]:
+    """What is wrong, with its place and the line that it stands on."""
+    lines = [f"{mark}: {what}" if mark else what]
+    if mark and mark.text:
+        shown = mark.text[:160]
+        caret = min(mark.column - 1, len(shown))
+        lines += [f"    {shown}", "    " + " " * caret + "^"]
+    return lines
 
 
 class UsageError(WmrgenError):
@@ -59,9 +65,17 @@ class UsageError(WmrgenError):
 
 
 class NotDerivableError(WmrgenError):
-    """A well-formed robot whose model cannot be derived."""
+    """A well-formed robot whose model cannot be derived. ``mark``: the part of the file that asks for it."""
 
     exit_code = 3
+
+    def __init__(self, what: str, mark: Mark | None = None) -> None:
+        super().__init__(what)
+        self.what, self.mark = what, mark
+
+    def __str__(self) -> str:
+        first, *rest = self.what.split("\n")
+        return "\n".join([*_at(self.mark, first), *rest])
 
 
 class EnvironmentFailure(WmrgenError):

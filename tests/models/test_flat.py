@@ -134,7 +134,7 @@ def test_what_is_claimed() -> None:
     [
         (CAR_REAR, on_axle(1), "axle of trailer1"),
         (TWO_STEER, "", "`inverse` recovers"),
-        (SYNCHRO, COUPLED, "only translates"),
+        (SYNCHRO, COUPLED, "x, y of the body: `inverse` recovers"),
         (CAR_REAR, "trailers: [{length: 1, hitch: 0.2}]", "off the axle"),
     ],
 )

@@ -158,4 +158,6 @@ def test_structure_is_printed(name: str) -> None:
     assert all(row["proof"] in said and not row["integrable"] for row in facts["constraints"])
     assert len(facts["fields"]) == d.mobility.growth_vector[-1]
     assert facts["chained"].startswith("none: " if name != "bicycle" else "(2,4) chain")
-    assert facts["flat"].startswith("none: ") == (name in ("locked_bicycle", "synchro_drive"))
+    assert facts["flat"].startswith("none: ") == (name == "locked_bicycle")
+    assert tuple(facts["growth_vector"]) == d.mobility.growth_vector
+    assert all(row["value"] == "-1" for row in facts["constraints"])  # Tzafestas (2.25): c . curl c

@@ -134,3 +134,19 @@ def test_a_trailer_needs_a_length() -> None:
     text = HEAD + "  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\ntrailers: [{length: 0}]"
     with pytest.raises(RobotFileError, match="not positive"):
         loaded(text)
+
+
+@pytest.mark.parametrize(
+    "asked", ["trailers:\n  - {length: 1.1}\n", "virtual:\n  - {name: v, steers: [a, c]}\n"]
+)
+def test_what_the_layout_cannot_have_is_shown_where_it_stands(asked: str) -> None:
+    """Two steered wheels have no Ackermann condition; a body on balls tows nothing."""
+    kind = "steered" if "virtual" in asked else "spherical"
+    wheels = [
+        f"  - {{name: {n}, type: {kind}, x: {x}, y: 0, heading: 0, r: 0.1}}\n" for x, n in enumerate("ac")
+    ]
+    d = derive(loaded(HEAD + "".join(wheels) + asked))
+    with pytest.raises(NotDerivableError) as caught:
+        _ = d.mobility
+    place, shown, caret, *_ = str(caught.value).splitlines()
+    assert ".yaml:7:5: " in place and shown.strip() == asked.splitlines()[1].strip() and caret.strip() == "^"

@@ -41,10 +41,18 @@ def _facts(d: Derivation) -> dict[str, Any]:
         "ddof": tests.ddof,
         "dof": tests.dof,
         "constraints": [
-            {"wheel": r.wheel, "kind": r.kind, "integrable": r.integrable, "proof": r.proof, "latex": r.latex}
+            {
+                "wheel": r.wheel,
+                "kind": r.kind,
+                "integrable": r.integrable,
+                "value": str(r.value),
+                "proof": r.proof,
+                "latex": r.latex,
+            }
             for r in tests.rows
         ],
         "integrals": [i.text for i in tests.integrals],
+        "growth_vector": _vector(d),
         "brackets": _or_why(lambda: d.growth.text),
         "fields": _fields(d),
         "flat": _or_why(lambda: _flat(d)),
@@ -58,6 +66,14 @@ def _fields(d: Derivation) -> dict[str, list[str]]:
         return {b.name: list(b.written) for b in d.growth.brackets}
     except NotDerivableError:
         return {}
+
+
+def _vector(d: Derivation) -> list[int]:
+    """Dimensions that input fields and brackets span, by order; empty where nothing moves."""
+    try:
+        return list(d.growth.vector)
+    except NotDerivableError:
+        return []
 
 
 def _flat(d: Derivation) -> str:

@@ -32,19 +32,20 @@ class Extras:
                     "length is the distance from the trailer's coupling back to its axle",
                 )  # fmt: skip
             hitch = self._of(Poly({})) if t.hitch is None else self._views(t.hitch)
-            found.append(Trailer(t.name, length, hitch))
+            found.append(Trailer(t.name, length, hitch, t.mark))
         return tuple(found)
 
     def virtual(self, wheels: tuple[Wheel, ...]) -> tuple[Virtual, ...]:
         """The virtual wheels, in the middle of the real ones where no place is given."""
         return tuple(
             Virtual(
-                v.name, v.role, v.wheels, self._place(v, v.x, "x", wheels), self._place(v, v.y, "y", wheels)
+                v.name, v.role, v.wheels, self._place(v, "x", wheels), self._place(v, "y", wheels), v.mark
             )
             for v in self.spec.virtual
         )
 
-    def _place(self, v: VirtualSpec, given: Quantity | None, axis: str, wheels: tuple[Wheel, ...]) -> Length:
+    def _place(self, v: VirtualSpec, axis: str, wheels: tuple[Wheel, ...]) -> Length:
+        given: Quantity | None = getattr(v, axis)
         if given is not None:
             return self._views(given)
         members = [w for w in wheels if w.name in v.wheels]

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
+from wmrgen.errors import Mark
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 
@@ -101,6 +102,7 @@ class Trailer:
     name: str
     length: Length
     hitch: Length
+    mark: Mark | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +115,7 @@ class Virtual:
     wheels: tuple[str, ...]
     x: Length
     y: Length
+    mark: Mark | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

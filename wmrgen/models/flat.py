@@ -2,7 +2,7 @@
 
 A robot with a fixed axle is flat with its centre Q, a car too; with trailers coupled on the axle it is the last axle.
 Travelling forward, theta is the direction of Q' and the curvature (x' y'' - y' x'') / v**3 gives yaw rate and steering.
-A robot whose pose is free, (3, 0), is flat with its pose.
+A robot whose pose is free, (3, 0), is flat with its pose; one that only translates with its position.
 """
 
 from __future__ import annotations
@@ -60,6 +60,11 @@ def flatness(robot: Robot, mobility: Mobility) -> Flatness:
             "three inputs and a pose that can follow any smooth path: the steered wheels point where `inverse` of the "
             "twist says, while their pivots move; steering rates need the acceleration",
         )  # fmt: skip
+    if _translates(robot, mobility):
+        return Flatness(
+            "x, y of the body", 2,
+            "theta stays as it is, and while the robot moves the direction of its path is where the wheels point",
+        )  # fmt: skip
     t = train(robot, mobility, what="a flat output")
     order = t.size - 1
     if t.trailers:
@@ -73,12 +78,17 @@ def flatness(robot: Robot, mobility: Mobility) -> Flatness:
     return Flatness("x, y of the centre of the axle", order, text)
 
 
+def _translates(robot: Robot, mobility: Mobility) -> bool:
+    """A synchro drive: two directions of translation, reached one after the other (Siegwart 3.3.3)."""
+    return mobility.robot_type == (1, 1) and mobility.dof == 2 and not robot.trailers
+
+
 def flat(robot: Robot, mobility: Mobility) -> Formula:
     """Derivatives of the flat outputs to state and inputs, travelling forward; standing still turns nothing."""
     known = flatness(robot, mobility)
     if mobility.robot_type == (3, 0):
         return _pose(robot)
-    if mobility.robot_type in ((2, 1), (1, 2)):
+    if mobility.robot_type in ((2, 1), (1, 2)) or _translates(robot, mobility):
         raise NotDerivableError(
             f"{robot.name} is flat with {known.outputs}: `inverse` recovers its joints from the twist"
         )

@@ -68,11 +68,13 @@ def check_trailers(robot: Robot, mobility: Mobility) -> None:
         raise NotDerivableError(
             f"{robot.name} cannot tow {names}: its degree of mobility is 3, and a robot that can move sideways at any "
             "time has no axle that leads a trailer: pushed sideways it jack-knifes.\n"
-            "  Trailers go behind a body with fixed or steered wheels, degree of mobility 1 or 2; delete `trailers`."
+            "  Trailers go behind a body with fixed or steered wheels, degree of mobility 1 or 2; delete `trailers`.",
+            robot.trailers[0].mark,
         )
     if not mobility.degree_of_mobility:
         raise NotDerivableError(
-            f"{robot.name} cannot tow {names}: its degree of mobility is 0, it cannot move."
+            f"{robot.name} cannot tow {names}: its degree of mobility is 0, it cannot move.",
+            robot.trailers[0].mark,
         )
 
 

@@ -83,11 +83,13 @@ def _check_parallel(robot: Robot, v: Virtual) -> None:
             raise NotDerivableError(
                 f"{v.name} {v.role} {first.name} and {w.name}, whose rolling directions at zero are not parallel "
                 f"({first.heading:.6g} and {w.heading:.6g} rad): with {v.name} straight both must be straight.\n"
-                f"  Give {w.name} the heading of {first.name}; for steered wheels heading is that at steering angle 0."
+                f"  Give {w.name} the heading of {first.name}; for steered wheels heading is that at steering angle 0.",
+                v.mark,
             )
         if w.type != first.type:
             raise NotDerivableError(
-                f"{v.name} {v.role} {first.name} ({first.type}) and {w.name} ({w.type}), which share no heading."
+                f"{v.name} {v.role} {first.name} ({first.type}) and {w.name} ({w.type}), which share no heading.",
+                v.mark,
             )
 
 
@@ -106,7 +108,8 @@ def _check_steerability(robot: Robot, mobility: Mobility, wheels: tuple[Virtual,
         )
     raise NotDerivableError(
         f"{robot.name}: the virtual steering {names} of {members} violates the Ackermann condition: {why}.\n"
-        f"  {'Delete it.' if not need else f'Name {need} virtual wheels, or steer the wheels one by one.'}"
+        f"  {'Delete it.' if not need else f'Name {need} virtual wheels, or steer the wheels one by one.'}",
+        wheels[0].mark,
     )
 
 
@@ -126,7 +129,8 @@ def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
             raise NotDerivableError(
                 f"{v.name} steers {', '.join(v.wheels)}, but {w.name} stands at ({x:.6g}, {y:.6g}) on the axle line of "
                 "the fixed wheels: the ICR lies on that line, so the angle never changes and the Ackermann condition "
-                "leaves nothing to steer.\n  Place it off the axle (x, y)."
+                "leaves nothing to steer.\n  Place it off the axle (x, y).",
+                v.mark,
             )
 
 
@@ -150,7 +154,8 @@ def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -
         names = ", ".join(v.name for v in wheels)
         raise NotDerivableError(
             f"{robot.name}: the virtual steering {names} violates the Ackermann condition: its angle does not fix the "
-            f"ICR (rank {rank}, the wheels themselves have {3 - mobility.degree_of_mobility})."
+            f"ICR (rank {rank}, the wheels themselves have {3 - mobility.degree_of_mobility}).",
+            wheels[0].mark,
         )
 
 
@@ -159,7 +164,8 @@ def _check_drive(robot: Robot, v: Virtual) -> None:
     if len(idle) == len(v.wheels):
         raise NotDerivableError(
             f"{v.name} drives {', '.join(v.wheels)}, none of which is driven.\n"
-            f"  Write actuated: [spin] for {idle[0]}, or delete the virtual wheel."
+            f"  Write actuated: [spin] for {idle[0]}, or delete the virtual wheel.",
+            v.mark,
         )
 
 

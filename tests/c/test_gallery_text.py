@@ -42,7 +42,10 @@ def test_straight_lines_only(module: Module, scalar: str) -> None:
             assert (
                 not statement or re.fullmatch(r"\(void\)\s?\w+", statement) or STATEMENT.fullmatch(statement)
             )
-        assert set(re.findall(r"(\w+)\s*\(", body)) - {"void"} <= {"wmrgen_flip", *(name + suffix for name in library)}
+        assert set(re.findall(r"(\w+)\s*\(", body)) - {"void"} <= {
+            "wmrgen_flip",
+            *(name + suffix for name in library),
+        }
     declared = re.sub(r"typedef struct \{.*?^\} \w+;\n", "", code_of(header), flags=re.S | re.M)
     declared = re.sub(r"^typedef \w+ \w+;$", "", declared, flags=re.M)
     declared = declared.replace('extern "C" {', "").replace("}", "")

@@ -38,6 +38,7 @@ from wmrgen.symbolic import (
 
 # 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
+WIDE = Exact(Fraction(315, 100))  # rad between limits, just over half a turn
 NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter turn
 STILL = Exact(Fraction(1, 10**20))  # m/s
 
@@ -74,14 +75,34 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     if limits is not None and limits.high - limits.low <= NARROW:
         return _narrow(w, limits, velocity, names)
     found = line(w, velocity, names)
-    now = signal(f"{w.name}.steer")
+    now = present(w, limits)
     heading_ = names.define(f"{w.name}_heading", select(sympy.S.Zero, found.size, found.heading, now))
     turns = nearest(times(number(PER_HALF_TURN), subtract(heading_, now)))
     steer = subtract(heading_, times(sympy.pi, turns))
     rim = times(alternating(turns), found.speed)
     if limits is None:
         return Target(steer, rim)
+    if limits.high - limits.low >= WIDE:
+        return _turned_back(w, limits, names.define(f"{w.name}_nearest", steer), rim, names)
     return _limited(w, limits, names.define(f"{w.name}_nearest", steer), rim, names)
+
+
+def present(w: Wheel, limits: Interval | None) -> Expr:
+    """The wheel's angle; what stands outside the limits counts as at the limit."""
+    now = signal(f"{w.name}.steer")
+    if limits is None:
+        return now
+    return maximum(number(limits.low), sympy.Min(number(limits.high), now, evaluate=False))
+
+
+def _turned_back(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
+    """Limits more than half a turn apart: of a heading and its opposite one is always inside."""
+    low, high = number(limits.low), number(limits.high)
+    speed = names.define(f"{w.name}_rim", rim)
+    back = times(-1, speed)
+    target = select(high, steer, subtract(steer, sympy.pi), steer)
+    target = select(steer, low, add(steer, sympy.pi), target)
+    return Target(target, select(high, steer, back, select(steer, low, back, speed)))
 
 
 def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
@@ -113,8 +134,7 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     divisor = names.define(f"{w.name}_divisor", select(absolute(u), number(STILL), number(STILL), u))
     slope = sympy.Min(most, v / divisor, evaluate=False)
     slope = names.define(f"{w.name}_slope", maximum(times(-1, most), slope))
-    low, high = number(limits.low), number(limits.high)
-    now = maximum(low, sympy.Min(high, signal(f"{w.name}.steer"), evaluate=False))
+    now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))
     scale = names.define(f"{w.name}_scale", 1 / root(add(sympy.S.One, square(slope))))

@@ -28,7 +28,7 @@ GENERATED = ROOT / "generated"
 RUNS = 12
 LIMITED = ("instructions", "text", "stack")
 Budget = dict[str, Any]
-_ANSWERS = {"sinf": Op.SIN, "cosf": Op.COS, "atan2f": Op.ATAN2, "sqrtf": Op.SQRT}
+_ANSWERS = {"sinf": Op.SIN, "cosf": Op.COS, "atanf": Op.ATAN, "atan2f": Op.ATAN2, "sqrtf": Op.SQRT}
 
 
 def gallery() -> list[Module]:

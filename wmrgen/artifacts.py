@@ -17,6 +17,7 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from wmrgen.errors import EnvironmentFailure
 
@@ -43,22 +44,25 @@ class Written:
     removed: tuple[str, ...]
 
 
-def with_manifest(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    """``files`` and, last, their manifest: the SHA-256 of each, by name."""
+def with_manifest(files: Mapping[str, bytes], made_with: Mapping[str, str] | None = None) -> dict[str, bytes]:
+    """``files`` and, last, their manifest: the SHA-256 of each, by name, and the options they were made with."""
     names = sorted(files)
     for name in names:
         _checked(name)
     sums = {name: hashlib.sha256(files[name]).hexdigest() for name in names}
-    text = json.dumps({"format": 1, "files": sums}, indent=2) + "\n"
+    options = {"made_with": dict(made_with)} if made_with else {}
+    text = json.dumps({"format": 1, **options, "files": sums}, indent=2) + "\n"
     return {**{name: files[name] for name in names}, MANIFEST: text.encode()}
 
 
-def write_tree(directory: Path, files: Mapping[str, bytes]) -> Written:
+def write_tree(
+    directory: Path, files: Mapping[str, bytes], made_with: Mapping[str, str] | None = None
+) -> Written:
     """Make ``directory`` hold ``files`` and their manifest. EnvironmentFailure when that cannot be done.
 
     Every file is staged before the first is replaced, so a full disk or a missing right changes nothing.
     """
-    wanted = with_manifest(files)
+    wanted = with_manifest(files, made_with)
     try:
         directory.parent.mkdir(parents=True, exist_ok=True)
         for path in (directory.parent, directory):
@@ -70,9 +74,11 @@ def write_tree(directory: Path, files: Mapping[str, bytes]) -> Written:
         raise EnvironmentFailure(f"cannot write {directory}: {error.strerror or error} ({place})") from error
 
 
-def differences(directory: Path, files: Mapping[str, bytes]) -> list[Difference]:
+def differences(
+    directory: Path, files: Mapping[str, bytes], made_with: Mapping[str, str] | None = None
+) -> list[Difference]:
     """How ``directory`` differs from what `write_tree` would leave there, by file, in order; `BUDGET` may be there."""
-    wanted = with_manifest(files)
+    wanted = with_manifest(files, made_with)
     found = []
     for name, content in wanted.items():
         path = directory / name
@@ -199,10 +205,24 @@ def _remove(directory: Path, name: str) -> bool:
 def _listed(directory: Path) -> list[str]:
     """The names in the manifest that stands in ``directory``; none when there is no readable one."""
     try:
-        found = json.loads((directory / MANIFEST).read_bytes())["files"]
-        return [_checked(name) for name in sorted(found)]
-    except (OSError, ValueError, TypeError, KeyError):
+        return [_checked(name) for name in sorted(_manifest(directory)["files"])]
+    except (ValueError, TypeError, KeyError):
         return []
+
+
+def made_with(directory: Path) -> dict[str, str]:
+    """The options that the manifest in ``directory`` notes; none where there is no readable one."""
+    found = _manifest(directory).get("made_with")
+    pairs = found.items() if isinstance(found, dict) else ()
+    return {key: value for key, value in pairs if isinstance(value, str)}
+
+
+def _manifest(directory: Path) -> dict[str, Any]:
+    try:
+        found = json.loads((directory / MANIFEST).read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _sync_directory(directory: Path) -> None:

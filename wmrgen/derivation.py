@@ -240,15 +240,23 @@ class Derivation:
 
     @cached_property
     def _optimised(self) -> Module:
-        """Every function once, and forward without its residual as ``forward_twist``."""
+        """Every function once; forward also without its residual, inverse also in two: joints, and slip alone."""
         from wmrgen.ir.pipeline import optimise
         from wmrgen.ir.select import keep_outputs
 
         module = optimise(self.raw_module.functions, self.robot.name)
-        if "forward" not in {f.name for f in module.functions}:
-            return module
-        twist = keep_outputs(module.function("forward"), TWIST, "forward_twist")
-        return replace(module, functions=(*module.functions, twist))
+        parts = []
+        for f in module.functions:
+            if f.name == "forward":
+                parts.append(keep_outputs(f, TWIST, "forward_twist"))
+            elif f.name == "inverse":
+                joints = frozenset(port.name for port in f.outputs if port.name != "slip")
+                parts.append(keep_outputs(f, joints, "inverse_joints"))
+                slip = keep_outputs(f, frozenset({"slip"}), "inverse_residual")
+                parts.append(
+                    replace(slip, text="sliding that the ground must give when this twist is driven")
+                )
+        return replace(module, functions=(*module.functions, *parts))
 
     @cached_property
     def module(self) -> Module:
@@ -257,7 +265,8 @@ class Derivation:
 
     @cached_property
     def c_module(self) -> Module:
-        """The functions for C: forward with and without the residual, no posture model unless asked for."""
+        """The functions for C: forward with and without the residual, inverse without slip, which has a function
+        of its own, no posture model unless asked for."""
         from wmrgen.program import IN_C
         from wmrgen.program import asked as wanted
 
@@ -266,6 +275,8 @@ class Derivation:
         for f in self.program.formulas:
             if f.name == "forward":
                 names |= {"forward_twist": "forward", "forward": "forward_slip"}
+            elif f.name == "inverse":
+                names |= {"inverse_joints": "inverse", "inverse_residual": "inverse_slip"}
             elif f.name in IN_C or f.name in asked:
                 names[f.name] = f.name
         return self._selection(names)

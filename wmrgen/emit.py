@@ -12,6 +12,7 @@ from wmrgen import __version__
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
@@ -19,13 +20,10 @@ if TYPE_CHECKING:
 MODEL = "model.json"
 
 
-def artifacts(derivation: Derivation, scalar: str = "float") -> dict[str, bytes]:
-    """File name -> content of everything that stands in ``DIR/<name>/``, the manifest aside.
-
-    ``scalar`` is the type of the generated C, float or double.
-    """
+def artifacts(derivation: Derivation, choice: Choice = DEFAULT) -> dict[str, bytes]:
+    """File name -> content of everything that stands in ``DIR/<name>/``, the manifest aside."""
     model = (json.dumps(derivation.model(), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
-    facts = meta(derivation, scalar, model)
+    facts = meta(derivation, choice, model)
     files = {MODEL: model}
     for entry in BACKENDS.values():
         made = entry.load().emit(getattr(derivation, entry.source), facts)
@@ -36,15 +34,15 @@ def artifacts(derivation: Derivation, scalar: str = "float") -> dict[str, bytes]
     return files
 
 
-def meta(derivation: Derivation, scalar: str, model: bytes) -> Meta:
-    """What the generated files say about themselves. The hash covers model, scalar type and version."""
+def meta(derivation: Derivation, choice: Choice, model: bytes) -> Meta:
+    """What the generated files say about themselves. The hash covers model, choice and version."""
     digest = hashlib.sha256(model)
-    digest.update(f"{scalar} {__version__}".encode())
+    digest.update(f"{' '.join(choice.words().values())} {__version__}".encode())
     return Meta(
         description=derivation.robot.description,
         wheel_lines=wheel_lines(derivation.robot),
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
-        scalar=scalar,
+        **choice.words(),
     )

@@ -12,7 +12,7 @@ from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function
 from wmrgen.kinematics.records import Formula
-from wmrgen.symbolic import Expr, Input, Local, Parameter
+from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
 
 _TINY = Exact(Fraction(1, 10**12))
 
@@ -36,6 +36,7 @@ class _Lowering:
         self.rules: dict[type, Callable[[Expr], int]] = {
             sympy.Add: self._add, sympy.Mul: self._mul, sympy.Pow: self._pow, sympy.sin: self._sin,
             sympy.cos: self._cos, sympy.tan: self._tan, sympy.atan2: self._atan2, sympy.Abs: self._abs,
+            sympy.atan: self._atan, Nearest: self._nearest,
             sympy.Max: self._max, sympy.Min: self._min, sympy.Piecewise: self._select,
             Input: self._input, Parameter: self._input, Local: self._local,
         }  # fmt: skip
@@ -71,11 +72,13 @@ class _Lowering:
         b = self.builder
         product = b.product(above)
         if below:
-            product = b.mul(product, b.div(b.const(1), self._nonzero(b.product(below))))
+            product = b.div(product, self._nonzero(b.product(below)))
         return b.mul(b.const(factor), product)
 
     def _pow(self, expr: Expr) -> int:
         b, exponent = self.builder, expr.exp
+        if expr.base == -1 and isinstance(exponent, Nearest):
+            return b.flip(b.const(1), self.node(exponent))
         if exponent.is_Integer:
             n = int(exponent)
             power = b.power(self.node(expr.base), abs(n))
@@ -121,6 +124,12 @@ class _Lowering:
 
     def _atan2(self, expr: Expr) -> int:
         return self.builder.atan2(self.node(expr.args[0]), self.node(expr.args[1]))
+
+    def _atan(self, expr: Expr) -> int:
+        return self.builder.atan(self.node(expr.args[0]))
+
+    def _nearest(self, expr: Expr) -> int:
+        return self.builder.rint(self.node(expr.args[0]))
 
     def _abs(self, expr: Expr) -> int:
         return self.builder.abs(self.node(expr.args[0]))

@@ -35,6 +35,26 @@ class Local(Quantity):
     """A named intermediate result."""
 
 
+class Nearest(sympy.Function):  # type: ignore[misc]
+    """The nearest whole number, ties to even. Nothing evaluates it; its derivative is 0."""
+
+    nargs = 1
+    is_real = True
+    is_integer = True
+
+    @classmethod
+    def eval(cls, _: Expr) -> None:
+        return None
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        del argindex
+        return sympy.S.Zero
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        text = rf"\operatorname{{rint}}\left({printer.doprint(self.args[0])}\right)"
+        return text if exp is None else f"{{{text}}}^{{{exp}}}"
+
+
 _GREEK = {"omega": r"\omega", "theta": r"\theta", "vx": "v_x", "vy": "v_y", "dt": r"\Delta t"}
 _JOINTS = (("_steer_rate", r"\dot{\beta}"), ("_steer", r"\beta"), ("_spin", r"\dot{\varphi}"))
 
@@ -166,7 +186,9 @@ def substituted(expr: Expr, known: dict[Expr, Expr], memo: dict[Expr, Expr]) -> 
             sympy.Max,
             sympy.Min,
             sympy.Abs,
+            sympy.atan,
             sympy.atan2,
+            Nearest,
             sympy.StrictLessThan,
         )
         if isinstance(expr, (sympy.Piecewise, ExprCondPair)):
@@ -198,3 +220,18 @@ def absolute(a: Expr) -> Expr:
 def angle_of(y: Expr, x: Expr) -> Expr:
     """atan2(y, x), unevaluated; atan2(0, 0) = 0 in every backend."""
     return sympy.atan2(y, x, evaluate=False)
+
+
+def arctangent(a: Expr) -> Expr:
+    """atan(a), unevaluated."""
+    return sympy.atan(a, evaluate=False)
+
+
+def nearest(a: Expr) -> Expr:
+    """The whole number nearest to a, ties to even, unevaluated."""
+    return Nearest(a, evaluate=False)
+
+
+def alternating(n: Expr) -> Expr:
+    """(-1)**n of a `nearest` whole number, unevaluated."""
+    return sympy.Pow(-1, n, evaluate=False)

@@ -20,7 +20,7 @@ from wmrgen.ir.nodes import Module
 
 EVERY, LAYOUTS, STUBS = "every.c", "layouts.c", "stubs.c"
 # What the float build may take from <math.h>, and how many arguments each has.
-LIBM = {"sinf": 1, "cosf": 1, "atan2f": 2, "sqrtf": 1}
+LIBM = {"sinf": 1, "cosf": 1, "atanf": 1, "atan2f": 2, "sqrtf": 1}
 _PLACES = {name: DATA + 0x8000 * k for k, name in enumerate(("params", "prepared", "in", "out"), 1)}
 _POISON = b"\xff\xff\xff\xff"  # a NaN: an output that was not written is seen
 Libm = Mapping[str, Callable[..., float]]

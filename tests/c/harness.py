@@ -22,6 +22,8 @@ from wmrgen.backends.meta import Meta
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.ir.arithmetic import FLOAT32, FLOAT64, Arithmetic
 from wmrgen.ir.interpret import evaluate_module
+from wmrgen.ir.kernels import expand
+from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Module, Op
 
 WARNINGS = (
@@ -59,13 +61,16 @@ def libm(scalar: str) -> Libm:
 
         return through
 
-    own = {Op.SIN: call(Op.SIN, 1), Op.COS: call(Op.COS, 1), Op.ATAN2: call(Op.ATAN2, 2)}
+    own = {Op.SIN: call(Op.SIN, 1), Op.COS: call(Op.COS, 1), Op.ATAN: call(Op.ATAN, 1)}
+    own[Op.ATAN2] = call(Op.ATAN2, 2)
     return Libm(Arithmetic(f"libm {scalar}", base.enter, {**base.apply, **own}), seen)
 
 
 def ulps32(op: Op, args: tuple[float, ...], value: float) -> float:
     """Distance of ``value`` from the float64 result, in units in the last place of float32."""
-    functions: dict[Op, Callable[..., float]] = {Op.SIN: math.sin, Op.COS: math.cos, Op.ATAN2: math.atan2}
+    functions: dict[Op, Callable[..., float]] = {
+        Op.SIN: math.sin, Op.COS: math.cos, Op.ATAN: math.atan, Op.ATAN2: math.atan2,
+    }  # fmt: skip
     exact = functions[op](*args)
     unit_ = math.ldexp(1.0, max(math.frexp(exact)[1] - 24, -149))
     return abs(value - exact) / unit_
@@ -78,6 +83,8 @@ class Program:
     modules: tuple[Module, ...]
     scalar: str
     count: int
+    math: str = DEFAULT.math
+    target: str = DEFAULT.target
 
     @cached_property
     def libm(self) -> Libm:
@@ -85,18 +92,26 @@ class Program:
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
-        return tuple(call for module in self.modules for call in calls(unit(module, self.scalar)))
+        return tuple(
+            call
+            for module in self.modules
+            for call in calls(unit(module, self.scalar, self.math, self.target))
+        )
 
     @cached_property
     def cases(self) -> list[tuple[int, dict[str, float], dict[str, float]]]:
         """(index of the call, inputs, expected outputs)."""
         modules = {module.name: module for module in self.modules}
+        printed = {
+            module.name: expand(module, self.scalar, self.math, self.target) for module in self.modules
+        }
         result = []
         for index, call in enumerate(self.calls):
             module = modules[call.robot]
             name = call.function.removeprefix(f"{call.robot}_")
             for case in samples(module, module.function(name), self.count):
-                result.append((index, case, evaluate_module(module, name, case, self.libm.arithmetic)))
+                expected = evaluate_module(printed[call.robot], name, case, self.libm.arithmetic)
+                result.append((index, case, expected))
         return result
 
     @cached_property
@@ -104,7 +119,9 @@ class Program:
         """File name -> text: a header and a source per robot, and the driver."""
         result = {}
         for module in self.modules:
-            result[f"{module.name}.h"], result[f"{module.name}.c"] = sources(module, Meta(scalar=self.scalar))
+            result[f"{module.name}.h"], result[f"{module.name}.c"] = sources(
+                module, Meta(scalar=self.scalar, math=self.math, target=self.target)
+            )
         result["wmrgen-driver.c"] = driver(self.calls)
         return result
 

@@ -17,6 +17,7 @@ from tests.oracle.harness import Model, robot_text
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.exact.number import Exact
+from wmrgen.ir.kernels.choice import LIBM
 from wmrgen.ir.nodes import ARITY, Function, Module, Node, Op, Port, Role
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
@@ -40,6 +41,15 @@ def test_float(robots: tuple[Program, Path], compiler: str, level: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("choice", [LIBM, "m0", "avr", "host"])
+def test_other_choices(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
+    options = {"math": LIBM} if choice == LIBM else {"target": choice}
+    program = Program(robots[0].modules, "float", 4, **options)
+    program.write(tmp_path)
+    assert program.mismatches(tmp_path, COMPILERS[0], (*STRICT, "-O2")) == []
+
+
+@pytest.mark.slow
 def test_double(tmp_path: Path) -> None:
     program = Program((*MODULES, *gallery()), "double", 4)
     program.write(tmp_path)
@@ -47,8 +57,8 @@ def test_double(tmp_path: Path) -> None:
 
 
 def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
-    """With `test_float`: C is the interpreter's, each libm call within 2 ulp of the true value."""
-    program, _ = robots
+    """With `test_other_choices`: C is the interpreter's, each libm call within 2 ulp of the true value."""
+    program = Program(robots[0].modules, "float", 4, LIBM)
     assert program.cases
     seen = sorted(program.libm.seen, key=repr)
     assert seen

@@ -125,6 +125,9 @@ def test_float_exact(name: str) -> None:
         module = model.derivation.c_module
         has = in_c if in_c in {f.name for f in module.functions} else function
         found = [evaluate_module(module, has, case, FLOAT32) for case in given]
+        if function == "inverse":
+            for values, case in zip(found, given, strict=True):
+                values |= evaluate_module(module, "inverse_slip", case, FLOAT32)
         agree(found, wanted, name, function, 64 * ULP32)
 
 

@@ -21,6 +21,7 @@ from wmrgen.backends.registry import BACKENDS
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
+from wmrgen.ir.kernels.choice import Choice
 from wmrgen.layout import build
 from wmrgen.program import OPTIONAL
 from wmrgen.spec.fields import OPTIONAL_FUNCTIONS
@@ -48,7 +49,7 @@ def report(robot: str) -> str:
 
         return artifacts()["report.md"].decode()
     d = derivation(robot)
-    return BACKENDS["report"].load().emit(d, meta(d, "float", b""))["report.md"].decode()
+    return BACKENDS["report"].load().emit(d, meta(d, Choice(), b""))["report.md"].decode()
 
 
 def samples(robot: str, name: str) -> dict[str, float]:

@@ -12,6 +12,7 @@ import pytest
 import wmrgen
 from tests.conftest import DIFFERENTIAL
 from wmrgen.emit import artifacts
+from wmrgen.ir.kernels.choice import Choice
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
@@ -24,7 +25,7 @@ def test_mixed_pairs_are_refused_by_the_compiler(tmp_path: Path) -> None:
         path = tmp_path / f"{name}.yaml"
         path.write_text(DIFFERENTIAL.replace("0.0975", radius))
         sets[name] = artifacts(wmrgen.derive(wmrgen.load(path)))
-    sets["double"] = artifacts(wmrgen.derive(wmrgen.load(tmp_path / "first.yaml")), "double")
+    sets["double"] = artifacts(wmrgen.derive(wmrgen.load(tmp_path / "first.yaml")), Choice("double", "libm"))
     for header, source in itertools.product(sets, repeat=2):
         folder = tmp_path / f"{header}_{source}"
         folder.mkdir()

@@ -27,7 +27,13 @@ _BINARY: dict[Op, int] = {
     Op.ADD: ca.OP_ADD, Op.SUB: ca.OP_SUB, Op.MUL: ca.OP_MUL, Op.DIV: ca.OP_DIV,
     Op.MIN: ca.OP_FMIN, Op.MAX: ca.OP_FMAX,
 }  # fmt: skip
-_UNARY: dict[Op, int] = {Op.NEG: ca.OP_NEG, Op.ABS: ca.OP_FABS, Op.SIN: ca.OP_SIN, Op.COS: ca.OP_COS}
+_UNARY: dict[Op, int] = {
+    Op.NEG: ca.OP_NEG,
+    Op.ABS: ca.OP_FABS,
+    Op.SIN: ca.OP_SIN,
+    Op.COS: ca.OP_COS,
+    Op.ATAN: ca.OP_ATAN,
+}
 
 
 @cache
@@ -56,7 +62,26 @@ def _select(a: ca.SX, b: ca.SX, x: ca.SX, y: ca.SX) -> ca.SX:
     return _binary(ca.OP_ADD, first, _binary(ca.OP_IF_ELSE_ZERO, _unary(ca.OP_NOT, chosen), y))
 
 
-_GUARDED: dict[Op, Callable[..., ca.SX]] = {Op.SQRT: _sqrt, Op.ATAN2: _atan2, Op.SELECT: _select}
+def _rint(x: ca.SX) -> ca.SX:
+    """The nearest whole number; ties to the larger, where the IR has them to even. Derivative 0."""
+    return _unary(ca.OP_FLOOR, _binary(ca.OP_ADD, x, ca.SX(0.5)))
+
+
+def _flip(a: ca.SX, n: ca.SX) -> ca.SX:
+    """a, or -a where n is odd: a (1 - 2 |n - 2 floor(n/2 + 1/2)|)."""
+    half = _binary(ca.OP_ADD, _binary(ca.OP_MUL, n, ca.SX(0.5)), ca.SX(0.5))
+    even = _binary(ca.OP_MUL, ca.SX(2.0), _unary(ca.OP_FLOOR, half))
+    odd = _unary(ca.OP_FABS, _binary(ca.OP_SUB, n, even))
+    return _binary(ca.OP_MUL, a, _binary(ca.OP_SUB, ca.SX(1.0), _binary(ca.OP_MUL, ca.SX(2.0), odd)))
+
+
+_GUARDED: dict[Op, Callable[..., ca.SX]] = {
+    Op.SQRT: _sqrt,
+    Op.ATAN2: _atan2,
+    Op.SELECT: _select,
+    Op.RINT: _rint,
+    Op.FLIP: _flip,
+}
 
 
 def _apply(op: Op, args: list[ca.SX]) -> ca.SX:

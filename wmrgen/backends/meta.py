@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wmrgen.ir.kernels.choice import DEFAULT
+
 
 @dataclass(frozen=True, slots=True)
 class Meta:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
     ``wheel_lines``: the wheel table, one finished line per wheel and note.
-    ``model_hash``: hexadecimal digest of the model. ``scalar``: ``float`` or ``double`` (C only).
+    ``model_hash``: hexadecimal digest of the model. For C only: ``scalar``, ``math`` and ``target``, see
+    `wmrgen.ir.kernels.choice`.
     """
 
     description: str = ""
@@ -18,7 +21,9 @@ class Meta:
     model_hash: str = ""
     wmrgen_version: str = ""
     sympy_version: str = ""
-    scalar: str = "float"
+    scalar: str = DEFAULT.scalar
+    math: str = DEFAULT.math
+    target: str = DEFAULT.target
 
 
 NO_META = Meta()

@@ -25,8 +25,8 @@ from wmrgen.render import render
 _APPLY: dict[Op, Callable[..., Any]] = {
     Op.ADD: np.add, Op.SUB: np.subtract, Op.MUL: np.multiply, Op.DIV: np.divide, Op.NEG: np.negative,
     Op.ABS: np.abs, Op.SQRT: np.sqrt, Op.SIN: np.sin, Op.COS: np.cos,
-    Op.ATAN2: np.arctan2, Op.MIN: np.minimum, Op.MAX: np.maximum,
-    Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y),
+    Op.ATAN: np.arctan, Op.ATAN2: np.arctan2, Op.RINT: np.rint, Op.MIN: np.minimum, Op.MAX: np.maximum,
+    Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y), Op.FLIP: lambda a, n: np.where(n % 2 == 1, -a, a),
 }  # fmt: skip
 
 
@@ -39,9 +39,13 @@ _STYLE = Style(
     literal=_literal,
     calls={
         Op.ABS: "np.abs({0})", Op.SQRT: "np.sqrt({0})", Op.SIN: "np.sin({0})", Op.COS: "np.cos({0})",
-        Op.ATAN2: "np.arctan2({0}, {1})", Op.MIN: "np.minimum({0}, {1})", Op.MAX: "np.maximum({0}, {1})",
+        Op.ATAN: "np.arctan({0})", Op.ATAN2: "np.arctan2({0}, {1})", Op.RINT: "np.rint({0})",
+        Op.MIN: "np.minimum({0}, {1})", Op.MAX: "np.maximum({0}, {1})",
     },
-    choices={Op.SELECT: "np.where({0} < {1}, {2}, {3})"},
+    choices={
+        Op.SELECT: "np.where({0} < {1}, {2}, {3})",
+        Op.FLIP: "np.where(np.mod({1}, 2) == 1, np.negative({0}), {0})",
+    },
     declare="{0} = {1}",
     temporary="_t{0}",  # no port or parameter begins with an underscore
 )  # fmt: skip

@@ -39,6 +39,22 @@ class Scalar(StrEnum):
     double = "double"
 
 
+class Math(StrEnum):
+    """Whose sines and arctangents the generated C uses."""
+
+    inline = "inline"
+    libm = "libm"
+
+
+class Target(StrEnum):
+    """The processor that the generated C is for."""
+
+    m4f = "m4f"
+    m0 = "m0"
+    avr = "avr"
+    host = "host"
+
+
 class Backend(StrEnum):
     """What computes the values of ``wmrgen eval``."""
 
@@ -111,6 +127,13 @@ def _version(wanted: bool) -> None:
 
 Robots = Annotated[list[Path], typer.Argument(metavar="ROBOT.yaml", help="Robot files.", show_default=False)]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where the robots' folders stand.")]
+ChosenMath = Annotated[
+    Math | None,
+    typer.Option(help="Sines and arctangents of the C: own float kernels (default), or libm's (for double)."),
+]
+ChosenTarget = Annotated[
+    Target, typer.Option(help="Processor of the C: m4f has fused multiply-add, host is any with an FPU.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 
@@ -132,14 +155,17 @@ def derive(
         bool, typer.Option("--json", help="Print model.json; a list when there are several.")
     ] = False,
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = Scalar.float,
+    math: ChosenMath = None,
+    target: ChosenTarget = Target.m4f,
 ) -> int:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
 
     Derive robots and write DIR/<name>/: model, report, C, CasADi, NumPy.
     """
     from wmrgen.cli.derive import run
+    from wmrgen.ir.kernels.choice import choice
 
-    return run(robots, out, as_json=json, scalar=scalar.value)
+    return run(robots, out, as_json=json, choice=choice(scalar.value, math and math.value, target.value))
 
 
 @app.command("eval", short_help="Compute a function of a robot's model.")
@@ -162,6 +188,8 @@ def evaluate(
     ] = None,
     backend: Annotated[Backend, typer.Option(help="What computes; c needs a C compiler.")] = Backend.exact,
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of backend c.")] = Scalar.float,
+    math: ChosenMath = None,
+    target: ChosenTarget = Target.m4f,
     cases: Annotated[
         str | None,
         typer.Option(
@@ -176,13 +204,14 @@ def evaluate(
     textbook for the robot: a formula of the texts that needs none, as `wmrgen eval textbook pursuit distance=3`.
     """
     from wmrgen.cli.evaluate import run
+    from wmrgen.ir.kernels.choice import choice
 
     return run(
         robot,
         function,
         values or [],
         backend=backend.value,
-        scalar=scalar.value,
+        choice=choice(scalar.value, math and math.value, target.value),
         cases=cases,
         as_json=json,
     )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import wmrgen
-from wmrgen.artifacts import Difference, differences
+from wmrgen.artifacts import Difference, differences, made_with
 from wmrgen.cli import console
 from wmrgen.errors import StaleError, UsageError, WmrgenError
 
@@ -52,9 +52,12 @@ def run(paths: Sequence[Path], out: Path) -> int:
 
 def _stale(path: Path, out: Path) -> tuple[str, list[Difference]]:
     from wmrgen.emit import artifacts
+    from wmrgen.ir.kernels.choice import noted
 
     robot = wmrgen.load(path)
-    return robot.name, differences(out / robot.name, artifacts(wmrgen.derive(robot), "float"))
+    place = out / robot.name
+    choice = noted(made_with(place))
+    return robot.name, differences(place, artifacts(wmrgen.derive(robot), choice), choice.words())
 
 
 def _strangers(out: Path, names: set[str]) -> list[Path]:

@@ -14,6 +14,7 @@ from wmrgen.errors import UsageError
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
+    from wmrgen.ir.kernels.choice import Choice
     from wmrgen.layout.records import Robot
 
 
@@ -28,7 +29,7 @@ def load_all(paths: Sequence[Path]) -> list[Robot]:
     return robots
 
 
-def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
+def run(paths: Sequence[Path], out: Path, *, as_json: bool, choice: Choice) -> int:
     """Derive every robot, then write every robot, then print."""
     from wmrgen.emit import MODEL, artifacts
 
@@ -41,8 +42,9 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
             if robot.gains:
                 warn(robot)
             derivation = wmrgen.derive(robot)
-            done.append((derivation, artifacts(derivation, scalar)))
-    written = [write_tree(out / derivation.robot.name, files) for derivation, files in done]
+            done.append((derivation, artifacts(derivation, choice)))
+    words = choice.words()
+    written = [write_tree(out / derivation.robot.name, files, words) for derivation, files in done]
     if as_json:
         models = [files[MODEL].decode().rstrip("\n") for _, files in done]
         console.result(models[0] if len(models) == 1 else "[\n" + ",\n".join(models) + "\n]")

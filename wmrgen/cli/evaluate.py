@@ -13,6 +13,7 @@ from wmrgen.cli.gains import warn
 from wmrgen.cli.values import Case, from_file, from_words
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
@@ -26,7 +27,7 @@ def run(
     words: Sequence[str],
     *,
     backend: str,
-    scalar: str,
+    choice: Choice,
     cases: str | None,
     as_json: bool,
 ) -> int:
@@ -41,7 +42,7 @@ def run(
         given = [from_words(words, ports)] if cases is None else from_file(cases, ports)
         step(f"computing {name} with {backend}")
         complete = [_completed(function, case) for case in given]
-        results = _compute(derivation, function, complete, backend, scalar)
+        results = _compute(derivation, function, complete, backend, choice)
     _say_zeros(function, given)
     if cases is not None:
         console.result(json.dumps(results, indent=2))
@@ -93,7 +94,7 @@ def _compute(
     function: Function,
     cases: Sequence[dict[str, Exact]],
     backend: str,
-    scalar: str = "float",
+    choice: Choice = DEFAULT,
 ) -> list[dict[str, float]]:
     if backend == "exact":
         from wmrgen.ir.interpret import EXACT, evaluate_module
@@ -117,7 +118,7 @@ def _compute(
         if backend == "c":
             from wmrgen.backends.c99 import evaluate
 
-            found = evaluate(module, part, doubles, scalar)
+            found = evaluate(module, part, doubles, choice.scalar, choice.math, choice.target)
         else:
             found = entry.load().evaluate(module, part, doubles)
         for result, more in zip(results, found, strict=True):

@@ -10,6 +10,7 @@ sqrt is the correctly rounded float32 result (Figueroa 1995: 53 >= 2 * 24 + 2).
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -83,6 +84,18 @@ def _cos_exact(a: Exact) -> Exact:
     return _trigonometric("mpf_cos", a.rational()) if a else Exact(1)
 
 
+def _atan_exact(a: Exact) -> Exact:
+    return _trigonometric("mpf_atan", a.rational()) if a else ZERO
+
+
+def _rint_exact(a: Exact) -> Exact:
+    return Exact(round(a.rational()))
+
+
+def _flip_exact(a: Exact, n: Exact) -> Exact:
+    return -a if n.rational() % 2 else a
+
+
 def _atan2_exact(y: Exact, x: Exact) -> Exact:
     from mpmath import libmp
 
@@ -99,7 +112,9 @@ EXACT = Arithmetic(
         Op.ADD: lambda a, b: a + b, Op.SUB: lambda a, b: a - b, Op.MUL: lambda a, b: a * b,
         Op.DIV: _div_exact, Op.NEG: lambda a: -a, Op.ABS: abs, Op.SQRT: _sqrt_exact,
         Op.MIN: lambda a, b: a if a < b else b, Op.MAX: lambda a, b: b if a < b else a,
-        Op.SIN: _sin_exact, Op.COS: _cos_exact, Op.ATAN2: _atan2_exact,
+        Op.SIN: _sin_exact, Op.COS: _cos_exact, Op.ATAN: _atan_exact, Op.ATAN2: _atan2_exact,
+        Op.RINT: _rint_exact, Op.FLIP: _flip_exact,
+        Op.FMA: lambda a, b, c: a * b + c,
         Op.SELECT: lambda a, b, x, y: x if a < b else y,
     },
 )  # fmt: skip
@@ -136,15 +151,52 @@ def _enter32(value: Number) -> float:
     return nearest_float32(value) if isinstance(value, float) else to_float32(Exact.of(value))
 
 
+def _rint(a: float) -> float:
+    return float(round(a)) if abs(a) < 2.0**52 else a
+
+
+def _flip(a: float, n: float) -> float:
+    return -a if math.isfinite(n) and n % 2 == 1 else a
+
+
+def _fma64(a: float, b: float, c: float) -> float:
+    if not (math.isfinite(a) and math.isfinite(b) and math.isfinite(c)):
+        return a * b + c
+    exact = Fraction(a) * Fraction(b) + Fraction(c)
+    return to_float64(Exact(exact)) if exact else a * b + c
+
+
+def _fma32(a: float, b: float, c: float) -> float:
+    """The product of two float32 is a double; the sum is rounded to odd, so the second rounding is the only one."""
+    product = a * b
+    total = product + c
+    if not math.isfinite(total):
+        return nearest_float32(total)
+    back = total - product
+    lost = (product - (total - back)) + (c - back)
+    if lost and not _last_bit64(total):
+        total = math.nextafter(total, math.copysign(math.inf, lost))
+    return nearest_float32(total)
+
+
+def _last_bit64(b: float) -> bool:
+    return bool(struct.unpack("<Q", struct.pack("<d", b))[0] & 1)
+
+
+def _last_bit32(b: float) -> bool:
+    return bool(struct.unpack("<I", struct.pack("<f", b))[0] & 1)
+
+
 _DOUBLE: dict[Op, Callable[..., float]] = {
     Op.ADD: lambda a, b: a + b, Op.SUB: lambda a, b: a - b, Op.MUL: lambda a, b: a * b,
     Op.DIV: _div, Op.NEG: lambda a: -a, Op.ABS: abs, Op.SQRT: _sqrt,
     Op.MIN: lambda a, b: a if a < b else b, Op.MAX: lambda a, b: b if a < b else a,
-    Op.SIN: _sin, Op.COS: _cos, Op.ATAN2: math.atan2,
+    Op.SIN: _sin, Op.COS: _cos, Op.ATAN: math.atan, Op.ATAN2: math.atan2, Op.RINT: _rint, Op.FLIP: _flip,
+    Op.FMA: _fma64, Op.FLIP_BIT: lambda a, b: -a if _last_bit64(b) else a,
     Op.SELECT: lambda a, b, x, y: x if a < b else y,
 }  # fmt: skip
 
-_ROUNDING = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.SQRT, Op.SIN, Op.COS, Op.ATAN2)
+_ROUNDING = (Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.SQRT, Op.SIN, Op.COS, Op.ATAN, Op.ATAN2)
 
 
 def _rounded(operation: Callable[..., float]) -> Callable[..., float]:
@@ -152,4 +204,12 @@ def _rounded(operation: Callable[..., float]) -> Callable[..., float]:
 
 
 FLOAT64 = Arithmetic("float64", _enter64, _DOUBLE)
-FLOAT32 = Arithmetic("float32", _enter32, {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}})
+
+
+def _flip_bit32(a: float, b: float) -> float:
+    return -a if _last_bit32(b) else a
+
+
+_SINGLE: dict[Op, Callable[..., float]] = {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}}
+_SINGLE |= {Op.FMA: _fma32, Op.FLIP_BIT: _flip_bit32}
+FLOAT32 = Arithmetic("float32", _enter32, _SINGLE)

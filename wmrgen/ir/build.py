@@ -29,7 +29,8 @@ class Builder:
         self._rules: dict[Op, Callable[..., int]] = {
             Op.ADD: self.add, Op.SUB: self.sub, Op.MUL: self.mul, Op.DIV: self.div, Op.NEG: self.neg,
             Op.ABS: self.abs, Op.MIN: self.min, Op.MAX: self.max, Op.SQRT: self.sqrt, Op.SIN: self.sin,
-            Op.COS: self.cos, Op.ATAN2: self.atan2, Op.SELECT: self.select,
+            Op.COS: self.cos, Op.ATAN: self.atan, Op.ATAN2: self.atan2, Op.RINT: self.rint, Op.FLIP: self.flip,
+            Op.SELECT: self.select,
         }  # fmt: skip
 
     # ---- leaves
@@ -201,6 +202,27 @@ class Builder:
         if value is not None and not value:
             return self.const(ONE)
         return self._node(Op.COS, (a,)) if inner is None else self.cos(inner)
+
+    def atan(self, a: int) -> int:
+        """The arctangent of a, in radians."""
+        value, inner = self.value(a), self._positive(a)
+        if value is not None and not value:
+            return a
+        return self._node(Op.ATAN, (a,)) if inner is None else self.neg(self.atan(inner))
+
+    def rint(self, a: int) -> int:
+        """The whole number nearest to a, ties to even."""
+        value, inner = self.value(a), self._positive(a)
+        if value is not None and value.is_rational:
+            return self.const(round(value.parts[0]))
+        return self._node(Op.RINT, (a,)) if inner is None else self.neg(self.rint(inner))
+
+    def flip(self, a: int, n: int) -> int:
+        """a where the whole number n is even, else -a."""
+        value, inner = self.value(n), self._positive(n)
+        if value is not None and value.is_rational:
+            return self.neg(a) if value.parts[0] % 2 else a
+        return self._node(Op.FLIP, (a, n)) if inner is None else self.flip(a, inner)
 
     def atan2(self, y: int, x: int) -> int:
         """atan2(y, x) in radians; atan2(0, 0) = 0."""

@@ -20,6 +20,7 @@ class Cost:
     arctangents: int = 0
     comparisons: int = 0  # select, min, max
     signs: int = 0  # negation, absolute value
+    roundings: int = 0  # to whole numbers
 
     @property
     def flops(self) -> int:
@@ -31,7 +32,7 @@ class Cost:
         """All operations in units of an addition, roughly as a Cortex-M4F has them."""
         return (
             self.flops + 14 * (self.divisions + self.roots) + 60 * self.sines + 90 * self.arctangents
-            + 2 * self.comparisons + self.signs
+            + 2 * (self.comparisons + self.roundings) + self.signs
         )  # fmt: skip
 
     def __add__(self, other: Cost) -> Cost:
@@ -43,7 +44,7 @@ class Cost:
             ("addition", "additions"), ("multiplication", "multiplications"), ("division", "divisions"),
             ("square root", "square roots"), ("sine or cosine", "sines and cosines"),
             ("arctangent", "arctangents"), ("comparison", "comparisons"),
-            ("sign operation", "sign operations"),
+            ("sign operation", "sign operations"), ("rounding", "roundings"),
         )  # fmt: skip
         counted = zip(astuple(self), names, strict=True)
         return ", ".join(f"{n} {name[n != 1]}" for n, name in counted if n) or "no operations"
@@ -58,7 +59,8 @@ def count(function: Function) -> Cost:
         divisions=ops[Op.DIV],
         roots=ops[Op.SQRT],
         sines=ops[Op.SIN] + ops[Op.COS],
-        arctangents=ops[Op.ATAN2],
+        arctangents=ops[Op.ATAN] + ops[Op.ATAN2],
         comparisons=ops[Op.SELECT] + ops[Op.MIN] + ops[Op.MAX],
-        signs=ops[Op.NEG] + ops[Op.ABS],
+        signs=ops[Op.NEG] + ops[Op.ABS] + ops[Op.FLIP],
+        roundings=ops[Op.RINT],
     )

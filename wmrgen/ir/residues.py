@@ -61,13 +61,20 @@ def _opaque(salt: int) -> Callable[..., Residue]:
     return value
 
 
-_SQRT, _SIN, _COS, _ATAN2 = (_opaque(salt) for salt in (1, 2, 3, 4))
+_SQRT, _SIN, _COS, _ATAN2, _ATAN, _RINT = (_opaque(salt) for salt in (1, 2, 3, 4, 5, 6))
 
 
-def _sin(a: Residue) -> Residue:
-    if not a.r:
-        return a
-    return _SIN(a) if a.size > 0 else _neg(_SIN(_neg(a)))
+def _odd(function: Callable[..., Residue]) -> Callable[..., Residue]:
+    def value(a: Residue) -> Residue:
+        if not a.r:
+            return a
+        return function(a) if a.size > 0 else _neg(function(_neg(a)))
+
+    return value
+
+
+def _flip(a: Residue, n: Residue) -> Residue:
+    return _neg(a) if (n.r if n.size > 0 else -n.r % PRIME) % 2 else a
 
 
 def _cos(a: Residue) -> Residue:
@@ -93,9 +100,12 @@ RESIDUES = Arithmetic(
         Op.MIN: lambda a, b: a if _less(a, b) else b,
         Op.MAX: lambda a, b: b if _less(b, a) else a,
         Op.SQRT: _SQRT,
-        Op.SIN: _sin,
+        Op.SIN: _odd(_SIN),
         Op.COS: _cos,
+        Op.ATAN: _odd(_ATAN),
         Op.ATAN2: _atan2,
+        Op.RINT: _odd(_RINT),
+        Op.FLIP: _flip,
         Op.SELECT: lambda a, b, x, y: x if _less(a, b) else y,
     },
 )

@@ -144,6 +144,12 @@ def _rint(unit: float, a: Bounded) -> Bounded:
     return Bounded(value, np.where(sure, 0.0, 1.0 + a.error))
 
 
+def _flip(unit: float, a: Bounded, n: Bounded) -> Bounded:
+    del unit
+    value = np.where(n.value % 2 == 1, -a.value, a.value)
+    return Bounded(value, np.where(n.error < 1, a.error, 2 * np.abs(a.value) + a.error))
+
+
 def _less(a: Bounded, b: Bounded) -> Array:
     """+1 where a < b for sure, -1 where a >= b for sure, 0 where rounding decides."""
     gap, slack = b.value - a.value, a.error + b.error
@@ -170,7 +176,7 @@ def _extreme(a: Bounded, b: Bounded, value: Array) -> Bounded:
 
 _RULES: dict[str, Callable[..., Bounded]] = {
     Op.ADD: _add, Op.SUB: _sub, Op.MUL: _mul, Op.DIV: _div, Op.SQRT: _sqrt, Op.ATAN2: _atan2, Op.SELECT: _select,
-    "atan": _atan, "rint": _rint,
+    Op.ATAN: _atan, Op.RINT: _rint, Op.FLIP: _flip,
     Op.NEG: lambda unit, a: Bounded(-a.value, a.error),
     Op.ABS: lambda unit, a: Bounded(np.abs(a.value), a.error),
     Op.SIN: lambda unit, a: _circular(unit, a, "sin"),

@@ -3,7 +3,7 @@
 Both functions are evaluated over the field at pseudo-random rational points. A square root, sine,
 cosine or arctangent is replaced by an opaque rational function of its exact arguments, the same
 before and after, so that equality stays a matter of exact numbers. Opaque sines are odd, opaque
-cosines even, roots in the field and values at zero true; no pass uses any other property.
+cosines even, opaque arctangents odd, roots in the field and values at zero true; no pass uses any other property.
 Comparisons are made on the exact values.
 """
 
@@ -44,7 +44,7 @@ def _opaque(salt: int) -> Callable[..., Exact]:
     return lambda *args: Exact(Fraction(_mix(salt, *(n for a in args for n in _digest(a))) % 255 + 1, 64))
 
 
-_SQRT, _SIN, _COS, _ATAN2 = (_opaque(salt) for salt in (1, 2, 3, 4))
+_SQRT, _SIN, _COS, _ATAN2, _ATAN = (_opaque(salt) for salt in (1, 2, 3, 4, 5))
 
 
 def _sqrt(a: Exact) -> Exact:
@@ -54,6 +54,10 @@ def _sqrt(a: Exact) -> Exact:
 
 def _sin(a: Exact) -> Exact:
     return a if not a else _SIN(a) if a.sign > 0 else -_SIN(-a)
+
+
+def _atan(a: Exact) -> Exact:
+    return a if not a else _ATAN(a) if a.sign > 0 else -_ATAN(-a)
 
 
 def _cos(a: Exact) -> Exact:
@@ -72,6 +76,7 @@ OPAQUE = Arithmetic(
         Op.SQRT: _sqrt,
         Op.SIN: _sin,
         Op.COS: _cos,
+        Op.ATAN: _atan,
         Op.ATAN2: _atan2,
     },
 )

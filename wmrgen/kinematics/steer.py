@@ -1,28 +1,32 @@
 """Where a steered wheel should point, and how fast its rim then moves.
 
-In the frame of the wheel as it stands, the pivot's velocity is (u, w). The swing to the nearer of the two
-headings that roll is atan2(+-w, |u|), at most 90 degrees; the rim speed is +-sqrt(u**2 + w**2), negative when
-the wheel drives backwards. atan2(0, 0) = 0 holds the angle at standstill.
+Two headings roll, half a turn apart: the angle theta of the line along which the pivot moves (`line`), and those
+k half turns away. k = rint((theta - present) / pi) gives the nearest, at most 90 degrees away; the wheel drives
+along it with the speed of the pivot, reversed where k is odd. At standstill the present angle is held.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import sympy
 
 from wmrgen.constraints import heading, working_view
-from wmrgen.exact.poly import Poly
+from wmrgen.exact.angles import circle_point
+from wmrgen.exact.number import Exact
+from wmrgen.kinematics.line import Velocity, line, short, turned_by
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.symbolic import (
     Expr,
     absolute,
     add,
+    alternating,
     angle_of,
-    expression,
-    local,
+    arctangent,
     maximum,
+    nearest,
     number,
     root,
     select,
@@ -32,7 +36,11 @@ from wmrgen.symbolic import (
     times,
 )
 
-Velocity = tuple[Poly, Poly]
+# 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
+PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
+WIDE = Exact(Fraction(315, 100))  # rad between limits, just over half a turn
+NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter turn
+STILL = Exact(Fraction(1, 10**20))  # m/s
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,49 +61,84 @@ def seen_from(w: Wheel, velocity: Velocity, names: Locals, lead: Wheel | None = 
     """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``."""
     g = working_view(w)
     c, s = heading(w if lead is None else lead, g)
-    a = _short(names, f"{w.name}_x", velocity[0])
-    b = _short(names, f"{w.name}_y", velocity[1])
+    a, b = (
+        names.poly(f"{w.name}_{k}", p) if len(p.terms) > 1 else p for k, p in zip("ab", velocity, strict=True)
+    )
     along = names.define(f"{w.name}_along", a * c + b * s)
     across = names.define(f"{w.name}_across", b * c - a * s)
     return along, across
 
 
-def _short(names: Locals, name: str, value: Poly) -> Poly:
-    """A sum gets a name; a single term stays."""
-    return names.poly(name, value) if len(value.terms) > 1 else value
-
-
 def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Target:
     """A wheel steered on its own."""
-    u, v = seen_from(w, velocity, names)
-    now = signal(f"{w.name}.steer")
-    zero = sympy.S.Zero
-    swing = angle_of(select(u, zero, times(-1, v), v), absolute(u))
-    a, b = (
-        local(f"{w.name}_{k}") if len(p.terms) > 1 else expression(p)
-        for k, p in zip("xy", velocity, strict=True)
-    )
-    speed = names.define(f"{w.name}_speed", root(add(square(a), square(b))))
     limits = steer_limits(robot, w)
+    if limits is not None and limits.high - limits.low <= NARROW:
+        return _narrow(w, limits, velocity, names)
+    found = line(w, velocity, names)
+    now = present(w, limits)
+    heading_ = names.define(f"{w.name}_heading", select(sympy.S.Zero, found.size, found.heading, now))
+    turns = nearest(times(number(PER_HALF_TURN), subtract(heading_, now)))
+    steer = subtract(heading_, times(sympy.pi, turns))
+    rim = times(alternating(turns), found.speed)
     if limits is None:
-        return Target(add(now, swing), select(u, zero, times(-1, speed), speed))
-    return _limited(w, limits, now, swing, (u, v), names)
+        return Target(steer, rim)
+    if limits.high - limits.low >= WIDE:
+        return _turned_back(w, limits, names.define(f"{w.name}_nearest", steer), rim, names)
+    return _limited(w, limits, names.define(f"{w.name}_nearest", steer), rim, names)
 
 
-def _limited(
-    w: Wheel, limits: Interval, now: Expr, swing: Expr, seen: tuple[Expr, Expr], names: Locals
-) -> Target:
+def present(w: Wheel, limits: Interval | None) -> Expr:
+    """The wheel's angle; what stands outside the limits counts as at the limit."""
+    now = signal(f"{w.name}.steer")
+    if limits is None:
+        return now
+    return maximum(number(limits.low), sympy.Min(number(limits.high), now, evaluate=False))
+
+
+def _turned_back(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
+    """Limits more than half a turn apart: of a heading and its opposite one is always inside."""
+    low, high = number(limits.low), number(limits.high)
+    speed = names.define(f"{w.name}_rim", rim)
+    back = times(-1, speed)
+    target = select(high, steer, subtract(steer, sympy.pi), steer)
+    target = select(steer, low, add(steer, sympy.pi), target)
+    return Target(target, select(high, steer, back, select(steer, low, back, speed)))
+
+
+def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
     """The nearest heading inside the limits; outside both, the limit nearest to it."""
     low, high = number(limits.low), number(limits.high)
-    nearest = names.define(f"{w.name}_nearest", add(now, swing))
     other = names.define(
-        f"{w.name}_other", select(high, nearest, subtract(nearest, sympy.pi), add(nearest, sympy.pi))
+        f"{w.name}_other", select(high, steer, subtract(steer, sympy.pi), add(steer, sympy.pi))
     )
-    inside = select(high, other, nearest, select(other, low, nearest, other))
-    kept = select(high, nearest, inside, select(nearest, low, inside, nearest))
-    steer = names.define(f"{w.name}_target", maximum(low, sympy.Min(high, kept, evaluate=False)))
-    turn = names.define(f"{w.name}_turn", subtract(steer, now))
-    return turned(steer, turn, *seen)
+    inside = select(high, other, steer, select(other, low, steer, other))
+    kept = select(high, steer, inside, select(steer, low, inside, steer))
+    target = names.define(f"{w.name}_target", maximum(low, sympy.Min(high, kept, evaluate=False)))
+    excess = names.define(f"{w.name}_excess", subtract(target, steer))
+    speed = names.define(f"{w.name}_rim", rim)
+    return Target(target, times(speed, sympy.cos(excess)), times(-1, speed, sympy.sin(excess)))
+
+
+def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:
+    """Limits less than a quarter turn apart: at most one of the headings that roll is inside.
+
+    Seen from the middle of the limits the velocity is (u, v), and the wheel's slope v/u is cut at the tangent of
+    half their distance: the angle inside the limits at which the wheel slides least. A wheel that hardly moves
+    (|u| + |v| < 2 STILL) holds its angle.
+    """
+    middle, half = (limits.low + limits.high) / 2, (limits.high - limits.low) / 2
+    cosine, sine = circle_point(half.rational())
+    most = number(sine / cosine)
+    x, y = turned_by(w, velocity, middle)
+    u, v = short(names, f"{w.name}_u", x), short(names, f"{w.name}_v", y)
+    divisor = names.define(f"{w.name}_divisor", select(absolute(u), number(STILL), number(STILL), u))
+    slope = sympy.Min(most, v / divisor, evaluate=False)
+    slope = names.define(f"{w.name}_slope", maximum(times(-1, most), slope))
+    now = present(w, limits)
+    moving = add(absolute(u), absolute(v))
+    steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))
+    scale = names.define(f"{w.name}_scale", 1 / root(add(sympy.S.One, square(slope))))
+    return Target(steer, times(add(u, times(v, slope)), scale), times(subtract(v, times(u, slope)), scale))
 
 
 def steer_group(

@@ -7,9 +7,14 @@ from dataclasses import dataclass
 
 from wmrgen.backends.c99.comment import comment_lines
 from wmrgen.backends.c99.step import Step, prepare_steps, step
+from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.c99.style import LIBM
 from wmrgen.backends.meta import Meta
+from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
-from wmrgen.ir.nodes import Module
+from wmrgen.ir.kernels import expand, rounds
+from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.nodes import Module, Op, Port
 from wmrgen.render import render
 
 
@@ -20,14 +25,30 @@ class Unit:
     robot: str
     scalar: str
     steps: tuple[Step, ...]
+    rounds: bool  # relies on the rounding of sums of magic numbers
 
 
-def unit(module: Module, scalar: str) -> Unit:
+def unit(module: Module, scalar: str, math: str = DEFAULT.math, target: str = DEFAULT.target) -> Unit:
     """The C functions of ``module``: params_default and prepare first when a parameter is tunable."""
     module = hand_through(module)
-    steps, prepared = prepare_steps(module, scalar)
-    rest = (step(function, module.name, prepared, scalar) for function in module.functions)
-    return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None))
+    costs = {f.name: count(f) for f in (*module.functions, *((module.prepare,) if module.prepare else ()))}
+    module = expand(module, scalar, math, target)
+    steps, prepared = prepare_steps(module, scalar, costs)
+    inputs_of: dict[tuple[Port, ...], Struct] = {}
+    rest = (step(f, module.name, prepared, scalar, costs[f.name], inputs_of) for f in module.functions)
+    return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None), rounds(module))
+
+
+def _uses(made: Unit, *ops: Op) -> bool:
+    return any(op in step.ops for step in made.steps for op in ops)
+
+
+def _includes(made: Unit) -> dict[str, bool]:
+    return {
+        "<float.h>": made.rounds,
+        "<math.h>": _uses(made, *LIBM),
+        "<stdint.h>": _uses(made, Op.FLIP_BIT),
+    }
 
 
 def _banner(meta: Meta) -> list[str]:
@@ -64,7 +85,7 @@ def _table(meta: Meta, scalar: str) -> list[str]:
 
 def sources(module: Module, meta: Meta) -> tuple[str, str]:
     """The text of ``<robot>.h`` and ``<robot>.c``."""
-    made = unit(module, meta.scalar)
+    made = unit(module, meta.scalar, meta.math, meta.target)
     context: dict[str, object] = {
         "robot": made.robot,
         "upper": made.robot.upper(),
@@ -73,7 +94,9 @@ def sources(module: Module, meta: Meta) -> tuple[str, str]:
         "model_hash": "".join(c for c in meta.model_hash if c.isalnum()),
         "structs": [s.lines for made_step in made.steps for s in made_step.structs],
         "steps": made.steps,
-        "includes": ["<math.h>"] if any(s.libm for s in made.steps) else [],
+        "includes": [name for name, needed in _includes(made).items() if needed],
+        "rounds": made.rounds,
+        "flips": _uses(made, Op.FLIP_BIT),
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
     draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]

@@ -14,6 +14,7 @@ from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.meta import Meta
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.errors import UsageError
+from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
 
@@ -98,17 +99,19 @@ def evaluate_c(
     module: Module,
     function: str,
     cases: Sequence[Mapping[str, float]],
-    scalar: str = "float",
+    scalar: str = DEFAULT.scalar,
     cc: str | None = None,
     flags: Sequence[str] = DEFAULT_FLAGS,
+    math: str = DEFAULT.math,
+    target: str = DEFAULT.target,
 ) -> list[dict[str, float]]:
     """Outputs of ``function`` for each case, from the compiled C. A tunable left out is nominal."""
-    made = calls(unit(module, scalar))
+    made = calls(unit(module, scalar, math, target))
     wanted = [k for k, call in enumerate(made) if call.function == f"{module.name}_{function}"]
     if not wanted:
         return [{} for _ in cases]  # a function without outputs
     call = made[wanted[0]]
-    header, source = sources(module, Meta(scalar=scalar))
+    header, source = sources(module, Meta(scalar=scalar, math=math, target=target))
     files = {f"{module.name}.h": header, f"{module.name}.c": source, "wmrgen-driver.c": driver(made)}
     default = nominal(module)
     lines = [request(wanted[0], call, {**default, **case}) for case in cases]
@@ -117,7 +120,12 @@ def evaluate_c(
 
 
 def evaluate(
-    module: Module, function: str, cases: Sequence[Mapping[str, float]], scalar: str = "float"
+    module: Module,
+    function: str,
+    cases: Sequence[Mapping[str, float]],
+    scalar: str = DEFAULT.scalar,
+    math: str = DEFAULT.math,
+    target: str = DEFAULT.target,
 ) -> list[dict[str, float]]:
     """`evaluate_c` with the system compiler, in the scalar type that derive writes unless told otherwise."""
-    return evaluate_c(module, function, cases, scalar)
+    return evaluate_c(module, function, cases, scalar, math=math, target=target)

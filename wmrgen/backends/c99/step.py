@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from wmrgen.backends.c99.comment import WIDTH, block_comment
 from wmrgen.backends.c99.literal import literal
-from wmrgen.backends.c99.struct import Struct, struct
-from wmrgen.backends.c99.style import LIBM, style
+from wmrgen.backends.c99.struct import Struct, alias, struct
+from wmrgen.backends.c99.style import style
 from wmrgen.backends.expression import body
-from wmrgen.ir.cost import count
-from wmrgen.ir.nodes import Function, Module, Op, Role
+from wmrgen.ir.cost import Cost
+from wmrgen.ir.nodes import Function, Module, Op, Port, Role
 from wmrgen.ir.prune import prune
 
 
@@ -24,7 +25,7 @@ class Step:
     prototype: str
     lines: tuple[str, ...]
     arguments: tuple[tuple[Struct, str], ...]
-    libm: bool = False
+    ops: frozenset[Op] = frozenset()
 
 
 def _prototype(name: str, arguments: tuple[tuple[Struct, str], ...], out: str) -> str:
@@ -54,6 +55,7 @@ def _build(
     output: tuple[Struct, str],
     own: tuple[Struct, ...],
     scalar: str,
+    cost: Cost,
 ) -> Step:
     function = _pruned(function)
     reads = {key: f"{par}->{member}" for s, par in inputs for key, member in s.members.items()}
@@ -67,7 +69,7 @@ def _build(
     ]
     lines = unread + list(code.statements) + ([""] if code.statements or unread else []) + stores
     arguments = (*inputs, output)
-    comment = tuple(block_comment([_sentence(function.text), f"Operations: {count(function)}."]))
+    comment = tuple(block_comment([_sentence(function.text), f"Operations: {cost}."]))
     return Step(
         name,
         own,
@@ -75,11 +77,13 @@ def _build(
         _prototype(name, arguments, out),
         tuple(lines),
         arguments,
-        bool(code.ops & LIBM.keys()),
+        code.ops,
     )
 
 
-def prepare_steps(module: Module, scalar: str) -> tuple[tuple[Step, ...], Struct | None]:
+def prepare_steps(
+    module: Module, scalar: str, costs: Mapping[str, Cost]
+) -> tuple[tuple[Step, ...], Struct | None]:
     """``params_default`` and ``prepare``, and the struct they fill; nothing when nothing is tunable."""
     prepare = module.prepare
     if prepare is None or not prepare.outputs:
@@ -94,7 +98,9 @@ def prepare_steps(module: Module, scalar: str) -> tuple[tuple[Step, ...], Struct
         f"What {robot}_prepare() works out once from the parameters; the steps only read it.",
     )
     if not prepare.inputs:
-        step = _build(prepare, f"{robot}_prepare", (), (prepared, "prepared"), (prepared,), scalar)
+        step = _build(
+            prepare, f"{robot}_prepare", (), (prepared, "prepared"), (prepared,), scalar, costs[prepare.name]
+        )
         return (step,), prepared
     params = struct(f"{robot}_params", prepare.inputs, scalar, "Tunable parameters: calibrate, then prepare.")
     nominal = tuple(
@@ -111,13 +117,29 @@ def prepare_steps(module: Module, scalar: str) -> tuple[tuple[Step, ...], Struct
         ((params, "params"),),
     )
     second = _build(
-        prepare, f"{robot}_prepare", ((params, "params"),), (prepared, "prepared"), (prepared,), scalar
+        prepare,
+        f"{robot}_prepare",
+        ((params, "params"),),
+        (prepared, "prepared"),
+        (prepared,),
+        scalar,
+        costs[prepare.name],
     )
     return (first, second), prepared
 
 
-def step(function: Function, robot: str, prepared: Struct | None, scalar: str) -> Step | None:
-    """``<robot>_<function>``; None for a function without outputs."""
+def step(
+    function: Function,
+    robot: str,
+    prepared: Struct | None,
+    scalar: str,
+    cost: Cost,
+    inputs_of: dict[tuple[Port, ...], Struct],
+) -> Step | None:
+    """``<robot>_<function>``; None for a function without outputs.
+
+    ``inputs_of``: the input structs so far. What gives the slip of another function takes that one's input.
+    """
     if not function.outputs:
         return None
     name = f"{robot}_{function.name}"
@@ -127,7 +149,12 @@ def step(function: Function, robot: str, prepared: Struct | None, scalar: str) -
     contract = tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
     own: list[Struct] = []
     if contract:
-        own.append(struct(f"{name}_in", contract, scalar, f"Input of {name}()."))
+        same = inputs_of.get(contract) if function.name.endswith("_slip") else None
+        if same is None:
+            own.append(struct(f"{name}_in", contract, scalar, f"Input of {name}()."))
+            inputs_of.setdefault(contract, own[-1])
+        else:
+            own.append(alias(f"{name}_in", same))
         inputs.append((own[-1], "in"))
     own.append(struct(f"{name}_out", function.outputs, scalar, f"Output of {name}()."))
-    return _build(function, name, tuple(inputs), (own[-1], "out"), tuple(own), scalar)
+    return _build(function, name, tuple(inputs), (own[-1], "out"), tuple(own), scalar, cost)

@@ -91,6 +91,11 @@ def _group(wheel: str, members: list[_Row]) -> list[_Row]:
     return [("    ", "struct {", None), *inner, ("    ", f"}} {wheel};", None)]
 
 
+def alias(name: str, of: Struct) -> Struct:
+    """Another name for a struct: what is filled for one function can be handed to the other."""
+    return Struct(name, (f"typedef {of.name} {name};",), of.members)
+
+
 def struct(name: str, ports: tuple[Port, ...], scalar: str, note: str) -> Struct:
     """The typedef ``name`` for ``ports``, which must not be empty (C99 has no empty struct)."""
     paths = _paths(ports)

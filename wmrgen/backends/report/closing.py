@@ -69,7 +69,8 @@ def _bare(condition: Poly | Row) -> list[Term]:
 
 
 _TEXT = {
-    "inverse": "twist to joints", "forward": "joints to twist", "forward_slip": "the same with the residual",
+    "inverse": "twist to joints", "inverse_slip": "the sliding left, of the same twist",
+    "forward": "joints to twist", "forward_slip": "the same with the residual",
     "odometry": "pose after a step", "dynamics": "rates of the posture model", "prepare": "once per "
     "calibration",
 }  # fmt: skip

@@ -128,6 +128,11 @@ def _absolute(a: Fact) -> Fact:
     return _interval(a.away, hi, a.away, a.nonzero)
 
 
+def _whole(a: Fact) -> Fact:
+    half = Exact(Fraction(1, 2))
+    return Fact(None if a.lo is None else a.lo - half, None if a.hi is None else a.hi + half)
+
+
 def _fact(nodes: tuple[Node, ...], known: list[Fact], node: Node) -> Fact:
     args = [known[arg] for arg in node.args]
     match node.op:
@@ -150,8 +155,14 @@ def _fact(nodes: tuple[Node, ...], known: list[Fact], node: Node) -> Fact:
             return _root(args[0])
         case Op.SIN | Op.COS:
             return Fact(-ONE, ONE)
+        case Op.ATAN:
+            return Fact(Exact(-2), Exact(2))
         case Op.ATAN2:
             return Fact(Exact(-4), Exact(4))
+        case Op.RINT:
+            return _whole(args[0])
+        case Op.FLIP:
+            return _either(args[0], _negative(args[0]))
         case Op.MIN:
             return _negative(_larger(_negative(args[0]), _negative(args[1])))
         case Op.MAX:
@@ -189,7 +200,23 @@ def _chosen(nodes: tuple[Node, ...], known: list[Fact], node: Node, branch: int)
         bound = _size_bound(nodes, large, value, below.lo)
         if bound is not None and (strict or bound):
             return _interval(fact.lo, fact.hi, max(fact.away, bound), nonzero=True)
+        if strict and _grows(nodes, value, large):
+            return _interval(fact.lo, fact.hi, fact.away, nonzero=True)
     return fact
+
+
+def _grows(nodes: tuple[Node, ...], value: int, size: int) -> bool:
+    """True when ``value`` is a + s, s being ``size`` >= 0 with the sign of a: |a + s| = |a| + size."""
+    node = nodes[value]
+    if node.op is not Op.ADD:
+        return False
+    for a, s in (node.args, node.args[::-1]):
+        signed = nodes[s]
+        if signed.op is Op.SELECT and signed.args[0] == a and signed.args[3] == size:
+            zero, opposite = nodes[signed.args[1]], nodes[signed.args[2]]
+            if zero.value == ZERO and opposite.op is Op.NEG and opposite.args[0] == size:
+                return True
+    return False
 
 
 def _size_bound(nodes: tuple[Node, ...], size: int, value: int, least: Exact) -> Exact | None:

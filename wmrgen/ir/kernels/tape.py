@@ -1,0 +1,86 @@
+"""Writes operations down as they stand: equal ones once, none simplified.
+
+The order of float operations is what a kernel is, so the rules of `wmrgen.ir.build` must not touch it.
+"""
+
+from __future__ import annotations
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import Node, Op
+
+
+class Tape:
+    """Nodes of a new function, by hash-consing; the methods return their ids."""
+
+    __slots__ = ("_consts", "_index", "_kept", "nodes")
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._index: dict[tuple[Op | str | None, tuple[int, ...]], int] = {}
+        self._consts: dict[Exact, int] = {}
+        self._kept: dict[
+            int, tuple[Exact, int]
+        ] = {}  # by identity: the constants of kernels come again and again
+
+    def copy(self, node: Node, args: tuple[int, ...]) -> int:
+        """``node`` of another function over ``args``."""
+        if node.value is not None:
+            return self.const(node.value)
+        return self.put(node.op, *args) if args else self._new((node.name, ()), node)
+
+    def put(self, op: Op, *args: int) -> int:
+        """The node of an operation."""
+        found = self._index.get((op, args))
+        return self._new((op, args), Node(op, args)) if found is None else found
+
+    def _new(self, key: tuple[Op | str | None, tuple[int, ...]], node: Node) -> int:
+        found = self._index.setdefault(key, len(self.nodes))
+        if found == len(self.nodes):
+            self.nodes.append(node)
+        return found
+
+    def const(self, value: Exact) -> int:
+        """A constant."""
+        kept = self._kept.get(id(value))
+        if kept is not None:
+            return kept[1]
+        found = self._consts.setdefault(value, len(self.nodes))
+        if found == len(self.nodes):
+            self.nodes.append(Node(Op.CONST, value=value))
+        self._kept[id(value)] = value, found
+        return found
+
+    def add(self, a: int, b: int) -> int:
+        """a + b."""
+        return self.put(Op.ADD, a, b)
+
+    def sub(self, a: int, b: int) -> int:
+        """a - b."""
+        return self.put(Op.SUB, a, b)
+
+    def mul(self, a: int, b: int) -> int:
+        """a * b."""
+        return self.put(Op.MUL, a, b)
+
+    def div(self, a: int, b: int) -> int:
+        """a / b."""
+        return self.put(Op.DIV, a, b)
+
+    def select(self, a: int, b: int, x: int, y: int) -> int:
+        """x where a < b, else y."""
+        return self.put(Op.SELECT, a, b, x, y)
+
+    def horner(self, x: int, coefficients: tuple[Exact, ...]) -> int:
+        """c0 + x (c1 + x (c2 + ...)), the last product computed first."""
+        *rest, last = coefficients
+        total = self.const(last)
+        for c in reversed(rest):
+            total = self.add(self.mul(x, total), self.const(c))
+        return total
+
+    def opposite(self, a: int) -> int:
+        """-a; of a constant, a constant."""
+        node = self.nodes[a]
+        if node.value is not None:
+            return self.const(-node.value)
+        return node.args[0] if node.op is Op.NEG else self.put(Op.NEG, a)

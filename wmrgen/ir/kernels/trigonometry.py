@@ -1,0 +1,49 @@
+"""The kernels, written on a tape: float operations without branches, tables or calls."""
+
+from __future__ import annotations
+
+from wmrgen.exact.number import ONE, ZERO
+from wmrgen.ir.kernels import constants as c
+from wmrgen.ir.kernels.tape import Tape
+from wmrgen.ir.nodes import Op
+
+
+def sine_cosine(tape: Tape, x: int, fused: bool) -> tuple[int, int, int]:
+    """(raised, s, c): x = r + k pi, k = rint(x / pi); s = sin r, c = cos r; ``raised`` is k plus an even number.
+
+    sin x = s and cos x = c where k is even, else -s and -c. ``fused``: products that are added are not rounded.
+    """
+    raised = tape.add(tape.mul(x, tape.const(c.PER_PI)), tape.const(c.RINT32))
+    k = tape.sub(raised, tape.const(c.RINT32))
+    high, low = (c.HALF, c.LESS_HALF_LOW) if fused else (c.PI_HIGH, c.LESS_PI_LOW)
+    r = tape.sub(x, tape.mul(k, tape.const(high)))
+    r = tape.add(r, tape.mul(k, tape.const(low)))
+    return raised, _sine(tape, r), _cosine(tape, r)
+
+
+def _sine(tape: Tape, r: int) -> int:
+    s = tape.mul(r, r)
+    return tape.add(r, tape.mul(tape.mul(r, s), tape.horner(s, c.SIN)))
+
+
+def _cosine(tape: Tape, r: int) -> int:
+    s = tape.mul(r, r)
+    return tape.horner(s, c.COS)
+
+
+def arctangent(tape: Tape, q: int) -> int:
+    """atan q for |q| <= 1."""
+    t = tape.mul(q, q)
+    return tape.add(q, tape.mul(tape.mul(q, t), tape.horner(t, c.ATAN)))
+
+
+def arctangent2(tape: Tape, y: int, x: int) -> int:
+    """atan2(y, x); 0 at (0, 0), and atan2(-0, x) is that of +0."""
+    zero, one = tape.const(ZERO), tape.const(ONE)
+    a, b = tape.put(Op.ABS, x), tape.put(Op.ABS, y)
+    longer, shorter = tape.select(a, b, b, a), tape.select(a, b, a, b)
+    divisor = tape.select(zero, longer, longer, one)
+    angle = arctangent(tape, tape.div(shorter, divisor))
+    angle = tape.select(a, b, tape.sub(tape.const(c.QUARTER), angle), angle)
+    angle = tape.select(x, zero, tape.sub(tape.const(c.HALF), angle), angle)
+    return tape.select(y, zero, tape.put(Op.NEG, angle), angle)

@@ -1,0 +1,90 @@
+"""The line along which a pivot moves, as a joint angle: headings count modulo a half turn.
+
+A steered wheel rolls along its pivot's velocity (a, b) forwards or backwards, so only the line matters. With the
+signed speed v = +-sqrt(a**2 + b**2), its sign that of a, half the angle of the line has the tangent b / (v + a),
+which lies in [-1, 1]: one quotient and one arctangent, and nothing cancels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mpmath
+import sympy
+
+from wmrgen.constraints import working_view
+from wmrgen.exact.angles import PRECISION, add_angles, circle_point, to_fraction, to_mpf, twelfths
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.kinematics.records import Locals
+from wmrgen.layout.records import Wheel
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    arctangent,
+    expression,
+    number,
+    root,
+    select,
+    square,
+    subtract,
+    times,
+)
+
+Velocity = tuple[Poly, Poly]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """``heading``: joint angle [rad] of one direction of the line. ``speed`` [m/s] of the pivot in that direction.
+
+    ``size``: of the velocity [m/s], zero where the pivot stands still.
+    """
+
+    heading: Expr
+    speed: Expr
+    size: Expr
+
+
+def line(w: Wheel, velocity: Velocity, names: Locals) -> Line:
+    """The line of the pivot's velocity, given in the robot frame [m/s]."""
+    (x, y), zero = _near_zero(w, velocity)
+    a, b = short(names, f"{w.name}_x", x), short(names, f"{w.name}_y", y)
+    size = names.define(f"{w.name}_size", root(add(square(a), square(b))))
+    speed = names.define(f"{w.name}_speed", select(a, sympy.S.Zero, times(-1, size), size))
+    divisor = select(sympy.S.Zero, size, add(speed, a), sympy.S.One)
+    slope = names.define(f"{w.name}_slope", b / names.define(f"{w.name}_divisor", divisor))
+    return Line(subtract(times(2, arctangent(slope)), zero), speed, size)
+
+
+def short(names: Locals, name: str, value: Poly) -> Expr:
+    """A sum gets a name; a single term stays."""
+    return names.define(name, value) if len(value.terms) > 1 else expression(value)
+
+
+def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:
+    """The velocity along and across the wheel at joint angle ``angle``."""
+    g = working_view(w)
+    c, s = g.ch, g.sh
+    if angle:
+        cosine, sine = circle_point(angle.rational())
+        c, s = add_angles((c, s), (Poly.of(cosine), Poly.of(sine)))
+    return velocity[0] * c + velocity[1] * s, velocity[1] * c - velocity[0] * s
+
+
+def _near_zero(w: Wheel, velocity: Velocity) -> tuple[Velocity, Expr]:
+    """The velocity in a frame at a fixed angle [rad] short of the wheel's zero, and that angle.
+
+    Turning by a quarter is free and by a tunable angle there is no other way. By any other the velocity is left in
+    the robot frame, where its cancelling terms have the plain coordinates of the pivot for factors.
+    """
+    g = working_view(w)
+    c, s = g.ch.constant, g.sh.constant
+    if c is None or s is None or not (c and s):
+        return turned_by(w, velocity), sympy.S.Zero
+    for k in range(24):
+        if twelfths(k) == (c, s):
+            return velocity, times(sympy.Rational(k if k <= 12 else k - 24, 12), sympy.pi)
+    with mpmath.workdps(PRECISION):
+        angle = mpmath.atan2(to_mpf(s.rational()), to_mpf(c.rational()))
+    return velocity, number(Exact(to_fraction(angle)))

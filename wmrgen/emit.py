@@ -12,9 +12,11 @@ from wmrgen import __version__
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
+from wmrgen.ir.site import Site
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
+    from wmrgen.layout.records import Robot
 
 MODEL = "model.json"
 
@@ -47,4 +49,18 @@ def meta(derivation: Derivation, scalar: str, model: bytes) -> Meta:
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
         scalar=scalar,
+        site=site(derivation.robot),
     )
+
+
+def site(robot: Robot) -> Site:
+    """Limits and pivots of ``robot`` as numbers; a wheel's own limit comes before the robot's."""
+    limits = {name: limit for name, limit in robot.limits.items() if name in ("vx", "vy", "omega")}
+    for wheel in robot.wheels:
+        joints = (*(["spin"] if wheel.has_spin else []), *(["steer", "steer_rate"] if wheel.turns else []))
+        for joint in joints:
+            limit = wheel.limits.get(joint) or robot.limits.get(joint)
+            if limit is not None:
+                limits[f"{wheel.name}.{joint}"] = limit
+    pivots = tuple((w.name, float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)
+    return Site({name: (float(v.low), float(v.high)) for name, v in limits.items()}, pivots)

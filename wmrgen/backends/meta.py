@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wmrgen.ir.site import NO_SITE, Site
+
 
 @dataclass(frozen=True, slots=True)
 class Meta:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
     ``wheel_lines``: the wheel table, one finished line per wheel and note.
-    ``model_hash``: hexadecimal digest of the model. ``scalar``: ``float`` or ``double`` (C only).
+    ``model_hash``: hexadecimal digest of the model. ``scalar``: ``float`` or ``double`` (C only). ``site``: what the
+    robot file says about inputs.
     """
 
     description: str = ""
@@ -19,6 +22,7 @@ class Meta:
     wmrgen_version: str = ""
     sympy_version: str = ""
     scalar: str = "float"
+    site: Site = NO_SITE
 
 
 NO_META = Meta()

@@ -14,15 +14,17 @@ import numpy as np
 
 from wmrgen.ir.nodes import Function, Op, Port, Role
 from wmrgen.ir.rounding import nearest_float32
-from wmrgen.ir.site import Site
+from wmrgen.ir.site import NO_SITE, Site
 
 Array = Any
 Point = tuple[str, Array]  # what it is, one value per port
 
 TWIST = ("vx", "vy", "omega")
-BRANCH = "branch"  # a point of the pool: kept where it takes a branch that no other takes
+BRANCH = "branch"  # a point of the pool: kept where it takes branches that no other takes
 _SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
-_GENERIC, _POOL, _ROWS = 8, 32, 64
+_GENERIC, _POOL, _ROWS = 8, 320, 64
+_MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
+_BEYOND = 1 + 2.0**-11
 
 
 class Grid:
@@ -50,15 +52,16 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     timed = np.array([p.unit == "s" for p in ports])
     yield "all zero", np.zeros(len(ports))
     yield "standstill", np.where(moving, 0.0, grid.rows[3])
-    for column in np.flatnonzero(moving).tolist():
+    for column in np.flatnonzero(moving)[:_ALONE].tolist():
         alone = np.zeros(len(ports))
         alone[column] = grid.single[column]
         yield f"{ports[column].name} alone", alone
         if moving.sum() <= 4:
             yield f"{ports[column].name} alone, backwards", -alone
-    for row in range(_GENERIC):
+    generic = _GENERIC if len(ports) <= _MANY else _GENERIC - 2
+    for row in range(generic):
         yield "generic", grid.rows[row]
-        if row < _GENERIC // 2:
+        if row < generic // 2:
             yield "the same backwards", np.where(moving, -grid.rows[row], grid.rows[row])
     for power, text in ((-14, "very slow"), (7, "fast"), (20, "very fast")):
         factor = np.where(moving & ~timed, 2.0**power, 1.0)
@@ -66,18 +69,36 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
     if any(node.op in (Op.SELECT, Op.MIN, Op.MAX) for node in function.nodes):
-        for row in range(_GENERIC, _GENERIC + _POOL):
-            yield BRANCH, grid.rows[row] * (4.0 if row % 3 else 0.125)
+        for row, values in enumerate(_scattered(ports)):
+            yield BRANCH, values * (1.0, 0.125, 4.0)[row % 3]
+
+
+def _scattered(ports: Sequence[Port]) -> Array:
+    """A pool of rows without pattern; declared limits do not bound it, for code must be right beyond them too."""
+    sizes = np.array([_size(port, NO_SITE) for port in ports])
+    row, column = np.ogrid[0:_POOL, 0 : len(ports)]
+    mixed = (row * 0x9E3779B1 + column * 0x85EBCA6B + 0x27D4EB2F) & 0xFFFFFFFF
+    for shift, factor in ((15, 0x2C1B3C6D), (12, 0x297A2D39)):
+        mixed = ((mixed ^ mixed >> shift) * factor) & 0xFFFFFFFF
+    return np.rint(sizes * ((mixed >> 7) % 255 - 127)) / 128
 
 
 def _extremes(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
-    """Every input with a declared limit there."""
+    """Every input with a declared limit there; at standstill, joints a little beyond theirs."""
     limits = [site.limits.get(p.name) for p in ports]
     if not any(limits):
         return
+    known = np.array([limit is not None for limit in limits])
+    state = np.array([p.role is not Role.COMMAND for p in ports])
     for side, text in ((1, "upper limits"), (0, "lower limits")):
-        at = [nearest_float32(limit[side]) if limit else 0.0 for limit in limits]
-        yield text, np.where([limit is not None for limit in limits], at, grid.rows[9 + side])
+        at = np.array([limit[side] if limit else 0.0 for limit in limits])
+        yield text, np.where(known, _single(at), grid.rows[9 + side])
+        if (known & state).any():
+            yield f"just beyond {text}", np.where(known & state, _single(at * _BEYOND), 0.0)
+
+
+def _single(values: Array) -> Array:
+    return np.array([nearest_float32(x) for x in values.tolist()])
 
 
 def _centres(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:

@@ -25,6 +25,7 @@ _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to
 _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
 _FLOOR = 1e-12
 _LAWS = 6
+_SPARE = 16  # points for branches
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ class Table:
 
 def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ...]:
     """A table per function with inputs and outputs (``f_slip`` in that of ``f``), then one for the law."""
-    prepared = _prepared(module, scalar)
+    prepared = prepared_of(module, scalar)
     found = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
     law = _law(module, scalar, site, prepared)
     return tuple(t for t in (*found, law) if t is not None and t.vectors)
@@ -79,7 +80,7 @@ def _names(ports: Sequence[Port]) -> tuple[str, ...]:
     return tuple(port.name for port in ports)
 
 
-def _prepared(module: Module, scalar: str) -> dict[str, Bounded]:
+def prepared_of(module: Module, scalar: str) -> dict[str, Bounded]:
     """Tunable parameters at their nominal values, and what prepare() makes of them; one point."""
     ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
     known = {p.name: _nominal(p, scalar) for p in ports if p.default is not None}
@@ -138,19 +139,20 @@ def _sound(made: Iterable[Bounded], scalar: str) -> Array:
 
 
 def _kept(known: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
-    """The first points that are sound, then of the pool only those that take a new branch."""
+    """The first points that are sound; of the pool those with two outcomes of choices that are new together."""
     choices = [b.taken[0] for b in known if b.taken is not None]
-    count = len(choices)
-    taken = np.array(choices).reshape(count, len(tried))
-    seen = np.zeros((2, count), dtype=bool)
-    rows = []
-    for k, (text, _) in enumerate(tried):
-        if not sound[k]:
-            continue
-        now = np.array([taken[:, k] == 1, taken[:, k] == -1])
-        if text != BRANCH or (now & ~seen).any():
-            rows.append(k)
-            seen |= now
+    taken = np.array(choices).reshape(len(choices), len(tried))
+    outcomes = np.concatenate([taken == 1, taken == -1])
+    seen = np.zeros((len(outcomes), len(outcomes)), dtype=bool)
+    rows, spare = [], _SPARE
+    for k in np.flatnonzero(sound).tolist():
+        now = np.outer(outcomes[:, k], outcomes[:, k])
+        if tried[k][0] == BRANCH:
+            if not spare or not (now & ~seen).any():
+                continue
+            spare -= 1
+        rows.append(k)
+        seen |= now
     return rows
 
 

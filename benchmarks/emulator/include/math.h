@@ -4,6 +4,7 @@
 
 float sinf(float x);
 float cosf(float x);
+float atanf(float x);
 float atan2f(float y, float x);
 float sqrtf(float x);
 float fabsf(float x);
@@ -11,6 +12,7 @@ float fmaf(float x, float y, float z);
 float copysignf(float x, float y);
 double sin(double x);
 double cos(double x);
+double atan(double x);
 double atan2(double y, double x);
 double sqrt(double x);
 double fabs(double x);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import sympy
@@ -21,13 +22,13 @@ if TYPE_CHECKING:
 MODEL = "model.json"
 
 
-def artifacts(derivation: Derivation, scalar: str = "float") -> dict[str, bytes]:
+def artifacts(derivation: Derivation, scalar: str = "float", fuzz: bool = False) -> dict[str, bytes]:
     """File name -> content of everything that stands in ``DIR/<name>/``, the manifest aside.
 
-    ``scalar`` is the type of the generated C, float or double.
+    ``scalar`` is the type of the generated C, float or double; ``fuzz`` adds a fuzzing harness.
     """
     model = (json.dumps(derivation.model(), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
-    facts = meta(derivation, scalar, model)
+    facts = replace(meta(derivation, scalar, model), fuzz=fuzz)
     files = {MODEL: model}
     for entry in BACKENDS.values():
         made = entry.load().emit(getattr(derivation, entry.source), facts)

@@ -13,7 +13,7 @@ class Meta:
 
     ``wheel_lines``: the wheel table, one finished line per wheel and note.
     ``model_hash``: hexadecimal digest of the model. ``scalar``: ``float`` or ``double`` (C only). ``site``: what the
-    robot file says about inputs.
+    robot file says about inputs. ``fuzz``: a fuzzing harness too (C only).
     """
 
     description: str = ""
@@ -23,6 +23,7 @@ class Meta:
     sympy_version: str = ""
     scalar: str = "float"
     site: Site = NO_SITE
+    fuzz: bool = False
 
 
 NO_META = Meta()

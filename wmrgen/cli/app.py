@@ -128,6 +128,7 @@ def derive(
         bool, typer.Option("--json", help="Print model.json; a list when there are several.")
     ] = False,
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = Scalar.float,
+    fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
 ) -> int:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
 
@@ -135,7 +136,7 @@ def derive(
     """
     from wmrgen.cli.derive import run
 
-    return run(robots, out, as_json=json, scalar=scalar.value)
+    return run(robots, out, as_json=json, scalar=scalar.value, fuzz=fuzz)
 
 
 @app.command("eval", short_help="Compute a function of a robot's model.")
@@ -293,7 +294,8 @@ def icr(
 def model(
     robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
     form: Annotated[
-        Form, typer.Option(help="Driven speeds, all joints, null-space inputs, front wheel, trailers, chained.")
+        Form,
+        typer.Option(help="Driven speeds, all joints, null-space inputs, front wheel, trailers, chained."),
     ] = Form.posture,
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
     json: Json = False,
@@ -368,3 +370,20 @@ def stability(
     from wmrgen.cli.stability import run
 
     return run(robot, values or [], as_json=json)
+
+
+@app.command(short_help="Prove ranges and rounding errors of the generated C.")
+@guarded
+def prove(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen prove robots/pioneer3dx.yaml
+
+    Prove, for all inputs within the limits of the robot file, that no function of the generated C divides by zero or
+    gives NaN or infinity; the range of every output; and a bound of its rounding error. Frama-C Eva looks for alarms,
+    too, where it is installed. Exit code 3 when something is not proved or limits are missing.
+    """
+    from wmrgen.cli.prove import run
+
+    return run(robot, as_json=json)

@@ -28,7 +28,7 @@ def load_all(paths: Sequence[Path]) -> list[Robot]:
     return robots
 
 
-def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
+def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str, fuzz: bool = False) -> int:
     """Derive every robot, then write every robot, then print."""
     from wmrgen.emit import MODEL, artifacts
 
@@ -41,7 +41,7 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
             if robot.gains:
                 warn(robot)
             derivation = wmrgen.derive(robot)
-            done.append((derivation, artifacts(derivation, scalar)))
+            done.append((derivation, artifacts(derivation, scalar, fuzz)))
     written = [write_tree(out / derivation.robot.name, files) for derivation, files in done]
     if as_json:
         models = [files[MODEL].decode().rstrip("\n") for _, files in done]

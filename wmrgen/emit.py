@@ -14,6 +14,7 @@ from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
 from wmrgen.ir.site import Site
+from wmrgen.proofs.text import header_lines
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
@@ -50,6 +51,7 @@ def meta(derivation: Derivation, scalar: str, model: bytes) -> Meta:
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
         scalar=scalar,
+        bound_lines=header_lines(derivation.bounds) if scalar == "float" else (),
         site=site(derivation.robot),
     )
 

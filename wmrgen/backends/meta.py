@@ -11,7 +11,7 @@ from wmrgen.ir.site import NO_SITE, Site
 class Meta:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
-    ``wheel_lines``: the wheel table, one finished line per wheel and note.
+    ``wheel_lines``: the wheel table, one finished line per wheel and note. ``bound_lines``: what is proved (float C).
     ``model_hash``: hexadecimal digest of the model. ``scalar``: ``float`` or ``double`` (C only). ``site``: what the
     robot file says about inputs. ``fuzz``: a fuzzing harness too (C only).
     """
@@ -22,6 +22,7 @@ class Meta:
     wmrgen_version: str = ""
     sympy_version: str = ""
     scalar: str = "float"
+    bound_lines: tuple[str, ...] = ()
     site: Site = NO_SITE
     fuzz: bool = False
 

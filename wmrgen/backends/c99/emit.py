@@ -60,7 +60,16 @@ def _table(meta: Meta, scalar: str) -> list[str]:
     if meta.wheel_lines:
         lines += ["", "Wheels, in the order of the robot file:"]
         lines += [f"  {line}" for text in meta.wheel_lines for line in comment_lines(text, 95)]
+    if meta.bound_lines:
+        lines += ["", *(line for text in meta.bound_lines for line in indented(text))]
     return lines
+
+
+def indented(text: str) -> list[str]:
+    """Comment lines that keep the indent of ``text``."""
+    bare = text.lstrip()
+    indent = " " * (len(text) - len(bare))
+    return [indent + line for line in comment_lines(bare, 97 - len(indent))]
 
 
 def sources(module: Module, meta: Meta) -> tuple[str, str]:

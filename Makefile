@@ -27,6 +27,7 @@ test: setup
 check: setup lint types
 	$(PYTEST) -m 'slow or not slow'
 	$(BIN)/wmrgen check
+	$(BIN)/python -m benchmarks budgets
 
 lint: setup
 	$(BIN)/ruff check .

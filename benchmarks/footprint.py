@@ -38,7 +38,7 @@ def measure(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
-            header, source = sources(module, meta(math))
+            header, source = sources(module, meta(math, target=processor.target))
             (folder / f"{module.name}.h").write_text(header)
             (folder / f"{module.name}.c").write_text(source)
         files = [f"{module.name}.c" for module in modules]

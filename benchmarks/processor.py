@@ -58,13 +58,14 @@ class Bench:
         self.flat: dict[str, tuple[str, ...]] = {}
         self.jobs = jobs
         modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in jobs)]
-        write_sources(folder, modules, lambda module: sources(module, meta(math)))
+        target = M0 if processor.startswith("m0") else M4F
+        write_sources(folder, modules, lambda module: sources(module, meta(math, target=target.name)))
         files = [f"{module.name}.c" for module in modules] + [LAYOUTS]
-        files += _references(folder, {module.name for module in modules})
+        files += references(folder, {module.name for module in modules})
         files += [name for job in jobs for name in self._others(folder, job)] if others else []
         flags = (*gcc.FLAGS, *(("-DREFERENCE_INLINE",) if math == "inline" else ()))
         image = Image(gcc.build(folder, files, f"{math}.{processor}.elf", processor, flags))
-        self.fleet = Fleet(tuple(modules), image, {}, M0 if processor.startswith("m0") else M4F)
+        self.fleet = Fleet(tuple(modules), image, {}, target)
 
     def _others(self, folder: Path, job: Job) -> Iterator[str]:
         for generator in GENERATORS.values():
@@ -102,7 +103,7 @@ class Bench:
         return self.count(job, name) if name in self.flat else None
 
 
-def _references(folder: Path, robots: set[str]) -> Iterator[str]:
+def references(folder: Path, robots: set[str]) -> Iterator[str]:
     """Copy what is written by hand; the C files whose robot is among ``robots``."""
     for path in sorted(REFERENCE.iterdir()):
         text = path.read_text()

@@ -91,12 +91,16 @@ class Fleet:
         counts: bool = True,
         separate: bool = False,
         stack: bool = False,
+        extra: Sequence[str] = (),
     ) -> Fleet:
-        """Compile and link ``modules`` in ``folder``: in one go, or ``separate``, an object for each."""
+        """Compile and link ``modules`` in ``folder``: in one go, or ``separate``, an object for each.
+
+        ``extra``: C files that stand in ``folder``, for the same image.
+        """
         write_sources(folder, modules, made)
         (folder / STUBS).write_text(_stubs(sorted(LIBM)))
         units = [f"{module.name}.c" for module in modules] + [LAYOUTS] if separate else [EVERY]
-        objects = compile_objects(folder, (*units, STUBS), target, flags)
+        objects = compile_objects(folder, (*units, STUBS, *extra), target, flags)
         image = Image(link(folder, objects, f"every.{target.name}.elf", target))
         made_of = dict(zip(units, objects, strict=False))
         return cls(tuple(modules), image, libm, target, counts, stack, made_of)

@@ -55,7 +55,7 @@ def build(folder: Path) -> list[Path]:
     programs = []
     for math in MATHS:
         for robot in ROBOTS.values():
-            header, source = sources(derivations()[robot].c_module, meta(math))
+            header, source = sources(derivations()[robot].c_module, meta(math, target="host"))
             (folder / f"{robot}.h").write_text(header)
             (folder / f"{robot}.c").write_text(source)
         if not programs:  # the structs are the same for each

@@ -56,10 +56,12 @@ def mismatches(
 ) -> tuple[int, list[str]]:
     """How many calls were made of every function of every robot, and each output that has other bits."""
     known = answers(host().arithmetic)
-    made = Fleet.build(folder, modules, known, lambda m: sources(m, meta(math)), target, counts=False)
+    made = Fleet.build(
+        folder, modules, known, lambda m: sources(m, meta(math, target=target.name)), target, counts=False
+    )
     calls, wrong = 0, []
     for module in made.modules:
-        computed = printed(module, math)
+        computed = printed(module, math, target=target.name)
         for step in made.steps(module.name):
             name = step.name.removeprefix(f"{module.name}_")
             for case in inputs(module, module.function(name), count):

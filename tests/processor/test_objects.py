@@ -28,7 +28,7 @@ DOUBLE = r"__aeabi_([cd]d?\w*|\w+2d|d\w+)|__\w+df\w*|(sin|cos|atan2?|sqrt|fabs|f
 def undefined(
     folder: Path, modules: tuple[Module, ...], target: Target, scalar: str, math: str = DEFAULT
 ) -> frozenset[str]:
-    write_sources(folder, modules, lambda module: sources(module, meta(math, scalar)))
+    write_sources(folder, modules, lambda module: sources(module, meta(math, scalar, target.name)))
     (made,) = compile_objects(folder, (EVERY,), target)
     return Image(made).undefined
 

@@ -27,6 +27,7 @@ test: setup
 check: setup lint types
 	WMRGEN_DEEP=1 $(PYTEST) -m 'slow or not slow'
 	$(BIN)/wmrgen check
+	$(BIN)/python -m benchmarks budgets
 
 lint: setup
 	$(BIN)/ruff check .

@@ -6,7 +6,7 @@ import argparse
 import platform
 import sys
 
-from benchmarks import budgets, counts, speed
+from benchmarks import budgets, counts, figures, speed
 
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
@@ -14,6 +14,7 @@ SECTIONS = {
     "check": lambda chosen: speed.check(chosen.runs),
     "counts": lambda chosen: counts.table(),
     "budgets": lambda chosen: budgets.run(chosen.update),
+    "processor": lambda chosen: figures.run(chosen.update),
 }
 
 
@@ -21,7 +22,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("sections", nargs="*", help=f"{' '.join(SECTIONS)}; default: all")
     parser.add_argument("--runs", type=int, default=7, help="runs of each command (default 7)")
-    parser.add_argument("--update", action="store_true", help="budgets: write what is measured")
+    parser.add_argument("--update", action="store_true", help="budgets, processor: write what is measured")
     chosen = parser.parse_args()
     unknown = [name for name in chosen.sections if name not in SECTIONS]
     if unknown:

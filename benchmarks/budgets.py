@@ -15,20 +15,19 @@ from pathlib import Path
 from typing import Any
 
 import wmrgen
-from benchmarks.emulator.fleet import Fleet
+from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.inputs import cases, nominal
 from benchmarks.emulator.zig import FLAGS, M4F, version
 from wmrgen.artifacts import BUDGET, write_file
 from wmrgen.ir.arithmetic import FLOAT32
 from wmrgen.ir.cost import count
-from wmrgen.ir.nodes import Module, Op
+from wmrgen.ir.nodes import Module
 
 ROOT = Path(__file__).resolve().parent.parent
 GENERATED = ROOT / "generated"
 RUNS = 12
 LIMITED = ("instructions", "text", "stack")
 Budget = dict[str, Any]
-_ANSWERS = {"sinf": Op.SIN, "cosf": Op.COS, "atanf": Op.ATAN, "atan2f": Op.ATAN2, "sqrtf": Op.SQRT}
 
 
 def gallery() -> list[Module]:
@@ -38,9 +37,8 @@ def gallery() -> list[Module]:
 
 def measure(modules: Sequence[Module]) -> dict[str, Budget]:
     """Robot -> what its budget.json would hold."""
-    answers = {name: FLOAT32.apply[op] for name, op in _ANSWERS.items()}
     with tempfile.TemporaryDirectory(prefix="wmrgen-budget-") as folder:
-        fleet = Fleet.build(Path(folder), modules, answers, separate=True)
+        fleet = Fleet.build(Path(folder), modules, answers(FLOAT32), separate=True, stack=True)
         return {module.name: _robot(fleet, module) for module in modules}
 
 
@@ -49,7 +47,7 @@ def _robot(fleet: Fleet, module: Module) -> Budget:
     for step in fleet.steps(module.name):
         name = step.name.removeprefix(f"{module.name}_")
         values = cases(fleet.inputs(step), nominal(module), step.name, RUNS)
-        runs = [fleet.call(step, case, stack=True)[0] for case in values]
+        runs = [fleet.call(step, case)[0] for case in values]
         calls: Counter[str] = Counter()
         for run in runs:
             calls |= Counter(run.calls)

@@ -29,14 +29,21 @@ def find_compiler(cc: str | None = None) -> str:
     raise EnvironmentFailure(f"no C compiler found: looked for {', '.join(names)}; {_HOW}")
 
 
-def _run(command: Sequence[str], what: str, stdin: str = "", env: Mapping[str, str] | None = None) -> str:
+def _run(
+    command: Sequence[str],
+    what: str,
+    stdin: str = "",
+    env: Mapping[str, str] | None = None,
+    folder: str | None = None,
+    how: str = f"; {_HOW}",
+) -> str:
     try:
         done = subprocess.run(
             command, input=stdin, capture_output=True, encoding="utf-8", errors="replace", timeout=_TIMEOUT,
-            env=None if env is None else {**os.environ, **env}, check=False,
+            env=None if env is None else {**os.environ, **env}, cwd=folder, check=False,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise EnvironmentFailure(f"{what} failed: {error}; {_HOW}") from error
+        raise EnvironmentFailure(f"{what} failed: {error}{how}") from error
     if done.returncode != 0:
         message = "\n".join(done.stderr.splitlines()[:20])
         raise EnvironmentFailure(f"{what} failed with status {done.returncode}:\n{message}")
@@ -74,3 +81,17 @@ def compile_and_run(
             (folder / file).write_text(text, encoding="utf-8", newline="\n")
         program = compile_program(folder, [file for file in files if file.endswith(".c")], cc, flags)
         return run_program(program, stdin, env)
+
+
+def find_tool(name: str) -> str | None:
+    """Path of an analyser on the PATH, None when there is none."""
+    return shutil.which(name)
+
+
+def run_tool(command: Sequence[str], files: Mapping[str, str]) -> str:
+    """What ``command`` prints on stdout, run in a temporary folder that holds ``files`` (name -> text)."""
+    with tempfile.TemporaryDirectory(prefix="wmrgen-") as name:
+        for file, text in files.items():
+            (Path(name) / file).write_text(text, encoding="utf-8", newline="\n")
+        # Frama-C looks for its files in $PWD, whatever its working directory is.
+        return _run(command, Path(command[0]).name, env={"PWD": name}, folder=name, how="")

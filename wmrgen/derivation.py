@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from wmrgen.models.frobenius import Integrability
     from wmrgen.models.system import System
     from wmrgen.program import Program
+    from wmrgen.proofs.bounds import Bounds
     from wmrgen.symbolic import Expr
 
 TWIST = frozenset({"vx", "vy", "omega"})
@@ -286,6 +287,13 @@ class Derivation:
         from wmrgen.ir.select import select
 
         return select(self._optimised, names)
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """Proved ranges and rounding errors of the C functions in float, where the robot file has limits."""
+        from wmrgen.proofs.bounds import bounds
+
+        return bounds(self.robot, self.c_module)
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""

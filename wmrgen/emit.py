@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import sympy
@@ -13,17 +14,23 @@ from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
+from wmrgen.ir.site import Site
+from wmrgen.proofs.text import header_lines
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
+    from wmrgen.layout.records import Robot
 
 MODEL = "model.json"
 
 
-def artifacts(derivation: Derivation, choice: Choice = DEFAULT) -> dict[str, bytes]:
-    """File name -> content of everything that stands in ``DIR/<name>/``, the manifest aside."""
+def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = False) -> dict[str, bytes]:
+    """File name -> content of everything that stands in ``DIR/<name>/``, the manifest aside.
+
+    ``choice`` is of the generated C; ``fuzz`` adds a fuzzing harness to it.
+    """
     model = (json.dumps(derivation.model(), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
-    facts = meta(derivation, choice, model)
+    facts = replace(meta(derivation, choice, model), fuzz=fuzz)
     files = {MODEL: model}
     for entry in BACKENDS.values():
         made = entry.load().emit(getattr(derivation, entry.source), facts)
@@ -44,5 +51,22 @@ def meta(derivation: Derivation, choice: Choice, model: bytes) -> Meta:
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
-        **choice.words(),
+        scalar=choice.scalar,
+        math=choice.math,
+        target=choice.target,
+        bound_lines=header_lines(derivation.bounds) if choice.scalar == "float" else (),
+        site=site(derivation.robot),
     )
+
+
+def site(robot: Robot) -> Site:
+    """Limits and pivots of ``robot`` as numbers; a wheel's own limit comes before the robot's."""
+    limits = {name: limit for name, limit in robot.limits.items() if name in ("vx", "vy", "omega")}
+    for wheel in robot.wheels:
+        joints = (*(["spin"] if wheel.has_spin else []), *(["steer", "steer_rate"] if wheel.turns else []))
+        for joint in joints:
+            limit = wheel.limits.get(joint) or robot.limits.get(joint)
+            if limit is not None:
+                limits[f"{wheel.name}.{joint}"] = limit
+    pivots = tuple((w.name, float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)
+    return Site({name: (float(v.low), float(v.high)) for name, v in limits.items()}, pivots)

@@ -41,9 +41,20 @@ def model(d: Derivation) -> dict[str, Any]:
             for f in d.raw_module.functions
         },
         "operations": {f.name: _operations(f) for f in d.c_module.functions},
+        **_bounds(d),
         **_slip(d, c),
         **_domains(d),
     }
+
+
+def _bounds(d: Derivation) -> dict[str, Any]:
+    """Proved ranges and rounding errors, where the robot file has the limits for them."""
+    found = d.bounds
+    if found.missing:
+        return {}
+    from wmrgen.proofs.bounds import data
+
+    return {"bounds": data(found)}
 
 
 def _slip(d: Derivation, c: Constraints) -> dict[str, Any]:

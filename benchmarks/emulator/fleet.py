@@ -11,11 +11,12 @@ from pathlib import Path
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.machine import Machine, Run, Trap
 from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
+from benchmarks.flavours import meta
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import Unit, unit
 from wmrgen.backends.c99.step import Step
 from wmrgen.backends.c99.struct import Struct
-from wmrgen.backends.meta import Meta
+from wmrgen.ir.arithmetic import Arithmetic
 from wmrgen.ir.nodes import Module
 
 EVERY, LAYOUTS, STUBS = "every.c", "layouts.c", "stubs.c"
@@ -27,9 +28,15 @@ Libm = Mapping[str, Callable[..., float]]
 Sources = Callable[[Module], tuple[str, str]]
 
 
+def answers(arithmetic: Arithmetic) -> Libm:
+    """libm's functions as ``arithmetic`` has them."""
+    named = {f"{op.value}f": function for op, function in arithmetic.apply.items()}
+    return {name: named[name] for name in LIBM if name in named}
+
+
 def default_sources(module: Module) -> tuple[str, str]:
     """Header and source as ``wmrgen derive`` writes them, banner aside."""
-    return sources(module, Meta())
+    return sources(module, meta())
 
 
 def write_sources(folder: Path, modules: Sequence[Module], made: Sources = default_sources) -> None:
@@ -69,6 +76,7 @@ class Fleet:
     libm: Libm
     target: Target = M4F
     counts: bool = True
+    stack: bool = False
     objects: Mapping[str, Path] = field(default_factory=dict)
 
     @classmethod
@@ -82,20 +90,25 @@ class Fleet:
         flags: Sequence[str] = FLAGS,
         counts: bool = True,
         separate: bool = False,
+        stack: bool = False,
+        extra: Sequence[str] = (),
     ) -> Fleet:
-        """Compile and link ``modules`` in ``folder``: in one go, or ``separate``, an object for each."""
+        """Compile and link ``modules`` in ``folder``: in one go, or ``separate``, an object for each.
+
+        ``extra``: C files that stand in ``folder``, for the same image.
+        """
         write_sources(folder, modules, made)
         (folder / STUBS).write_text(_stubs(sorted(LIBM)))
         units = [f"{module.name}.c" for module in modules] + [LAYOUTS] if separate else [EVERY]
-        objects = compile_objects(folder, (*units, STUBS), target, flags)
+        objects = compile_objects(folder, (*units, STUBS, *extra), target, flags)
         image = Image(link(folder, objects, f"every.{target.name}.elf", target))
         made_of = dict(zip(units, objects, strict=False))
-        return cls(tuple(modules), image, libm, target, counts, made_of)
+        return cls(tuple(modules), image, libm, target, counts, stack, made_of)
 
     @cached_property
     def machine(self) -> Machine:
         traps: dict[str, Trap] = {name: (LIBM[name], function) for name, function in self.libm.items()}
-        return Machine(self.image, traps, self.target.fpu, self.counts)
+        return Machine(self.image, traps, self.target.fpu, self.counts, self.stack)
 
     @cached_property
     def units(self) -> dict[str, Unit]:
@@ -133,29 +146,41 @@ class Fleet:
             if s.name == f"{u.robot}_prepare"
         )
 
-    def call(
-        self, step: Step, values: Mapping[str, float], stack: bool = False
-    ) -> tuple[Run, dict[str, float]]:
-        """Run ``step``, after prepare where it takes its result. The run is of the step alone."""
+    def call(self, step: Step, values: Mapping[str, float], name: str = "") -> tuple[Run, dict[str, float]]:
+        """Run ``step``, after prepare where it takes its result. The run is of the step alone.
+
+        ``name``: of another function with the same arguments, to run in its place.
+        """
         if any(parameter == "prepared" for _, parameter in step.arguments):
             self._enter(self._prepare(step), values)
-        run = self._enter(step, values, stack)
+        run = self._enter(step, values, name)
         out = step.arguments[-1][0]
         size, places = self._layouts[out.name]
         words = struct.unpack(f"<{size}f", self.machine.read(_PLACES["out"], 4 * size))
         return run, {name: words[k] for name, k in places.items()}
 
-    def _enter(self, step: Step, values: Mapping[str, float], stack: bool = False) -> Run:
+    def call_flat(self, name: str, inputs: Sequence[float], outputs: int) -> tuple[Run, tuple[float, ...]]:
+        """Call ``void name(const float *x, float *y)``, or a function of CasADi's signature."""
+        self.machine.write(_PLACES["in"], struct.pack(f"<{len(inputs)}f", *inputs))
+        self.machine.write(_PLACES["out"], _POISON * outputs)
+        places = [_PLACES["in"], _PLACES["out"]]
+        if name.startswith("casadi_"):  # arrays of pointers to the vectors
+            self.machine.write(_PLACES["params"], struct.pack("<2I", *places))
+            places = [_PLACES["params"], _PLACES["params"] + 4, 0, 0]
+        run = self.machine.call(name, *places)
+        return run, struct.unpack(f"<{outputs}f", self.machine.read(_PLACES["out"], 4 * outputs))
+
+    def _enter(self, step: Step, values: Mapping[str, float], name: str = "") -> Run:
         for s, parameter in step.arguments:
             size, places = self._layouts[s.name]
             if parameter in ("in", "params"):
                 words = [0.0] * size
-                for name, k in places.items():
-                    words[k] = values[name]
+                for member, k in places.items():
+                    words[k] = values[member]
                 self.machine.write(_PLACES[parameter], struct.pack(f"<{size}f", *words))
             elif s is step.arguments[-1][0]:
                 self.machine.write(_PLACES[parameter], _POISON * size)
-        return self.machine.call(step.name, *(_PLACES[p] for _, p in step.arguments), stack=stack)
+        return self.machine.call(name or step.name, *(_PLACES[p] for _, p in step.arguments))
 
     @cached_property
     def _layouts(self) -> dict[str, tuple[int, dict[str, int]]]:

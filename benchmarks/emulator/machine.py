@@ -6,8 +6,9 @@ import struct
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
-from unicorn import UC_ARCH_ARM, UC_HOOK_CODE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc
+from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_MODE_MCLASS, UC_MODE_THUMB, Uc
 from unicorn import arm_const as arm
 
 from benchmarks.emulator.image import Image
@@ -23,7 +24,10 @@ Trap = tuple[int, Callable[..., float]]  # how many floats, and what is computed
 
 @dataclass(frozen=True)
 class Run:
-    """One call: ``instructions`` outside trapped functions, bytes of ``stack`` (0 unless asked), ``calls`` of traps."""
+    """One call: ``instructions`` outside trapped functions, how often each trap was called (``calls``).
+
+    ``stack``: bytes, 0 unless looked at.
+    """
 
     instructions: int
     stack: int
@@ -34,11 +38,17 @@ class Machine:
     """An image in a Cortex-M4F (``fpu``) or a Cortex-M0, memory and registers kept between calls.
 
     ``traps`` are functions of floats that the host computes in place of the image's own. An instruction that
-    its IT block skips counts: it takes its cycle. Without ``counts`` calls are quick and their runs empty.
+    its IT block skips counts: it takes its cycle. Without ``counts`` calls are quick and their runs empty;
+    with ``stack`` they are slow, as the stack pointer is looked at before every instruction.
     """
 
     def __init__(
-        self, image: Image, traps: Mapping[str, Trap] | None = None, fpu: bool = True, counts: bool = True
+        self,
+        image: Image,
+        traps: Mapping[str, Trap] | None = None,
+        fpu: bool = True,
+        counts: bool = True,
+        stack: bool = False,
     ) -> None:
         self.image, self._fpu = image, fpu
         self._uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
@@ -49,58 +59,66 @@ class Machine:
             self._uc.mem_write(start, data)
         if fpu:
             self._uc.mem_write(CPACR, struct.pack("<I", 0xF << 20))
-        # What an instruction counts, by address: 0 in traps and behind IT, which counts its whole block.
-        self._weights: dict[int, int] = {}
-        self._traps: dict[int, tuple[str, int, Callable[..., float]]] = {}
-        for name, (count, function) in (traps or {}).items():
-            symbol = image.symbols[name]
-            self._traps[symbol.address] = (name, count, function)
-            self._weights.update(dict.fromkeys(range(symbol.address, symbol.address + symbol.size), 0))
-        self._count, self._lowest, self._watching = 0, STACK, False
+        self._weights: dict[tuple[int, int], int] = {}  # (address, size) of a block -> its instructions
+        self._count, self._lowest = 0, STACK
         self._calls: Counter[str] = Counter()
-        for begin, end in [(1, 0)] if counts else [(place, place) for place in self._traps]:
-            self._uc.hook_add(UC_HOOK_CODE, self._step, begin=begin, end=end)
+        self._free: list[range] = []  # what the traps occupy
+        for name, (arity, function) in (traps or {}).items():
+            symbol = image.symbols[name]
+            self._free.append(range(symbol.address, symbol.address + symbol.size))
+            answer = partial(self._answer, name, arity, function)
+            self._uc.hook_add(UC_HOOK_CODE, answer, begin=symbol.address, end=symbol.address)
+        if counts:
+            self._uc.hook_add(UC_HOOK_BLOCK, self._block)
+        if stack:
+            self._uc.hook_add(UC_HOOK_CODE, self._look)
 
-    def _step(self, uc: Uc, address: int, size: int, data: object) -> None:
-        weight = self._weights.get(address)
-        self._count += self._weigh(address) if weight is None else weight
-        trap = self._traps.get(address)
-        if trap is not None:
-            self._calls[trap[0]] += 1
-            self._answer(trap[1], trap[2])
-        elif self._watching:
-            self._lowest = min(self._lowest, uc.reg_read(arm.UC_ARM_REG_SP))
+    def _block(self, uc: Uc, address: int, size: int, data: object) -> None:
+        weight = self._weights.get((address, size))
+        if weight is None:
+            weight = self._weights[address, size] = self._weigh(address, size)
+        self._count += weight
 
-    def _weigh(self, address: int) -> int:
-        code = self._halfword(address)
-        weight, mask = 1, code & 0xF
-        if code & 0xFF00 == 0xBF00 and mask:
-            block = 4 - ((mask & -mask).bit_length() - 1)
-            place = address + 2
-            for _ in range(block):
-                self._weights[place] = 0
-                place += 4 if self._halfword(place) >> 11 >= 0b11101 else 2
-            weight += block
-        self._weights[address] = weight
-        return weight
+    def _weigh(self, address: int, size: int) -> int:
+        """The instructions of a block: those of four bytes begin with 0b11101, 0b11110 or 0b11111."""
+        if any(address in places for places in self._free):
+            return 0
+        place, found = address, 0
+        while place < address + size:
+            place += 4 if self._halfword(place) >> 11 >= 0b11101 else 2
+            found += 1
+        return found
+
+    def _look(self, uc: Uc, address: int, size: int, data: object) -> None:
+        self._lowest = min(self._lowest, uc.reg_read(arm.UC_ARM_REG_SP))
 
     def _halfword(self, address: int) -> int:
         return int.from_bytes(self.read(address, 2), "little")
 
-    def _answer(self, count: int, function: Callable[..., float]) -> None:
+    def _answer(
+        self,
+        name: str,
+        count: int,
+        function: Callable[..., float],
+        uc: Uc,
+        address: int,
+        size: int,
+        data: object,
+    ) -> None:
+        self._calls[name] += 1
         registers = [arm.UC_ARM_REG_S0 + k for k in range(count)] if self._fpu else _ARGUMENTS[:count]
-        given = struct.pack(f"<{count}I", *(self._uc.reg_read(r) & 0xFFFF_FFFF for r in registers))
+        given = struct.pack(f"<{count}I", *(uc.reg_read(r) & 0xFFFF_FFFF for r in registers))
         result = struct.pack("<f", function(*struct.unpack(f"<{count}f", given)))
-        self._uc.reg_write(registers[0], int.from_bytes(result, "little"))
+        uc.reg_write(registers[0], int.from_bytes(result, "little"))
 
-    def call(self, name: str, *arguments: int, stack: bool = False) -> Run:
-        """Call a function with up to four words; ``stack``: look at the stack pointer at every step."""
+    def call(self, name: str, *arguments: int) -> Run:
+        """Call a function with up to four words."""
         uc = self._uc
         for register, value in zip(_ARGUMENTS, arguments, strict=False):
             uc.reg_write(register, value)
         uc.reg_write(arm.UC_ARM_REG_SP, STACK)
         uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
-        self._count, self._lowest, self._watching = 0, STACK, stack
+        self._count, self._lowest = 0, STACK
         self._calls.clear()
         uc.emu_start(self.image.symbols[name].address | 1, RETURN, count=LIMIT)
         if uc.reg_read(arm.UC_ARM_REG_PC) != RETURN:

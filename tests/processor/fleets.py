@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import random
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
-from benchmarks.emulator.fleet import Fleet
+from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.zig import Target
+from benchmarks.flavours import meta, printed
 from tests.backends.modules import MODULES
 from tests.backends.samples import input_names, samples
 from tests.c.harness import Libm, gallery, libm
+from wmrgen.backends.c99 import sources
 from wmrgen.ir.interpret import evaluate_module
-from wmrgen.ir.kernels import expand
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.nodes import Function, Module
 
 EDGES = (
     0.0, -0.0, 1e-45, -1e-40, 1.1754944e-38, 1e-20, -1e-8, 1e-3, 1.0, -1.0, 1.5707964, -3.1415927, 6.2831855, 100.0,
@@ -29,22 +30,15 @@ def host() -> Libm:
     return libm("float")
 
 
-def fleet(target: Target, folder: Path) -> Fleet:
+def every() -> tuple[Module, ...]:
     """The gallery and the modules of the backends' contract tests."""
-    apply = host().arithmetic.apply
-    answers = {
-        "sinf": apply[Op.SIN],
-        "cosf": apply[Op.COS],
-        "atanf": apply[Op.ATAN],
-        "atan2f": apply[Op.ATAN2],
-        "sqrtf": apply[Op.SQRT],
-    }
-    return Fleet.build(folder, (*MODULES, *gallery()), answers, target=target, counts=False)
+    return (*MODULES, *gallery())
 
 
 def inputs(module: Module, function: Function, count: int) -> Iterator[dict[str, float]]:
-    """Standstill, each input alone, random ones, and as many drawn from `EDGES`. Float32 values."""
-    for case in samples(module, function, count):
+    """Standstill, ``count`` random inputs, and as many drawn from `EDGES`. Float32 values."""
+    drawn = samples(module, function, count)
+    for case in [drawn[0], *drawn[-count:]]:
         yield {name: rounded(value) for name, value in case.items()}
     source = random.Random(f"edges of {module.name}.{function.name}")
     names = input_names(module, function)
@@ -57,17 +51,23 @@ def rounded(value: float) -> float:
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
-def mismatches(target: Target, folder: Path, count: int) -> tuple[int, list[str]]:
+def mismatches(
+    target: Target, folder: Path, modules: Sequence[Module], math: str, count: int
+) -> tuple[int, list[str]]:
     """How many calls were made of every function of every robot, and each output that has other bits."""
-    made, calls, wrong = fleet(target, folder), 0, []
+    known = answers(host().arithmetic)
+    made = Fleet.build(
+        folder, modules, known, lambda m: sources(m, meta(math, target=target.name)), target, counts=False
+    )
+    calls, wrong = 0, []
     for module in made.modules:
-        printed = expand(module, "float", "inline")
+        computed = printed(module, math, target=target.name)
         for step in made.steps(module.name):
             name = step.name.removeprefix(f"{module.name}_")
             for case in inputs(module, module.function(name), count):
                 calls += 1
                 _, got = made.call(step, case)
-                for key, value in evaluate_module(printed, name, case, host().arithmetic).items():
+                for key, value in evaluate_module(computed, name, case, host().arithmetic).items():
                     if got[key].hex() != value.hex():
                         wrong.append(f"{step.name}({case}).{key}: {got[key].hex()}, expected {value.hex()}")
     return calls, wrong

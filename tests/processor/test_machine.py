@@ -39,7 +39,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Machine:
     (folder / "code.c").write_text(CODE)
     (folder / "stubs.c").write_text(STUBS)
     image = Image(link(folder, compile_objects(folder, ("code.c", "stubs.c"), M4F), "code.elf", M4F))
-    return Machine(image, {"sinf": (1, math.sin)})
+    return Machine(image, {"sinf": (1, math.sin)}, stack=True)
 
 
 @pytest.mark.parametrize(("name", "count"), [("three", 4), ("four", 5)])
@@ -58,8 +58,8 @@ def test_a_trap_answers_in_float_and_costs_nothing(machine: Machine) -> None:
 
 
 def test_the_stack_is_measured(machine: Machine) -> None:
-    assert machine.call("stack", 0x2000_1000, stack=True).stack >= 40
-    assert machine.call("three", 1, 2, stack=True).stack == 0
+    assert machine.call("stack", 0x2000_1000).stack >= 40
+    assert machine.call("three", 1, 2).stack == 0
 
 
 def test_what_does_not_return_is_an_error(machine: Machine, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,35 +10,41 @@ import pytest
 from benchmarks.emulator.fleet import EVERY, write_sources
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import M0, M4F, Target, compile_objects
-from tests.backends.modules import MODULES
+from benchmarks.flavours import DEFAULT, MATHS, meta
 from tests.c.harness import gallery
+from tests.processor.fleets import every
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.meta import Meta
 from wmrgen.ir.nodes import Module
 
+TARGETS = pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
 LIBM = r"(sin|cos|atan2?)f"
 # Without an FPU the compiler calls routines for float, for integers and between the two.
-SOFT = rf"{LIBM}|sqrtf|fmaf|__aeabi_(f(add|sub|rsub|mul|div|cmp\w+|2u?iz)|u?i2f|l(mul|lsl|lsr|asr)|u?idiv(mod)?|mem\w+)"
-ALLOWED = {"m4f": LIBM, "m0": SOFT}
+SOFT = (
+    r"sqrtf|fmaf|__aeabi_(f(add|sub|rsub|mul|div|cmp\w+|2u?iz)|u?i2f|l(mul|lsl|lsr|asr)|u?idiv(mod)?|mem\w+)"
+)
 DOUBLE = r"__aeabi_([cd]d?\w*|\w+2d|d\w+)|__\w+df\w*|(sin|cos|atan2?|sqrt|fabs|fma)"
 
 
-def undefined(folder: Path, modules: tuple[Module, ...], target: Target, scalar: str) -> frozenset[str]:
-    write_sources(folder, modules, lambda module: sources(module, Meta(scalar=scalar)))
+def undefined(
+    folder: Path, modules: tuple[Module, ...], target: Target, scalar: str, math: str = DEFAULT
+) -> frozenset[str]:
+    write_sources(folder, modules, lambda module: sources(module, meta(math, scalar, target.name)))
     (made,) = compile_objects(folder, (EVERY,), target)
     return Image(made).undefined
 
 
-@pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
-def test_the_float_build_references_no_double_routine(target: Target, tmp_path: Path) -> None:
+@TARGETS
+@pytest.mark.parametrize("math", MATHS)
+def test_the_float_build_references_no_double_routine(target: Target, math: str, tmp_path: Path) -> None:
     """An allow-list, so that a routine nobody thought of is found too. All robots are in this object."""
-    found = undefined(tmp_path, (*MODULES, *gallery()), target, "float")
-    assert not found & {"sinf", "cosf", "atanf", "atan2f"}
-    assert {name for name in found if not re.fullmatch(ALLOWED[target.name], name)} == set()
+    found = undefined(tmp_path, every(), target, "float", math)
+    allowed = "|".join([*([LIBM] if math == "libm" else []), *([] if target.fpu else [SOFT])])
+    assert ("sinf" in found) == (math == "libm")
+    assert {name for name in found if not re.fullmatch(allowed, name)} == set()
     assert not any(re.fullmatch(DOUBLE, name) for name in found)
 
 
-@pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
+@TARGETS
 def test_the_double_build_would_be_found(target: Target, tmp_path: Path) -> None:
     found = undefined(tmp_path, gallery()[:1], target, "double")
     assert {"__aeabi_dmul", "__aeabi_dadd", "sin"} <= found

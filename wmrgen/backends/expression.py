@@ -24,7 +24,8 @@ class Style:
 
     ``literal`` prints a constant as an atom (negative ones in parentheses). ``calls`` and ``choices`` are
     formats over the arguments by position; a choice always gets a statement of its own.
-    ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name.
+    ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name. ``grouped``: no
+    reader has to know which operator binds tighter (MISRA C:2012 rule 12.1).
     """
 
     literal: Callable[[Exact], str]
@@ -32,6 +33,7 @@ class Style:
     choices: Mapping[Op, str]
     declare: str
     temporary: str
+    grouped: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +66,12 @@ def _uses(function: Function, style: Style) -> list[int]:
     return uses
 
 
-def _infix(op: Op, left: _Text, right: _Text) -> _Text:
+def _infix(op: Op, left: _Text, right: _Text, grouped: bool) -> _Text:
     sign, binding = _INFIX[op]
+    if grouped and left.binding != binding:
+        left = _Text(left.within(_ATOM), _ATOM)
+    if grouped:
+        right = _Text(right.within(_ATOM), _ATOM)
     # The right operand keeps its parentheses at equal binding, a - (b + c), and round a sign, a - (-b).
     bare = right.binding > binding and right.binding != _UNARY
     return _Text(f"{left.within(binding)} {sign} {right.text if bare else right.within(_ATOM)}", binding)
@@ -73,11 +79,13 @@ def _infix(op: Op, left: _Text, right: _Text) -> _Text:
 
 def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
     if node.op in _INFIX:
-        return _infix(node.op, *args)
+        return _infix(node.op, args[0], args[1], style.grouped)
     if node.op is Op.NEG:
         return _Text("-" + args[0].within(_ATOM), _UNARY)
     texts = [argument.text for argument in args]
     if node.op in style.choices:
+        if style.grouped:
+            texts = [argument.within(_UNARY) for argument in args]
         return _Text(style.choices[node.op].format(*texts), _CHOICE)
     return _Text(style.calls[node.op].format(*texts), _ATOM)
 

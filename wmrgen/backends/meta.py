@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.site import NO_SITE, Site
 
 
 @dataclass(frozen=True, slots=True)
 class Meta:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
-    ``wheel_lines``: the wheel table, one finished line per wheel and note.
+    ``wheel_lines``: the wheel table, one finished line per wheel and note. ``bound_lines``: what is proved (float C).
     ``model_hash``: hexadecimal digest of the model. For C only: ``scalar``, ``math`` and ``target``, see
-    `wmrgen.ir.kernels.choice`.
+    `wmrgen.ir.kernels.choice`. ``site``: what the robot file says about inputs. ``fuzz``: a fuzzing harness too.
     """
 
     description: str = ""
@@ -24,6 +25,9 @@ class Meta:
     scalar: str = DEFAULT.scalar
     math: str = DEFAULT.math
     target: str = DEFAULT.target
+    bound_lines: tuple[str, ...] = ()
+    site: Site = NO_SITE
+    fuzz: bool = False
 
 
 NO_META = Meta()

@@ -157,6 +157,7 @@ def derive(
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = Scalar.float,
     math: ChosenMath = None,
     target: ChosenTarget = Target.m4f,
+    fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
 ) -> int:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
 
@@ -165,7 +166,8 @@ def derive(
     from wmrgen.cli.derive import run
     from wmrgen.ir.kernels.choice import choice
 
-    return run(robots, out, as_json=json, choice=choice(scalar.value, math and math.value, target.value))
+    chosen = choice(scalar.value, math and math.value, target.value)
+    return run(robots, out, as_json=json, choice=chosen, fuzz=fuzz)
 
 
 @app.command("eval", short_help="Compute a function of a robot's model.")
@@ -404,3 +406,20 @@ def stability(
     from wmrgen.cli.stability import run
 
     return run(robot, values or [], as_json=json)
+
+
+@app.command(short_help="Prove ranges and rounding errors of the generated C.")
+@guarded
+def prove(
+    robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen prove robots/pioneer3dx.yaml
+
+    Prove, for all inputs within the limits of the robot file, that no function of the generated C divides by zero or
+    gives NaN or infinity; the range of every output; and a bound of its rounding error. Frama-C Eva looks for alarms,
+    too, where it is installed. Exit code 3 when something is not proved or limits are missing.
+    """
+    from wmrgen.cli.prove import run
+
+    return run(robot, as_json=json)

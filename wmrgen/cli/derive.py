@@ -29,7 +29,7 @@ def load_all(paths: Sequence[Path]) -> list[Robot]:
     return robots
 
 
-def run(paths: Sequence[Path], out: Path, *, as_json: bool, choice: Choice) -> int:
+def run(paths: Sequence[Path], out: Path, *, as_json: bool, choice: Choice, fuzz: bool = False) -> int:
     """Derive every robot, then write every robot, then print."""
     from wmrgen.emit import MODEL, artifacts
 
@@ -42,7 +42,7 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, choice: Choice) -> i
             if robot.gains:
                 warn(robot)
             derivation = wmrgen.derive(robot)
-            done.append((derivation, artifacts(derivation, choice)))
+            done.append((derivation, artifacts(derivation, choice, fuzz)))
     words = choice.words()
     written = [write_tree(out / derivation.robot.name, files, words) for derivation, files in done]
     if as_json:

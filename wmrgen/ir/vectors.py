@@ -1,38 +1,31 @@
 """Test vectors of a module: inputs, what the exact formula gives, and how far rounding may take code from it.
 
-Points: standstill, each command alone in both signs, generic ones with their mirror images, very slow and very
-fast ones, the centre of rotation close to and on each pivot, and whatever else takes a branch that these do not.
-A point where rounding decides between different results is left out. Laws: forward after inverse gives the twist.
+A point where rounding decides between different results is left out. What is expected is the exact value, rounded
+once: float64 where its own error bound leaves no doubt about that, 60 digits where it does; what is below 1e-12 for
+sure is 0. Laws: forward after inverse gives the twist.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
-from wmrgen.ir.nodes import Function, Module, Op, Port, Role
-from wmrgen.ir.rounding import nearest_float32
-from wmrgen.ir.running import UNITS, Array, Bounded, bounds, outputs
+from wmrgen.exact.number import Exact
+from wmrgen.ir.interpret import EXACT, evaluate_module
+from wmrgen.ir.nodes import Function, Module, Port, Role
+from wmrgen.ir.points import BRANCH, TWIST, Grid, Point, points
+from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
+from wmrgen.ir.running import UNITS, Array, Bounded, bounds, outputs, rounding_of
+from wmrgen.ir.site import NO_SITE, Site
 
-TWIST = ("vx", "vy", "omega")
-_SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
-_GENERIC, _POOL, _ROWS = 10, 32, 64
 _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything
 _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
 _FLOOR = 1e-12
-
-
-@dataclass(frozen=True, slots=True)
-class Site:
-    """What a robot's file says about inputs. ``limits``: contract name -> (low, high); ``pivots``: x, y [m]."""
-
-    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    pivots: tuple[tuple[str, float, float], ...] = ()
-
-
-NO_SITE = Site()
+_LAWS = 6
+_SPARE = 16  # points for branches
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,21 +40,19 @@ class Vector:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The vectors of ``functions``: one, or inverse and forward where outputs of the first feed the second."""
+    """Vectors of functions that take the same inputs; ``law``: outputs of the first are inputs of the second."""
 
     functions: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     vectors: tuple[Vector, ...]
-
-
-Point = tuple[str, Array]  # what it is, one value per port
+    law: bool = False
 
 
 def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ...]:
-    """A table per function with inputs and outputs, then one for the law."""
-    prepared = _prepared(module, scalar)
-    found = [_table(f, scalar, site, prepared) for f in module.functions if f.outputs]
+    """A table per function with inputs and outputs (``f_slip`` in that of ``f``), then one for the law."""
+    prepared = prepared_of(module, scalar)
+    found = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
     law = _law(module, scalar, site, prepared)
     return tuple(t for t in (*found, law) if t is not None and t.vectors)
 
@@ -71,7 +62,25 @@ def contract(function: Function) -> tuple[Port, ...]:
     return tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
 
 
-def _prepared(module: Module, scalar: str) -> dict[str, Bounded]:
+def _groups(module: Module) -> list[list[Function]]:
+    """Functions in order, each with its ``_slip`` where the two take the same inputs."""
+    groups: dict[str, list[Function]] = {}
+    for function in module.functions:
+        if not function.outputs:
+            continue
+        base = function.name.removesuffix("_slip")
+        if base in groups and _names(contract(groups[base][0])) == _names(contract(function)):
+            groups[base].append(function)
+        else:
+            groups[function.name] = [function]
+    return list(groups.values())
+
+
+def _names(ports: Sequence[Port]) -> tuple[str, ...]:
+    return tuple(port.name for port in ports)
+
+
+def prepared_of(module: Module, scalar: str) -> dict[str, Bounded]:
     """Tunable parameters at their nominal values, and what prepare() makes of them; one point."""
     ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
     known = {p.name: _nominal(p, scalar) for p in ports if p.default is not None}
@@ -82,130 +91,101 @@ def _prepared(module: Module, scalar: str) -> dict[str, Bounded]:
 
 def _nominal(port: Port, scalar: str) -> Bounded:
     value = float(port.default or 0)
-    off = abs(nearest_float32(value) - value) if scalar == "float" else 0.0
-    return Bounded(np.array([value]), np.array([off + 2.0**-53 * abs(value)]))
+    printed = nearest_float32(value) if scalar == "float" else value
+    return Bounded(np.array([value]), rounding_of(value, printed))
 
 
-def _table(function: Function, scalar: str, site: Site, prepared: Mapping[str, Bounded]) -> Table:
-    ports = contract(function)
-    points = list(_points(function, ports, site)) if ports else [("constant", np.zeros(0))]
-    known = bounds(function, _columns(ports, points, prepared), scalar, len(points))
-    by_name = outputs(function, known)
-    made = [by_name[port.name] for port in function.outputs]
-    rows = _kept(known, points, _sound(made, scalar))
-    names = tuple(port.name for port in function.outputs)
-    return Table((function.name,), tuple(p.name for p in ports), names, _vectors(points, made, rows, scalar))
+def _table(
+    module: Module, group: Sequence[Function], scalar: str, site: Site, prepared: Mapping[str, Bounded]
+) -> Table:
+    ports = contract(group[0])
+    tried = list(points(group[0], ports, site)) if ports else [("constant", np.zeros(0))]
+    columns = _columns(ports, tried, prepared)
+    known = [bounds(function, columns, scalar, len(tried)) for function in group]
+    made: dict[str, Bounded] = {}
+    for function, nodes in zip(group, known, strict=True):
+        for name, b in outputs(function, nodes).items():
+            before = made.get(name, b)
+            made[name] = Bounded(before.value, np.maximum(before.error, b.error))
+    rows = _kept([b for nodes in known for b in nodes], tried, _sound(made.values(), scalar))
+
+    def exactly(point: Array) -> dict[str, Exact]:
+        given = {p.name: Exact(Fraction(x)) for p, x in zip(ports, point.tolist(), strict=True)}
+        each = [evaluate_module(module, f.name, given, EXACT) for f in group]
+        return {name: value for values in each for name, value in values.items()}
+
+    vectors = tuple(_vectors(tried, made, rows, scalar, exactly))
+    return Table(tuple(f.name for f in group), _names(ports), tuple(made), vectors)
 
 
 def _columns(
-    ports: Sequence[Port], points: Sequence[Point], prepared: Mapping[str, Bounded]
+    ports: Sequence[Port], tried: Sequence[Point], prepared: Mapping[str, Bounded]
 ) -> dict[str, Bounded]:
-    count, none = len(points), np.zeros(len(points))
+    count, none = len(tried), np.zeros((2, len(tried)))
     columns = {
-        name: Bounded(np.full(count, b.value[0]), np.full(count, b.error[0])) for name, b in prepared.items()
+        name: Bounded(np.full(count, b.value[0]), np.broadcast_to(b.error, (2, count)))
+        for name, b in prepared.items()
     }
-    for port, column in zip(ports, np.array([values for _, values in points]).T, strict=True):
+    for port, column in zip(ports, np.array([values for _, values in tried]).T, strict=True):
         columns[port.name] = Bounded(column, none)
     return columns
 
 
-def _sound(made: Sequence[Bounded], scalar: str) -> Array:
+def _sound(made: Iterable[Bounded], scalar: str) -> Array:
     """Per point: every output is finite and its bound small."""
     worst = _WORST * UNITS[scalar]
-    good = [np.isfinite(b.value) & (b.error <= worst * (1 + np.abs(b.value))) for b in made]
+    good = [np.isfinite(b.value) & (b.error[0] <= worst * (1 + np.abs(b.value))) for b in made]
     return np.logical_and.reduce(good)
 
 
-def _kept(known: list[Bounded], points: Sequence[Point], sound: Array) -> list[int]:
-    """The first points that are sound, then of the pool only those that take a new branch."""
-    choices = [b.taken for b in known if b.taken is not None]
-    count = len(choices)
-    taken = np.array(choices).reshape(count, len(points))
-    seen = np.zeros((2, count), dtype=bool)
-    rows = []
-    for k, (text, _) in enumerate(points):
-        if not sound[k]:
-            continue
-        now = np.array([taken[:, k] == 1, taken[:, k] == -1])
-        if text != "branch" or (now & ~seen).any():
-            rows.append(k)
-            seen |= now
+def _kept(known: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
+    """The first points that are sound; of the pool those with two outcomes of choices that are new together."""
+    choices = [b.taken[0] for b in known if b.taken is not None]
+    taken = np.array(choices).reshape(len(choices), len(tried))
+    outcomes = np.concatenate([taken == 1, taken == -1])
+    seen = np.zeros((len(outcomes), len(outcomes)), dtype=bool)
+    rows, spare = [], _SPARE
+    for k in np.flatnonzero(sound).tolist():
+        now = np.outer(outcomes[:, k], outcomes[:, k])
+        if tried[k][0] == BRANCH:
+            if not spare or not (now & ~seen).any():
+                continue
+            spare -= 1
+        rows.append(k)
+        seen |= now
     return rows
 
 
 def _vectors(
-    points: Sequence[Point], made: Sequence[Bounded], rows: Sequence[int], scalar: str
-) -> tuple[Vector, ...]:
-    """The rows of the table; the rounding of the printed expectation counts."""
-    values = np.array([b.value for b in made])
-    rounding = UNITS[scalar] + 2.0**-53
-    slack = np.maximum(_SLACK * (np.array([b.error for b in made]) + rounding * np.abs(values)), _FLOOR)
-    return tuple(
-        Vector(points[k][0], *(tuple(part.tolist()) for part in (points[k][1], values[:, k], slack[:, k])))
-        for k in rows
-    )
+    tried: Sequence[Point],
+    made: Mapping[str, Bounded],
+    rows: Sequence[int],
+    scalar: str,
+    exactly: Callable[[Array], Mapping[str, Exact]],
+) -> Iterator[Vector]:
+    """The rows of the table; the rounding of the printed expectation counts in the tolerance."""
+    value = np.array([b.value for b in made.values()])[:, rows]
+    error = np.array([b.error for b in made.values()])[:, :, rows]
+    expected, sure = _rounded(value, error[:, 1], scalar)
+    slack = _SLACK * (error[:, 0] + (UNITS[scalar] + 2.0**-53) * np.abs(value)) + _FLOOR
+    enter = to_float32 if scalar == "float" else to_float64
+    for k, row in enumerate(rows):
+        text, point = tried[row]
+        wanted = expected[:, k]
+        if not sure[:, k].all():
+            exact = exactly(point)
+            wanted = np.where(sure[:, k], wanted, [enter(exact[name]) for name in made])
+        yield Vector(text, tuple(point.tolist()), tuple(wanted.tolist()), tuple(slack[:, k].tolist()))
 
 
-# ---- points
-
-
-class _Grid:
-    """Generic values of some ports: row k, one value per port, multiples of 1/128 of a typical size."""
-
-    def __init__(self, ports: Sequence[Port], site: Site) -> None:
-        sizes = np.array([_size(port, site) for port in ports])
-        row, column = np.ogrid[0:_ROWS, 0 : len(ports)]
-        spread = (row * 37 + column * 23 + row * column * 5 + 11) % 62 - 31
-        self.rows = np.rint(sizes * (spread + (spread >= 0)) * 4) / 128  # never zero
-        self.single = np.maximum(np.rint(sizes * 96) / 128, 1 / 128)
-
-
-def _size(port: Port, site: Site) -> float:
-    """A typical size: a declared limit's where it is smaller."""
-    size = 20.0 if port.name.endswith(".spin") else _SIZE.get(port.unit, 1.0)
-    low, high = site.limits.get(port.name, (-size, size))
-    return min(size, max(abs(low), abs(high)))
-
-
-def _points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Point]:
-    grid = _Grid(ports, site)
-    moving = np.array([p.role is Role.COMMAND for p in ports])
-    timed = np.array([p.unit == "s" for p in ports])
-    yield "all zero", np.zeros(len(ports))
-    yield "standstill", np.where(moving, 0.0, grid.rows[3])
-    for column in np.flatnonzero(moving).tolist():
-        alone = np.zeros(len(ports))
-        alone[column] = grid.single[column]
-        yield f"{ports[column].name} alone", alone
-        if moving.sum() <= 4:
-            yield f"{ports[column].name} alone, backwards", -alone
-    for row in range(_GENERIC):
-        yield "generic", grid.rows[row]
-        if row < _GENERIC // 2:
-            yield "the same backwards", np.where(moving, -grid.rows[row], grid.rows[row])
-    for power, text in ((-14, "very slow"), (7, "fast"), (20, "very fast")):
-        factor = np.where(moving & ~timed, 2.0**power, 1.0)
-        yield text, grid.rows[17 + power] * factor
-    yield from _centres(ports, site, grid)
-    if any(node.op in (Op.SELECT, Op.MIN, Op.MAX) for node in function.nodes):
-        for row in range(_GENERIC, _GENERIC + _POOL):
-            yield "branch", grid.rows[row] * (4.0 if row % 3 else 0.125)
-
-
-def _centres(ports: Sequence[Port], site: Site, grid: _Grid) -> Iterator[Point]:
-    """The centre of rotation beside each pivot and on it."""
-    names = [p.name for p in ports]
-    if not set(TWIST) <= set(names):
-        return
-    where = [names.index(n) for n in TWIST]
-    for row, (name, x, y) in enumerate(site.pivots):
-        for off, text in ((1 / 64, "near"), (0.0, "on")):
-            point = grid.rows[(row + 5) % _ROWS].copy()
-            point[where] = nearest_float32(y - off / 2), -nearest_float32(x + off), 1.0
-            yield f"centre of rotation {text} {name}", point
-
-
-# ---- the law
+def _rounded(value: Array, error: Array, scalar: str) -> tuple[Array, Array]:
+    """``value`` in the scalar type, and whether everything within ``error`` of it rounds to the same."""
+    nothing = np.abs(value) + error < _FLOOR
+    value = np.where(nothing, 0.0, value)
+    if scalar == "double":
+        return value, nothing | (error == 0)
+    low, high = (value - error).astype(np.float32), (value + error).astype(np.float32)
+    return value.astype(np.float32).astype(np.float64), nothing | (low == high)
 
 
 def _law(module: Module, scalar: str, site: Site, prepared: Mapping[str, Bounded]) -> Table | None:
@@ -215,18 +195,23 @@ def _law(module: Module, scalar: str, site: Site, prepared: Mapping[str, Bounded
         return None
     inverse, forward = by_name["inverse"], by_name["forward"]
     ports = contract(inverse)
-    names = [p.name for p in ports]
+    names = _names(ports)
     given = {*names, *(p.name for p in inverse.outputs)}
     if not (set(TWIST) <= set(names) and {p.name for p in contract(forward)} <= given):
         return None
-    rows = _Grid(ports, site).rows[:12]
+    rows = Grid(ports, site).rows[:12]
     ahead = rows[:6].copy()
     ahead[:, names.index("vy")] = 0.0
-    points: list[Point] = [("there and back", row) for row in (*rows, *ahead)]
-    columns = _columns(ports, points, prepared)
-    there = outputs(inverse, bounds(inverse, columns, scalar, len(points)))
-    back = outputs(forward, bounds(forward, {**columns, **there}, scalar, len(points)))
-    made = [Bounded(columns[n].value, back[n].error) for n in TWIST]
+    tried: list[Point] = [("there and back", row) for row in (*rows, *ahead)]
+    columns = _columns(ports, tried, prepared)
+    there = outputs(inverse, bounds(inverse, columns, scalar, len(tried)))
+    back = outputs(forward, bounds(forward, {**columns, **there}, scalar, len(tried)))
+    made = {n: Bounded(columns[n].value, back[n].error) for n in TWIST}
     missed = np.logical_or.reduce([np.abs(back[n].value - columns[n].value) > 1e-9 for n in TWIST])
-    picked = np.flatnonzero(_sound(made, scalar) & ~missed)[:8].tolist()
-    return Table(("inverse", "forward"), tuple(names), TWIST, _vectors(points, made, picked, scalar))
+    picked = np.flatnonzero(_sound(made.values(), scalar) & ~missed)[:_LAWS].tolist()
+
+    def exactly(point: Array) -> dict[str, Exact]:
+        return {n: Exact(Fraction(float(x))) for n, x in zip(names, point, strict=True)}
+
+    vectors = tuple(_vectors(tried, made, picked, scalar, exactly))
+    return Table(("inverse", "forward"), names, TWIST, vectors, law=True)

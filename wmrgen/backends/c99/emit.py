@@ -6,6 +6,7 @@ import hashlib
 from dataclasses import dataclass
 
 from wmrgen.backends.c99.comment import comment_lines
+from wmrgen.backends.c99.companions import companions
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.c99.style import LIBM
@@ -80,12 +81,25 @@ def _table(meta: Meta, scalar: str) -> list[str]:
     if meta.wheel_lines:
         lines += ["", "Wheels, in the order of the robot file:"]
         lines += [f"  {line}" for text in meta.wheel_lines for line in comment_lines(text, 95)]
+    if meta.bound_lines:
+        lines += ["", *(line for text in meta.bound_lines for line in indented(text))]
     return lines
+
+
+def indented(text: str) -> list[str]:
+    """Comment lines that keep the indent of ``text``."""
+    bare = text.lstrip()
+    indent = " " * (len(text) - len(bare))
+    return [indent + line for line in comment_lines(bare, 97 - len(indent))]
 
 
 def sources(module: Module, meta: Meta) -> tuple[str, str]:
     """The text of ``<robot>.h`` and ``<robot>.c``."""
-    made = unit(module, meta.scalar, meta.math, meta.target)
+    return printed(unit(module, meta.scalar, meta.math, meta.target), meta)[:2]
+
+
+def printed(made: Unit, meta: Meta) -> tuple[str, str, str]:
+    """Header, source, and the digest that stands in both."""
     context: dict[str, object] = {
         "robot": made.robot,
         "upper": made.robot.upper(),
@@ -102,10 +116,13 @@ def sources(module: Module, meta: Meta) -> tuple[str, str]:
     draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]
     pair = hashlib.sha256("".join(draft).encode()).hexdigest()[:16]
     header, source = (render(f"c99/{n}", pair=pair, **context) for n in ("header.h.j2", "source.c.j2"))
-    return header, source
+    return header, source, pair
 
 
 def emit(module: Module, meta: Meta) -> dict[str, bytes]:
     """File name -> content."""
-    header, source = sources(module, meta)
-    return {f"{module.name}.h": header.encode("ascii"), f"{module.name}.c": source.encode("ascii")}
+    made = unit(module, meta.scalar)
+    header, source, pair = printed(made, meta)
+    files = {f"{module.name}.h": header, f"{module.name}.c": source}
+    files |= companions(module, made.steps, meta, _banner(meta), pair)
+    return {name: text.encode("ascii") for name, text in files.items()}

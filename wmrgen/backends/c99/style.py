@@ -30,4 +30,5 @@ def style(scalar: str) -> Style:
         },
         declare=f"const {scalar} {{0}} = {{1}};",
         temporary="t{0}",
+        grouped=True,
     )

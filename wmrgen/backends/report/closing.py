@@ -12,6 +12,7 @@ from wmrgen.backends.report.wheelrows import TWIST
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.ir.cost import count
+from wmrgen.proofs.text import error, listed
 
 if TYPE_CHECKING:
     from wmrgen.backends.meta import Meta
@@ -76,6 +77,42 @@ _TEXT = {
 }  # fmt: skip
 
 
+def _bounds(s: Subject) -> list[str]:
+    """Proved ranges and rounding errors, or what the robot file must say for them."""
+    found = s.derivation.bounds
+    if found.missing:
+        return [
+            f"Nothing is proved about ranges and rounding: the robot file has no limits of "
+            f"{' and '.join(code(name) for name in found.missing)} (`wmrgen prove` says what to write).",
+            "",
+        ]
+    lines = [
+        "Proved for all inputs within the limits of the robot file: no NaN, no infinity, no division by zero, and",
+        "",
+    ]
+    rows = [
+        [code(f.name), code(o.name), f"{o.low:.6g}", f"{o.high:.6g}", o.unit or "1", error(o)]
+        for f in found.functions
+        if f.proved
+        for o in f.outputs
+    ]
+    lines += table(
+        ["function", "output", "at least", "at most", "unit", "rounding error at most"], rows, "llrrlr"
+    )
+    lines += [
+        f"The limits are {listed(found.given)}. Inputs that have none: {listed(found.assumed)}. The error is that "
+        "against the exact formula, comparisons decided as the code decides them, with the C library's sin, cos and "
+        f"atan2 within {found.library.sin:g}, {found.library.cos:g} and {found.library.atan2:g} units in the last "
+        "place. h is the speed [m/s] of the pivot of the steered wheel, where it is defined at all.",
+        "",
+    ]
+    for f in found.functions:
+        if not f.proved:
+            why = "; ".join(f.alarms) or f"no range is known of {', '.join(code(n) for n in f.unknown)}"
+            lines += [f"Not proved: {code(f.name)} ({why}).", ""]
+    return lines
+
+
 def cost(s: Subject, meta: Meta, number: int) -> list[str]:
     """The last section and the foot of the page."""
     module = s.derivation.c_module
@@ -98,6 +135,7 @@ def cost(s: Subject, meta: Meta, number: int) -> list[str]:
             "`prepare` runs when a tunable parameter changes; no step divides by geometry.",
             "",
         ]
+    lines += _bounds(s)
     lines += [
         f"* `{name}.h`, `{name}.c`: the functions in C99",
         f"* `{name}.py`: the functions for NumPy, over arrays of samples",

@@ -1,0 +1,52 @@
+"""README's tables of figures: ``python -m benchmarks processor``; with ``--update`` written between two markers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from benchmarks import footprint, processor
+from benchmarks.others import wpilib
+from wmrgen.artifacts import write_file
+
+README = Path(__file__).resolve().parent.parent / "README.md"
+BEGIN = "<!-- begin: python -m benchmarks processor --update -->"
+END = "<!-- end -->"
+
+
+def run(renew: bool, path: Path = README) -> Iterator[str]:
+    """The tables; with ``renew`` they replace those of the file, when every tool they need is there."""
+    lines = []
+    for table in (processor.tables, wpilib.table, footprint.table):
+        for line in ("", *table()):
+            lines.append(line)
+            yield line
+    if renew:
+        if any(": needs " in line for line in lines):
+            raise SystemExit(f"{path.name} stays as it is")
+        yield f"{path.name} {'changed' if update(lines, path) else 'has these figures'}"
+
+
+def between(text: str) -> str:
+    """What stands between the markers."""
+    head, begin, rest = text.partition(BEGIN)
+    body, end, _ = rest.partition(END)
+    if not begin or not end or BEGIN in rest or END in head:
+        raise ValueError(f"README needs one {BEGIN!r} and one {END!r} after it")
+    return body
+
+
+def update(lines: Iterable[str], path: Path = README) -> bool:
+    """Write ``lines`` between the markers of the file; True when that changed it."""
+    text = path.read_text(encoding="utf-8")
+    old = f"{BEGIN}{between(text)}{END}"
+    return write_file(path, text.replace(old, "\n".join([BEGIN, *lines, "", END])).encode())
+
+
+def rows(text: str) -> list[list[str]]:
+    """The cells of each row of the Markdown tables in ``text``, headings and rules left out."""
+    found, lines = [], text.splitlines()
+    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+        if line.startswith("|") and not any(words.startswith("|---") for words in (line, following)):
+            found.append([cell.strip() for cell in line.strip("|").split("|")])
+    return found

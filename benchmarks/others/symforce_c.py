@@ -1,0 +1,54 @@
+"""SymForce's code generator: its cse and its C++ printer, the lines made C for float."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+
+import sympy
+
+from wmrgen.derivation import Derivation
+from wmrgen.symbolic import signal
+
+_CPP = re.compile(r"std::(\w+)(?:<Scalar>)?|\bScalar\b|\bx(\d+)\b")
+_OTHER_NAMES = {"max": "fmax", "min": "fmin", "abs": "fabs"}
+
+
+def present() -> bool:
+    return importlib.util.find_spec("symforce") is not None
+
+
+def source(
+    derivation: Derivation, function: str, outputs: tuple[str, ...]
+) -> tuple[str, str, tuple[str, ...]] | None:
+    """C of some outputs, the name of its function and the inputs; None for what SymForce cannot print."""
+    import symforce.symbolic as sf
+    from symforce.codegen import CppConfig
+    from symforce.codegen.codegen_util import print_code
+    from symforce.values import Values
+
+    formula = derivation.formula(function)
+    closed = formula.closed()
+    inputs = tuple(port.name for port in formula.inputs)
+    plain = {signal(name): sympy.Symbol(f"x{k}", real=True) for k, name in enumerate(inputs)}
+    try:
+        made = Values({f"y{k}": sf.S(closed[name].xreplace(plain)) for k, name in enumerate(outputs)})
+        code = print_code(
+            Values({f"x{k}": sf.Symbol(f"x{k}") for k in range(len(inputs))}), made, {}, CppConfig()
+        )
+    except (TypeError, ValueError, NotImplementedError, AttributeError, RuntimeError):
+        return None
+    name = f"symforce_{derivation.robot.name}_{function}"
+    lines = ["#include <math.h>", f"void {name}(const float *x, float *y)", "{"]
+    lines += [f"    const float {left} = {_in_c(right)};" for left, right in code.intermediate_terms]
+    lines += [f"    y[{k}] = {_in_c(output.terms[0][1])};" for k, output in enumerate(code.dense_terms)]
+    return "\n".join([*lines, "}", ""]), name, inputs
+
+
+def _in_c(text: object) -> str:
+    def one(found: re.Match[str]) -> str:
+        if found[1]:
+            return f"{_OTHER_NAMES.get(found[1], found[1])}f"
+        return f"x[{found[2]}]" if found[2] else "(float)"
+
+    return _CPP.sub(one, str(text))

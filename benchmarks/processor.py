@@ -1,0 +1,178 @@
+"""Instructions per call on an emulated processor: wmrgen, hand-written references and other generators."""
+
+from __future__ import annotations
+
+import random
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from statistics import mean
+
+from benchmarks.emulator import gcc
+from benchmarks.emulator.fleet import LAYOUTS, Fleet, write_sources
+from benchmarks.emulator.image import Image
+from benchmarks.emulator.inputs import nominal
+from benchmarks.emulator.zig import M0, M4F
+from benchmarks.flavours import MATHS, meta
+from benchmarks.jobs import JOBS, Job, derivations, outputs
+from benchmarks.others import casadi_c, symforce_c, sympy_c
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.c99.step import Step
+
+REFERENCE = Path(__file__).resolve().parent / "reference"
+RUNS = 40
+GENERATORS = {
+    "sympy": sympy_c,
+    "casadi": casadi_c,
+    **({"symforce": symforce_c} if symforce_c.present() else {}),
+}
+
+
+@dataclass(frozen=True)
+class Count:
+    """Instructions per call: mean over random inputs, least and most over those and special ones."""
+
+    mean: float
+    least: int
+    most: int
+
+    def __str__(self) -> str:
+        """``=n`` when every input needs the same."""
+        return f"={self.most}" if self.least == self.most else f"{self.mean:.0f} ({self.least}–{self.most})"
+
+
+class Bench:
+    """All functions of one choice of ``math``, compiled for one processor with the GNU toolchain and newlib."""
+
+    def __init__(
+        self,
+        folder: Path,
+        math: str,
+        processor: str = "m4f",
+        jobs: Sequence[Job] = JOBS,
+        others: bool = False,
+    ) -> None:
+        self.flat: dict[str, tuple[str, ...]] = {}
+        self.jobs = jobs
+        modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in jobs)]
+        target = M0 if processor.startswith("m0") else M4F
+        write_sources(folder, modules, lambda module: sources(module, meta(math, target=target.name)))
+        files = [f"{module.name}.c" for module in modules] + [LAYOUTS]
+        files += references(folder, {module.name for module in modules})
+        files += [name for job in jobs for name in self._others(folder, job)] if others else []
+        flags = (*gcc.FLAGS, *(("-DREFERENCE_INLINE",) if math == "inline" else ()))
+        image = Image(gcc.build(folder, files, f"{math}.{processor}.elf", processor, flags))
+        self.fleet = Fleet(tuple(modules), image, {}, target)
+
+    def _others(self, folder: Path, job: Job) -> Iterator[str]:
+        for generator in GENERATORS.values():
+            made = generator.source(derivations()[job.robot], job.function, outputs(job))
+            if made is not None:
+                text, name, self.flat[name] = made[0], made[1], made[2]
+                (folder / f"{name}.c").write_text(text)
+                yield f"{name}.c"
+
+    @cached_property
+    def steps(self) -> dict[str, Step]:
+        return {step.name: step for module in self.fleet.modules for step in self.fleet.steps(module.name)}
+
+    def step(self, job: Job) -> Step:
+        return self.steps[f"{job.robot}_{job.function}"]
+
+    def call(self, job: Job, name: str, case: dict[str, float]) -> tuple[int, dict[str, float]]:
+        """Instructions and outputs of wmrgen's function, or of the one called ``name``."""
+        wanted = outputs(job)
+        if name in self.flat:
+            run, values = self.fleet.call_flat(name, [case[n] for n in self.flat[name]], len(wanted))
+            return run.instructions, dict(zip(wanted, values, strict=True))
+        run, found = self.fleet.call(self.step(job), case, name=name)
+        return run.instructions, {n: found[n] for n in wanted}
+
+    def count(self, job: Job, name: str = "") -> Count:
+        step = self.step(job)
+        known = nominal(next(m for m in self.fleet.modules if m.name == job.robot))
+        every = list(inputs(self.fleet.inputs(step), known, step.name))
+        counts = [self.call(job, name, case)[0] for case in every]
+        return Count(mean(counts[:RUNS]), min(counts), max(counts))
+
+    def other(self, job: Job, generator: str) -> Count | None:
+        name = f"{generator}_{job.robot}_{job.function}"
+        return self.count(job, name) if name in self.flat else None
+
+
+def references(folder: Path, robots: set[str]) -> Iterator[str]:
+    """Copy what is written by hand; the C files whose robot is among ``robots``."""
+    for path in sorted(REFERENCE.iterdir()):
+        text = path.read_text()
+        (folder / path.name).write_text(text)
+        if path.suffix == ".c" and any(f'#include "{robot}.h"' in text for robot in robots):
+            yield path.name
+
+
+def inputs(names: Sequence[str], known: dict[str, float], seed: str) -> Iterator[dict[str, float]]:
+    """`RUNS` random inputs: speeds in [-1, 1], angles in [-pi, pi]; then standstill, single motions, quarter turns."""
+    source = random.Random(seed)
+    angles = {name for name in names if name.endswith(".steer")}
+    for _ in range(RUNS):
+        yield {
+            n: known.get(n, source.uniform(-1.0, 1.0) * (3.1415926 if n in angles else 1.0)) for n in names
+        }
+    moving = [name for name in names if name not in angles and name not in known]
+    for angle, one in product((0.0, 1e-8, 1.5707963, -3.1415927, 2.3), (None, *moving)):
+        yield {n: known.get(n, angle if n in angles else float(n == one)) for n in names}
+
+
+def tables() -> Iterator[str]:
+    """The table of a Cortex-M4F and that of a Cortex-M0, in Markdown."""
+    if not gcc.present():
+        yield "Instructions per call: needs arm-none-eabi-gcc with newlib."
+        return
+    yield from _m4f()
+    yield ""
+    yield from _m0()
+
+
+def _m4f() -> Iterator[str]:
+    compiler = gcc.PROCESSORS["m4f"].version
+    yield f"Instructions per call on an emulated Cortex-M4F, {compiler} `{' '.join(gcc.FLAGS[:3])}`, newlib."
+    yield f"Mean of {RUNS} random inputs; in brackets the least and most of these and special ones; = for every input."
+    yield "Hand: `benchmarks/reference`, with fused multiply-add; simpler: steering without nearest branch or limits."
+    yield ""
+    heads = [f"{who}, {math}" for math in MATHS for who in ("hand", "wmrgen")]
+    yield from _heading("layout", "function", *heads, *GENERATORS)
+    with tempfile.TemporaryDirectory() as folder:
+        benches = {}
+        for math in MATHS:
+            place = Path(folder) / math
+            place.mkdir()
+            benches[math] = Bench(place, math, others=math == "libm")
+        for job in JOBS:
+            cells = [job.layout, job.function]
+            for bench in benches.values():
+                simple = f"; simpler {bench.count(job, job.simpler)}" if job.simpler else ""
+                cells += [f"{bench.count(job, job.reference)}{simple}", str(bench.count(job))]
+            cells += [str(benches["libm"].other(job, name) or "–") for name in GENERATORS]
+            yield f"| {' | '.join(cells)} |"
+
+
+def _m0() -> Iterator[str]:
+    yield "The same on an emulated Cortex-M0, all arithmetic in software."
+    yield ""
+    yield from _heading("layout", "function", "hand, libm", *(f"wmrgen, {math}" for math in MATHS))
+    with tempfile.TemporaryDirectory() as folder:
+        benches = []
+        for math in MATHS:
+            place = Path(folder) / math
+            place.mkdir()
+            benches.append(Bench(place, math, "m0"))
+        for job in JOBS:
+            cells = [str(benches[0].count(job, job.reference)), *(str(bench.count(job)) for bench in benches)]
+            yield f"| {job.layout} | {job.function} | {' | '.join(cells)} |"
+
+
+def _heading(*words: str) -> Iterator[str]:
+    yield f"| {' | '.join(words)} |"
+    yield f"|{'|'.join(['---', '---', *['---:'] * (len(words) - 2)])}|"

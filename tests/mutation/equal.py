@@ -1,0 +1,124 @@
+"""Mutants that no input tells from the original at the proved tolerance: they are not faults.
+
+The mutant is computed, in float32 as it stands, at thousands of inputs, far more and other ones than the self-test
+has. It is set aside only where none of them gives an output further from the exact value than rounding may bring the
+original (`wmrgen.ir.running`): an even function's sign, a guard that no geometry of the robot reaches, a term of a
+series below the last bit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tests.mutation.mutants import LITERAL, Mutant
+from wmrgen.ir.nodes import Function, Module, Role
+from wmrgen.ir.running import UNITS, Bounded, bounds, outputs
+from wmrgen.ir.vectors import contract, prepared_of
+
+Array = Any
+POINTS = 4096
+_CALLS = {"fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atan2f": np.arctan2}
+_LINE = re.compile(r"^    (?:const float )?([\w.>-]+) = ([^;]+);$")
+_CHOICE = re.compile(r"^\((.+) < (.+)\) \? (.+) : (.+)$")
+_TYPICAL = {"m/s": 2.0, "rad/s": 8.0, "rad": 3.2, "m": 5.0, "s": 0.25}
+
+
+def _python(text: str) -> str:
+    """A C expression of generated code in NumPy."""
+    text = LITERAL.sub(r"f32(\1)", text)
+    text = re.sub(r"\b(\w+)->([\w.]+)", lambda m: f"{m[1]}_[{m[2]!r}]", text)
+    choice = _CHOICE.match(text)
+    return "np.where({} < {}, {}, {})".format(*choice.groups()) if choice else text
+
+
+class Body:
+    """The statements of one C function, computed in float32."""
+
+    def __init__(self, source: str, function: str) -> None:
+        text = re.search(rf"^void {function}\(.*?^}}", source, flags=re.S | re.M)
+        assert text, function
+        self.lines = [m.groups() for m in map(_LINE.match, text[0].splitlines()) if m]
+
+    def run(self, mutant: Mutant, given: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
+        """What is stored, by member, with the line that ``mutant`` changes as it wants it."""
+        known: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS}
+        known |= {f"{name}_": values for name, values in given.items()}
+        stored = {}
+        changed = mutant.before.removeprefix("const float ")
+        for target, text in self.lines:
+            own = mutant.after if f"{target} = {text}" == changed else text
+            value = eval(_python(own), {}, known)
+            if "->" in target:
+                stored[target.partition("->")[2]] = value
+            else:
+                known[target] = value
+        return stored
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Inputs by struct and member; by output its exact value and tolerance; where rounding decides nothing."""
+
+    given: dict[str, dict[str, Array]]
+    expected: dict[str, tuple[Array, Array]]
+    sound: Array
+
+
+class Judge:
+    """Tells equivalent mutants of a robot's C from faults."""
+
+    def __init__(self, module: Module, source: str) -> None:
+        self.module, self.source = module, source
+        self._known: dict[str, tuple[Cases, Body]] = {}
+
+    def equivalent(self, mutant: Mutant) -> bool:
+        """True where no input tells the mutant from the original."""
+        name = mutant.function.removeprefix(f"{self.module.name}_")
+        if name not in self._known:
+            cases = self._preparation() if name == "prepare" else self._cases(self.module.function(name))
+            self._known[name] = cases, Body(self.source, mutant.function)
+        cases, body = self._known[name]
+        with np.errstate(all="ignore"):
+            made = body.run(mutant, cases.given)
+        return all(
+            bool(np.all((np.abs(made[key] - value) <= tolerance) | ~cases.sound))
+            for key, (value, tolerance) in cases.expected.items()
+        )
+
+    def _cases(self, function: Function) -> Cases:
+        ports = contract(function)
+        columns = {
+            name: Bounded(np.full(POINTS, b.value[0]), np.broadcast_to(b.error, (2, POINTS)))
+            for name, b in prepared_of(self.module, "float").items()
+        }
+        random = np.random.default_rng(20)
+        for port in ports:
+            size = 30.0 if port.name.endswith(".spin") else _TYPICAL.get(port.unit, 1.0)
+            scale = 2.0 ** random.integers(-6, 2, POINTS) * (random.random(POINTS) > 0.05)
+            values = (size * scale * random.uniform(-1, 1, POINTS)).astype(np.float32).astype(np.float64)
+            columns[port.name] = Bounded(values, np.zeros((2, POINTS)))
+        made = outputs(function, bounds(function, columns, "float", POINTS))
+        good = [b.error[0] <= 2.0**13 * UNITS["float"] * (1 + np.abs(b.value)) for b in made.values()]
+        prepared = [p.name for p in function.inputs if p.role is Role.PREPARED]
+        given = {
+            "in": {p.name: columns[p.name].value.astype(np.float32) for p in ports},
+            "prepared": {name: columns[name].value.astype(np.float32) for name in prepared},
+        }
+        return Cases(given, {n: _expected(b) for n, b in made.items()}, np.logical_and.reduce(good))
+
+    def _preparation(self) -> Cases:
+        """The nominal parameters: the only ones that a self-test has."""
+        known, prepare = prepared_of(self.module, "float"), self.module.prepare
+        assert prepare
+        params = {p.name: known[p.name].value.astype(np.float32) for p in prepare.inputs}
+        expected = {p.name: _expected(known[p.name]) for p in prepare.outputs}
+        return Cases({"params": params}, expected, np.ones(1, dtype=bool))
+
+
+def _expected(b: Bounded) -> tuple[Array, Array]:
+    return b.value, b.error[0] + 2 * UNITS["float"] * np.abs(b.value) + 1e-12

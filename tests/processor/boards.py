@@ -1,0 +1,167 @@
+"""Programs for whole boards: generated C, inputs and the interpreter's outputs, compared bit for bit on the board."""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.emulator import gcc
+from benchmarks.emulator.fleet import LIBM
+from benchmarks.flavours import meta, printed
+from tests.processor.fleets import host, inputs
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.c99.emit import unit
+from wmrgen.backends.c99.step import Step
+from wmrgen.ir.interpret import evaluate_module
+from wmrgen.ir.nodes import Module
+
+# A Cortex-M from its vector table on: FPU on, main, then the debugger's call that ends the emulator.
+START = """
+extern int main(void);
+static void say(const char *text)
+{
+    register int call __asm__("r0") = 4;
+    register const char *what __asm__("r1") = text;
+    __asm__ volatile("bkpt 0xab" : "+r"(call) : "r"(what) : "memory");
+}
+static void reset(void)
+{
+#ifdef __ARM_FP
+    *(volatile unsigned *)0xE000ED88 |= 0xF << 20;
+    __asm__ volatile("dsb\\n isb");
+#endif
+    say(main() ? "different\\n" : "the same\\n");
+    register int call __asm__("r0") = 0x18;
+    register int why __asm__("r1") = 0x20026;
+    __asm__ volatile("bkpt 0xab" : : "r"(call), "r"(why));
+    for (;;) {
+    }
+}
+__attribute__((section(".vectors"), used)) const void *const vectors[2] = {(void *)0x20002000, (void *)reset};
+"""
+# An ATmega: the answer on the serial port, then sleep without interrupts, which ends simavr.
+AVR = """
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/sleep.h>
+int check(void);
+int main(void)
+{
+    const char *text = check() ? "different\\n" : "the same\\n";
+    UCSR0B = 1 << TXEN0;
+    for (; *text; text++) {
+        while (!(UCSR0A & (1 << UDRE0))) {
+        }
+        UDR0 = *text;
+    }
+    for (volatile int k = 0; k < 10000; k++) {
+    }
+    cli();
+    sleep_mode();
+    return 0;
+}
+"""
+
+
+def _table(name: str, rows: Sequence[Sequence[float]]) -> str:
+    """Words of float32."""
+    words = ["{" + ", ".join(f"{_word(value):#010x}u" for value in row) + "}" for row in rows]
+    return f"static const uint32_t {name}[{len(rows)}][{len(rows[0])}] = {{\n" + ",\n".join(words) + "\n};"
+
+
+def _word(value: float) -> int:
+    (word,) = struct.unpack("<I", struct.pack("<f", value))
+    return int(word)
+
+
+def _calls_libm(module: Module, step: Step, target: str) -> bool:
+    """Whether the interpreter would need the board's libm."""
+    function = printed(module, target=target).function(step.name.removeprefix(f"{module.name}_"))
+    return any(f"{node.op.value}f" in set(LIBM) - {"sqrtf"} for node in function.nodes)
+
+
+def _check(module: Module, step: Step, target: str, count: int) -> str:
+    """``static int check_<function>(void)``: how many outputs have other bits than the interpreter's."""
+    name = step.name.removeprefix(f"{module.name}_")
+    cases = list(inputs(module, module.function(name), count))[: 1 + count]
+    computed = printed(module, target=target)
+    wanted = [evaluate_module(computed, name, case, host().arithmetic) for case in cases]
+    (given, _), (made, _) = step.arguments
+    lines = [
+        _table(f"in_{step.name}", [[case[n] for n in given.members] for case in cases]),
+        _table(f"out_{step.name}", [[case[n] for n in made.members] for case in wanted]),
+        f"static int check_{step.name}(void)", "{", "    int wrong = 0;",
+        f"    for (int k = 0; k < {len(cases)}; k++) {{",
+        f"        {given.name} in;", f"        {made.name} out;",
+    ]  # fmt: skip
+    lines += [
+        f"        in.{m} = number(in_{step.name}[k][{i}]);" for i, m in enumerate(given.members.values())
+    ]
+    lines += [f"        {step.name}(&in, &out);"]
+    lines += [
+        f"        wrong += word(out.{m}) != out_{step.name}[k][{i}];"
+        for i, m in enumerate(made.members.values())
+    ]
+    return "\n".join([*lines, "    }", "    return wrong;", "}"])
+
+
+def write(folder: Path, modules: Sequence[Module], target: str, count: int) -> list[str]:
+    """The C files of ``int check(void)``: all functions that call nothing and need no parameters."""
+    parts = ["#include <stdint.h>", *(f'#include "{module.name}.h"' for module in modules)]
+    parts += ["static float number(uint32_t u) { union { uint32_t u; float x; } v = {u}; return v.x; }"]
+    parts += ["static uint32_t word(float x) { union { float x; uint32_t u; } v = {x}; return v.u; }"]
+    calls, files = [], ["check.c"]
+    for module in modules:
+        header, source = sources(module, meta(target=target))
+        (folder / f"{module.name}.h").write_text(header)
+        (folder / f"{module.name}.c").write_text(source)
+        files.append(f"{module.name}.c")
+        functions = {f"{module.name}_{f.name}" for f in module.functions}
+        for step in unit(module, "float").steps:
+            if step.name not in functions or len(step.arguments) > 2 or _calls_libm(module, step, target):
+                continue
+            parts.append(_check(module, step, target, count))
+            calls.append(f"check_{step.name}()")
+    assert calls
+    parts.append("int check(void);\nint check(void) { return " + " + ".join(calls) + "; }\n")
+    (folder / "check.c").write_text("\n".join(parts))
+    return files
+
+
+def cortex_m(folder: Path, files: Sequence[str], processor: str) -> Path:
+    """The program for a board of QEMU whose memory begins with the vector table."""
+    (folder / "start.c").write_text(START.replace("main", "check"))
+    (folder / "board.ld").write_text(
+        "SECTIONS { . = 0; .text : { KEEP(*(.vectors)) *(.text*) *(.rodata*) } . = 0x20000000; .data : { *(.data*) }"
+        " .bss : { *(.bss*) *(COMMON) } }\n"
+    )
+    chosen = gcc.PROCESSORS[processor]
+    words = (
+        "-nostartfiles",
+        "-Wl,-T,board.ld",
+        "start.c",
+        *files,
+        "-o",
+        f"{processor}.elf",
+        "-lm",
+        "-lc",
+        "-lgcc",
+    )
+    gcc.run(folder, chosen.compiler, *chosen.flags, *gcc.FLAGS, *words)
+    return folder / f"{processor}.elf"
+
+
+def atmega(folder: Path, files: Sequence[str]) -> Path:
+    (folder / "main.c").write_text(AVR)
+    chosen = gcc.PROCESSORS["avr"]
+    gcc.run(folder, chosen.compiler, *chosen.flags, *gcc.FLAGS, "main.c", *files, "-o", "avr.elf", "-lm")
+    return folder / "avr.elf"
+
+
+def said(*command: str | Path) -> str:
+    """What the emulator prints."""
+    words = [str(word) for word in command]
+    done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+    return done.stdout + done.stderr

@@ -1,0 +1,140 @@
+"""Rounding errors that occur: float32 code beside the formula in float64, decided alike; a search for bad inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.proofs.directions import directions
+
+Ranges = Mapping[str, tuple[float, float]]
+EXACT = {
+    "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
+    "sqrt": np.sqrt, "min": np.minimum, "max": np.maximum, "sin": np.sin, "cos": np.cos, "atan": np.arctan,
+    "atan2": np.arctan2,
+}  # fmt: skip
+LIBRARY = ("sin", "cos", "atan", "atan2")  # correctly rounded here, which any libm within its bound may be
+
+
+@dataclass(frozen=True)
+class Run:
+    """Per node: the float32 values, the float64 values, where both are decided alike."""
+
+    single: list[np.ndarray]
+    exact: list[np.ndarray]
+    alike: np.ndarray
+
+
+def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
+    """Every node at every point. Comparisons and whole numbers of the float64 values are those of the float32 ones."""
+    count = len(next(iter(inputs.values()))) if inputs else 1
+    single: list[np.ndarray] = []
+    exact: list[np.ndarray] = []
+    clamped = {
+        d.quotient: d
+        for d in directions(function.nodes).values()
+        if d.quotient is not None and d.size is None
+    }
+    alike = np.ones(count, dtype=bool)
+    with np.errstate(all="ignore"):
+        for i, node in enumerate(function.nodes):
+            a, b = [single[k] for k in node.args], [exact[k] for k in node.args]
+            if node.value is not None:
+                single.append(np.full(count, to_float32(node.value), np.float32))
+                exact.append(np.full(count, to_float64(node.value)))
+            elif node.op is Op.INPUT:
+                single.append(inputs[node.name or ""])
+                exact.append(inputs[node.name or ""].astype(np.float64))
+            else:
+                single.append(_single(node, a))
+                exact.append(_exact(node, a, b))
+            if i in clamped:  # the side of a wall on which a slope lies is a decision, too
+                alike &= np.sign(a[1]) == np.sign(b[1])
+    return Run(single, exact, alike)
+
+
+def _single(node: Node, a: list[np.ndarray]) -> np.ndarray:
+    if node.op is Op.SELECT:
+        return np.where(a[0] < a[1], a[2], a[3])
+    if node.op is Op.MIN:
+        return np.where(a[0] < a[1], a[0], a[1])
+    if node.op is Op.MAX:
+        return np.where(a[1] < a[0], a[0], a[1])
+    if node.op == "rint":
+        return np.rint(a[0])
+    if node.op in LIBRARY:
+        wide = EXACT[node.op.value](*(x.astype(np.float64) for x in a))
+        return np.asarray(wide.astype(np.float32))
+    return np.asarray(EXACT[node.op.value](*a))
+
+
+def _exact(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
+    if node.op is Op.SELECT:
+        return np.where(a[0] < a[1], b[2], b[3])
+    if node.op == "rint":
+        return np.rint(a[0]).astype(np.float64)
+    return np.asarray(EXACT[node.op.value](*b))
+
+
+def lengths(function: Function, found: Run, result: int) -> np.ndarray:
+    """Length of the shortest vector whose direction node ``result`` depends on; infinite without any."""
+    needed = _below(function, result)
+    shortest = np.full(len(found.alike), np.inf)
+    for i, direction in directions(function.nodes).items():
+        if i in needed:
+            parts = [factor * found.exact[k] for factor, k in direction.parts]
+            shortest = np.minimum(shortest, np.hypot(*parts))
+    return shortest
+
+
+def _below(function: Function, result: int) -> set[int]:
+    found, stack = set[int](), [result]
+    while stack:
+        i = stack.pop()
+        if i not in found:
+            found.add(i)
+            stack += function.nodes[i].args
+    return found
+
+
+# ---- inputs
+
+
+def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:
+    """Points of the box: anywhere, small ones, and its corners."""
+    rng = np.random.default_rng(seed)
+    found = {}
+    for name, (lo, hi) in ranges.items():
+        value = rng.uniform(lo, hi, count)
+        kind = rng.random(count)
+        value = np.where(kind < 0.15, lo, np.where(kind < 0.3, hi, value))
+        small = value * 10.0 ** rng.uniform(-7, 0, count)
+        found[name] = _inside(np.where(kind > 0.9, small, value), lo, hi)
+    return found
+
+
+def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
+    """Children of some points: a few of their inputs moved to an end, elsewhere, or a little."""
+    rng = np.random.default_rng(seed)
+    size = len(next(iter(parents.values())))
+    pick = rng.integers(0, size, count)
+    found = {}
+    for name, (lo, hi) in ranges.items():
+        value = parents[name][pick].astype(np.float64)
+        kind = rng.random(count)
+        value = np.where(kind < 0.04, np.where(rng.random(count) < 0.5, lo, hi), value)
+        value = np.where((kind > 0.04) & (kind < 0.1), rng.uniform(lo, hi, count), value)
+        nudge = value * (1 + rng.normal(0, 1, count) * 10.0 ** rng.uniform(-7, -1, count))
+        found[name] = _inside(np.where(kind > 0.5, nudge, value), lo, hi)
+    return found
+
+
+def _inside(value: np.ndarray, lo: float, hi: float) -> np.ndarray:
+    single = value.astype(np.float32)
+    return np.where(single > hi, np.float32(hi), np.where(single < lo, np.float32(lo), single)).astype(
+        np.float32
+    )

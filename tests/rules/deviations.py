@@ -1,0 +1,66 @@
+"""Findings of the checkers that generated C keeps, each with its reason. docs/misra.md is printed from here."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """``check`` of ``tool`` may be found in files that match ``where``; ``robot``: one that needs it."""
+
+    tool: str
+    check: str
+    where: str
+    what: str
+    reason: str
+    robot: str = "ackermann_car"
+
+
+MISRA, TIDY = "cppcheck --addon=misra", "clang-tidy"
+DEVIATIONS = (
+    Deviation(
+        MISRA, "misra-c2012-2.5", r"\w+\.h",
+        "`<ROBOT>_MODEL_HASH` and `<ROBOT>_PAIR_…` are macros that no statement uses",
+        "The pair is used by `#if defined` alone: it stops a header and a source that were not generated together. The "
+        "hash is for the integrator's log.",
+    ),
+    Deviation(
+        MISRA, "misra-c2012-8.9", r"\w+_selftest\.c",
+        "the tables of the self-test stand at file scope and are read in one function",
+        "A table inside the function would hide its ten lines behind two hundred. Not part of the product.",
+    ),
+    Deviation(
+        MISRA, "misra-c2012-7.3", r"\w+\.c",
+        "the names `fl` and `bl` of wheels of two robots",
+        "A false alarm: the add-on takes them for hexadecimal numbers with a lower-case suffix l. Wheels are called "
+        "what the robot file calls them.",
+        "kuka_youbot",
+    ),
+    Deviation(
+        TIDY, "bugprone-easily-swappable-parameters", r"\w+_checked\.c",
+        "`is_within(x, low, high)` and `between(x, low, high)` take three floats",
+        "Both are static, and every call of them is generated.",
+    ),
+    Deviation(
+        TIDY, "misc-use-internal-linkage", r"\w+_selftest\.c",
+        "`<robot>_selftest()` has external linkage and is called in its own file",
+        "Firmware calls it from a program of its own, where `<ROBOT>_SELFTEST_NO_MAIN` leaves `main` out.",
+    ),
+)  # fmt: skip
+
+
+def kept(tool: str, check: str, file: str) -> Deviation | None:
+    """The deviation that allows a finding."""
+    for deviation in DEVIATIONS:
+        if (deviation.tool, deviation.check) == (tool, check) and re.fullmatch(deviation.where, file):
+            return deviation
+    return None
+
+
+def table() -> str:
+    """The rows of the table in docs/misra.md."""
+    rows = ["| checker | finding | what | why it stays |", "| :-- | :-- | :-- | :-- |"]
+    rows += [f"| {d.tool} | {d.check} | {d.what} | {d.reason} |" for d in DEVIATIONS]
+    return "\n".join(rows)

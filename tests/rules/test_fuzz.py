@@ -1,0 +1,100 @@
+"""The harness that ``derive --fuzz`` writes: it runs, covers every function and finds what is planted."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import GALLERY
+from tests.rules.tools import missing
+from tests.selftest.every import FEW
+from wmrgen import derive, load
+from wmrgen.backends.c99 import emit
+from wmrgen.backends.meta import Meta
+from wmrgen.emit import site
+
+SANITIZERS = "fuzzer,address,undefined,float-divide-by-zero,float-cast-overflow"
+FLAGS = ("-std=c99", "-g", "-O1", f"-fsanitize={SANITIZERS}", "-fno-sanitize-recover=all")
+SECONDS = 60  # of all robots together, in CI
+
+
+def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None) -> Path:
+    """The fuzzer of a robot; ``change`` replaces a piece of its checked functions."""
+    derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
+    files = emit(derivation.c_module, Meta(site=site(derivation.robot), fuzz=True))
+    for name, content in files.items():
+        text = content.decode()
+        if change and name == f"{robot}_checked.c":
+            assert change[0] in text
+            text = text.replace(*change, 1)
+        (folder / name).write_text(text)
+    sources = [f"{robot}{end}.c" for end in ("_fuzz", "_checked", "")]
+    command = [clang(), *FLAGS, *sources, "-lm", "-o", "fuzzer"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
+    return folder / "fuzzer"
+
+
+@cache
+def clang() -> str:
+    """A clang with libFuzzer's runtime."""
+    found = shutil.which("clang")
+    if found is None:
+        missing("clang is not installed")
+    probe = subprocess.run(
+        [str(found), "-fsanitize=fuzzer,address", "-xc", "-", "-o", os.devnull],
+        input="int LLVMFuzzerTestOneInput(const unsigned char *d, unsigned long n) { return d && n > 100; }",
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if probe.returncode:
+        missing("clang has no libFuzzer (Debian, Ubuntu: apt-get install clang libclang-rt-dev)")
+    return str(found)
+
+
+def run(program: Path, seconds: float) -> subprocess.CompletedProcess[str]:
+    arguments = [
+        f"-max_total_time={seconds:.0f}",
+        "-max_len=600",
+        "-seed=1",
+        "-artifact_prefix=./",
+        "-verbosity=1",
+    ]
+    env = {**os.environ, "ASAN_OPTIONS": "detect_leaks=0"}
+    return subprocess.run(
+        [str(program), *arguments],
+        cwd=program.parent,
+        env=env,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+
+def test_a_second_of_fuzzing(tmp_path: Path) -> None:
+    done = run(compiled(tmp_path, "ackermann_car"), 1)
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", FEW)
+def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
+    done = run(compiled(tmp_path, robot), SECONDS / len(FEW))
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
+HELD = "held(in->front_left.steer)"
+PLANTED = {
+    "a range left out": ("is_within(in->omega, -2.0f, 2.0f)", "(in->omega >= -2.0f)"),
+    "a limit left out": (f"between({HELD}, -0.6981317f, 0.6981317f)", HELD),
+}
+
+
+@pytest.mark.parametrize("fault", PLANTED)
+def test_finds_what_is_planted(fault: str, tmp_path: Path) -> None:
+    done = run(compiled(tmp_path, "ackermann_car", PLANTED[fault]), 20)
+    assert done.returncode != 0 and "deadly signal" in done.stderr, done.stderr[-3000:]

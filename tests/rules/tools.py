@@ -1,0 +1,103 @@
+"""The checkers over the C of a robot: findings as (file, check, text)."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.selftest.every import files_of
+
+Finding = tuple[str, str, str]
+BIN = Path(sys.executable).parent
+TIDY_CHECKS = "-*,bugprone-*,cert-*,clang-analyzer-*,misc-*"
+CALLER = "caller.c"
+
+
+def tool(name: str) -> str:
+    """Path of a tool: beside Python, else on PATH. Fails in CI, skips elsewhere, where there is none."""
+    found = shutil.which(name, path=str(BIN)) or shutil.which(name)
+    if found is None:
+        missing(f"{name} is not installed")
+    return str(found)
+
+
+def missing(what: str) -> None:
+    """Something that CI installs is not here."""
+    if os.environ.get("CI_DEEP"):
+        pytest.fail(what)
+    pytest.skip(what)
+
+
+def write(folder: Path, robot: str) -> list[str]:
+    """The C of a robot and a caller of everything in it; names of the sources."""
+    header = ""
+    for name, content in files_of(robot).items():
+        (folder / name).write_bytes(content)
+        header += content.decode() if name.endswith(".h") else ""
+    (folder / CALLER).write_text(caller(robot, header))
+    return [f"{robot}.c", f"{robot}_checked.c", CALLER, f"{robot}_selftest.c"]
+
+
+def caller(robot: str, header: str) -> str:
+    """A translation unit that calls every function that ``header`` declares."""
+    lines = [f'#include "{robot}.h"', f'#include "{robot}_checked.h"', "", f"int {robot}_selftest(void);", ""]
+    lines += ["int main(void)", "{"]
+    calls: list[str] = []
+    kinds: dict[str, str] = {}
+    for name, arguments in re.findall(
+        rf"^(?:void|\w+_status) ({robot}_\w+)\(([^)]*)\);", header, flags=re.S | re.M
+    ):
+        given = []
+        for kind in re.findall(r"(\w+) \*\w+", arguments):
+            variable = kinds.setdefault(kind, f"v{len(kinds)}")
+            given.append(f"&{variable}")
+        call = f"{name}({', '.join(given)})"
+        calls.append(
+            f"    failed += ({call} == {robot.upper()}_OK) ? 0 : 1;"
+            if name.endswith("_checked")
+            else f"    {call};"
+        )
+    lines += [f"    static {kind} {variable};" for kind, variable in kinds.items()]
+    return "\n".join(
+        [*lines, f"    int failed = {robot}_selftest();", "", *calls, "    return failed;", "}", ""]
+    )
+
+
+def cppcheck(folder: Path, sources: Sequence[str], defined: str) -> list[Finding]:
+    """Cppcheck with its MISRA C:2012 add-on, all checks on."""
+    command = [
+        tool("cppcheck"), "--enable=all", "--inconclusive", "--std=c99", "--addon=misra", "--quiet", f"-D{defined}",
+        "--suppress=missingIncludeSystem", "--suppress=checkersReport", "--template={file}|{id}|{line}: {message}",
+        *sources,
+    ]  # fmt: skip
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=True)
+    lines = (line.split("|", 2) for line in done.stderr.splitlines() if "|" in line)
+    return [(file, check, text) for file, check, text in lines if file != CALLER]
+
+
+def clang_tidy(folder: Path, sources: Iterable[str]) -> list[Finding]:
+    """clang-tidy's families bugprone, cert, clang-analyzer and misc."""
+    command = [tool("clang-tidy"), "--quiet", f"--checks={TIDY_CHECKS}", *sources, "--", "-std=c99"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+    found = re.findall(r"^(\S+?):(\d+):\d+: (?:warning|error): (.*) \[([\w.,-]+)\]$", done.stdout, flags=re.M)
+    assert found or done.returncode == 0, done.stderr
+    return [(Path(file).name, check, f"{line}: {text}") for file, line, text, check in found]
+
+
+def gcc_analyzer(folder: Path, sources: Sequence[str]) -> str:
+    """What gcc -fanalyzer says."""
+    version = subprocess.run([tool("gcc"), "-dumpversion"], capture_output=True, text=True, check=True).stdout
+    if int(version.split(".")[0]) < 10 or "clang" in version:
+        missing("gcc with -fanalyzer (10 or newer) is not installed")
+    flags = ("-std=c99", "-O2", "-fanalyzer", "-Wall", "-Wextra", "-c")
+    done = subprocess.run(
+        [tool("gcc"), *flags, *sources], cwd=folder, capture_output=True, text=True, timeout=300, check=False
+    )
+    return done.stderr

@@ -1,0 +1,73 @@
+"""The self-tests of many robots as one translation unit: one start of a compiler for all of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+
+from tests.conftest import GALLERY
+from wmrgen import derive, load
+from wmrgen.backends.c99 import emit
+from wmrgen.backends.meta import Meta
+from wmrgen.emit import site
+
+NAMES = tuple(path.stem for path in GALLERY)
+FEW = (
+    "turtlebot3_burger",
+    "pioneer3dx",
+    "clearpath_do100",
+    "lekiwi",
+    "wpilib_swervebot",
+    "nomad_xr4000",
+    "ackermann_car",
+)
+EVERY = "every.c"
+_OWN = re.compile(r"\b(miss|\w+_rows|\w+_misses)\b")  # what is static in a self-test
+_MAIN = """
+#include <stdio.h>
+int main(void)
+{{
+{calls}
+    return 0;
+}}
+"""
+
+
+@cache
+def files_of(robot: str, scalar: str = "float") -> Mapping[str, bytes]:
+    """The C that derive writes for a robot of the gallery, and what goes with it."""
+    derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
+    return emit(derivation.c_module, Meta(scalar=scalar, site=site(derivation.robot)))
+
+
+def write(folder: Path, robots: Sequence[str], scalar: str = "float", checks: bool = False) -> None:
+    """`EVERY`: C and self-test of every robot; a main that prints a line for each, or ``checks``, one a robot."""
+    lines = []
+    for robot in robots:
+        files = files_of(robot, scalar)
+        for name in (f"{robot}.h", f"{robot}.c"):
+            (folder / name).write_bytes(files[name])
+        text = _OWN.sub(lambda m, robot=robot: f"{robot}_{m[1]}", files[f"{robot}_selftest.c"].decode())  # type: ignore[misc]
+        (folder / f"{robot}_selftest.c").write_text(text)
+        lines += [
+            f"#define {robot.upper()}_SELFTEST_NO_MAIN",
+            f'#include "{robot}.c"',
+            f'#include "{robot}_selftest.c"',
+        ]
+        if checks:
+            lines += [
+                f"void check_{robot}(int *y);",
+                f"void check_{robot}(int *y) {{ *y = {robot}_selftest(); }}",
+            ]
+    text = "\n".join(lines) + "\n"
+    if not checks:
+        calls = [f'    printf("{robot} %d\\n", {robot}_selftest());' for robot in robots]
+        text += _MAIN.format(calls="\n".join(calls))
+    (folder / EVERY).write_text(text)
+
+
+def failures(printed: str) -> list[str]:
+    """The lines that do not say 0."""
+    return [line for line in printed.splitlines() if not line.endswith(" 0")]

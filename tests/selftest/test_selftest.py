@@ -1,0 +1,135 @@
+"""The shipped self-tests: right numbers, and passed by the shipped C on the host and on emulated processors."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from benchmarks.emulator.zig import M0, M4F, Target
+from tests.c.harness import COMPILERS, STRICT, WARNINGS
+from tests.conftest import GALLERY
+from tests.selftest.every import EVERY, FEW, NAMES, failures, files_of, write
+from tests.selftest.target import on_target
+from wmrgen import derive, load
+from wmrgen.compiler import compile_program, run_program
+from wmrgen.emit import site
+from wmrgen.errors import EnvironmentFailure
+from wmrgen.exact.number import Exact
+from wmrgen.ir.interpret import EXACT, evaluate
+from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.ir.vectors import tables
+
+LARGEST = 36_000  # bytes; half of the robots stay below 22 kB
+needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+
+
+@needs_compiler
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_passes_on_the_host(compiler: str, tmp_path: Path) -> None:
+    write(tmp_path, FEW)
+    printed = run_program(compile_program(tmp_path, [EVERY], compiler, (*STRICT, "-O1")), "")
+    assert len(printed.splitlines()) == len(FEW) and failures(printed) == []
+
+
+FUSED = ("-O2", "-ffp-contract=fast", "-march=native")
+
+
+@needs_compiler
+@pytest.mark.slow
+@pytest.mark.parametrize(("scalar", "flags"), [("double", ("-O0",)), ("float", ("-Os",)), ("float", FUSED)])
+def test_passes_however_it_is_compiled(flags: tuple[str, ...], scalar: str, tmp_path: Path) -> None:
+    """Contraction to fused multiply-add changes bits, and stays within the tolerance."""
+    write(tmp_path, NAMES, scalar)
+    for compiler in COMPILERS if flags is FUSED else COMPILERS[:1]:
+        program = compile_program(tmp_path, [EVERY], compiler, ("-std=c99", *WARNINGS, *flags))
+        assert failures(run_program(program, "")) == []
+
+
+def test_passes_on_cortex_m4f(tmp_path: Path) -> None:
+    assert on_target(M4F, FEW, tmp_path) == dict.fromkeys(FEW, 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
+def test_gallery_passes_on_target(target: Target, tmp_path: Path) -> None:
+    assert on_target(target, NAMES, tmp_path) == dict.fromkeys(NAMES, 0)
+
+
+def wrong_numbers(robot: str, scalar: str, every: int) -> list[str]:
+    """Expectations that are not the exact value of the formula as derived, rounded once; each ``every``-th row."""
+    derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
+    raw = {f.name: f for f in derivation.raw_module.functions}
+    enter = to_float32 if scalar == "float" else to_float64
+    wrong = []
+    for table in tables(derivation.c_module, scalar, site(derivation.robot)):
+        if table.law:
+            continue
+        function = raw[table.functions[0]]
+        for vector in table.vectors[::every]:
+            given = {name: Exact(Fraction(x)) for name, x in zip(table.inputs, vector.inputs, strict=True)}
+            exact = evaluate(function, given, EXACT)
+            for name, expected in zip(table.outputs, vector.expected, strict=True):
+                if enter(exact[name]) != expected and not (expected == 0 and abs(float(exact[name])) < 1e-12):
+                    wrong.append(
+                        f"{function.name} {vector.text} {name}: {expected!r}, is {float(exact[name])!r}"
+                    )
+    return wrong
+
+
+@pytest.mark.parametrize("robot", ["turtlebot3_burger", "wpilib_swervebot"])
+def test_numbers_are_the_exact_ones(robot: str) -> None:
+    assert wrong_numbers(robot, "float", 3) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", NAMES)
+def test_all_numbers_are_the_exact_ones(robot: str) -> None:
+    assert wrong_numbers(robot, "float", 1) == []
+    assert wrong_numbers(robot, "double", 6) == []
+
+
+@pytest.mark.slow
+def test_small_and_the_same_every_time() -> None:
+    sizes = {robot: len(files_of(robot)[f"{robot}_selftest.c"]) for robot in NAMES}
+    assert max(sizes.values()) <= LARGEST
+    assert sorted(sizes.values())[len(sizes) // 2] <= 22_000
+    robot = "ackermann_car"
+    again = files_of.__wrapped__(robot)
+    assert again[f"{robot}_selftest.c"] == files_of(robot)[f"{robot}_selftest.c"]
+
+
+def test_covers_every_function() -> None:
+    for robot in FEW:
+        source, selftest = (files_of(robot)[f"{robot}{end}"].decode() for end in (".c", "_selftest.c"))
+        functions = re.findall(rf"^void ({robot}_\w+)\(", source, flags=re.M)
+        assert functions and not [name for name in functions if f"    {name}(" not in selftest]
+
+
+@needs_compiler
+def test_ends_with_its_verdict(tmp_path: Path) -> None:
+    """As a program of its own: 0, and 1 for a wrong build or one that gives NaN; mixed files do not compile."""
+    robot = "lekiwi"
+    for name, content in files_of(robot).items():
+        if name.endswith((".c", ".h")):
+            (tmp_path / name).write_bytes(content)
+    sources = [f"{robot}.c", f"{robot}_selftest.c"]
+    run_program(compile_program(tmp_path, sources, None, (*STRICT, "-O1")), "")
+    good = (tmp_path / f"{robot}.c").read_text()
+    for wrong in ("1.001f * in->vx", "(in->vx - in->vx) / (in->vx - in->vx)"):
+        (tmp_path / f"{robot}.c").write_text(good.replace("in->vx", f"({wrong})", 1))
+        with pytest.raises(EnvironmentFailure, match="status 1"):
+            run_program(compile_program(tmp_path, sources, None, ("-std=c99", "-O1")), "")
+    header = (tmp_path / f"{robot}.h").read_text()
+    (tmp_path / f"{robot}.h").write_text(re.sub(r"_PAIR_\w+ 1", "_PAIR_0 1", header))
+    with pytest.raises(EnvironmentFailure, match="not generated together"):
+        compile_program(tmp_path, [f"{robot}_selftest.c"], None, ("-c",))
+
+
+def test_no_library() -> None:
+    """Nothing is included but the robot's own header."""
+    for robot in FEW:
+        text = files_of(robot)[f"{robot}_selftest.c"].decode()
+        assert re.findall(r"^#include (.*)$", text, flags=re.M) == [f'"{robot}.h"']

@@ -1,0 +1,109 @@
+"""An entry point for Frama-C Eva: every function of the generated C, called with all inputs of their ranges."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from wmrgen.backends.c99.emit import sources, unit
+from wmrgen.backends.c99.step import Step
+from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.meta import NO_META, Meta
+from wmrgen.ir.nodes import Module
+
+Ranges = Mapping[str, tuple[float, float]]
+Cases = Mapping[str, Sequence[Ranges]]
+
+# Any result that is no finite number is an alarm, beside what C leaves undefined.
+OPTIONS = (
+    "-eva", "-warn-special-float", "non-finite", "-eva-subdivide-non-linear", "20", "-eva-slevel", "16",
+    "-eva-msg-key=-summary", "-kernel-warn-key", "parser:decimal-float=inactive",
+)  # fmt: skip
+HARNESS = "eva_main.c"
+_SHOW = "Frama_C_show_each_"
+
+
+def harness(module: Module, cases: Cases, meta: Meta = NO_META) -> dict[str, str]:
+    """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function."""
+    made = unit(module, meta.scalar)
+    prepare = next((s for s in made.steps if s.name == f"{made.robot}_prepare"), None)
+    lines = [f'#include "{made.robot}.h"', '#include "__fc_builtin.h"', "", "int main(void)", "{"]
+    for step in made.steps:
+        name = step.name.removeprefix(f"{made.robot}_")
+        if step is not prepare:
+            for ranges in cases.get(name, ()):
+                lines += [f"    {line}" for line in _call(step, name, prepare, ranges, made.scalar)]
+    lines += ["    return 0;", "}", ""]
+    header, source = sources(module, meta)
+    return {f"{made.robot}.h": header, f"{made.robot}.c": source, HARNESS: "\n".join(lines)}
+
+
+def _call(step: Step, name: str, prepare: Step | None, ranges: Ranges, scalar: str) -> list[str]:
+    body: list[str] = []
+    for struct, parameter in step.arguments[:-1]:
+        body.append(f"{struct.name} {parameter};")
+    if prepare is not None and any(parameter == "prepared" for _, parameter in step.arguments):
+        for struct, parameter in prepare.arguments[:-1]:
+            body += [f"{struct.name} {parameter};", *_fill(struct, parameter, ranges, scalar)]
+        body.append(f"{prepare.name}({', '.join(f'&{parameter}' for _, parameter in prepare.arguments)});")
+    for struct, parameter in step.arguments[:-1]:
+        if parameter == "in":
+            body += _fill(struct, "in", ranges, scalar)
+    out = step.arguments[-1][0]
+    body.append(f"{out.name} out;")
+    body.append(f"{step.name}({', '.join(f'&{parameter}' for _, parameter in step.arguments)});")
+    body.append(f"{_SHOW}{name}({', '.join(f'out.{m}' for m in out.members.values())});")
+    return ["{", *(f"    {line}" for line in body), "}"]
+
+
+def _fill(struct: Struct, variable: str, ranges: Ranges, scalar: str) -> list[str]:
+    end = "f" if scalar == "float" else ""
+    lines = []
+    for key, member in struct.members.items():
+        low, high = (f"{float(v).hex()}{end}" for v in ranges[key])
+        lines.append(f"{variable}.{member} = Frama_C_{scalar}_interval({low}, {high});")
+    return lines
+
+
+def command(tool: str, robot: str) -> list[str]:
+    """The command that analyses what `harness` wrote."""
+    return [tool, *OPTIONS, HARNESS, f"{robot}.c"]
+
+
+def alarms(output: str) -> tuple[str, ...]:
+    """What Eva could not show, each with its place; whatever is no clean run is an alarm, too."""
+    text = re.sub(r"\n +", " ", output)
+    found = [
+        line.removeprefix("[eva:alarm] ") for line in text.splitlines() if line.startswith("[eva:alarm]")
+    ]
+    if "done for function main" not in text:
+        found.append("the analysis did not come to its end: " + " ".join(text.splitlines()[-3:]))
+    if "using specification for function" in text:
+        named = re.findall(r"using specification for function (\w+)", text)
+        found += [f"no code and no built-in function for {n}" for n in named if n not in _KNOWN]
+    if re.search(r"NON TERMINATING|assigns clause missing|Neither code nor specification", text):
+        found.append("a function without code")
+    return tuple(found)
+
+
+# Known by their contracts in Frama-C's library: an interval, and functions whose results Eva bounds.
+_KNOWN = {f"{name}{end}" for name in ("fabs", "sqrt", "sin", "cos", "atan", "atan2") for end in ("", "f")} | {
+    "Frama_C_float_interval",
+    "Frama_C_double_interval",
+}
+
+
+def shown(output: str) -> dict[str, tuple[tuple[float, float], ...]]:
+    """Function -> range of every output over all cases, in the order of the struct."""
+    text = re.sub(r"\n +", " ", output)
+    found: dict[str, tuple[tuple[float, float], ...]] = {}
+    for name, rest in re.findall(rf"{_SHOW}(\w+): *(.*)", text):
+        parts = re.findall(r"\[(\S+) \.\. (\S+?)\]|\{(.*?)\}", rest)
+        values = []
+        for low, high, single in parts:
+            numbers = [float(v) for v in (single.split(";") if single else (low, high))]
+            values.append((min(numbers), max(numbers)))
+        known = found.get(name, tuple(values))
+        pairs = zip(known, values, strict=True)
+        found[name] = tuple((min(a[0], b[0]), max(a[1], b[1])) for a, b in pairs)
+    return found

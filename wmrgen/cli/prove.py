@@ -1,0 +1,123 @@
+"""``wmrgen prove``: ranges, rounding errors, and that no operation of the generated C is undefined."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import wmrgen
+from wmrgen.cli import console
+from wmrgen.errors import NotDerivableError
+
+if TYPE_CHECKING:
+    from wmrgen.derivation import Derivation
+    from wmrgen.proofs.bounds import Bounds, FunctionBound, OutputBound
+
+_TOOL = "frama-c"
+_FINER = 3  # how often Eva gets the inputs in smaller parts
+_INSTALL = "Debian, Ubuntu: apt-get install frama-c-base"
+
+
+def run(path: Path, *, as_json: bool) -> int:
+    """Our own analysis, then Frama-C Eva where it is installed. NotDerivableError where something is not proved."""
+    from wmrgen.proofs.bounds import data
+
+    with console.progress() as step:
+        step(f"deriving {path}")
+        robot = wmrgen.load(path)
+        for text in robot.notes:
+            console.note(f"{robot.name}: note: {text}")
+        derivation = wmrgen.derive(robot)
+        step(f"bounding {robot.name}")
+        found = derivation.bounds
+        if found.missing:
+            raise NotDerivableError(_needed(robot.name, found))
+        step(f"running {_TOOL} on {robot.name}")
+        eva = _eva(derivation, found)
+    if as_json:
+        console.result(json.dumps({"name": robot.name, **data(found), "eva": eva}, indent=2))
+    else:
+        _show(robot.name, found, eva)
+    open_ = [f"{f.name}: {text}" for f in found.functions for text in f.alarms] + list(eva.get("alarms", []))
+    if open_:
+        raise NotDerivableError(f"{robot.name}: not proved:\n  " + "\n  ".join(open_))
+    return 0
+
+
+def _needed(name: str, found: Bounds) -> str:
+    from wmrgen.proofs.domain import wanted
+
+    return (
+        f"{name}: nothing can be proved without limits of {' and '.join(found.missing)}. Write in the robot file, "
+        f"with the values of your robot [m/s, rad/s]:\n  {wanted(found.missing)}"
+    )
+
+
+def _eva(derivation: Derivation, found: Bounds) -> dict[str, Any]:
+    """What Eva says: its alarms (none is good); why it was not run."""
+    from wmrgen.backends.c99.eva import alarms, command, harness
+    from wmrgen.compiler import find_tool, run_tool
+    from wmrgen.proofs.bounds import functions
+    from wmrgen.proofs.cases import cases
+    from wmrgen.proofs.precision import SINGLE
+
+    tool = find_tool(_TOOL)
+    if tool is None:
+        return {"run": False, "reason": f"{_TOOL} is not on the PATH ({_INSTALL})"}
+    ranges = {f.name: f.inputs for f in found.functions if not f.unknown}
+    left: Sequence[str] = ()
+    for finer in range(_FINER):
+        parts = {
+            f.name: cases(f, ranges[f.name], SINGLE, finer)
+            for f in functions(derivation.c_module)
+            if f.name in ranges
+        }
+        left = alarms(run_tool(command(tool, derivation.robot.name), harness(derivation.c_module, parts)))
+        if not left:
+            break
+    return {"run": True, "alarms": list(left)}
+
+
+def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:
+    limits = ", ".join(_limit(n, r) for n, r in found.given.items())
+    console.result(
+        f"{name}: float, sin and cos within {found.library.sin:g} ulp, atan2 {found.library.atan2:g}"
+    )
+    console.result(f"  limits: {limits}")
+    if found.assumed:
+        console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in found.assumed.items())}")
+    for f in found.functions:
+        _function(f)
+    if eva["run"]:
+        count = len(eva["alarms"])
+        console.result(f"Frama-C Eva: {count or 'no'} alarm{'s' * (count > 1)}", "bold")
+    else:
+        console.note(f"Frama-C Eva was not run: {eva['reason']}")
+
+
+def _limit(name: str, r: tuple[float, float]) -> str:
+    low, high = r
+    return f"|{name}| <= {high:g}" if low == -high else f"{low:g} <= {name} <= {high:g}"
+
+
+def _function(f: FunctionBound) -> None:
+    if f.unknown:
+        console.result(f"{f.name}: not looked at, no range for {', '.join(f.unknown)}", "bold")
+        return
+    console.result(
+        f"{f.name}: {'no NaN, infinity or division by zero' if f.proved else 'not proved'}", "bold"
+    )
+    for text in f.alarms:
+        console.result(f"  {text}")
+    width = max((len(o.name) for o in f.outputs), default=0)
+    for o in f.outputs:
+        span = f"[{o.low:.6g}, {o.high:.6g}] {o.unit}"
+        console.result(f"  {o.name:<{width}}  {span:<32} error {_error(o)}")
+
+
+def _error(o: OutputBound) -> str:
+    if o.per_length:
+        return f"{o.error:.2g} + {o.per_length:.2g}/h, pivot's speed h >= {o.from_length:.2g} m/s"
+    return f"{o.error:.2g}" + (f", pivot's speed >= {o.from_length:.2g} m/s" if o.from_length else "")

@@ -1,0 +1,113 @@
+"""Where a function is tested: inputs that between them take every branch and come close to what is singular.
+
+Standstill, each command alone in both signs, generic ones with their mirror images, declared limits, very slow and
+very fast ones, the centre of rotation beside each pivot and on it, and a pool to find the other branches in. Every
+number is a float32.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from wmrgen.ir.nodes import Function, Op, Port, Role
+from wmrgen.ir.rounding import nearest_float32
+from wmrgen.ir.site import NO_SITE, Site
+
+Array = Any
+Point = tuple[str, Array]  # what it is, one value per port
+
+TWIST = ("vx", "vy", "omega")
+BRANCH = "branch"  # a point of the pool: kept where it takes branches that no other takes
+_SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
+_GENERIC, _POOL, _ROWS = 8, 320, 64
+_MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
+_BEYOND = 1 + 2.0**-11
+
+
+class Grid:
+    """Generic values of some ports: row k, one value per port, multiples of 1/128 of a typical size."""
+
+    def __init__(self, ports: Sequence[Port], site: Site) -> None:
+        sizes = np.array([_size(port, site) for port in ports])
+        row, column = np.ogrid[0:_ROWS, 0 : len(ports)]
+        spread = (row * 37 + column * 23 + row * column * 5 + 11) % 62 - 31
+        self.rows = np.rint(sizes * (spread + (spread >= 0)) * 4) / 128  # never zero
+        self.single = np.maximum(np.rint(sizes * 96) / 128, 1 / 128)
+
+
+def _size(port: Port, site: Site) -> float:
+    """A typical size: a declared limit's where it is smaller."""
+    size = 20.0 if port.name.endswith(".spin") else _SIZE.get(port.unit, 1.0)
+    low, high = site.limits.get(port.name, (-size, size))
+    return min(size, max(abs(low), abs(high)))
+
+
+def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Point]:
+    """The points of ``function``; ``ports`` are the inputs that vary."""
+    grid = Grid(ports, site)
+    moving = np.array([p.role is Role.COMMAND for p in ports])
+    timed = np.array([p.unit == "s" for p in ports])
+    yield "all zero", np.zeros(len(ports))
+    yield "standstill", np.where(moving, 0.0, grid.rows[3])
+    for column in np.flatnonzero(moving)[:_ALONE].tolist():
+        alone = np.zeros(len(ports))
+        alone[column] = grid.single[column]
+        yield f"{ports[column].name} alone", alone
+        if moving.sum() <= 4:
+            yield f"{ports[column].name} alone, backwards", -alone
+    generic = _GENERIC if len(ports) <= _MANY else _GENERIC - 2
+    for row in range(generic):
+        yield "generic", grid.rows[row]
+        if row < generic // 2:
+            yield "the same backwards", np.where(moving, -grid.rows[row], grid.rows[row])
+    for power, text in ((-14, "very slow"), (7, "fast"), (20, "very fast")):
+        factor = np.where(moving & ~timed, 2.0**power, 1.0)
+        yield text, grid.rows[17 + power] * factor
+    yield from _extremes(ports, site, grid)
+    yield from _centres(ports, site, grid)
+    if any(node.op in (Op.SELECT, Op.MIN, Op.MAX) for node in function.nodes):
+        for row, values in enumerate(_scattered(ports)):
+            yield BRANCH, values * (1.0, 0.125, 4.0)[row % 3]
+
+
+def _scattered(ports: Sequence[Port]) -> Array:
+    """A pool of rows without pattern; declared limits do not bound it, for code must be right beyond them too."""
+    sizes = np.array([_size(port, NO_SITE) for port in ports])
+    row, column = np.ogrid[0:_POOL, 0 : len(ports)]
+    mixed = (row * 0x9E3779B1 + column * 0x85EBCA6B + 0x27D4EB2F) & 0xFFFFFFFF
+    for shift, factor in ((15, 0x2C1B3C6D), (12, 0x297A2D39)):
+        mixed = ((mixed ^ mixed >> shift) * factor) & 0xFFFFFFFF
+    return np.rint(sizes * ((mixed >> 7) % 255 - 127)) / 128
+
+
+def _extremes(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
+    """Every input with a declared limit there; at standstill, joints a little beyond theirs."""
+    limits = [site.limits.get(p.name) for p in ports]
+    if not any(limits):
+        return
+    known = np.array([limit is not None for limit in limits])
+    state = np.array([p.role is not Role.COMMAND for p in ports])
+    for side, text in ((1, "upper limits"), (0, "lower limits")):
+        at = np.array([limit[side] if limit else 0.0 for limit in limits])
+        yield text, np.where(known, _single(at), grid.rows[9 + side])
+        if (known & state).any():
+            yield f"just beyond {text}", np.where(known & state, _single(at * _BEYOND), 0.0)
+
+
+def _single(values: Array) -> Array:
+    return np.array([nearest_float32(x) for x in values.tolist()])
+
+
+def _centres(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
+    names = [p.name for p in ports]
+    if not set(TWIST) <= set(names):
+        return
+    where = [names.index(n) for n in TWIST]
+    for row, (name, x, y) in enumerate(site.pivots):
+        for off, text in ((1 / 64, "near"), (0.0, "on")):
+            point = grid.rows[(row + 5) % _ROWS].copy()
+            point[where] = nearest_float32(y - off / 2), -nearest_float32(x + off), 1.0
+            yield f"centre of rotation {text} {name}", point

@@ -1,0 +1,1 @@
+"""Proofs about the generated code: ranges, rounding errors, and that every operation is defined."""

@@ -1,0 +1,194 @@
+"""Ranges and rounding errors of straight-line code over boxes of inputs.
+
+Model: the float program computes v_i = op_i(v) + d_i with |d_i| at most half a unit in the last place of the largest
+result (library functions: as many units as are assumed of them; constants: their own rounding). Call the program with
+noise t d, 0 <= t <= 1: t = 1 is the float program, t = 0 the exact formula. By the mean value theorem an output
+differs by at most sum_i |d_i| sup |dv/dd_i|, and interval arithmetic bounds the derivatives over every t and every
+input of the box: forward differentiation, one row per source of noise. A comparison is taken as the float program
+decides it, a rounding to a whole number likewise.
+
+Directions of vectors that may vanish have no such bound: while t runs from 0 to 1, the angle follows the vector, whose
+error rho turns it by at most rho/h each moment, h its length at that moment. Errors of what depends on it are claimed
+where the exact length is 64 rho or more: 64/63 of rho over the exact length in all. What is multiplied by a value of
+at most s h gets no more than s rho: a source of noise of its own (`Angle`). Ranges and alarms hold for every length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.proofs import affine as af
+from wmrgen.proofs import interval as iv
+from wmrgen.proofs import slopes as sl
+from wmrgen.proofs.affine import Affine
+from wmrgen.proofs.directions import Direction, Shares, directions
+from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.precision import Format, Library
+from wmrgen.proofs.records import Analysis, Angle, Value
+from wmrgen.proofs.slopes import Slope
+
+SMALL_ANGLE = (
+    64.0  # the error of a direction is claimed where the vector is longer than its own error times this
+)
+_EXACT = frozenset({"input", "neg", "abs", "min", "max", "select", "rint"})
+_TURN_GROW = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
+_SHORT = 2.0**-60  # below this length squares may underflow
+_LINEAR = frozenset({Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.CONST})
+
+Rule = Callable[["Pass", int, Node], Value]
+
+
+def analyse(
+    function: Function,
+    inputs: Mapping[str, Interval],
+    form: Format,
+    library: Library,
+) -> Analysis:
+    """Every node on every box; ``inputs``: (lo, hi) arrays by input name, one entry per box."""
+    with np.errstate(all="ignore"):
+        return Pass(function, inputs, form, library).run()
+
+
+class Pass:
+    """One walk through the node list. The rules of the operations stand in `wmrgen.proofs.rules`."""
+
+    def __init__(
+        self, function: Function, inputs: Mapping[str, Interval], form: Format, library: Library
+    ) -> None:
+        self.nodes, self.inputs, self.form, self.library = function.nodes, inputs, form, library
+        self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
+        self.result = Analysis(self.boxes)
+        self.directions = directions(self.nodes)
+        self.quotients = {d.quotient: d for d in self.directions.values() if d.quotient is not None}
+        self.shares: dict[int, Shares] = {}
+        self.sources: dict[int, int] = {}
+        self.forms: list[Affine] = []
+        row = 0
+        for i, node in enumerate(self.nodes):
+            if node.op not in _EXACT or i in self.directions:
+                self.sources[i] = row
+                row += 3 if i in self.directions else 1
+        self.result.noise = np.zeros((row, self.boxes))
+
+    def run(self) -> Analysis:
+        from wmrgen.proofs.rules import RULES
+
+        for i, node in enumerate(self.nodes):
+            value = RULES[node.op.value](self, i, node)
+            found, slope, away, noise = value.range, value.slope, value.away, value.noise
+            if noise is not None:
+                row = self.sources[i]
+                self.result.noise[row] = noise
+                slope = sl.with_source(slope, row, self.boxes) if noise.any() else slope
+                found = iv.widened(found, noise)
+                away = None if away is None else away - noise
+            found = self._linear(i, node, found, noise)
+            if not np.all(iv.magnitude(found) <= self.form.largest):
+                self.alarm(i, "may overflow")
+                found = np.nan_to_num(found[0], nan=-np.inf), np.nan_to_num(found[1], nan=np.inf)
+            least = iv.smallest(found)
+            self.result.ranges.append(found)
+            self.result.slopes.append(slope)
+            self.result.away.append(least if away is None else np.maximum(least, away))
+        return self.result
+
+    def _linear(self, i: int, node: Node, found: Interval, noise: Array | None) -> Interval:
+        """``found``, cut to the range of the linear form that the node is."""
+        form, cut = self._form(i, node)
+        if form is None:
+            self.forms.append(af.atom(i, self.boxes))
+            return found
+        if noise is not None:
+            form = form.widened(noise)
+        self.forms.append(form)
+        return iv.meet(found, form.range(self.result.ranges)) if cut else found
+
+    def _form(self, i: int, node: Node) -> tuple[Affine | None, bool]:
+        """The form of a node, and whether something cancels in it."""
+        if node.op not in _LINEAR:
+            return None, False
+        if node.value is not None:
+            value = float(node.value)
+            return af.constant(value, abs(value) * 2.0**-52, self.boxes), False
+        forms = [self.forms[k] for k in node.args]
+        if node.op is Op.NEG:
+            return forms[0].scaled(-1.0), False
+        if node.op is Op.MUL:
+            for c, x in (forms, forms[::-1]):
+                if not c.terms:
+                    width = c.slack * iv.magnitude(self.result.ranges[node.args[1]])
+                    width = np.maximum(width, c.slack * iv.magnitude(self.result.ranges[node.args[0]]))
+                    return x.scaled(c.constant).widened(width), False
+            return None, False
+        a, b = forms
+        return af.combined(a, b, 1 if node.op is Op.ADD else -1), af.overlap(a, b)
+
+    # ---- what rules ask for
+
+    def alarm(self, i: int, what: str) -> None:
+        self.result.alarms.append((i, what))
+
+    def range(self, i: int) -> Interval:
+        return self.result.ranges[i]
+
+    def slope(self, i: int) -> Slope:
+        return self.result.slopes[i]
+
+    def away(self, i: int) -> Array:
+        return self.result.away[i]
+
+    def rounding(self, value: Interval) -> Array:
+        """The error of one rounding of results in ``value``."""
+        return self.form.half_ulp(iv.magnitude(value))
+
+    def library_noise(self, op: Op, value: Interval) -> Array:
+        """The error of a library function whose results lie in ``value``."""
+        return 2 * self.library.ulps(op) * self.rounding(value) + self.form.tiny
+
+    def turned(self, i: int, direction: Direction) -> Slope:
+        """The slope of a direction: two sources, the angle's and the angle's times the length."""
+        squares = [(factor * factor, self.slope(k)) for factor, k in direction.parts]
+        rho = sl.weighed(sl.norm(squares), self.result.noise, self.boxes) + _SHORT
+        row = self.sources[i] + 1
+        self.result.angles.append(Angle(i, row, direction.factor, rho * _TURN_GROW))
+        self.result.noise[row] = direction.factor * _TURN_GROW / SMALL_ANGLE
+        self.result.noise[row + 1] = direction.factor * rho * (1 + 1e-4)
+        self.shares[row] = Shares(self.nodes, direction, self.result.ranges)
+        return sl.with_source(None, row, self.boxes)
+
+    def product_slope(self, a: int, b: int) -> Slope:
+        """Slope of a b. Where b is at most s h, the slope of ``a`` in a direction counts as s, in that times h."""
+        first = sl.times(self._kept(a, b), self.range(b))
+        second = sl.times(self._kept(b, a), self.range(a))
+        slope = sl.plus(first, second)
+        for x, y in ((a, b), (b, a)):
+            for row, share in self._shared(x, y):
+                slope = sl.added(slope, row + 1, self.magnitude(x, row) * share, self.boxes)
+        return slope
+
+    def magnitude(self, i: int, row: int) -> Array:
+        """Largest slope of node ``i`` in a source."""
+        slope = self.slope(i)
+        if slope is None or slope[0].shape[0] <= row:
+            return np.zeros(self.boxes)
+        return np.asarray(np.maximum(-slope[0][row], slope[1][row]))
+
+    def _shared(self, x: int, y: int) -> list[tuple[int, float]]:
+        """Directions on which x depends and of whose length y has a share."""
+        found = []
+        for row, shares in self.shares.items():
+            if np.any(self.magnitude(x, row)):
+                share = shares.of(y)
+                if share is not None:
+                    found.append((row, share * (1 + 1e-4)))
+        return found
+
+    def _kept(self, x: int, y: int) -> Slope:
+        """The slope of x without the rows that `product_slope` moves."""
+        slope = self.slope(x)
+        for row, _ in self._shared(x, y):
+            slope = sl.without(slope, row)
+        return slope

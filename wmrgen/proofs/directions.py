@@ -1,0 +1,199 @@
+"""Operations that give the direction of a vector: where the vector may vanish, their error has no bound of its own.
+
+Three shapes: the angle atan2(y, x) with x >= 0; half the angle of a line, atan(c b / (v + a)) with
+v = +-sqrt(a a + c c b b), its sign that of a; and a slope c b / a kept between two limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.ir.nodes import Node, Op
+from wmrgen.proofs.interval import Interval, magnitude
+from wmrgen.proofs.patterns import extremum, scaled, terms_below_root, without_factors
+
+Part = tuple[float, int]  # (factor, node): the component factor x node of a vector
+
+
+@dataclass(frozen=True, slots=True)
+class Direction:
+    """The result moves by at most ``factor`` times the angle by which the vector turns, ``most`` in all.
+
+    ``quotient``: the division that this shape accounts for, with ``roundings`` up to the result; ``reach``: its
+    largest value; ``size``: the node of the vector's length; ``least``: the divisor is no smaller.
+    """
+
+    parts: tuple[Part, Part]
+    factor: float
+    most: float
+    quotient: int | None = None
+    roundings: float = 0.0
+    reach: float = np.inf
+    size: int | None = None
+    least: float = 0.0
+
+
+def directions(nodes: Sequence[Node]) -> dict[int, Direction]:
+    """The directions among the nodes, by node."""
+    found: dict[int, Direction] = {}
+    users = [0] * len(nodes)
+    for node in nodes:
+        for arg in node.args:
+            users[arg] += 1
+    for i, node in enumerate(nodes):
+        direction = None
+        if node.op is Op.ATAN2:
+            direction = Direction(((1.0, node.args[0]), (1.0, node.args[1])), 1.0, np.pi)
+        elif node.op.value == "atan":
+            direction = _line(nodes, node, users)
+        elif node.op in (Op.MIN, Op.MAX, Op.SELECT):
+            direction = _clamped(nodes, node)
+        if direction is not None:
+            found[i] = direction
+    return found
+
+
+def _factor(nodes: Sequence[Node], i: int) -> tuple[Exact, int]:
+    """(c, x) of a product c x; (1, i) otherwise."""
+    return scaled(nodes, nodes[i]) or (ONE, i)
+
+
+def _line(nodes: Sequence[Node], node: Node, users: Sequence[int]) -> Direction | None:
+    """atan(c b / select(0 < size, v + a, 1)), size = sqrt(a a + (c b) (c b))."""
+    c, quotient = _factor(nodes, node.args[0])
+    if nodes[quotient].op is not Op.DIV or any(users[k] > 1 for k in {quotient, node.args[0]}):
+        return None
+    b, divisor = nodes[quotient].args
+    guard = nodes[divisor]
+    if guard.op is not Op.SELECT or nodes[guard.args[0]].value != ZERO:
+        return None
+    _, size, total, _ = guard.args
+    if nodes[size].op is not Op.SQRT or nodes[total].op is not Op.ADD:
+        return None
+    for speed, a in (nodes[total].args, nodes[total].args[::-1]):
+        if _signed(nodes, speed, a, size) and (most := _norm(nodes, size, a, b, c)) is not None:
+            f = float(c * c)
+            # size is off by most/2 + 1 units relatively; sum and quotient add one each, a factor two. An arctangent
+            # halves relative errors at the least. Subnormal squares: f q q <= 3 + 2 f.
+            rounds = (most / 2 + (3 if c == ONE else 5)) / 2
+            parts = ((1.0, a), (float(abs(c)), b))
+            return Direction(parts, 0.5, np.pi / 2, quotient, rounds, np.sqrt((3 + 2 * f) / f) * 1.01, size)
+    return None
+
+
+def _signed(nodes: Sequence[Node], speed: int, a: int, size: int) -> bool:
+    """Whether ``speed`` is -size where a < 0, else size."""
+    node = nodes[speed]
+    if node.op is not Op.SELECT:
+        return False
+    p, q, x, y = node.args
+    minus = nodes[x]
+    return p == a and nodes[q].value == ZERO and minus.op is Op.NEG and minus.args[0] == size and y == size
+
+
+def _norm(nodes: Sequence[Node], size: int, a: int, b: int, c: Exact) -> int | None:
+    """The number of roundings of ``size`` where it is the length of (a, c b), else None."""
+    terms = terms_below_root(nodes, nodes[size].args[0])
+    if len(terms) != 2 or not all(t.squared for t in terms):
+        return None
+    wanted = [_square_of(nodes, a, ONE), _square_of(nodes, b, c)]
+    made = []
+    for t in terms:
+        k, base = without_factors(nodes, t.base)
+        made.append((base, t.factor * k * k))
+    if wanted == made or wanted == made[::-1]:
+        return max(t.roundings for t in terms)
+    return None
+
+
+def _square_of(nodes: Sequence[Node], i: int, c: Exact) -> tuple[int, Exact]:
+    k, base = without_factors(nodes, i)
+    return base, k * k * c * c
+
+
+def _clamped(nodes: Sequence[Node], node: Node) -> Direction | None:
+    """max(-m, min(m, c b / a')), a' = a or, where that is tiny, a tiny number."""
+    outer = extremum(nodes, node)
+    if outer is None:
+        return None
+    for limit, inside in (outer[1:], outer[:0:-1]):
+        inner = extremum(nodes, nodes[inside]) if nodes[inside].op in (Op.MIN, Op.MAX, Op.SELECT) else None
+        if inner is None or inner[0] is outer[0]:
+            continue
+        for other, ratio in (inner[1:], inner[:0:-1]):
+            bounds = nodes[limit].value, nodes[other].value
+            c, quotient = _factor(nodes, ratio)
+            if bounds[0] is None or bounds[1] is None or nodes[quotient].op is not Op.DIV:
+                continue
+            b, divisor = nodes[quotient].args
+            guard = nodes[divisor]
+            if guard.op is Op.SELECT and nodes[guard.args[0]].op is Op.ABS:
+                a = guard.args[3]
+                if nodes[guard.args[0]].args[0] == a:
+                    m = max(abs(float(v)) for v in bounds if v is not None)
+                    parts = ((1.0, a), (abs(float(c)), b))
+                    still = min(float(nodes[k].value or ZERO) for k in guard.args[1:3]) * (1 - 1e-6)
+                    if still > 0:
+                        return Direction(parts, 1 + m * m, 2 * m, quotient, 4 * m, m, None, still)
+    return None
+
+
+class Shares:
+    """Which values are at most a multiple of the length of a vector: |value| <= share x length."""
+
+    def __init__(self, nodes: Sequence[Node], direction: Direction, ranges: Sequence[Interval]) -> None:
+        self.nodes, self.ranges = nodes, ranges
+        self.known: dict[int, float | None] = {}
+        for factor, k in direction.parts:
+            for j in _unsigned(nodes, k):
+                self.known[j] = 1 / factor
+        if direction.size is not None:
+            self.known[direction.size] = 1.0
+
+    def of(self, i: int) -> float | None:
+        """The share of node ``i``; None where there is none."""
+        if i not in self.known:
+            self.known[i] = None
+            self.known[i] = self._found(self.nodes[i])
+        return self.known[i]
+
+    def _found(self, node: Node) -> float | None:
+        if node.op in (Op.NEG, Op.ABS):
+            return self.of(node.args[0])
+        if node.op in (Op.SELECT, Op.MIN, Op.MAX):
+            parts = [self.of(k) for k in node.args[-2:]]
+            return None if None in parts else max(p for p in parts if p is not None)
+        if node.op in (Op.ADD, Op.SUB):
+            parts = [self.of(k) for k in node.args]
+            return None if None in parts else sum(p for p in parts if p is not None)
+        if node.op is Op.MUL:
+            for k, other in (node.args, node.args[::-1]):
+                inner = self.of(k)
+                if inner is not None:
+                    return inner * float(magnitude(self.ranges[other]).max())
+        return None
+
+
+def _unsigned(nodes: Sequence[Node], i: int) -> set[int]:
+    """Node ``i`` and those of which it is the absolute value or which it equals up to the sign."""
+    found, node = {i}, nodes[i]
+    if node.op in (Op.ABS, Op.NEG):
+        return found | _unsigned(nodes, node.args[0])
+    if node.op is Op.SELECT:
+        x, y = node.args[2:]
+        for minus, plus in ((x, y), (y, x)):
+            if _opposite(nodes, minus, plus):
+                return found | {x, y}
+    return found
+
+
+def _opposite(nodes: Sequence[Node], a: int, b: int) -> bool:
+    """Whether a = -b by its shape."""
+    p, q = nodes[a], nodes[b]
+    if p.op is Op.NEG:
+        return p.args[0] == b
+    return p.op is Op.SUB and q.op is Op.SUB and p.args == q.args[::-1]

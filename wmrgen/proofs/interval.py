@@ -1,0 +1,126 @@
+"""Intervals over arrays of boxes, rounded outward: the exact result always lies inside.
+
+An interval is a pair (lo, hi) of float64 arrays of one shape; entry k is the interval on box k. Each bound is
+computed to nearest and moved outward by one unit in the last place, or by `_WIDE` for library functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+Interval: TypeAlias = tuple[Array, Array]
+
+_WIDE = 1e-15  # sines, cosines and arctangents of NumPy are off by less
+_HALF_PI = np.pi / 2
+_SLACK = 1e-9  # a turning point this close to an end counts as inside
+
+
+def outward(lo: Array, hi: Array) -> Interval:
+    """One unit in the last place wider on either side."""
+    return np.nextafter(lo, -np.inf), np.nextafter(hi, np.inf)
+
+
+def widened(a: Interval, by: Array) -> Interval:
+    """``a`` with ``by`` >= 0 more on either side."""
+    return outward(a[0] - by, a[1] + by)
+
+
+def magnitude(a: Interval) -> Array:
+    """Largest absolute value."""
+    return np.maximum(-a[0], a[1])
+
+
+def smallest(a: Interval) -> Array:
+    """Least absolute value: 0 where the interval holds 0."""
+    return np.maximum(np.maximum(a[0], -a[1]), 0.0)
+
+
+def negative(a: Interval) -> Interval:
+    return -a[1], -a[0]
+
+
+def hull(a: Interval, b: Interval) -> Interval:
+    return np.minimum(a[0], b[0]), np.maximum(a[1], b[1])
+
+
+def meet(a: Interval, b: Interval) -> Interval:
+    """Intersection; where it is empty (the case cannot occur) the nearer end of ``a``."""
+    lo, hi = np.maximum(a[0], b[0]), np.minimum(a[1], b[1])
+    empty = lo > hi
+    return np.where(empty, np.minimum(lo, a[1]), lo), np.where(empty, np.minimum(lo, a[1]), hi)
+
+
+def absolute(a: Interval) -> Interval:
+    return smallest(a), magnitude(a)
+
+
+def plus(a: Interval, b: Interval) -> Interval:
+    return outward(a[0] + b[0], a[1] + b[1])
+
+
+def minus(a: Interval, b: Interval) -> Interval:
+    return outward(a[0] - b[1], a[1] - b[0])
+
+
+def times(a: Interval, b: Interval) -> Interval:
+    """Product; ``a`` may have a leading axis more than ``b``. 0 times infinity is 0."""
+    p, q, r, s = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
+    return outward(np.fmin(np.fmin(p, q), np.fmin(r, s)), np.fmax(np.fmax(p, q), np.fmax(r, s)))
+
+
+def square(a: Interval) -> Interval:
+    least, most = smallest(a), magnitude(a)
+    lo, hi = outward(least * least, most * most)
+    return np.maximum(lo, 0.0), hi
+
+
+def reciprocal(b: Interval) -> Interval:
+    """1/b; everything where ``b`` holds 0."""
+    bad = (b[0] <= 0) & (b[1] >= 0)
+    safe_lo, safe_hi = np.where(bad, 1.0, b[0]), np.where(bad, 1.0, b[1])
+    lo, hi = outward(1.0 / safe_hi, 1.0 / safe_lo)
+    return np.where(bad, -np.inf, lo), np.where(bad, np.inf, hi)
+
+
+def root(a: Interval) -> Interval:
+    """Square root of the part that is not negative."""
+    lo, hi = outward(np.sqrt(np.maximum(a[0], 0.0)), np.sqrt(np.maximum(a[1], 0.0)))
+    return np.maximum(lo, 0.0), hi
+
+
+def _holds(a: Interval, point: float) -> NDArray[np.bool_]:
+    """Whether point + 2 pi k lies in ``a`` for a whole k; in doubt yes."""
+    slack = _SLACK * (1.0 + magnitude(a))
+    turns = np.ceil((a[0] - slack - point) / (2 * np.pi))
+    return np.asarray(point + 2 * np.pi * turns <= a[1] + slack)
+
+
+def _wave(a: Interval, function: Callable[[Array], Array], top: float) -> Interval:
+    """Sine or cosine, which is greatest at ``top``."""
+    finite = np.isfinite(a[0]) & np.isfinite(a[1])
+    p, q = function(np.where(finite, a[0], 0.0)), function(np.where(finite, a[1], 0.0))
+    hi = np.where(_holds(a, top) | ~finite, 1.0, np.minimum(np.maximum(p, q) + _WIDE, 1.0))
+    lo = np.where(_holds(a, top - np.pi) | ~finite, -1.0, np.maximum(np.minimum(p, q) - _WIDE, -1.0))
+    return lo, hi
+
+
+def sine(a: Interval) -> Interval:
+    return _wave(a, np.sin, _HALF_PI)
+
+
+def cosine(a: Interval) -> Interval:
+    return _wave(a, np.cos, 0.0)
+
+
+def arctangent(y: Interval, x: Interval) -> Interval:
+    """Angle of (x, y): of the box where x >= 0, else every angle."""
+    right = x[0] >= 0
+    above = np.arctan2(y[1], np.where(y[1] > 0, x[0], x[1]))
+    below = np.arctan2(y[0], np.where(y[0] < 0, x[0], x[1]))
+    far = 4 * _WIDE
+    return np.where(right, below, -np.pi) - far, np.where(right, above, np.pi) + far

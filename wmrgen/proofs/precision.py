@@ -1,0 +1,89 @@
+"""What rounding does in a floating-point format, and what is taken for granted of library functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import Op
+from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.proofs.interval import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A binary format: ``bits`` of precision, least subnormal 2**``lowest``, finite below 2**``highest``."""
+
+    name: str
+    bits: int
+    lowest: int
+    highest: int
+
+    @property
+    def unit(self) -> float:
+        """Unit roundoff: the largest relative error of one rounding."""
+        return float(2.0**-self.bits)
+
+    @property
+    def tiny(self) -> float:
+        """Half the least subnormal: what underflow may add."""
+        return float(np.ldexp(1.0, max(self.lowest - 1, -1074)))
+
+    @property
+    def largest(self) -> float:
+        """The largest finite number."""
+        return float(np.ldexp(2.0 - 2.0 ** (1 - self.bits), self.highest - 1))
+
+    def half_ulp(self, size: Array) -> Array:
+        """Half a unit in the last place of the largest value: the error of one rounding up to ``size``."""
+        # A power of two is exact, and what lies below it has the finer spacing there.
+        _, exponent = np.frexp(np.nextafter(size, 0.0))
+        return np.asarray(np.ldexp(1.0, np.maximum(exponent - self.bits - 1, self.lowest - 1).astype(int)))
+
+
+SINGLE = Format("float", 24, -149, 128)
+DOUBLE = Format("double", 53, -1074, 1024)
+FORMATS = {"float": SINGLE, "double": DOUBLE}
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """Largest error of sin, cos (of results up to 1), atan and atan2, in units in the last place of the result.
+
+    The C standard bounds none of them: these are what is assumed of a libm, or proved of a kernel.
+    """
+
+    name: str
+    sin: float
+    cos: float
+    atan: float
+    atan2: float
+
+    def ulps(self, op: Op) -> float:
+        return self.table()[op.value]
+
+    def table(self) -> dict[str, float]:
+        """Operation -> units in the last place."""
+        return {"sin": self.sin, "cos": self.cos, "atan": self.atan, "atan2": self.atan2}
+
+
+LIBM = Library("libm", 1.0, 1.0, 1.0, 2.0)
+
+
+@cache
+def constant(value: Exact, name: str) -> tuple[float, float, float, bool]:
+    """(lo, hi, error, is a power of two): an enclosure of ``value`` and of its rounding, and how far they differ."""
+    printed = to_float32(value) if name == "float" else to_float64(value)
+    nearest = to_float64(value)
+    low, high = min(printed, nearest), max(printed, nearest)
+    if value.is_rational:
+        difference = abs(Fraction(printed) - value.parts[0])
+        error = float(difference) * (1 + 2.0**-50) if difference else 0.0
+    else:
+        error = (abs(printed - nearest) + abs(nearest) * 2.0**-52) * (1 + 2.0**-50)
+    lo, hi = (low, high) if not error else (np.nextafter(low, -np.inf), np.nextafter(high, np.inf))
+    return float(lo), float(hi), error, abs(np.frexp(printed)[0]) == 0.5

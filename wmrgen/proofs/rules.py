@@ -1,0 +1,261 @@
+"""What each operation does to range, slope and rounding error (see `wmrgen.proofs.analysis` for the model)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmrgen.ir.nodes import Node, Op
+from wmrgen.proofs import interval as iv
+from wmrgen.proofs import slopes as sl
+from wmrgen.proofs.analysis import Pass, Rule
+from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.patterns import (
+    Term,
+    extremum,
+    nearest_turn,
+    parity,
+    rotation,
+    sinc_argument,
+    size_of,
+    terms_below_root,
+)
+from wmrgen.proofs.precision import constant
+from wmrgen.proofs.records import Value
+
+_SINC_LEAST, _SINC_SLOPE = -0.2173, 0.4363  # of sin(x)/x: its minimum, its greatest slope
+
+
+def _const(p: Pass, i: int, node: Node) -> Value:
+    assert node.value is not None
+    lo, hi, error, _ = constant(node.value, p.form.name)
+    value = np.full(p.boxes, lo), np.full(p.boxes, hi)
+    return Value(value, noise=np.full(p.boxes, error) if error else None)
+
+
+def _input(p: Pass, i: int, node: Node) -> Value:
+    return Value(p.inputs[node.name or ""])
+
+
+def _sum(p: Pass, i: int, node: Node) -> Value:
+    a, b = node.args
+    sign = 1 if node.op is Op.ADD else -1
+    value = (iv.plus if sign > 0 else iv.minus)(p.range(a), p.range(b))
+    slope = sl.plus(p.slope(a), p.slope(b), sign)
+    if parity(p.nodes, node):
+        return Value((np.full(p.boxes, -1.0), np.full(p.boxes, 1.0)))
+    arms = rotation(p.nodes, node)
+    if arms is not None:
+        most = np.hypot(*(iv.magnitude(p.range(k)) for k in arms)) * (1 + 1e-6)
+        value = iv.meet(value, (-most, most))
+    turn = nearest_turn(p.nodes, node)
+    if turn is not None:
+        step, x, present, steps = turn
+        half = float(step) * (0.5 + p.result.error(steps)) + 1e-8 * (1 + iv.magnitude(p.range(x)))
+        value = iv.meet(value, iv.widened(p.range(present), half))
+    return Value(value, slope, p.rounding(value))
+
+
+def _power_of_two(p: Pass, k: int) -> bool:
+    value = p.nodes[k].value
+    if value is None:
+        return False
+    _, _, error, power = constant(value, p.form.name)
+    return power and not error
+
+
+def _mul(p: Pass, i: int, node: Node) -> Value:
+    a, b = node.args
+    angle = sinc_argument(p.nodes, node)
+    if angle is not None:
+        return _sinc(p, angle)
+    x, y = p.range(a), p.range(b)
+    if a == b:
+        value = iv.square(x)
+        slope = sl.times(p.slope(a), (2 * x[0], 2 * x[1]))
+    else:
+        value = iv.times(x, y)
+        slope = p.product_slope(a, b)
+    noise = np.full(p.boxes, p.form.tiny)
+    if not any(_power_of_two(p, k) or _small_whole(p, k) for k in node.args):
+        noise = noise + p.rounding(value)
+    return Value(value, slope, noise, p.away(a) * p.away(b) * (1 - 1e-15))
+
+
+def _small_whole(p: Pass, k: int) -> bool:
+    """Whether node ``k`` is a whole number of at most two."""
+    return p.nodes[k].op.value == "rint" and bool(np.all(iv.magnitude(p.range(k)) <= 2.0))
+
+
+def _sinc(p: Pass, angle: int) -> Value:
+    """sin(x) (1/x): three relative errors, and a slope of at most 0.4363 in x."""
+    steep = np.full(p.boxes, _SINC_SLOPE)
+    value = np.full(p.boxes, _SINC_LEAST), np.ones(p.boxes)
+    relative = (2 * p.library.sin + 2.0) * p.form.unit * (1 + 1e-6)
+    noise = np.full(p.boxes, relative + p.form.tiny)
+    return Value(value, sl.times(p.slope(angle), (-steep, steep)), noise)
+
+
+def _div(p: Pass, i: int, node: Node) -> Value:
+    a, b = node.args
+    if i in p.quotients:
+        # The shape shows that the divisor is no smaller than the length, or than ``least``; neither is zero.
+        direction = p.quotients[i]
+        reach = iv.magnitude(p.range(a)) / (direction.least or 1.0)
+        if direction.size is not None:
+            reach = np.full(p.boxes, direction.reach)
+        return Value((-reach, reach))
+    angle = sinc_argument(p.nodes, node)
+    away, below = p.away(b), p.range(b)
+    holds = (below[0] <= 0) & (below[1] >= 0)
+    if np.any(holds & (away <= 0)):
+        p.alarm(i, "the divisor may be zero")
+    if angle is not None:
+        return _sinc(p, angle)
+    inverse, most = iv.reciprocal(below), np.nextafter(1.0 / away, np.inf)
+    inverse = np.where(holds, -most, inverse[0]), np.where(holds, most, inverse[1])
+    value = iv.times(p.range(a), inverse)
+    slope = sl.times(sl.plus(p.slope(a), sl.times(p.slope(b), value), -1), inverse)
+    return Value(value, slope, p.rounding(value) + p.form.tiny)
+
+
+def _neg(p: Pass, i: int, node: Node) -> Value:
+    a = node.args[0]
+    return Value(iv.negative(p.range(a)), sl.negative(p.slope(a)), away=p.away(a))
+
+
+def _abs(p: Pass, i: int, node: Node) -> Value:
+    a = node.args[0]
+    x, away = p.range(a), p.away(a)
+    sign = np.where(x[0] >= 0, 1.0, -1.0), np.where(x[1] <= 0, -1.0, 1.0)
+    least, most = iv.absolute(x)
+    return Value((np.maximum(least, away), most), sl.times(p.slope(a), sign), away=away)
+
+
+def _extremum(p: Pass, i: int, node: Node) -> Value:
+    found = extremum(p.nodes, node)
+    assert found is not None
+    op, a, b = found
+    x, y = p.range(a), p.range(b)
+    choose = np.minimum if op is Op.MIN else np.maximum
+    small, large = (x, y) if op is Op.MIN else (y, x)  # a is chosen where small < large
+    value = choose(x[0], y[0]), choose(x[1], y[1])
+    away = np.minimum(p.away(a), p.away(b))
+    direction = p.directions.get(i)
+    if direction is not None and direction.quotient is not None:
+        noise = np.full(p.boxes, direction.roundings * p.form.unit * (1 + 1e-6) + p.form.tiny)
+        p.result.decisions.append(i)
+        return Value(value, p.turned(i, direction), noise, away)
+    slope = sl.choice(small, large, p.slope(a), p.slope(b))
+    return Value(value, slope, away=away)
+
+
+def _root(p: Pass, i: int, node: Node) -> Value:
+    """A square root; of a sum of squares the norm of a vector, whose slope is at most that of the vector."""
+    a = node.args[0]
+    below = p.range(a)
+    value = iv.root(below)
+    terms = terms_below_root(p.nodes, a)
+    if any(np.any(p.range(t.base)[0] < 0) for t in terms if not t.squared):
+        if np.any(below[0] < 0):
+            p.alarm(i, "the root's argument may be negative")
+        terms = (Term.whole(a),)
+    elif np.any(below[0] < 0):
+        value = iv.root((np.maximum(below[0], 0.0), below[1]))
+    inverse = iv.reciprocal((2 * value[0], 2 * value[1]))
+    squares = [(float(t.factor), p.slope(t.base)) for t in terms if t.squared]
+    slope = sl.norm(squares)
+    for t in terms:
+        if not t.squared:
+            factor = float(t.factor)
+            slope = sl.plus(slope, sl.times(p.slope(t.base), (inverse[0] * factor, inverse[1] * factor)))
+    # A term passes this many roundings on its way into the sum, each a relative error of the sum at most.
+    most = max(t.roundings for t in terms)
+    own = most * p.form.unit / 2 * (1 + 1e-5) * value[1]
+    lost = np.sqrt(2 * len(terms) * p.form.tiny) if squares else 0.0
+    noise = p.rounding(value) + own + lost
+    # The root of a float is no float below 0: the range is not widened beyond.
+    return Value((np.maximum(value[0], noise), value[1]), slope, noise)
+
+
+def _wave(p: Pass, i: int, node: Node) -> Value:
+    a = node.args[0]
+    x = p.range(a)
+    sine, cosine = iv.sine(x), iv.cosine(x)
+    value = sine if node.op is Op.SIN else cosine
+    slope = sl.times(p.slope(a), cosine if node.op is Op.SIN else iv.negative(sine))
+    return Value(value, slope, p.library_noise(node.op, value))
+
+
+def _atan2(p: Pass, i: int, node: Node) -> Value:
+    """The error of the vector turns it; rounding makes another error."""
+    y, x = (p.range(k) for k in node.args)
+    value = iv.arctangent(y, x)
+    if np.any(x[0] < 0):
+        p.alarm(i, "the angle may wrap at pi")
+    return Value(value, p.turned(i, p.directions[i]), p.library_noise(Op.ATAN2, value))
+
+
+def _atan(p: Pass, i: int, node: Node) -> Value:
+    a = node.args[0]
+    x = p.range(a)
+    value = iv.widened((np.arctan(x[0]), np.arctan(x[1])), np.full(p.boxes, 1e-15))
+    noise = p.library_noise(node.op, value)
+    direction = p.directions.get(i)
+    if direction is not None:
+        # Half the angle of a vector is below pi/4, but where its length squared underflows: no error is claimed there.
+        noise = p.library_noise(node.op, (-np.full(p.boxes, 0.7855), np.full(p.boxes, 0.7855)))
+        own = direction.roundings * p.form.unit * (1 + 1e-5)
+        return Value(value, p.turned(i, direction), noise + own)
+    square = iv.square(x)
+    steep = iv.reciprocal((1 + square[0], 1 + square[1]))
+    return Value(value, sl.times(p.slope(a), steep), noise)
+
+
+def _rint(p: Pass, i: int, node: Node) -> Value:
+    """A whole number, decided as the float program decides it."""
+    x = p.range(node.args[0])
+    if np.any(iv.magnitude(x) > 2.0 ** (p.form.bits - 2)):
+        p.alarm(i, "too large to be rounded to a whole number")
+    p.result.decisions.append(i)
+    return Value((np.rint(x[0]), np.rint(x[1])))
+
+
+def _select(p: Pass, i: int, node: Node) -> Value:
+    if extremum(p.nodes, node) is not None:
+        return _extremum(p, i, node)
+    a, b, x, y = node.args
+    small, large = p.range(a), p.range(b)
+    slack = p.result.error(a) + p.result.error(b)
+    p.result.decisions.append(i)
+    first, first_away = _branch(p, a, b, x, slack)
+    second, second_away = _branch(p, b, a, y, slack)
+    always, never = small[1] < large[0], small[0] > large[1]
+    lo = sl.chosen(always, never, first[0], second[0], np.minimum(first[0], second[0]))
+    hi = sl.chosen(always, never, first[1], second[1], np.maximum(first[1], second[1]))
+    away = sl.chosen(always, never, first_away, second_away, np.minimum(first_away, second_away))
+    return Value((lo, hi), sl.choice(small, large, p.slope(x), p.slope(y)), away=away)
+
+
+def _branch(p: Pass, small: int, large: int, value: int, slack: Array) -> tuple[Interval, Array]:
+    """Range of a branch and its distance from zero, given small <= large there up to ``slack``."""
+    found, away = p.range(value), p.away(value)
+    far = np.full(p.boxes, np.inf)
+    if value == large:
+        found = iv.meet(found, (p.range(small)[0] - slack, far))
+    elif value == small:
+        found = iv.meet(found, (-far, p.range(large)[1] + slack))
+    size = size_of(p.nodes, large, value)
+    if size is not None:
+        scale, squared = size
+        # At most sixteen roundings separate the size from the value that it is the size of.
+        least = np.maximum(p.range(small)[0] - 16 * p.form.tiny, 0.0) / scale
+        least = (np.sqrt(least) if squared else least) * (1 - 32 * p.form.unit)
+        away = np.maximum(away, least - 2 * p.result.error(value))
+    return found, np.maximum(away, iv.smallest(found))
+
+
+RULES: dict[str, Rule] = {
+    "const": _const, "input": _input, "add": _sum, "sub": _sum, "mul": _mul, "div": _div, "neg": _neg, "abs": _abs,
+    "min": _extremum, "max": _extremum, "sqrt": _root, "sin": _wave, "cos": _wave, "atan": _atan, "atan2": _atan2,
+    "select": _select, "rint": _rint,
+}  # fmt: skip

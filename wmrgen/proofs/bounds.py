@@ -117,7 +117,9 @@ def _output(found: Analysis, k: int, name: str, unit: str) -> OutputBound:
 def _up(value: Any, sign: int = 1) -> float:
     """``value`` away from minus infinity (``sign`` 1) or plus infinity, to six digits; what rounds to zero is zero."""
     value = float(value)
-    value += sign * abs(value) * 1e-9  # whatever the processor does in the last place, the digits are the same
+    value += (
+        sign * abs(value) * 1e-9
+    )  # whatever the processor does in the last place, the digits are the same
     if not np.isfinite(value) or abs(value) < 1e-300:
         return value if not np.isfinite(value) else 0.0
     printed = float(f"{value:.5e}")

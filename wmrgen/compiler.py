@@ -36,6 +36,7 @@ def _run(
     env: Mapping[str, str] | None = None,
     folder: str | None = None,
     how: str = f"; {_HOW}",
+    both: bool = False,
 ) -> str:
     try:
         done = subprocess.run(
@@ -47,7 +48,7 @@ def _run(
     if done.returncode != 0:
         message = "\n".join(done.stderr.splitlines()[:20])
         raise EnvironmentFailure(f"{what} failed with status {done.returncode}:\n{message}")
-    return done.stdout
+    return done.stdout + done.stderr if both else done.stdout
 
 
 def compile_program(
@@ -88,10 +89,13 @@ def find_tool(name: str) -> str | None:
     return shutil.which(name)
 
 
-def run_tool(command: Sequence[str], files: Mapping[str, str]) -> str:
-    """What ``command`` prints on stdout, run in a temporary folder that holds ``files`` (name -> text)."""
+def run_tool(command: Sequence[str], files: Mapping[str, str], both: bool = False) -> str:
+    """What ``command`` prints, run in a temporary folder that holds ``files`` (name -> text).
+
+    ``both``: on stderr, too.
+    """
     with tempfile.TemporaryDirectory(prefix="wmrgen-") as name:
         for file, text in files.items():
             (Path(name) / file).write_text(text, encoding="utf-8", newline="\n")
         # Frama-C looks for its files in $PWD, whatever its working directory is.
-        return _run(command, Path(command[0]).name, env={"PWD": name}, folder=name, how="")
+        return _run(command, Path(command[0]).name, env={"PWD": name}, folder=name, how="", both=both)

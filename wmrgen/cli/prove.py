@@ -35,12 +35,12 @@ def run(path: Path, *, as_json: bool) -> int:
         if found.missing:
             raise NotDerivableError(_needed(robot.name, found))
         step(f"running {_TOOL} on {robot.name}")
-        eva = _eva(derivation, found)
+        told = eva(derivation, found)
     if as_json:
-        console.result(json.dumps({"name": robot.name, **data(found), "eva": eva}, indent=2))
+        console.result(json.dumps({"name": robot.name, **data(found), "eva": told}, indent=2))
     else:
-        _show(robot.name, found, eva)
-    open_ = [f"{f.name}: {text}" for f in found.functions for text in f.alarms] + list(eva.get("alarms", []))
+        _show(robot.name, found, told)
+    open_ = [f"{f.name}: {text}" for f in found.functions for text in f.alarms] + list(told.get("alarms", []))
     if open_:
         raise NotDerivableError(f"{robot.name}: not proved:\n  " + "\n  ".join(open_))
     return 0
@@ -55,7 +55,7 @@ def _needed(name: str, found: Bounds) -> str:
     )
 
 
-def _eva(derivation: Derivation, found: Bounds) -> dict[str, Any]:
+def eva(derivation: Derivation, found: Bounds) -> dict[str, Any]:
     """What Eva says: its alarms (none is good); why it was not run."""
     from wmrgen.backends.c99.eva import alarms, command, harness
     from wmrgen.compiler import find_tool, run_tool

@@ -186,6 +186,10 @@ class Pass:
                     found.append((row, share * (1 + 1e-4)))
         return found
 
+    def shared(self, a: int, b: int) -> bool:
+        """Whether `product_slope` of the two moves anything."""
+        return bool(self._shared(a, b) or self._shared(b, a))
+
     def _kept(self, x: int, y: int) -> Slope:
         """The slope of x without the rows that `product_slope` moves."""
         slope = self.slope(x)

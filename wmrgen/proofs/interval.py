@@ -119,6 +119,7 @@ def cosine(a: Interval) -> Interval:
 
 def arctangent(y: Interval, x: Interval) -> Interval:
     """Angle of (x, y): of the box where x >= 0, else every angle."""
+    x = x[0] + 0.0, x[1] + 0.0  # no negative zeros: they are on the other side
     right = x[0] >= 0
     above = np.arctan2(y[1], np.where(y[1] > 0, x[0], x[1]))
     below = np.arctan2(y[0], np.where(y[0] < 0, x[0], x[1]))

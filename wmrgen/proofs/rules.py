@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from wmrgen.exact.number import ONE
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.analysis import Pass, Rule
 from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.norms import least_squares, length
 from wmrgen.proofs.patterns import (
     Term,
     extremum,
@@ -68,6 +70,9 @@ def _mul(p: Pass, i: int, node: Node) -> Value:
     angle = sinc_argument(p.nodes, node)
     if angle is not None:
         return _sinc(p, angle)
+    quotient = _by_inverse(p, node)
+    if quotient is not None:
+        return quotient
     x, y = p.range(a), p.range(b)
     if a == b:
         value = iv.square(x)
@@ -79,6 +84,22 @@ def _mul(p: Pass, i: int, node: Node) -> Value:
     if not any(_power_of_two(p, k) or _small_whole(p, k) for k in node.args):
         noise = noise + p.rounding(value)
     return Value(value, slope, noise, p.away(a) * p.away(b) * (1 - 1e-15))
+
+
+def _by_inverse(p: Pass, node: Node) -> Value | None:
+    """N (1/D) as a quotient: the slope of D counts times N/D, which is often far less than N times 1/D."""
+    for above, inverse in (node.args, node.args[::-1]):
+        quotient = p.nodes[inverse]
+        if quotient.op is Op.DIV and p.nodes[quotient.args[0]].value == ONE and not p.shared(above, inverse):
+            below = quotient.args[1]
+            value = iv.times(p.range(above), p.range(inverse))
+            most = least_squares(p, above, below)
+            if most is not None:
+                value = iv.meet(value, (-most, most))
+            slope = sl.plus(p.slope(above), sl.times(p.slope(below), value), -1)
+            own = p.rounding(value) + iv.magnitude(value) * p.form.unit * (1 + 1e-6)
+            return Value(value, sl.times(slope, p.range(inverse)), own + 2 * p.form.tiny)
+    return None
 
 
 def _small_whole(p: Pass, k: int) -> bool:
@@ -114,6 +135,9 @@ def _div(p: Pass, i: int, node: Node) -> Value:
     inverse, most = iv.reciprocal(below), np.nextafter(1.0 / away, np.inf)
     inverse = np.where(holds, -most, inverse[0]), np.where(holds, most, inverse[1])
     value = iv.times(p.range(a), inverse)
+    most_of_all = least_squares(p, a, b)
+    if most_of_all is not None:
+        value = iv.meet(value, (-most_of_all, most_of_all))
     slope = sl.times(sl.plus(p.slope(a), sl.times(p.slope(b), value), -1), inverse)
     return Value(value, slope, p.rounding(value) + p.form.tiny)
 
@@ -159,8 +183,9 @@ def _root(p: Pass, i: int, node: Node) -> Value:
         if np.any(below[0] < 0):
             p.alarm(i, "the root's argument may be negative")
         terms = (Term.whole(a),)
-    elif np.any(below[0] < 0):
-        value = iv.root((np.maximum(below[0], 0.0), below[1]))
+    elif all(t.squared for t in terms):
+        most = length(p, [(float(t.factor), t.base) for t in terms]) * (1 + 1e-5) + p.form.tiny**0.5
+        value = iv.meet(value, (np.zeros(p.boxes), most))
     inverse = iv.reciprocal((2 * value[0], 2 * value[1]))
     squares = [(float(t.factor), p.slope(t.base)) for t in terms if t.squared]
     slope = sl.norm(squares)
@@ -190,9 +215,12 @@ def _atan2(p: Pass, i: int, node: Node) -> Value:
     """The error of the vector turns it; rounding makes another error."""
     y, x = (p.range(k) for k in node.args)
     value = iv.arctangent(y, x)
-    if np.any(x[0] < 0):
-        p.alarm(i, "the angle may wrap at pi")
-    return Value(value, p.turned(i, p.directions[i]), p.library_noise(Op.ATAN2, value))
+    noise = p.library_noise(Op.ATAN2, value)
+    wraps = x[0] < 0 if p.nodes[node.args[1]].op is Op.ABS else x[0] <= 0  # a zero that is no size may be -0
+    if np.any(wraps):  # a full turn off is no error of the angle, but one of the number
+        value = iv.hull(value, (np.full(p.boxes, -np.pi - 1e-9), np.full(p.boxes, np.pi + 1e-9)))
+        noise = noise + 2 * np.pi
+    return Value(value, p.turned(i, p.directions[i]), noise)
 
 
 def _atan(p: Pass, i: int, node: Node) -> Value:

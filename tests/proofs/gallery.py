@@ -1,0 +1,40 @@
+"""The gallery with its bounds; robots that declare no limits get some here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import lru_cache
+from pathlib import Path
+
+import wmrgen
+from wmrgen.derivation import Derivation
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import Function
+from wmrgen.layout.records import Interval
+from wmrgen.proofs.bounds import Bounds, FunctionBound, functions
+
+ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
+NAMES = [p.stem for p in ROBOTS]
+_OTHERWISE = {"vx": Fraction(2), "omega": Fraction(3), "steer_rate": Fraction(5)}
+
+
+@dataclass(frozen=True)
+class Proved:
+    """A robot, its functions as printed, and their bounds."""
+
+    derivation: Derivation
+    functions: dict[str, Function]
+    bounds: Bounds
+
+    @property
+    def pairs(self) -> list[tuple[Function, FunctionBound]]:
+        return [(self.functions[b.name], b) for b in self.bounds.functions if not b.unknown]
+
+
+@lru_cache(maxsize=4)
+def proved(name: str) -> Proved:
+    robot = wmrgen.load(ROBOTS[NAMES.index(name)])
+    limits = {n: Interval(Exact(-v), Exact(v)) for n, v in _OTHERWISE.items()} | robot.limits
+    derivation = wmrgen.derive(replace(robot, limits=limits))
+    return Proved(derivation, {f.name: f for f in functions(derivation.c_module)}, derivation.bounds)

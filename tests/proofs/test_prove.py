@@ -1,0 +1,72 @@
+"""`wmrgen prove`, and the bounds in header, report and model.json."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import wmrgen
+from wmrgen.cli.app import app
+from wmrgen.emit import artifacts
+
+ROBOTS = Path(__file__).parents[2] / "robots"
+
+
+@pytest.fixture
+def no_eva(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wmrgen.compiler.find_tool", lambda name: None)
+
+
+@pytest.mark.usefixtures("no_eva")
+def test_prints_bounds_and_says_that_eva_is_missing() -> None:
+    done = CliRunner().invoke(app, ["prove", str(ROBOTS / "pioneer3dx.yaml")])
+    assert done.exit_code == 0
+    assert "left.spin" in done.stdout and "error" in done.stdout
+    assert "|vx| <= 1.2" in done.stdout
+    assert "Eva was not run: frama-c is not on the PATH" in done.stderr
+
+
+@pytest.mark.usefixtures("no_eva")
+def test_json_is_what_model_json_has() -> None:
+    done = CliRunner().invoke(app, ["prove", "--json", str(ROBOTS / "pioneer3dx.yaml")])
+    printed = json.loads(done.stdout)
+    model = wmrgen.derive(wmrgen.load(ROBOTS / "pioneer3dx.yaml")).model()
+    assert printed["eva"]["run"] is False
+    assert {key: printed[key] for key in model["bounds"]} == json.loads(json.dumps(model["bounds"]))
+    spin = printed["functions"]["inverse"]["outputs"]["left.spin"]
+    assert spin["range"][0] < 0 < spin["range"][1]
+    assert 0 < spin["error"] < 1e-4
+
+
+def test_says_which_limits_are_needed(tmp_path: Path) -> None:
+    text = (ROBOTS / "pioneer3dx.yaml").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("limits:")]
+    path = tmp_path / "pioneer3dx.yaml"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    done = CliRunner().invoke(app, ["prove", str(path)])
+    assert done.exit_code == 3
+    assert "limits: {vx: 1.0, omega: 2.0}" in done.stderr
+    files = artifacts(wmrgen.derive(wmrgen.load(path)))
+    assert "bounds" not in json.loads(files["model.json"])
+    assert b"Proved for" not in files["pioneer3dx.h"]
+    assert b"no limits of `vx` and `omega`" in files["report.md"]
+
+
+def test_bounds_stand_in_the_files() -> None:
+    derivation = wmrgen.derive(wmrgen.load(ROBOTS / "clearpath_do100.yaml"))
+    files = artifacts(derivation)
+    bound = {f.name: f for f in derivation.bounds.functions}["inverse"].outputs[0]
+    stored = json.loads(files["model.json"])["bounds"]["functions"]["inverse"]["outputs"][bound.name]
+    assert stored == {"range": [bound.low, bound.high], "error": bound.error}
+    for file in ("clearpath_do100.h", "report.md"):
+        text = files[file].decode()
+        assert "Proved for" in text
+        assert f"{bound.high:.6g}" in text
+
+
+def test_a_double_header_has_no_bounds_of_floats() -> None:
+    files = artifacts(wmrgen.derive(wmrgen.load(ROBOTS / "clearpath_do100.yaml")), "double")
+    assert b"Proved for" not in files["clearpath_do100.h"]

@@ -33,7 +33,7 @@ from wmrgen.proofs.slopes import Slope
 SMALL_ANGLE = (
     64.0  # the error of a direction is claimed where the vector is longer than its own error times this
 )
-_EXACT = frozenset({"input", "neg", "abs", "min", "max", "select", "rint"})
+_EXACT = frozenset({"input", "neg", "abs", "min", "max", "select", "rint", "flip"})
 _TURN_GROW = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
 _SHORT = 2.0**-60  # below this length squares may underflow
 _LINEAR = frozenset({Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.CONST})

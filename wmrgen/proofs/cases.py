@@ -139,7 +139,13 @@ def _whole(x: Interval) -> tuple[Array, Array]:
     return np.rint(x[0]), np.rint(x[1])
 
 
+def _either_sign(x: Interval, whole: Interval) -> Interval:
+    del whole
+    return iv.hull(x, iv.negative(x))
+
+
 _PLAIN: dict[str, Callable[..., Interval]] = {
     "add": iv.plus, "sub": iv.minus, "mul": iv.times, "neg": iv.negative, "abs": iv.absolute, "sqrt": iv.root,
     "sin": iv.sine, "cos": iv.cosine, "atan": _atan, "atan2": iv.arctangent, "rint": _whole,
+    "flip": _either_sign,
 }  # fmt: skip

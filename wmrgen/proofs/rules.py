@@ -248,6 +248,14 @@ def _rint(p: Pass, i: int, node: Node) -> Value:
     return Value((np.rint(x[0]), np.rint(x[1])))
 
 
+def _flip(p: Pass, i: int, node: Node) -> Value:
+    """The number or its negative; the parity is the float program's own (`_rint`)."""
+    a = node.args[0]
+    one = np.ones(p.boxes)
+    both = iv.hull(p.range(a), iv.negative(p.range(a)))
+    return Value(both, sl.times(p.slope(a), (-one, one)), away=p.away(a))
+
+
 def _select(p: Pass, i: int, node: Node) -> Value:
     if extremum(p.nodes, node) is not None:
         return _extremum(p, i, node)
@@ -285,5 +293,5 @@ def _branch(p: Pass, small: int, large: int, value: int, slack: Array) -> tuple[
 RULES: dict[str, Rule] = {
     "const": _const, "input": _input, "add": _sum, "sub": _sum, "mul": _mul, "div": _div, "neg": _neg, "abs": _abs,
     "min": _extremum, "max": _extremum, "sqrt": _root, "sin": _wave, "cos": _wave, "atan": _atan, "atan2": _atan2,
-    "select": _select, "rint": _rint,
+    "select": _select, "rint": _rint, "flip": _flip,
 }  # fmt: skip

@@ -19,29 +19,24 @@ Shown = Callable[[Any], str]
 
 def run(path: Path, *, as_json: bool) -> int:
     """Print Frobenius's test with its proofs, integrals, Lie brackets, flat outputs and the chained form."""
+    from wmrgen.models.decimals import exact
+
     with console.progress() as step:
         step(f"deriving {path}")
         robot = wmrgen.load(path)
         for text in robot.notes:
             console.note(f"{robot.name}: note: {text}")
         d = wmrgen.derive(robot)
-        text = json.dumps(_facts(d, _exact()), indent=2) if as_json else "\n".join(_lines(d))
+        text = json.dumps(_facts(d, exact), indent=2) if as_json else "\n".join(_lines(d))
     console.result(text)
     return 0
-
-
-def _exact() -> Shown:
-    import sympy
-
-    shown: Shown = sympy.sstr
-    return shown
 
 
 def _lines(d: Derivation) -> list[str]:
     """What a reader sees: fractions too long to read as decimals."""
     from wmrgen.models.decimals import Reader
 
-    shown = Reader(_exact())
+    shown = Reader()
     found = _facts(d, shown)
     lines = [found["text"]]
     lines += [f"  {row['wheel']}, {row['kind']}: {row['proof']}" for row in found["constraints"]]

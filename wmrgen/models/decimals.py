@@ -11,10 +11,16 @@ from wmrgen.symbolic import Expr
 DIGITS = 12
 
 
+def exact(expr: Expr) -> str:
+    """Python syntax, every number as it is."""
+    text: str = sympy.sstr(expr)
+    return text
+
+
 class Reader:
     """Writes expressions for reading; ``note`` says so where a number had to be rounded."""
 
-    def __init__(self, write: Callable[[Expr], str]) -> None:
+    def __init__(self, write: Callable[[Expr], str] = exact) -> None:
         self.write, self.note = write, ""
 
     def __call__(self, expr: Expr) -> str:

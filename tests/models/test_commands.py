@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import sympy
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 SINGULAR = "cos(front.steer) = 0: G is unbounded"
@@ -65,3 +68,23 @@ def test_eight_trailers_derive(hitch: str, tmp_path: Path) -> None:
     wmrgen("derive", path, "-o", tmp_path / "out")
     files = {f.name for f in (tmp_path / "out" / "car_with_trailers").iterdir()}
     assert {"car_with_trailers.c", "car_with_trailers_trailer.casadi"} <= files
+
+
+def test_long_fractions_are_decimals_for_readers_only(tmp_path: Path) -> None:
+    """A heading of 1 rad has sine and cosine of 40 digits: text shows 12, --json the exact fractions."""
+    path = tmp_path / "leaning.yaml"
+    path.write_text(
+        "wmrgen: 1\nname: leaning\nwheels:\n  - {name: w, type: fixed, x: 0.3, y: 0.1, heading: 1, r: 0.1}\n",
+        encoding="utf-8",
+    )
+    shown = wmrgen("model", path)
+    assert "rounded for reading" in shown and not re.search(r"\d{13}", shown)
+    exact = json.loads(wmrgen("model", path, "--json"))["fields"]
+    c, s = math.cos(1), math.sin(1)
+    for x, y, omega in exact.values():
+        x, y, omega = (float(sympy.parse_expr(e).subs("theta", 0)) for e in (x, y, omega))
+        across = c * (y + 0.3 * omega) - s * (x - 0.1 * omega)
+        assert across == pytest.approx(0, abs=1e-15)
+    proof = wmrgen("structure", path)
+    assert "0.841470984808*cos(theta)" in proof and "c . curl c = -1 != 0" in proof
+    assert "rounded" not in wmrgen("model", ROBOTS / "bicycle.yaml")

@@ -14,26 +14,40 @@ from wmrgen.errors import NotDerivableError
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
 
+Shown = Callable[[Any], str]
+
 
 def run(path: Path, *, as_json: bool) -> int:
     """Print Frobenius's test with its proofs, integrals, Lie brackets, flat outputs and the chained form."""
+    from wmrgen.models.decimals import exact
+
     with console.progress() as step:
         step(f"deriving {path}")
         robot = wmrgen.load(path)
         for text in robot.notes:
             console.note(f"{robot.name}: note: {text}")
-        found = _facts(wmrgen.derive(robot))
-        lines = [found["text"]]
-        lines += [f"  {row['wheel']}, {row['kind']}: {row['proof']}" for row in found["constraints"]]
-        lines += [f"  integrates to: {text}" for text in found["integrals"]]
-        lines += [f"brackets: {found['brackets']}"]
-        lines += [f"  {name} = ({', '.join(field)})" for name, field in found["fields"].items()]
-        lines += [f"{key}: {found[key]}" for key in ("flat", "chained")]
-    console.result(json.dumps(found, indent=2) if as_json else "\n".join(lines))
+        d = wmrgen.derive(robot)
+        text = json.dumps(_facts(d, exact), indent=2) if as_json else "\n".join(_lines(d))
+    console.result(text)
     return 0
 
 
-def _facts(d: Derivation) -> dict[str, Any]:
+def _lines(d: Derivation) -> list[str]:
+    """What a reader sees: fractions too long to read as decimals."""
+    from wmrgen.models.decimals import Reader
+
+    shown = Reader()
+    found = _facts(d, shown)
+    lines = [found["text"]]
+    lines += [f"  {row['wheel']}, {row['kind']}: {row['proof']}" for row in found["constraints"]]
+    lines += [f"  integrates to: {text}" for text in found["integrals"]]
+    lines += [f"brackets: {found['brackets']}"]
+    lines += [f"  {name} = ({', '.join(field)})" for name, field in found["fields"].items()]
+    lines += [f"{key}: {found[key]}" for key in ("flat", "chained")]
+    return [*lines, shown.note] if shown.note else lines
+
+
+def _facts(d: Derivation, shown: Shown) -> dict[str, Any]:
     tests = d.integrability
     return {
         "text": tests.text,
@@ -42,28 +56,24 @@ def _facts(d: Derivation) -> dict[str, Any]:
         "dof": tests.dof,
         "constraints": [
             {
-                "wheel": r.wheel,
-                "kind": r.kind,
-                "integrable": r.integrable,
-                "value": str(r.value),
-                "proof": r.proof,
-                "latex": r.latex,
+                "wheel": r.wheel, "kind": r.kind, "integrable": r.integrable, "value": shown(r.value),
+                "proof": r.proof_in(shown), "latex": r.latex,
             }
             for r in tests.rows
         ],
         "integrals": [i.text for i in tests.integrals],
         "growth_vector": _vector(d),
         "brackets": _or_why(lambda: d.growth.text),
-        "fields": _fields(d),
+        "fields": _fields(d, shown),
         "flat": _or_why(lambda: _flat(d)),
         "chained": _or_why(lambda: _chained(d)),
-    }
+    }  # fmt: skip
 
 
-def _fields(d: Derivation) -> dict[str, list[str]]:
+def _fields(d: Derivation, shown: Shown) -> dict[str, list[str]]:
     """The input fields and the brackets that add a dimension, component by component."""
     try:
-        return {b.name: list(b.written) for b in d.growth.brackets}
+        return {b.name: list(b.written(shown)) for b in d.growth.brackets}
     except NotDerivableError:
         return {}
 

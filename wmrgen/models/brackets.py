@@ -7,6 +7,7 @@ brackets of up to k fields span there; its length is the degree of nonholonomy.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -41,10 +42,9 @@ class Bracket:
         """Components in the order of the state."""
         return tuple(expression(p) for p in self.polys)
 
-    @property
-    def written(self) -> tuple[str, ...]:
-        """Components in Python syntax."""
-        return tuple(sympy.sstr(tidy(e)) for e in self.field)
+    def written(self, shown: Callable[[Expr], str] = sympy.sstr) -> tuple[str, ...]:
+        """Components in Python syntax, or as ``shown`` writes them."""
+        return tuple(shown(tidy(e)) for e in self.field)
 
 
 @dataclass(frozen=True, slots=True)

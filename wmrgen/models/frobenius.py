@@ -43,7 +43,11 @@ class RowTest:
     @property
     def proof(self) -> str:
         """One line that can be followed by hand."""
-        return _written(self, sympy.sstr, _PLAIN)
+        return self.proof_in(sympy.sstr)
+
+    def proof_in(self, shown: Callable[[Expr], str]) -> str:
+        """The same line with expressions as ``shown`` writes them."""
+        return _written(self, shown, _PLAIN)
 
     @property
     def latex(self) -> str:

@@ -11,6 +11,7 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 from wmrgen.kinematics.records import Formula
+from wmrgen.models.decimals import Reader
 from wmrgen.models.system import System, rate_port
 from wmrgen.ports import Port
 from wmrgen.symbolic import Expr, signal
@@ -119,8 +120,8 @@ def _written(printer: Printer, expr: Expr) -> str:
 
 
 def lines(sheet: Sheet) -> list[str]:
-    """Plain text, one equation a line."""
-    printer: Printer = _Plain(_names(sheet)).doprint
+    """Plain text, one equation a line; fractions too long to read as decimals."""
+    printer = Reader(_Plain(_names(sheet)).doprint)
     found = [f"{sheet.form}: {sheet.text}"]
     if sheet.state:
         found.append(f"state:  {' '.join(p.name for p in sheet.state)}")
@@ -141,7 +142,7 @@ def lines(sheet: Sheet) -> list[str]:
         found += ["", "singular:" if sheet.domain else "singular: nowhere"]
         for condition, text in sheet.domain:
             found.append(f"  {_written(printer, condition)} = 0: {text}")
-    return found
+    return [*found, "", printer.note] if printer.note else found
 
 
 def _with_unit(port: Port) -> str:
@@ -175,9 +176,10 @@ def data(sheet: Sheet) -> dict[str, Any]:
 def latex(sheet: Sheet) -> str:
     """The equations as an aligned environment."""
     printer = LatexPrinter()
+    shown = Reader(printer.doprint)
     rows = []
     for e in (*sheet.where, *sheet.equations):
         left = printer.doprint(signal(e.left))
         left = rf"\frac{{d}}{{dt}} {left}" if e.rate else left
-        rows.append(f"{left} &= {_written(printer.doprint, e.right)}")
+        rows.append(f"{left} &= {_written(shown, e.right)}")
     return "\\begin{aligned}\n" + " \\\\\n".join(rows) + "\n\\end{aligned}"

@@ -20,7 +20,8 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
         "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
         f"{LARGEST_INPUT[meta.scalar]} in magnitude give finite results; beyond, squares may overflow."
     ]
-    if meta.scalar == "float" and meta.math == INLINE and meta.target != AVR and used & _WAVES:
+    inline = meta.scalar == "float" and meta.math == INLINE and meta.target != AVR
+    if inline and used & _WAVES:
         notes.append(_kernels(meta.target, used))
     if Op.FMA in ops:
         notes.append(
@@ -36,7 +37,7 @@ def _kernels(target: str, used: set[Op]) -> str:
     if used & {Op.SIN, Op.COS}:
         parts.append(
             f"a sine of up to pi/2 is within {worst.sine} ulp, sines and cosines of angles up to 100 rad within "
-            f"{worst.circle} * 2**-24 (beyond 12000 rad they are not to be used)"
+            f"{worst.circle} * 2**-24 (angles, and omega dt, must not exceed 12000 rad)"
         )
     if used & {Op.ATAN, Op.ATAN2}:
         parts.append(f"an arctangent of up to 1 within {worst.arctangent} ulp")

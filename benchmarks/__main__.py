@@ -6,13 +6,15 @@ import argparse
 import platform
 import sys
 
-from benchmarks import budgets, counts, figures, speed
+from benchmarks import accuracy, budgets, counts, figures, kernels, speed
 
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
     "derive": lambda chosen: speed.derive(chosen.runs),
     "check": lambda chosen: speed.check(chosen.runs),
     "counts": lambda chosen: counts.table(),
+    "kernels": lambda chosen: kernels.table(),
+    "accuracy": lambda chosen: accuracy.table(),
     "budgets": lambda chosen: budgets.run(chosen.update),
     "processor": lambda chosen: figures.run(chosen.update),
 }

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from wmrgen.backends.c99.comment import comment_lines
 from wmrgen.backends.c99.companions import companions
+from wmrgen.backends.c99.notes import arithmetic_notes
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.c99.style import LIBM
@@ -28,6 +29,10 @@ class Unit:
     steps: tuple[Step, ...]
     rounds: bool  # relies on the rounding of sums of magic numbers
 
+    @property
+    def ops(self) -> frozenset[Op]:
+        return frozenset().union(*(step.ops for step in self.steps))
+
 
 def unit(module: Module, scalar: str, math: str = DEFAULT.math, target: str = DEFAULT.target) -> Unit:
     """The C functions of ``module``: params_default and prepare first when a parameter is tunable."""
@@ -40,15 +45,11 @@ def unit(module: Module, scalar: str, math: str = DEFAULT.math, target: str = DE
     return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None), rounds(module))
 
 
-def _uses(made: Unit, *ops: Op) -> bool:
-    return any(op in step.ops for step in made.steps for op in ops)
-
-
 def _includes(made: Unit) -> dict[str, bool]:
     return {
         "<float.h>": made.rounds,
-        "<math.h>": _uses(made, *LIBM),
-        "<stdint.h>": _uses(made, Op.FLIP_BIT),
+        "<math.h>": not made.ops.isdisjoint(LIBM),
+        "<stdint.h>": Op.FLIP_BIT in made.ops,
     }
 
 
@@ -63,21 +64,9 @@ def _banner(meta: Meta) -> list[str]:
     return lines
 
 
-LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
-
-
-def _table(meta: Meta, scalar: str) -> list[str]:
-    lines = [
-        *comment_lines(
-            "Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians."
-        ),
-        *comment_lines(
-            f"Scalars are {scalar}. No loops, recursion, heap or globals: every function may be called from "
-            "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
-            "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
-            f"{LARGEST_INPUT[scalar]} in magnitude give finite results; beyond, squares may overflow."
-        ),
-    ]
+def _table(meta: Meta, notes: list[str]) -> list[str]:
+    frame = "Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians."
+    lines = [line for text in (frame, *notes) for line in comment_lines(text)]
     if meta.wheel_lines:
         lines += ["", "Wheels, in the order of the robot file:"]
         lines += [f"  {line}" for text in meta.wheel_lines for line in comment_lines(text, 95)]
@@ -104,13 +93,13 @@ def printed(made: Unit, meta: Meta) -> tuple[str, str, str]:
         "robot": made.robot,
         "upper": made.robot.upper(),
         "banner": _banner(meta),
-        "table": _table(meta, made.scalar),
+        "table": _table(meta, arithmetic_notes(meta, module.functions, made.ops)),
         "model_hash": "".join(c for c in meta.model_hash if c.isalnum()),
         "structs": [s.lines for made_step in made.steps for s in made_step.structs],
         "steps": made.steps,
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
-        "flips": _uses(made, Op.FLIP_BIT),
+        "flips": Op.FLIP_BIT in made.ops,
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
     draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]

@@ -1,0 +1,39 @@
+"""The float kernels of generated C: their coefficients by Remez exchange, their worst errors by trying every float."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.kernels import remez, verify
+from wmrgen.ir.kernels import constants
+from wmrgen.ir.kernels.choice import HOST, M4F
+
+
+def table(step: int = 1) -> Iterator[str]:
+    """Coefficients with their approximation errors, then the worst errors over every ``step``-th float."""
+    yield "| kernel | coefficients | error | with one less |"
+    yield "|---|---|---:|---:|"
+    for kernel in remez.KERNELS:
+        texts, error = remez.coefficients(kernel)
+        yield f"| {kernel.name} | {' '.join(texts)} | {error:.1e} | {remez.shorter(kernel):.1e} |"
+    yield ""
+    yield "| kernel | target | range | floats tried | worst | at | stated |"
+    yield "|---|---|---|---:|---:|---:|---:|"
+    with tempfile.TemporaryDirectory() as folder:
+        for target in (M4F, HOST):
+            program = verify.build(Path(folder), target)
+            for r in verify.RANGES:
+                found = verify.worst(program, r, step)
+                unit = "2^-24" if r.absolute else "ulp"
+                yield (
+                    f"| {r.function} | {target} | {r.start:g} to {r.end:g} | {found.count} "
+                    f"| {found.worst:.3f} {unit} | {found.where:.9g} | {stated(r, target)} |"
+                )
+
+
+def stated(r: verify.Range, target: str) -> float:
+    """What the header of generated C states for a range."""
+    worst = constants.FUSED if target == M4F else constants.PLAIN
+    return float(worst.circle if r.absolute else getattr(worst, r.function))

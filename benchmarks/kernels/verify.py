@@ -1,0 +1,81 @@
+"""The worst error of each kernel over every float of its range, from the C that derive prints."""
+
+from __future__ import annotations
+
+import shutil
+import struct
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.meta import Meta
+from wmrgen.errors import EnvironmentFailure
+from wmrgen.ir.nodes import Function, Module, Node, Op
+from wmrgen.ports import Port, Role
+
+DRIVER = Path(__file__).with_name("driver.c")
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno")
+HALF_PI, TURNS = 1.5707963, 100.0
+
+
+@dataclass(frozen=True)
+class Range:
+    """All floats of [0, ``end``] (the kernels are odd or even). ``absolute``: in units of 2**-24."""
+
+    function: str
+    end: float
+    absolute: bool
+    start: float = 0.0
+
+
+RANGES = (
+    Range("sine", HALF_PI, False),
+    Range("cosine", HALF_PI, True),
+    Range("sine", TURNS, True, HALF_PI),
+    Range("cosine", TURNS, True, HALF_PI),
+    Range("arctangent", 1.0, False),
+)
+
+
+@dataclass(frozen=True)
+class Found:
+    """The worst error, where it is, and how many floats were tried."""
+
+    worst: float
+    where: float
+    count: int
+
+
+def module() -> Module:
+    """A module of the kernels alone."""
+    ops = {"sine": Op.SIN, "cosine": Op.COS, "arctangent": Op.ATAN}
+    x, y = Port("x", Role.STATE, "", "argument"), Port("y", Role.COMMAND, "", "value")
+    nodes = {name: (Node(Op.INPUT, name="x"), Node(op, (0,))) for name, op in ops.items()}
+    return Module("kernel", tuple(Function(name, (x,), n, (y,), (1,), name) for name, n in nodes.items()))
+
+
+def build(folder: Path, target: str) -> Path:
+    """The driver for the kernels of ``target``; with the instructions of this machine where the compiler knows it."""
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        raise EnvironmentFailure("trying every float needs a C compiler")
+    header, source = sources(module(), Meta(target=target))
+    (folder / "kernel.h").write_text(header)
+    (folder / "kernel.c").write_text(source)
+    program = folder / f"kernels_{target}"
+    words = ["-I", str(folder), str(DRIVER), "-o", str(program), "-lm"]
+    for native in (("-march=native",), ()):
+        done = subprocess.run([compiler, *FLAGS, *native, *words], capture_output=True, text=True)
+        if done.returncode == 0:
+            return program
+    raise EnvironmentFailure(f"{compiler} cannot build the kernels: {done.stderr[:2000]}")
+
+
+def worst(program: Path, r: Range, step: int = 1) -> Found:
+    """Over every ``step``-th float of the range."""
+    first, last = (struct.unpack("<I", struct.pack("<f", x))[0] for x in (r.start, r.end))
+    words = [str(program), r.function, str(first), str(last), str(step), "a" if r.absolute else "r"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    error, where, count = done.stdout.split()
+    return Found(float(error), float(where), int(count))

@@ -1,0 +1,71 @@
+"""The kernels: coefficients are what the script computes, errors are at most what headers state."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from benchmarks.kernels import remez, stated, verify
+from wmrgen.exact.number import Exact
+from wmrgen.ir.kernels import constants
+from wmrgen.ir.kernels.choice import HOST, M0, M4F
+from wmrgen.ir.rounding import nearest_float32, to_float32
+
+EVERYDAY = 499  # one float in so many
+
+
+def floats(texts: tuple[str, ...]) -> tuple[Exact, ...]:
+    return tuple(Exact(Fraction(to_float32(Exact(Fraction(text))))) for text in texts)
+
+
+@pytest.mark.parametrize("kernel", remez.KERNELS, ids=lambda k: k.name)
+def test_coefficients(kernel: remez.Kernel) -> None:
+    """And the degree is the smallest that is good enough."""
+    texts, error = remez.coefficients(kernel)
+    own = getattr(constants, kernel.name)
+    assert floats(texts) == (own[1:] if kernel.name == "COS" else own)
+    assert error <= remez.ENOUGH < remez.shorter(kernel)
+
+
+def test_parts_of_pi() -> None:
+    import mpmath
+
+    with mpmath.workdps(40):
+        for high, less in (
+            (constants.HALF, constants.LESS_HALF_LOW),
+            (constants.PI_HIGH, constants.LESS_PI_LOW),
+        ):
+            low = float(mpmath.mpf(float(high)) - mpmath.pi)
+            assert float(less) == nearest_float32(low)
+    assert (constants.PI_HIGH.num[0]).bit_length() <= 12
+
+
+@pytest.mark.parametrize("target", [M4F, HOST, M0])
+def test_worst_of_a_sample(tmp_path: Path, target: str) -> None:
+    program = verify.build(tmp_path, target)
+    for r in verify.RANGES:
+        assert verify.worst(program, r, EVERYDAY).worst <= stated(r, target), r
+
+
+@pytest.mark.slow
+def test_every_float(tmp_path: Path) -> None:
+    """What is stated is the worst, rounded up."""
+    program = verify.build(tmp_path, M4F)
+    found = {r: verify.worst(program, r).worst for r in verify.RANGES}
+    for r, worst in found.items():
+        assert worst <= stated(r, M4F), r
+    assert max(w for r, w in found.items() if r.absolute) > float(constants.FUSED.circle) - 0.01
+    assert (
+        max(w for r, w in found.items() if r.function == "arctangent")
+        > float(constants.FUSED.arctangent) - 0.01
+    )
+
+
+def test_a_worse_coefficient_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Negative control: one coefficient off by 2e-6 of it."""
+    first, *rest = constants.SIN
+    monkeypatch.setattr(constants, "SIN", (first * Exact(Fraction(500_001, 500_000)), *rest))
+    program = verify.build(tmp_path, M4F)
+    assert verify.worst(program, verify.RANGES[0], EVERYDAY).worst > float(constants.FUSED.sine)

@@ -1,0 +1,47 @@
+"""What the header of generated C says about its arithmetic."""
+
+from __future__ import annotations
+
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.kernels.choice import AVR, INLINE, M4F
+from wmrgen.ir.kernels.constants import FUSED, PLAIN
+from wmrgen.ir.nodes import Function, Op
+
+LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
+_WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
+
+
+def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset[Op]) -> list[str]:
+    """Paragraphs. ``functions`` before their kernels were put in, ``ops`` what is printed."""
+    used = {node.op for function in functions for node in function.nodes}
+    notes = [
+        f"Scalars are {meta.scalar}. No loops, recursion, heap or globals: every function may be called from "
+        "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
+        "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
+        f"{LARGEST_INPUT[meta.scalar]} in magnitude give finite results; beyond, squares may overflow."
+    ]
+    inline = meta.scalar == "float" and meta.math == INLINE and meta.target != AVR
+    if inline and used & _WAVES:
+        notes.append(_kernels(meta.target, used))
+    if Op.FMA in ops:
+        notes.append(
+            "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "
+            "instruction; for others there are --target host, m0 and avr."
+        )
+    return notes
+
+
+def _kernels(target: str, used: set[Op]) -> str:
+    worst = FUSED if target == M4F else PLAIN
+    parts = []
+    if used & {Op.SIN, Op.COS}:
+        parts.append(
+            f"a sine of up to pi/2 is within {worst.sine} ulp, sines and cosines of angles up to 100 rad within "
+            f"{worst.circle} * 2**-24 (angles, and omega dt, must not exceed 12000 rad)"
+        )
+    if used & {Op.ATAN, Op.ATAN2}:
+        parts.append(f"an arctangent of up to 1 within {worst.arctangent} ulp")
+    return (
+        "Sines and arctangents are polynomials without branches, tables or calls. Every float of these ranges was "
+        f"tried: {'; '.join(parts)} of the true value."
+    )

@@ -17,7 +17,8 @@ class Job:
     """A function of a robot; ``reference`` is the hand-written one of the same job.
 
     ``simpler``: what hand-written code usually does, without the nearest branch and without steering limits.
-    ``libm``, ``inline``: the most that wmrgen may need on a Cortex-M4F, with newlib and with kernels of its own.
+    ``libm``, ``inline``: the most that wmrgen may need on a Cortex-M4F, with newlib and with kernels of its own,
+    the return left out; 0: none known.
     """
 
     layout: str
@@ -25,18 +26,21 @@ class Job:
     function: str
     reference: str
     simpler: str = ""
-    libm: int | None = None
-    inline: int | None = None
+    libm: int = 0
+    inline: int = 0
     trigonometry: bool = True
+
+    def __str__(self) -> str:
+        return f"{self.robot} {self.function}"
 
 
 JOBS = (
-    Job("differential", "textbook_differential", "inverse", "differential_inverse", "", 10, None, False),
+    Job("differential", "textbook_differential", "inverse", "differential_inverse", "", 10, 0, False),
     Job("differential", "textbook_differential", "forward", "differential_forward", trigonometry=False),
-    Job("four mecanum", "clearpath_do100", "inverse", "mecanum_inverse", "", 18, None, False),
-    Job("four mecanum", "clearpath_do100", "forward", "mecanum_forward", "", 19, None, False),
+    Job("four mecanum", "clearpath_do100", "inverse", "mecanum_inverse", "", 18, 0, False),
+    Job("four mecanum", "clearpath_do100", "forward", "mecanum_forward", "", 19, 0, False),
     Job("three omni", "lekiwi", "inverse", "omni_inverse", trigonometry=False),
-    Job("three omni", "lekiwi", "forward", "omni_forward", "", 17, None, False),
+    Job("three omni", "lekiwi", "forward", "omni_forward", "", 17, 0, False),
     Job("four swerve", "wpilib_swervebot", "inverse", "swerve4_inverse_nearest", "swerve4_inverse", 493, 267),
     Job("four swerve", "wpilib_swervebot", "forward", "swerve4_forward", "", 668, 269),
     Job("eight swerve", "swerve8", "inverse", "swerve8_inverse_nearest"),

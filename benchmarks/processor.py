@@ -29,6 +29,7 @@ GENERATORS = {
     "casadi": casadi_c,
     **({"symforce": symforce_c} if symforce_c.present() else {}),
 }
+_TITLES = {"sympy": "sympy", "casadi": "CasADi", "symforce": "SymForce"}
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ def _m4f() -> Iterator[str]:
     yield "Hand: `benchmarks/reference`, with fused multiply-add; simpler: steering without nearest branch or limits."
     yield ""
     heads = [f"{who}, {math}" for math in MATHS for who in ("hand", "wmrgen")]
-    yield from _heading("layout", "function", *heads, *GENERATORS)
+    yield from _heading("layout", "function", *heads, *(_TITLES[name] for name in GENERATORS))
     with tempfile.TemporaryDirectory() as folder:
         benches = {}
         for math in MATHS:

@@ -7,6 +7,7 @@ import re
 
 import sympy
 
+from benchmarks.others.decimals import decimals
 from wmrgen.derivation import Derivation
 from wmrgen.symbolic import signal
 
@@ -23,6 +24,7 @@ def source(
 ) -> tuple[str, str, tuple[str, ...]] | None:
     """C of some outputs, the name of its function and the inputs; None for what SymForce cannot print."""
     import symforce.symbolic as sf
+    from symengine import SympifyError
     from symforce.codegen import CppConfig
     from symforce.codegen.codegen_util import print_code
     from symforce.values import Values
@@ -31,15 +33,16 @@ def source(
     closed = formula.closed()
     inputs = tuple(port.name for port in formula.inputs)
     plain = {signal(name): sympy.Symbol(f"x{k}", real=True) for k, name in enumerate(inputs)}
+    plain |= decimals([closed[name] for name in outputs])
     try:
         made = Values({f"y{k}": sf.S(closed[name].xreplace(plain)) for k, name in enumerate(outputs)})
         code = print_code(
             Values({f"x{k}": sf.Symbol(f"x{k}") for k in range(len(inputs))}), made, {}, CppConfig()
         )
-    except (TypeError, ValueError, NotImplementedError, AttributeError, RuntimeError):
+    except (TypeError, ValueError, NotImplementedError, AttributeError, RuntimeError, SympifyError):
         return None
     name = f"symforce_{derivation.robot.name}_{function}"
-    lines = ["#include <math.h>", f"void {name}(const float *x, float *y)", "{"]
+    lines = ["#include <math.h>", "#include <stdbool.h>", f"void {name}(const float *x, float *y)", "{"]
     lines += [f"    const float {left} = {_in_c(right)};" for left, right in code.intermediate_terms]
     lines += [f"    y[{k}] = {_in_c(output.terms[0][1])};" for k, output in enumerate(code.dense_terms)]
     return "\n".join([*lines, "}", ""]), name, inputs

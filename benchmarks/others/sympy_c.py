@@ -6,6 +6,7 @@ import sympy
 from sympy.codegen.ast import float32, real
 from sympy.printing.c import C99CodePrinter
 
+from benchmarks.others.decimals import decimals
 from wmrgen.derivation import Derivation
 from wmrgen.symbolic import signal
 
@@ -19,9 +20,9 @@ def source(
     inputs = tuple(port.name for port in formula.inputs)
     plain = {signal(name): sympy.Symbol(f"x[{k}]", real=True) for k, name in enumerate(inputs)}
     own = [sympy.Symbol(f"own{k}", real=True) for k in range(len(formula.locals))]
-    plain[sympy.pi] = sympy.Float(sympy.pi)  # M_PI is a double
     plain |= {symbol: mine for (symbol, _), mine in zip(formula.locals, own, strict=True)}
     values = [*(value for _, value in formula.locals), *(results[name] for name in outputs)]
+    plain |= decimals(values)
     shared, reduced = sympy.cse([value.xreplace(plain) for value in values])
     settings = {"type_aliases": {real: float32}, "user_functions": {"Nearest": "rintf"}, "math_macros": {}}
     printer = C99CodePrinter(settings)

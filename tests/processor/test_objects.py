@@ -34,7 +34,9 @@ def undefined(
 
 
 @TARGETS
-@pytest.mark.parametrize("math", MATHS)
+@pytest.mark.parametrize(
+    "math", [m if m == DEFAULT else pytest.param(m, marks=pytest.mark.slow) for m in MATHS]
+)
 def test_the_float_build_references_no_double_routine(target: Target, math: str, tmp_path: Path) -> None:
     """An allow-list, so that a routine nobody thought of is found too. All robots are in this object."""
     found = undefined(tmp_path, every(), target, "float", math)

@@ -16,7 +16,9 @@ from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.inputs import nominal
 from benchmarks.emulator.zig import FLAGS
 from benchmarks.jobs import JOBS, Job, derivations, outputs
-from benchmarks.processor import inputs, references
+from benchmarks.processor import inputs as every_input
+from benchmarks.processor import references
+from wmrgen.backends.c99.step import Step
 from wmrgen.ir.arithmetic import FLOAT32, FLOAT64
 from wmrgen.ir.interpret import evaluate_module
 
@@ -35,6 +37,12 @@ def _built(folder: Path, kind: str) -> Fleet:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("references")
+
+
+def inputs(fleet: Fleet, step: Step) -> list[dict[str, float]]:
+    """Every third of the inputs that are counted."""
+    module = next(m for m in fleet.modules if step.name.startswith(f"{m.name}_"))
+    return list(every_input(fleet.inputs(step), nominal(module), step.name))[::3]
 
 
 def motion(values: Mapping[str, float]) -> dict[str, float]:
@@ -60,7 +68,7 @@ def test_a_reference_does_the_same_job(job: Job, kind: str, folder: Path) -> Non
     fleet = _built(folder, kind)
     module = derivations()[job.robot].c_module
     step = next(s for s in fleet.steps(job.robot) if s.name == f"{job.robot}_{job.function}")
-    for case in inputs(fleet.inputs(step), nominal(module), step.name):
+    for case in inputs(fleet, step):
         if "limited" in job.reference and not rolls(case):
             continue
         _, found = fleet.call(step, case, name=job.reference)
@@ -82,7 +90,7 @@ def test_simpler_code_steers_along_the_velocity(job: Job, kind: str, folder: Pat
     module = derivations()[job.robot].c_module
     step = next(s for s in fleet.steps(job.robot) if s.name == f"{job.robot}_{job.function}")
     compared = 0
-    for case in inputs(fleet.inputs(step), nominal(module), step.name):
+    for case in inputs(fleet, step):
         if "ackermann" in job.robot and not rolls(case):
             continue
         _, found = fleet.call(step, case, name=job.simpler)
@@ -101,7 +109,7 @@ def test_at_its_limit_the_car_slides_least(kind: str, folder: Path) -> None:
     step = next(s for s in fleet.steps(job.robot) if s.name == f"{job.robot}_{job.function}")
     grid = [math.radians(40 * k / 200) for k in range(-200, 201)]
     limited = 0
-    for case in inputs(fleet.inputs(step), {}, step.name):
+    for case in inputs(fleet, step):
         _, found = fleet.call(step, case, name=job.reference)
         for name, side in (("front_left", -0.75), ("front_right", 0.75)):
             x, y = case["vx"] + side * case["omega"], 2.5 * case["omega"]
@@ -112,4 +120,4 @@ def test_at_its_limit_the_car_slides_least(kind: str, folder: Path) -> None:
             speed = (x * math.cos(angle) + y * math.sin(angle)) / 0.3
             assert found[f"{name}.spin"] == pytest.approx(speed, rel=1e-5, abs=1e-5)
         limited += not rolls(case)
-    assert limited > 10
+    assert limited > 3

@@ -63,7 +63,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
         yield "generic", grid.rows[row]
         if row < generic // 2:
             yield "the same backwards", np.where(moving, -grid.rows[row], grid.rows[row])
-    for power, text in ((-14, "very slow"), (7, "fast"), (20, "very fast")):
+    for power, text in ((-14, "very slow"), (7, "fast"), (12, "very fast")):
         factor = np.where(moving & ~timed, 2.0**power, 1.0)
         yield text, grid.rows[17 + power] * factor
     yield from _extremes(ports, site, grid)

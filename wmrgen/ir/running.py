@@ -25,6 +25,7 @@ from wmrgen.ir.rounding import to_float32, to_float64
 Array = Any  # numpy array of float64, one value per point
 UNITS = {"float": 2.0**-24, "double": 2.0**-53}
 LIBRARY = 4.0  # ulp of sin, cos and atan2, more than any libm in use needs
+CIRCLE = 3.0  # 2**-24 of sin and cos, which `wmrgen.ir.kernels` has beside their zeros
 _HALF = 2.0**-53  # of the float64 values themselves
 
 
@@ -123,7 +124,7 @@ def _circular(unit: Array, a: Bounded, name: str) -> Bounded:
     sine, cosine = np.sin(a.value), np.cos(a.value)
     value, slope = (sine, cosine) if name == "sin" else (cosine, sine)
     error = np.minimum(np.abs(slope) * a.error + a.error**2 / 2, 2.0)
-    return Bounded(value, error + 2 * LIBRARY * unit * np.abs(value))
+    return Bounded(value, error + unit * (2 * LIBRARY * np.abs(value) + CIRCLE))
 
 
 def _atan2(unit: Array, y: Bounded, x: Bounded) -> Bounded:

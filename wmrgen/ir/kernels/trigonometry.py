@@ -15,9 +15,12 @@ def sine_cosine(tape: Tape, x: int, fused: bool) -> tuple[int, int, int]:
     """
     raised = tape.add(tape.mul(x, tape.const(c.PER_PI)), tape.const(c.RINT32))
     k = tape.sub(raised, tape.const(c.RINT32))
-    high, low = (c.HALF, c.LESS_HALF_LOW) if fused else (c.PI_HIGH, c.LESS_PI_LOW)
-    r = tape.sub(x, tape.mul(k, tape.const(high)))
-    r = tape.add(r, tape.mul(k, tape.const(low)))
+    if fused:  # here, not by `fuse`, which may leave it: k pi must not be rounded
+        r = tape.put(Op.FMA, tape.put(Op.NEG, k), tape.const(c.HALF), x)
+        r = tape.put(Op.FMA, k, tape.const(c.LESS_HALF_LOW), r)
+    else:
+        r = tape.sub(x, tape.mul(k, tape.const(c.PI_HIGH)))
+        r = tape.add(r, tape.mul(k, tape.const(c.LESS_PI_LOW)))
     return raised, _sine(tape, r), _cosine(tape, r)
 
 

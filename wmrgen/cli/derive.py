@@ -41,6 +41,9 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, scalar: str) -> int:
             if robot.gains:
                 warn(robot)
             derivation = wmrgen.derive(robot)
+            for found in derivation.mobility.singularities:
+                if found.everywhere:
+                    console.note(f"{robot.name}: warning: {found.meaning}")
             done.append((derivation, artifacts(derivation, scalar)))
     written = [write_tree(out / derivation.robot.name, files) for derivation, files in done]
     if as_json:

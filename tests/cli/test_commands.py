@@ -83,6 +83,29 @@ def test_snap_notes_go_to_stderr(wmrgen_cli: Cli, robot_file: Path, tmp_path: Pa
 # ---- eval
 
 
+MIRRORED = """wmrgen: 1
+name: mirrored
+parameters: {{a: {{value: 0.2, tunable: {0}}}, b: {1}}}
+wheels:
+  - {{name: fl, type: swedish, x: a, y: b, heading: 0, gamma: pi/4, r: 0.1}}
+  - {{name: fr, type: swedish, x: a, y: -b, heading: 0, gamma: -pi/4, r: 0.1}}
+  - {{name: rl, type: swedish, x: -a, y: b, heading: 0, gamma: -pi/4, r: 0.1}}
+  - {{name: rr, type: swedish, x: -a, y: -b, heading: 0, gamma: pi/4, r: 0.1}}
+"""
+
+
+@pytest.mark.parametrize("tunable", ["false", "true"])
+@pytest.mark.parametrize("b", ["0.2", "0.25"])
+def test_mirrored_mecanum_on_a_square_is_warned_of(
+    wmrgen_cli: Cli, tmp_path: Path, tunable: str, b: str
+) -> None:
+    """Tzafestas (2.81) as printed, d1 = d2: rank 2. On a rectangle the rank is 3 and nothing is said."""
+    path = tmp_path / "mirrored.yaml"
+    path.write_text(MIRRORED.format(tunable, b), encoding="utf-8")
+    done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
+    assert done.code == 0 and ("rank 2" in done.err) == (b == "0.2")
+
+
 def test_eval_prints_aligned_lines(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "vx=0.0975")
     assert done.code == 0

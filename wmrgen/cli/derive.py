@@ -42,6 +42,9 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, choice: Choice, fuzz
             if robot.gains:
                 warn(robot)
             derivation = wmrgen.derive(robot)
+            for found in derivation.mobility.singularities:
+                if found.everywhere:
+                    console.note(f"{robot.name}: warning: {found.meaning}")
             done.append((derivation, artifacts(derivation, choice, fuzz)))
     words = choice.words()
     written = [write_tree(out / derivation.robot.name, files, words) for derivation, files in done]

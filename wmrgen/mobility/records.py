@@ -68,6 +68,11 @@ class Singularity:
     meaning: str
     wheels: tuple[str, ...]
 
+    @property
+    def everywhere(self) -> bool:
+        """True where the layout itself is singular, though it has wheels enough: worth a warning."""
+        return self.kind == "rolling_rank" and len(self.wheels) > 2
+
 
 @dataclass(frozen=True, slots=True)
 class Mobility:

@@ -6,7 +6,8 @@ from itertools import combinations
 
 import numpy as np
 
-from wmrgen.constraints import heading, rolling_row, symbolic_view, working_view
+from wmrgen.constraints import heading, nominal_view, rolling_row, symbolic_view, working_view
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, cross, dot
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.findings import Findings, listed
@@ -117,18 +118,19 @@ def _rolling_rank(found: Findings) -> list[Singularity]:
         or any(w.type == "castor" and w.actuated for w in found.robot.wheels)
     ):
         return []
-    rows = [tuple(p.constant for p in rolling_row(w, working_view(w)).row) for w in wheels]
-    if any(v is None for row in rows for v in row):
-        return []
-    numbers = [[v for v in row if v is not None] for row in rows]
-    rank, _ = numeric_rank(unit_rows(to_array(numbers)))
+    rows = [[p.constant or Exact(0) for p in rolling_row(w, nominal_view(w)).row] for w in wheels]
+    rank, _ = numeric_rank(unit_rows(to_array(rows)))
     if rank == 3:
         return []
     text = (
         f"the rolling rows of {', '.join(w.name for w in wheels)} have rank {rank}: one motion of the body turns no "
-        "wheel, so the wheels cannot drive it. Mecanum rollers at the ground must form an O (seen from above the "
-        "roller lines form a diamond around the centre), not an X through one point"
+        "wheel, so the wheels cannot drive it"
     )
+    if any(w.nominal.sg for w in wheels) and len(wheels) > 2:
+        text += (
+            ". Mecanum rollers at the ground must form an O (seen from above the roller lines form a diamond around "
+            "the centre), not an X through one point"
+        )
     return [Singularity("rolling_rank", _minors(wheels), text, tuple(w.name for w in wheels))]
 
 

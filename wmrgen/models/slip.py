@@ -23,7 +23,10 @@ TEXT = {
 
 def slip_port(w: Wheel, name: str) -> Port:
     """``<wheel>.slip_x`` or ``<wheel>.slip_y``"""
-    return Port(f"{w.name}.{name}", Role.COMMAND, "m/s", TEXT[name])
+    text = TEXT[name]
+    if w.type == "swedish":
+        text = "slip along the roller axis: what the rim adds there minus the contact's velocity"
+    return Port(f"{w.name}.{name}", Role.COMMAND, "m/s", text)
 
 
 def slip_inverse(robot: Robot, _: Mobility) -> Formula:

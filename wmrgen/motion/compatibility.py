@@ -141,7 +141,8 @@ def compatibility(robot: Robot, mobility: Mobility) -> Formula:
     driven, found = relations(robot, mobility)
     if not found:
         raise NotDerivableError(
-            f"{robot.name} has no compatibility rows: its {len(driven)} driven wheels turn independently"
+            f"{robot.name} has no compatibility rows: no driven wheel depends on others "
+            f"(driven: {', '.join(w.name for w in driven) or 'none'})"
         )
     spins = [given(f"{w.name}.spin") for w in driven]
     outputs = []

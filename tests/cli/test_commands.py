@@ -38,6 +38,25 @@ def test_derive_several(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> No
     assert [model["name"] for model in json.loads(done.out)] == ["pair", "pioneer3dx"]
 
 
+def test_check_regenerates_with_the_options_of_the_manifest(
+    wmrgen_cli: Cli, robot_file: Path, tmp_path: Path
+) -> None:
+    out, texts = tmp_path / "out", set()
+    for words in (("--math", "libm"), ("--target", "host"), ("--target", "m0"), ("--scalar", "double"), ()):
+        assert wmrgen_cli("derive", robot_file, "-o", out, *words).code == 0
+        texts.add(next(out.glob("*/*.c")).read_text())
+        assert wmrgen_cli("check", robot_file, "-o", out).code == 0
+    assert len(texts) == 5
+    assert wmrgen_cli("derive", robot_file, "-o", out, "--scalar", "double", "--math", "inline").code == 2
+
+
+def test_eval_takes_the_options_of_the_c(wmrgen_cli: Cli) -> None:
+    words = ("eval", "robots/kelly_4ws.yaml", "inverse", "vx=1", "omega=2", "--json", "--backend", "c")
+    found = [json.loads(wmrgen_cli(*words, *w).out) for w in ((), ("--math", "libm"), ("--target", "host"))]
+    for key, value in found[0].items():
+        assert all(abs(other[key] - value) <= 2e-5 for other in found)
+
+
 def test_the_scalar_option_changes_the_c_only(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
     for scalar in ("float", "double"):
         assert wmrgen_cli("derive", robot_file, "-o", tmp_path / scalar, "--scalar", scalar).code == 0

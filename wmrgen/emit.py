@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import sympy
 
 from wmrgen import __version__
+from wmrgen.backends.lines import places
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
@@ -37,6 +38,8 @@ def artifacts(derivation: Derivation, scalar: str = "float", fuzz: bool = False)
         if clash:
             raise ValueError(f"backend {entry.name} writes {sorted(clash)} again")
         files.update(made)
+        if entry.name == "c99":
+            facts = replace(facts, places=places(made[f"{derivation.robot.name}.c"].decode()))
     return files
 
 
@@ -53,6 +56,7 @@ def meta(derivation: Derivation, scalar: str, model: bytes) -> Meta:
         scalar=scalar,
         bound_lines=header_lines(derivation.bounds) if scalar == "float" else (),
         site=site(derivation.robot),
+        formulas=derivation.raw_module.functions,
     )
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wmrgen.backends.lines import Place
+from wmrgen.ir.nodes import Function
 from wmrgen.ir.site import NO_SITE, Site
 
 
@@ -14,6 +16,7 @@ class Meta:
     ``wheel_lines``: the wheel table, one finished line per wheel and note. ``bound_lines``: what is proved (float C).
     ``model_hash``: hexadecimal digest of the model. ``scalar``: ``float`` or ``double`` (C only). ``site``: what the
     robot file says about inputs. ``fuzz``: a fuzzing harness too (C only).
+    ``formulas``: the functions as lowered; ``places``: where the C computes what (for the report).
     """
 
     description: str = ""
@@ -25,6 +28,8 @@ class Meta:
     bound_lines: tuple[str, ...] = ()
     site: Site = NO_SITE
     fuzz: bool = False
+    formulas: tuple[Function, ...] = ()
+    places: tuple[Place, ...] = ()
 
 
 NO_META = Meta()

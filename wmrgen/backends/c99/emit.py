@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wmrgen.backends.c99.comment import comment_lines
@@ -10,7 +11,8 @@ from wmrgen.backends.c99.companions import companions
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.meta import Meta
 from wmrgen.ir.inline import hand_through
-from wmrgen.ir.nodes import Module
+from wmrgen.ir.nodes import Function, Module
+from wmrgen.ir.trace import traced
 from wmrgen.render import render
 
 
@@ -23,9 +25,12 @@ class Unit:
     steps: tuple[Step, ...]
 
 
-def unit(module: Module, scalar: str) -> Unit:
-    """The C functions of ``module``: params_default and prepare first when a parameter is tunable."""
-    module = hand_through(module)
+def unit(module: Module, scalar: str, formulas: Sequence[Function] = ()) -> Unit:
+    """The C functions of ``module``: params_default and prepare first when a parameter is tunable.
+
+    ``formulas``: the functions as lowered, whose intermediate results comments name.
+    """
+    module = traced(hand_through(module), formulas)
     steps, prepared = prepare_steps(module, scalar)
     rest = (step(function, module.name, prepared, scalar) for function in module.functions)
     return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None))
@@ -74,7 +79,7 @@ def indented(text: str) -> list[str]:
 
 def sources(module: Module, meta: Meta) -> tuple[str, str]:
     """The text of ``<robot>.h`` and ``<robot>.c``."""
-    return printed(unit(module, meta.scalar), meta)[:2]
+    return printed(unit(module, meta.scalar, formulas=meta.formulas), meta)[:2]
 
 
 def printed(made: Unit, meta: Meta) -> tuple[str, str, str]:
@@ -98,7 +103,7 @@ def printed(made: Unit, meta: Meta) -> tuple[str, str, str]:
 
 def emit(module: Module, meta: Meta) -> dict[str, bytes]:
     """File name -> content."""
-    made = unit(module, meta.scalar)
+    made = unit(module, meta.scalar, formulas=meta.formulas)
     header, source, pair = printed(made, meta)
     files = {f"{module.name}.h": header, f"{module.name}.c": source}
     files |= companions(module, made.steps, meta, _banner(meta), pair)

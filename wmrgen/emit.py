@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import sympy
 
 from wmrgen import __version__
+from wmrgen.backends.lines import places
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
@@ -38,6 +39,8 @@ def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = Fal
         if clash:
             raise ValueError(f"backend {entry.name} writes {sorted(clash)} again")
         files.update(made)
+        if entry.name == "c99":
+            facts = replace(facts, places=places(made[f"{derivation.robot.name}.c"].decode()))
     return files
 
 
@@ -56,6 +59,7 @@ def meta(derivation: Derivation, choice: Choice, model: bytes) -> Meta:
         target=choice.target,
         bound_lines=header_lines(derivation.bounds) if choice.scalar == "float" else (),
         site=site(derivation.robot),
+        formulas=derivation.raw_module.functions,
     )
 
 

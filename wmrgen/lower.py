@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 import sympy
@@ -11,6 +12,7 @@ from wmrgen.exact.angles import pi_rational
 from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function
+from wmrgen.ir.prune import places
 from wmrgen.kinematics.records import Formula
 from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
 
@@ -22,7 +24,8 @@ def lower(formula: Formula) -> Function:
     lowering = _Lowering(formula)
     results = [lowering.node(expr) for _, expr in formula.outputs]
     ports = tuple(port for port, _ in formula.outputs)
-    return lowering.builder.function(formula.name, formula.inputs, ports, results, formula.text)
+    function = lowering.builder.function(formula.name, formula.inputs, ports, results, formula.text)
+    return replace(function, named=lowering.named(results))
 
 
 class _Lowering:
@@ -49,6 +52,12 @@ class _Lowering:
             found = self.builder.const(value) if value is not None else self.rules[type(expr)](expr)
             self.memo[expr] = found
         return found
+
+    def named(self, results: Sequence[int]) -> tuple[tuple[str, int], ...]:
+        """The intermediate results that ``results`` need, by the node they have in the finished function."""
+        found = [(str(symbol), self.memo[symbol]) for symbol in self.locals if symbol in self.memo]
+        place = places(self.builder.nodes, results)
+        return tuple((name, place[node]) for name, node in found if node in place)
 
     def _input(self, expr: Expr) -> int:
         return self.builder.input(self.names[expr.name])

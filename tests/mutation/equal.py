@@ -42,7 +42,8 @@ class Body:
     def __init__(self, source: str, function: str) -> None:
         text = re.search(rf"^void {function}\(.*?^}}", source, flags=re.S | re.M)
         assert text, function
-        self.lines = [m.groups() for m in map(_LINE.match, text[0].splitlines()) if m]
+        bare = re.sub(r"; /\*.*\*/$", ";", text[0], flags=re.M)
+        self.lines = [m.groups() for m in map(_LINE.match, bare.splitlines()) if m]
 
     def run(self, mutant: Mutant, given: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
         """What is stored, by member, with the line that ``mutant`` changes as it wants it."""

@@ -43,6 +43,7 @@ def mutate(source: str) -> tuple[str, list[Mutant]]:
     found: list[Mutant] = []
     names: list[str] = []
     function = body = ""
+    source = re.sub(r"; /\*.*\*/$", ";", source, flags=re.M)
     for line in source.splitlines():
         begun = _FUNCTION.match(line)
         if begun:

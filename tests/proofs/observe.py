@@ -66,6 +66,8 @@ def _single(node: Node, a: list[np.ndarray]) -> np.ndarray:
         return np.where(a[1] < a[0], a[0], a[1])
     if node.op == "rint":
         return np.rint(a[0])
+    if node.op == "flip":
+        return np.where(a[1] % 2 == 1, -a[0], a[0])
     if node.op in LIBRARY:
         wide = EXACT[node.op.value](*(x.astype(np.float64) for x in a))
         return np.asarray(wide.astype(np.float32))
@@ -77,6 +79,8 @@ def _exact(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
         return np.where(a[0] < a[1], b[2], b[3])
     if node.op == "rint":
         return np.rint(a[0]).astype(np.float64)
+    if node.op == "flip":
+        return np.where(a[1] % 2 == 1, -b[0], b[0])
     return np.asarray(EXACT[node.op.value](*b))
 
 

@@ -30,29 +30,29 @@ int main(void)
 TAIL = "    return wrong;\n}\n"
 
 DIFFERENTIAL = """
-    turtlebot3_burger_inverse_in in = {0.1f, 0.0f, 1.0f};
-    turtlebot3_burger_inverse_out out, same;
-    turtlebot3_burger_forward_in f;
-    turtlebot3_burger_forward_out g;
-    EXPECT(turtlebot3_burger_inverse_checked(&in, &out) == TURTLEBOT3_BURGER_OK);
-    turtlebot3_burger_inverse(&in, &same);
+    textbook_differential_inverse_in in = {0.1f, 0.0f, 1.0f};
+    textbook_differential_inverse_out out, same;
+    textbook_differential_forward_in f;
+    textbook_differential_forward_out g;
+    EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_OK);
+    textbook_differential_inverse(&in, &same);
     EXPECT(memcmp(&out, &same, sizeof out) == 0);
     for (k = 0; k < 3; ++k) {
         in.vx = bad[k];
-        EXPECT(turtlebot3_burger_inverse_checked(&in, &out) == TURTLEBOT3_BURGER_NOT_A_NUMBER);
+        EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER);
         EXPECT(out.left.spin == 0.0f && out.right.spin == 0.0f && out.slip == 0.0f);
         f.left.spin = 1.0f;
         f.right.spin = bad[k];
-        EXPECT(turtlebot3_burger_forward_checked(&f, &g) == TURTLEBOT3_BURGER_NOT_A_NUMBER);
+        EXPECT(textbook_differential_forward_checked(&f, &g) == TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER);
         EXPECT(g.vx == 0.0f && g.vy == 0.0f && g.omega == 0.0f);
     }
     in.vx = 1e9f; /* no limit in the robot file */
-    EXPECT(turtlebot3_burger_inverse_checked(&in, &out) == TURTLEBOT3_BURGER_OK);
+    EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_OK);
     in.vx = 1.1e9f;
-    EXPECT(turtlebot3_burger_inverse_checked(&in, &out) == TURTLEBOT3_BURGER_OUT_OF_RANGE);
+    EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE);
     EXPECT(out.left.spin == 0.0f && out.right.spin == 0.0f);
     f.right.spin = 3e38f;
-    EXPECT(turtlebot3_burger_forward_checked(&f, &g) == TURTLEBOT3_BURGER_OUT_OF_RANGE);
+    EXPECT(textbook_differential_forward_checked(&f, &g) == TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE);
 """
 ODOMETRY = """
     pioneer3dx_odometry_in in = {1.0f, 2.0f, 3.0f, 0.1f, 0.0f, 0.5f, 0.01f};
@@ -148,7 +148,7 @@ TUNABLE = """
 @pytest.mark.parametrize(
     ("robot", "body"),
     [
-        ("turtlebot3_burger", DIFFERENTIAL),
+        ("textbook_differential", DIFFERENTIAL),
         ("pioneer3dx", ODOMETRY),
         ("ackermann_car", ACKERMANN),
         ("nomad_xr4000", CASTORS),

@@ -90,8 +90,13 @@ def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
     return _Text(style.calls[node.op].format(*texts), _ATOM)
 
 
-def body(function: Function, access: Callable[[str], str], style: Style) -> Body:
-    """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name."""
+def body(
+    function: Function, access: Callable[[str], str], style: Style, notes: Mapping[int, str] | None = None
+) -> Body:
+    """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
+
+    ``notes``: node -> finished comment, printed behind the statement that names the node.
+    """
     uses = _uses(function, style)
     texts: list[_Text] = []
     statements: list[str] = []
@@ -105,7 +110,8 @@ def body(function: Function, access: Callable[[str], str], style: Style) -> Body
         text = _expression(node, [texts[a] for a in node.args], style)
         if uses[index] > 1 or text.binding == _CHOICE or len(text.text) > _LONGEST:
             name = style.temporary.format(len(statements))
-            statements.append(style.declare.format(name, text.text))
+            note = (notes or {}).get(index)
+            statements.append(style.declare.format(name, text.text) + (f" {note}" if note else ""))
             text = _Text(name, _ATOM)
         texts.append(text)
     ops = frozenset(node.op for node in function.nodes)

@@ -62,7 +62,10 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """Straight-line code: ``outputs[k]`` is computed by node ``results[k]``."""
+    """Straight-line code: ``outputs[k]`` is computed by node ``results[k]``.
+
+    ``named``: intermediate results of the formula and their nodes, of code as lowered and not optimised.
+    """
 
     name: str
     inputs: tuple[Port, ...]
@@ -70,6 +73,7 @@ class Function:
     outputs: tuple[Port, ...]
     results: tuple[int, ...]
     text: str = ""
+    named: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

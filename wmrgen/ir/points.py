@@ -22,7 +22,7 @@ Point = tuple[str, Array]  # what it is, one value per port
 TWIST = ("vx", "vy", "omega")
 BRANCH = "branch"  # a point of the pool: kept where it takes branches that no other takes
 _SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
-_GENERIC, _POOL, _ROWS = 8, 320, 64
+_GENERIC, _POOL, _ROWS = 6, 320, 64
 _MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
 _BEYOND = 1 + 2.0**-11
 
@@ -66,6 +66,10 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     for power, text in ((-14, "very slow"), (7, "fast"), (12, "very fast")):
         factor = np.where(moving & ~timed, 2.0**power, 1.0)
         yield text, grid.rows[17 + power] * factor
+    free = Grid(ports, NO_SITE)  # limits must not hide what the code does beyond them
+    stretch = np.array([{"m/s": 8.0, "rad/s": 0.25}.get(p.unit, 1.0) for p in ports])
+    for row in (41, 42, 43):
+        yield "a long arc", free.rows[row] * np.where(moving, stretch, 1.0)
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
     if any(node.op in (Op.SELECT, Op.MIN, Op.MAX) for node in function.nodes):

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from wmrgen.ir.nodes import Node
 
 
-def prune(nodes: Sequence[Node], results: Sequence[int]) -> tuple[tuple[Node, ...], tuple[int, ...]]:
-    """The nodes that ``results`` need, renumbered in their order, and the renumbered results."""
+def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
+    """Where each node that ``results`` need stands when the others are dropped."""
     live = bytearray(len(nodes))
     for result in results:
         live[result] = 1
@@ -16,11 +16,16 @@ def prune(nodes: Sequence[Node], results: Sequence[int]) -> tuple[tuple[Node, ..
         if live[i]:
             for arg in nodes[i].args:
                 live[arg] = 1
-    renamed: dict[int, int] = {}
+    kept = (i for i in range(len(nodes)) if live[i])
+    return {i: k for k, i in enumerate(kept)}
+
+
+def prune(nodes: Sequence[Node], results: Sequence[int]) -> tuple[tuple[Node, ...], tuple[int, ...]]:
+    """The nodes that ``results`` need, renumbered in their order, and the renumbered results."""
+    place = places(nodes, results)
     kept: list[Node] = []
-    for i, node in enumerate(nodes):
-        if live[i]:
-            renamed[i] = len(kept)
-            args = tuple(renamed[arg] for arg in node.args)
-            kept.append(node if args == node.args else Node(node.op, args, node.value, node.name))
-    return tuple(kept), tuple(renamed[result] for result in results)
+    for i in place:
+        node = nodes[i]
+        args = tuple(place[arg] for arg in node.args)
+        kept.append(node if args == node.args else Node(node.op, args, node.value, node.name))
+    return tuple(kept), tuple(place[result] for result in results)

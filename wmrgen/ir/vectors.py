@@ -25,7 +25,8 @@ _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to
 _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
 _FLOOR = 1e-12
 _LAWS = 6
-_SPARE = 16  # points for branches
+_SPARE = 20  # points for branches
+_RARE = 2  # points that a pair of outcomes should have
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,20 +140,20 @@ def _sound(made: Iterable[Bounded], scalar: str) -> Array:
 
 
 def _kept(known: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
-    """The first points that are sound; of the pool those with two outcomes of choices that are new together."""
+    """The first points that are sound; of the pool those with two outcomes of choices that are rare together."""
     choices = [b.taken[0] for b in known if b.taken is not None]
     taken = np.array(choices).reshape(len(choices), len(tried))
     outcomes = np.concatenate([taken == 1, taken == -1])
-    seen = np.zeros((len(outcomes), len(outcomes)), dtype=bool)
+    seen = np.zeros((len(outcomes), len(outcomes)), dtype=int)
     rows, spare = [], _SPARE
     for k in np.flatnonzero(sound).tolist():
         now = np.outer(outcomes[:, k], outcomes[:, k])
         if tried[k][0] == BRANCH:
-            if not spare or not (now & ~seen).any():
+            if not spare or not (now & (seen < _RARE)).any():
                 continue
             spare -= 1
         rows.append(k)
-        seen |= now
+        seen += now
     return rows
 
 

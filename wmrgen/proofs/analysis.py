@@ -15,7 +15,7 @@ at most s h gets no more than s rho: a source of noise of its own (`Angle`). Ran
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -46,19 +46,29 @@ def analyse(
     inputs: Mapping[str, Interval],
     form: Format,
     library: Library,
+    twice: Collection[int] = (),
 ) -> Analysis:
-    """Every node on every box; ``inputs``: (lo, hi) arrays by input name, one entry per box."""
+    """Every node on every box; ``inputs``: (lo, hi) arrays by input name, one entry per box.
+
+    ``twice``: sums that the code rounds once more than they stand here.
+    """
     with np.errstate(all="ignore"):
-        return Pass(function, inputs, form, library).run()
+        return Pass(function, inputs, form, library, twice).run()
 
 
 class Pass:
     """One walk through the node list. The rules of the operations stand in `wmrgen.proofs.rules`."""
 
     def __init__(
-        self, function: Function, inputs: Mapping[str, Interval], form: Format, library: Library
+        self,
+        function: Function,
+        inputs: Mapping[str, Interval],
+        form: Format,
+        library: Library,
+        twice: Collection[int] = (),
     ) -> None:
         self.nodes, self.inputs, self.form, self.library = function.nodes, inputs, form, library
+        self.twice, self.current = frozenset(twice), 0
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
         self.result = Analysis(self.boxes)
         self.directions = directions(self.nodes)
@@ -66,23 +76,30 @@ class Pass:
         self.shares: dict[int, Shares] = {}
         self.sources: dict[int, int] = {}
         self.forms: list[Affine] = []
+        self.uses = _contracted(self.nodes)
+        self.rows: dict[int, dict[int, int]] = {i: {} for i in self.uses}
         row = 0
         for i, node in enumerate(self.nodes):
             if node.op not in _EXACT or i in self.directions:
                 self.sources[i] = row
                 row += 3 if i in self.directions else 1
+            row += self.uses.get(i, 0)  # a row per use, beside the one for an output
         self.result.noise = np.zeros((row, self.boxes))
 
     def run(self) -> Analysis:
         from wmrgen.proofs.rules import RULES
 
         for i, node in enumerate(self.nodes):
+            self.current = i
             value = RULES[node.op.value](self, i, node)
             found, slope, away, noise = value.range, value.slope, value.away, value.noise
             if noise is not None:
                 row = self.sources[i]
                 self.result.noise[row] = noise
-                slope = sl.with_source(slope, row, self.boxes) if noise.any() else slope
+                if i not in self.rows and noise.any():
+                    slope = sl.with_source(slope, row, self.boxes)
+                for extra in range(self.uses.get(i, 0)):
+                    self.result.noise[row + 1 + extra] = noise
                 found = iv.widened(found, noise)
                 away = None if away is None else away - noise
             found = self._linear(i, node, found, noise)
@@ -93,6 +110,8 @@ class Pass:
             self.result.ranges.append(found)
             self.result.slopes.append(slope)
             self.result.away.append(least if away is None else np.maximum(least, away))
+        for i in self.rows:
+            self.result.slopes[i] = sl.with_source(self.result.slopes[i], self.sources[i], self.boxes)
         return self.result
 
     def _linear(self, i: int, node: Node, found: Interval, noise: Array | None) -> Interval:
@@ -135,7 +154,16 @@ class Pass:
         return self.result.ranges[i]
 
     def slope(self, i: int) -> Slope:
-        return self.result.slopes[i]
+        """Slope of an argument of the current node. What may be contracted has a rounding of its own there."""
+        slope = self.result.slopes[i]
+        if i not in self.rows:
+            return slope
+        row = self.sources[i] + 1 + self.rows[i].setdefault(self.current, len(self.rows[i]))
+        return sl.with_source(slope, row, self.boxes)
+
+    def error(self, i: int) -> Array:
+        """How far an argument of the current node may be off."""
+        return sl.weighed(self.slope(i), self.result.noise, self.boxes)
 
     def away(self, i: int) -> Array:
         return self.result.away[i]
@@ -196,3 +224,13 @@ class Pass:
         for row, _ in self._shared(x, y):
             slope = sl.without(slope, row)
         return slope
+
+
+def _contracted(nodes: Sequence[Node]) -> dict[int, int]:
+    """Products with several uses, a sum among them that a compiler may contract with it (fused multiply-add): uses."""
+    uses: dict[int, list[Op]] = {}
+    for node in nodes:
+        for k in set(node.args):
+            if nodes[k].op is Op.MUL:
+                uses.setdefault(k, []).append(node.op)
+    return {k: len(ops) for k, ops in uses.items() if len(ops) > 1 and (Op.ADD in ops or Op.SUB in ops)}

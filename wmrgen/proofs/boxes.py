@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +19,15 @@ from wmrgen.proofs.records import Analysis
 MOST = 256  # boxes of one function
 
 
-def analysed(function: Function, ranges: Mapping[str, Range], form: Format, library: Library) -> Analysis:
+def analysed(
+    function: Function,
+    ranges: Mapping[str, Range],
+    form: Format,
+    library: Library,
+    twice: Collection[int] = (),
+) -> Analysis:
     """The analysis of a function over ``ranges``."""
-    return analyse(function, boxed(ranges, _split(function, ranges)), form, library)
+    return analyse(function, boxed(ranges, _split(function, ranges)), form, library, twice)
 
 
 def _split(function: Function, ranges: Mapping[str, Range]) -> list[str]:

@@ -135,17 +135,15 @@ def _atan(x: Interval) -> Interval:
     return np.arctan(x[0]), np.arctan(x[1])
 
 
+def _flip(x: Interval, _: Interval) -> Interval:
+    return iv.hull(x, iv.negative(x))
+
+
 def _whole(x: Interval) -> tuple[Array, Array]:
     return np.rint(x[0]), np.rint(x[1])
 
 
-def _either_sign(x: Interval, whole: Interval) -> Interval:
-    del whole
-    return iv.hull(x, iv.negative(x))
-
-
 _PLAIN: dict[str, Callable[..., Interval]] = {
     "add": iv.plus, "sub": iv.minus, "mul": iv.times, "neg": iv.negative, "abs": iv.absolute, "sqrt": iv.root,
-    "sin": iv.sine, "cos": iv.cosine, "atan": _atan, "atan2": iv.arctangent, "rint": _whole,
-    "flip": _either_sign,
+    "sin": iv.sine, "cos": iv.cosine, "atan": _atan, "atan2": iv.arctangent, "rint": _whole, "flip": _flip,
 }  # fmt: skip

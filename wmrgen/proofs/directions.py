@@ -162,7 +162,7 @@ class Shares:
         return self.known[i]
 
     def _found(self, node: Node) -> float | None:
-        if node.op in (Op.NEG, Op.ABS):
+        if node.op.value in ("neg", "abs", "flip"):
             return self.of(node.args[0])
         if node.op in (Op.SELECT, Op.MIN, Op.MAX):
             parts = [self.of(k) for k in node.args[-2:]]

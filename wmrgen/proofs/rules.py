@@ -52,9 +52,9 @@ def _sum(p: Pass, i: int, node: Node) -> Value:
     turn = nearest_turn(p.nodes, node)
     if turn is not None:
         step, x, present, steps = turn
-        half = float(step) * (0.5 + p.result.error(steps)) + 1e-8 * (1 + iv.magnitude(p.range(x)))
+        half = float(step) * (0.5 + p.error(steps)) + 1e-8 * (1 + iv.magnitude(p.range(x)))
         value = iv.meet(value, iv.widened(p.range(present), half))
-    return Value(value, slope, p.rounding(value))
+    return Value(value, slope, p.rounding(value) * (2.0 if i in p.twice else 1.0))
 
 
 def _power_of_two(p: Pass, k: int) -> bool:
@@ -249,11 +249,13 @@ def _rint(p: Pass, i: int, node: Node) -> Value:
 
 
 def _flip(p: Pass, i: int, node: Node) -> Value:
-    """The number or its negative; the parity is the float program's own (`_rint`)."""
+    """flip(a, n): a or -a, decided by the whole number n."""
     a = node.args[0]
-    one = np.ones(p.boxes)
-    both = iv.hull(p.range(a), iv.negative(p.range(a)))
-    return Value(both, sl.times(p.slope(a), (-one, one)), away=p.away(a))
+    slope = p.slope(a)
+    opposite = sl.negative(slope)
+    if slope is not None and opposite is not None:
+        slope = np.minimum(slope[0], opposite[0]), np.maximum(slope[1], opposite[1])
+    return Value(iv.hull(p.range(a), iv.negative(p.range(a))), slope, away=p.away(a))
 
 
 def _select(p: Pass, i: int, node: Node) -> Value:
@@ -261,7 +263,7 @@ def _select(p: Pass, i: int, node: Node) -> Value:
         return _extremum(p, i, node)
     a, b, x, y = node.args
     small, large = p.range(a), p.range(b)
-    slack = p.result.error(a) + p.result.error(b)
+    slack = p.error(a) + p.error(b)
     p.result.decisions.append(i)
     first, first_away = _branch(p, a, b, x, slack)
     second, second_away = _branch(p, b, a, y, slack)
@@ -286,7 +288,7 @@ def _branch(p: Pass, small: int, large: int, value: int, slack: Array) -> tuple[
         # At most sixteen roundings separate the size from the value that it is the size of.
         least = np.maximum(p.range(small)[0] - 16 * p.form.tiny, 0.0) / scale
         least = (np.sqrt(least) if squared else least) * (1 - 32 * p.form.unit)
-        away = np.maximum(away, least - 2 * p.result.error(value))
+        away = np.maximum(away, least - 2 * p.error(value))
     return found, np.maximum(away, iv.smallest(found))
 
 

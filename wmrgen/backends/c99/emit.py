@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wmrgen.backends.c99.comment import comment_lines
@@ -16,7 +17,8 @@ from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import expand, rounds
 from wmrgen.ir.kernels.choice import DEFAULT
-from wmrgen.ir.nodes import Module, Op, Port
+from wmrgen.ir.nodes import Function, Module, Op, Port
+from wmrgen.ir.trace import traced
 from wmrgen.render import render
 
 
@@ -34,15 +36,28 @@ class Unit:
         return frozenset().union(*(step.ops for step in self.steps))
 
 
-def unit(module: Module, scalar: str, math: str = DEFAULT.math, target: str = DEFAULT.target) -> Unit:
-    """The C functions of ``module``: params_default and prepare first when a parameter is tunable."""
+def unit(
+    module: Module,
+    scalar: str,
+    math: str = DEFAULT.math,
+    target: str = DEFAULT.target,
+    formulas: Sequence[Function] = (),
+) -> Unit:
+    """The C functions of ``module``: params_default and prepare first when a parameter is tunable.
+
+    ``formulas``: the functions as lowered, whose intermediate results comments name.
+    """
     module = hand_through(module)
     costs = {f.name: count(f) for f in (*module.functions, *((module.prepare,) if module.prepare else ()))}
-    module = expand(module, scalar, math, target)
+    module = traced(expand(module, scalar, math, target), formulas)
     steps, prepared = prepare_steps(module, scalar, costs)
     inputs_of: dict[tuple[Port, ...], Struct] = {}
     rest = (step(f, module.name, prepared, scalar, costs[f.name], inputs_of) for f in module.functions)
     return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None), rounds(module))
+
+
+def _unit(module: Module, meta: Meta) -> Unit:
+    return unit(module, meta.scalar, meta.math, meta.target, meta.formulas)
 
 
 def _includes(made: Unit) -> dict[str, bool]:
@@ -84,7 +99,7 @@ def indented(text: str) -> list[str]:
 
 def sources(module: Module, meta: Meta) -> tuple[str, str]:
     """The text of ``<robot>.h`` and ``<robot>.c``."""
-    return printed(module, unit(module, meta.scalar, meta.math, meta.target), meta)[:2]
+    return printed(module, _unit(module, meta), meta)[:2]
 
 
 def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
@@ -110,7 +125,7 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
 
 def emit(module: Module, meta: Meta) -> dict[str, bytes]:
     """File name -> content."""
-    made = unit(module, meta.scalar, meta.math, meta.target)
+    made = _unit(module, meta)
     header, source, pair = printed(module, made, meta)
     files = {f"{module.name}.h": header, f"{module.name}.c": source}
     files |= companions(module, made.steps, meta, _banner(meta), pair)

@@ -25,15 +25,22 @@ _SHOW = "Frama_C_show_each_"
 
 def harness(module: Module, cases: Cases, meta: Meta = NO_META) -> dict[str, str]:
     """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function."""
-    made = unit(module, meta.scalar)
+    made = unit(module, meta.scalar, meta.math, meta.target)
     prepare = next((s for s in made.steps if s.name == f"{made.robot}_prepare"), None)
-    lines = [f'#include "{made.robot}.h"', '#include "__fc_builtin.h"', "", "int main(void)", "{"]
+    lines = [f'#include "{made.robot}.h"', '#include "__fc_builtin.h"', ""]
+    count = 0
     for step in made.steps:
         name = step.name.removeprefix(f"{made.robot}_")
         if step is not prepare:
             for ranges in cases.get(name, ()):
-                lines += [f"    {line}" for line in _call(step, name, prepare, ranges, made.scalar)]
-    lines += ["    return 0;", "}", ""]
+                # A function per case: what Eva keeps apart in one does not count in the next.
+                lines += [
+                    f"static void case_{count}(void)",
+                    *_call(step, name, prepare, ranges, made.scalar),
+                    "",
+                ]
+                count += 1
+    lines += ["int main(void)", "{", *(f"    case_{k}();" for k in range(count)), "    return 0;", "}", ""]
     header, source = sources(module, meta)
     return {f"{made.robot}.h": header, f"{made.robot}.c": source, HARNESS: "\n".join(lines)}
 

@@ -10,9 +10,12 @@ from wmrgen.backends.c99.literal import literal
 from wmrgen.backends.c99.struct import Struct, alias, struct
 from wmrgen.backends.c99.style import style
 from wmrgen.backends.expression import body
+from wmrgen.backends.quantities import quantity
 from wmrgen.ir.cost import Cost
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role
-from wmrgen.ir.prune import prune
+from wmrgen.ir.prune import places, prune
+
+_NOTE = 60  # characters of a comment behind a statement
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +48,9 @@ def _sentence(text: str) -> str:
 
 def _pruned(function: Function) -> Function:
     nodes, results = prune(function.nodes, function.results)
-    return replace(function, nodes=nodes, results=results)
+    place = places(function.nodes, function.results)
+    named = tuple((name, place[k]) for name, k in function.named if k in place)
+    return replace(function, nodes=nodes, results=results, named=named)
 
 
 def _build(
@@ -59,7 +64,15 @@ def _build(
 ) -> Step:
     function = _pruned(function)
     reads = {key: f"{par}->{member}" for s, par in inputs for key, member in s.members.items()}
-    code = body(function, reads.__getitem__, style(scalar))
+    notes: dict[int, str] = {}
+    for label, k in function.named:
+        notes[k] = f"{notes[k]}, {quantity(label)}" if k in notes else quantity(label)
+    code = body(
+        function,
+        reads.__getitem__,
+        style(scalar),
+        {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE},
+    )
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
     unread = [f"(void){par};" for s, par in inputs if not read & set(s.members)]
     out_struct, out = output

@@ -113,6 +113,20 @@ def _bounds(s: Subject) -> list[str]:
     return lines
 
 
+def _places(name: str, meta: Meta) -> list[str]:
+    """Which line of the C computes which quantity of this page."""
+    if not meta.places:
+        return []
+    rows = []
+    for place in meta.places:
+        named = ", ".join(f"{line} {text}" for text, line in place.quantities)
+        rows.append(
+            [code(place.function.removeprefix(f"{name}_")), str(place.line), named.replace("_", r"\_")]
+        )
+    lines = [f"Lines of `{name}.c`, where comments name the quantities of sections 6 to 8:"]
+    return lines + table(["function", "line", "what is computed in which line"], rows, "lrl")
+
+
 def cost(s: Subject, meta: Meta, number: int) -> list[str]:
     """The last section and the foot of the page."""
     module = s.derivation.c_module
@@ -136,8 +150,11 @@ def cost(s: Subject, meta: Meta, number: int) -> list[str]:
             "",
         ]
     lines += _bounds(s)
+    lines += _places(name, meta)
     lines += [
         f"* `{name}.h`, `{name}.c`: the functions in C99",
+        f"* `{name}_checked.h`, `{name}_checked.c`: the same behind a check of their inputs",
+        f"* `{name}_selftest.c`: test vectors with exact results and a `main`, for the machine it is to run on",
         f"* `{name}.py`: the functions for NumPy, over arrays of samples",
         f"* `{name}_*.casadi`: the functions for CasADi, the posture model `dynamics` among them",
         "* `model.json`: everything on this page, as data and with every digit",

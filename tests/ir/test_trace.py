@@ -1,0 +1,72 @@
+"""Comments of generated C: what they call a value is that value, also where nobody looked for it."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from tests.conftest import ROOT
+from wmrgen import derive, load
+from wmrgen.backends.c99.emit import printed, unit
+from wmrgen.backends.lines import places
+from wmrgen.backends.meta import Meta
+from wmrgen.backends.quantities import quantity
+from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes
+from wmrgen.ir.nodes import Role
+from wmrgen.ir.trace import traced
+from wmrgen.ir.vectors import contract
+
+ROBOTS = ("wpilib_swervebot", "nomad_xr4000", "ackermann_car", "pioneer3dx")
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_names_are_true(robot: str) -> None:
+    """At random points, in float64: the named node of the code and the named result of the formula agree."""
+    derivation = derive(load(ROOT / "robots" / f"{robot}.yaml"))
+    raw = {f.name: f for f in derivation.raw_module.functions}
+    module = traced(derivation.c_module, derivation.raw_module.functions)
+    random = np.random.default_rng(4)
+    seen = 0
+    for function in module.functions:
+        formula = raw[function.name.removesuffix("_slip")]
+        place = dict(formula.named)
+        for _ in range(20):
+            case = {port.name: float(random.uniform(-2, 2)) for port in contract(function)}
+            known = dict(case)
+            if module.prepare and any(port.role is Role.PREPARED for port in function.inputs):
+                known |= evaluate(module.prepare, {}, FLOAT64)
+            code, exact = evaluate_nodes(function, known, FLOAT64), evaluate_nodes(formula, case, FLOAT64)
+            for name, node in function.named:
+                assert code[node] == pytest.approx(exact[place[name]], rel=1e-9, abs=1e-9), name
+                seen += 1
+    assert seen >= 20 * 5
+
+
+def test_comments_and_lines() -> None:
+    derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
+    meta = Meta(formulas=derivation.raw_module.functions)
+    source = printed(derivation.c_module, unit(derivation.c_module, "float", formulas=meta.formulas), meta)[1]
+    assert re.search(r"const float \w+ = .*; /\* front_left: u \*/$", source, flags=re.M)
+    lines = source.splitlines()
+    found = {p.function: p for p in places(source)}
+    inverse = found["wpilib_swervebot_inverse"]
+    assert lines[inverse.line - 1].startswith("void wpilib_swervebot_inverse(")
+    assert {"front_left: u", "back_right: u", "front_left.spin", "slip"} <= {
+        text for text, _ in inverse.quantities
+    }
+    for text, number in inverse.quantities:
+        assert text in lines[number - 1]
+
+
+def test_without_formulas_nothing_is_named() -> None:
+    derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
+    source = printed(derivation.c_module, unit(derivation.c_module, "float"), Meta())[1]
+    assert "; /*" not in source
+
+
+def test_quantities() -> None:
+    assert quantity("left_front_along") == "left_front: u"
+    assert quantity("half_turn") == "h" and quantity("n01") == "HtH[0][1]" and quantity("b2") == "Htz[2]"
+    assert quantity("over_c1") == "over c1"

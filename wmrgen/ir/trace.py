@@ -1,0 +1,105 @@
+"""Which values of optimised code are quantities of the formula it came from.
+
+Passes rewrite a formula beyond recognition, and leave its values: a node that has the value of a named intermediate
+result at several unrelated points is that result. Constants and inputs are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.points import Grid
+from wmrgen.ir.rounding import to_float64
+from wmrgen.ir.site import NO_SITE
+from wmrgen.ir.vectors import contract
+
+Array = Any
+_POINTS = slice(20, 28)
+_NEAR = 2e-4  # of float32 code without and with kernels; unrelated values do not agree at eight points
+Names = Mapping[str, Array]  # name of an intermediate result -> its values at the points
+
+_APPLY: dict[str, Any] = {
+    Op.ADD: np.add, Op.SUB: np.subtract, Op.MUL: np.multiply, Op.DIV: np.divide, Op.NEG: np.negative,
+    Op.ABS: np.abs, Op.SQRT: np.sqrt, Op.SIN: np.sin, Op.COS: np.cos, Op.ATAN: np.arctan, Op.RINT: np.rint,
+    Op.ATAN2: np.arctan2, Op.MIN: np.minimum, Op.MAX: np.maximum,
+    Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y), Op.FMA: lambda a, b, c: a * b + c,
+    Op.FLIP: lambda a, n: np.where(n % 2 == 1, -a, a),
+    Op.FLIP_BIT: lambda a, n: np.where(np.asarray(n, dtype=np.float32).view(np.uint32) & 1 == 1, -a, a),
+}  # fmt: skip
+
+
+def _values(function: Function, given: Mapping[str, Array], kind: Any) -> list[Array]:
+    """Every node, in arithmetic of ``kind``, which float kernels need."""
+    values: list[Array] = []
+    with np.errstate(all="ignore"):
+        for node in function.nodes:
+            if node.value is not None:
+                values.append(kind(to_float64(node.value)))
+            elif node.op is Op.INPUT:
+                values.append(given[node.name or ""].astype(kind))
+            else:
+                values.append(_APPLY[node.op](*(values[a] for a in node.args)))
+    return values
+
+
+def _inputs(function: Function) -> dict[str, Array]:
+    """Generic values of the contract inputs; the same for every function with the same ports."""
+    ports = contract(function)
+    rows = Grid(ports, NO_SITE).rows[_POINTS] if ports else np.zeros((0, 0))
+    return {port.name: rows[:, k].astype(np.float32) for k, port in enumerate(ports)}
+
+
+def nominal(module: Module) -> dict[str, Array]:
+    """Tunable parameters, and what prepare() makes of them."""
+    ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
+    known = {p.name: np.full(1, to_float64(Exact.of(p.default))) for p in ports if p.default is not None}
+    if module.prepare is not None:
+        made = _values(module.prepare, known, np.float64)
+        known |= {
+            p.name: np.atleast_1d(made[r])
+            for p, r in zip(module.prepare.outputs, module.prepare.results, strict=True)
+        }
+    return known
+
+
+def names_of(raw: Function, known: Mapping[str, Array]) -> Names:
+    """The values of the intermediate results of a formula as it was lowered."""
+    if not raw.named:
+        return {}
+    values = _values(raw, {**known, **_inputs(raw)}, np.float64)
+    return {name: values[k] for name, k in raw.named}
+
+
+def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tuple[tuple[str, int], ...]:
+    """Every name whose value a node has, with the first such node."""
+    wanted = [
+        (name, v) for name, v in names.items() if np.ndim(v) == 1 and np.ptp(v) > 0 and np.isfinite(v).all()
+    ]
+    if not wanted:
+        return ()
+    values = _values(function, {**known, **_inputs(function)}, np.float32)
+    table = np.array([np.broadcast_to(np.asarray(v, dtype=np.float64), wanted[0][1].shape) for v in values])
+    found: list[tuple[str, int]] = []
+    plain = [node.value is None and node.op is not Op.INPUT for node in function.nodes]
+    for name, value in wanted:
+        hits = np.flatnonzero((np.abs(table - value).max(axis=1) <= _NEAR * np.abs(value).max()) & plain)
+        found += [(name, k) for k in hits[:1].tolist()]
+    return tuple(found)
+
+
+def traced(module: Module, formulas: Sequence[Function]) -> Module:
+    """``module`` with the intermediate results of ``formulas`` (as lowered) named; ``f_slip`` has those of ``f``."""
+    by_name = {f.name: f for f in formulas}
+    known = nominal(module) if formulas else {}
+    functions = []
+    for function in module.functions:
+        formula = by_name.get(function.name) or by_name.get(function.name.removesuffix("_slip"))
+        found = labels(function, names_of(formula, known), known) if formula is not None else ()
+        functions.append(replace(function, named=found))
+    return replace(module, functions=tuple(functions))

@@ -24,6 +24,7 @@ BRANCH = "branch"  # a point of the pool: kept where it takes branches that no o
 _SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
 _GENERIC, _POOL, _ROWS = 6, 320, 64
 _MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
+_LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
 _BEYOND = 1 + 2.0**-11
 
 
@@ -73,14 +74,15 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
     if any(node.op in (Op.SELECT, Op.MIN, Op.MAX) for node in function.nodes):
-        for row, values in enumerate(_scattered(ports)):
+        pool = _POOL if len(function.nodes) <= _LARGE else _POOL // 10
+        for row, values in enumerate(_scattered(ports, pool)):
             yield BRANCH, values * (1.0, 0.125, 4.0)[row % 3]
 
 
-def _scattered(ports: Sequence[Port]) -> Array:
+def _scattered(ports: Sequence[Port], count: int) -> Array:
     """A pool of rows without pattern; declared limits do not bound it, for code must be right beyond them too."""
     sizes = np.array([_size(port, NO_SITE) for port in ports])
-    row, column = np.ogrid[0:_POOL, 0 : len(ports)]
+    row, column = np.ogrid[0:count, 0 : len(ports)]
     mixed = (row * 0x9E3779B1 + column * 0x85EBCA6B + 0x27D4EB2F) & 0xFFFFFFFF
     for shift, factor in ((15, 0x2C1B3C6D), (12, 0x297A2D39)):
         mixed = ((mixed ^ mixed >> shift) * factor) & 0xFFFFFFFF

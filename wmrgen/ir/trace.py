@@ -84,12 +84,18 @@ def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tupl
     if not wanted:
         return ()
     values = _values(function, {**known, **_inputs(function)}, np.float32)
-    table = np.array([np.broadcast_to(np.asarray(v, dtype=np.float64), wanted[0][1].shape) for v in values])
+    shape = wanted[0][1].shape
+    every = [k for k, node in enumerate(function.nodes) if node.value is None and node.op is not Op.INPUT]
+    table = np.array([np.broadcast_to(np.asarray(values[k], dtype=np.float64), shape) for k in every])
+    order = np.argsort(table[:, 0], kind="stable")
+    first = table[order, 0]
     found: list[tuple[str, int]] = []
-    plain = [node.value is None and node.op is not Op.INPUT for node in function.nodes]
     for name, value in wanted:
-        hits = np.flatnonzero((np.abs(table - value).max(axis=1) <= _NEAR * np.abs(value).max()) & plain)
-        found += [(name, k) for k in hits[:1].tolist()]
+        room = _NEAR * np.abs(value).max()
+        low, high = np.searchsorted(first, (value[0] - room, value[0] + room))
+        near = np.sort(order[low:high])
+        hits = near[(np.abs(table[near] - value) <= room).all(axis=1)]
+        found += [(name, every[k]) for k in hits[:1].tolist()]
     return tuple(found)
 
 

@@ -25,6 +25,10 @@ _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to
 _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
 _FLOOR = 1e-12
 _LAWS = 6
+_NUMBERS, _LEAST = (
+    2400,
+    8,
+)  # numbers in a table, and rows however long they are: tens of wheels have fewer rows
 _SPARE = 20  # points for branches
 _RARE = 2  # points that a pair of outcomes should have
 
@@ -115,6 +119,8 @@ def _table(
         each = [evaluate_module(module, f.name, given, EXACT) for f in group]
         return {name: value for values in each for name, value in values.items()}
 
+    most = max(_LEAST, _NUMBERS // (len(ports) + 2 * len(made)))
+    rows = rows[:: -(-len(rows) // most)] if len(rows) > most else rows
     vectors = tuple(_vectors(tried, made, rows, scalar, exactly))
     return Table(tuple(f.name for f in group), _names(ports), tuple(made), vectors)
 

@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout import Robot, build
 from wmrgen.spec.load import read_robot
 
@@ -290,10 +291,15 @@ class Derivation:
 
     @cached_property
     def bounds(self) -> Bounds:
+        """`bounds_of` C as it is written unless asked otherwise."""
+        return self.bounds_of(DEFAULT)
+
+    def bounds_of(self, choice: Choice) -> Bounds:
         """Proved ranges and rounding errors of the C functions in float, where the robot file has limits."""
         from wmrgen.proofs.bounds import bounds
+        from wmrgen.proofs.precision import library
 
-        return bounds(self.robot, self.c_module)
+        return bounds(self.robot, self.c_module, library(choice))
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""

@@ -57,10 +57,17 @@ def meta(derivation: Derivation, choice: Choice, model: bytes) -> Meta:
         scalar=choice.scalar,
         math=choice.math,
         target=choice.target,
-        bound_lines=header_lines(derivation.bounds) if choice.scalar == "float" else (),
+        bound_lines=_bound_lines(derivation, choice),
         site=site(derivation.robot),
         formulas=derivation.raw_module.functions,
     )
+
+
+def _bound_lines(derivation: Derivation, choice: Choice) -> tuple[str, ...]:
+    """Nothing for double, which is not bounded."""
+    if choice.scalar != DEFAULT.scalar:
+        return ()
+    return header_lines(derivation.bounds if choice == DEFAULT else derivation.bounds_of(choice))
 
 
 def site(robot: Robot) -> Site:

@@ -81,11 +81,11 @@ def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tupl
     wanted = [
         (name, v) for name, v in names.items() if np.ndim(v) == 1 and np.ptp(v) > 0 and np.isfinite(v).all()
     ]
-    if not wanted:
+    every = [k for k, node in enumerate(function.nodes) if node.value is None and node.op is not Op.INPUT]
+    if not wanted or not every:
         return ()
     values = _values(function, {**known, **_inputs(function)}, np.float32)
     shape = wanted[0][1].shape
-    every = [k for k, node in enumerate(function.nodes) if node.value is None and node.op is not Op.INPUT]
     table = np.array([np.broadcast_to(np.asarray(values[k], dtype=np.float64), shape) for k in every])
     order = np.argsort(table[:, 0], kind="stable")
     first = table[order, 0]

@@ -174,6 +174,8 @@ class Pass:
 
     def library_noise(self, op: Op, value: Interval) -> Array:
         """The error of a library function whose results lie in ``value``."""
+        if self.library.circle and op in (Op.SIN, Op.COS):
+            value = -np.ones(self.boxes), np.ones(self.boxes)
         return 2 * self.library.ulps(op) * self.rounding(value) + self.form.tiny
 
     def turned(self, i: int, direction: Direction) -> Slope:

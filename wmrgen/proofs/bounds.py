@@ -13,7 +13,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.proofs.analysis import SMALL_ANGLE
 from wmrgen.proofs.boxes import analysed
 from wmrgen.proofs.domain import Domain, Range, domain
-from wmrgen.proofs.precision import LIBM, SINGLE, Library
+from wmrgen.proofs.precision import SINGLE, Library
 from wmrgen.proofs.records import Analysis
 
 
@@ -68,7 +68,7 @@ class Bounds:
         return not self.missing and all(f.proved or f.unknown for f in self.functions)
 
 
-def bounds(robot: Robot, module: Module, library: Library = LIBM) -> Bounds:
+def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
     """The bounds of every C function of ``module`` in float; no function where needed limits are missing."""
     where = domain(robot)
     missing = where.missing()

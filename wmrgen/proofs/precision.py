@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -9,6 +10,8 @@ from functools import cache
 import numpy as np
 
 from wmrgen.exact.number import Exact
+from wmrgen.ir.kernels.choice import AVR, INLINE, M4F, Choice
+from wmrgen.ir.kernels.constants import FUSED, PLAIN, Worst
 from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.proofs.interval import Array
@@ -54,7 +57,9 @@ FORMATS = {"float": SINGLE, "double": DOUBLE}
 class Library:
     """Largest error of sin, cos (of results up to 1), atan and atan2, in units in the last place of the result.
 
-    The C standard bounds none of them: these are what is assumed of a libm, or proved of a kernel.
+    The C standard bounds none of them: these are what is assumed of a libm, or was found of a kernel by trying every
+    float. ``circle``: whether the error of sin and cos counts in that unit of 1, however small the result; for angles
+    up to ``reach`` [rad], and atan for arguments up to ``slope``.
     """
 
     name: str
@@ -62,6 +67,9 @@ class Library:
     cos: float
     atan: float
     atan2: float
+    circle: bool = False
+    reach: float = math.inf
+    slope: float = math.inf
 
     def ulps(self, op: Op) -> float:
         return self.table()[op.value]
@@ -72,8 +80,23 @@ class Library:
 
 
 LIBM = Library("libm", 1.0, 1.0, 1.0, 2.0)
-# Our own kernels, for angles up to 100 rad: the worst over every float, of the targets without fused multiply-add.
-INLINE = Library("inline", 2.93, 2.93, 1.23, 3.0)
+
+
+def _kernel(worst: Worst) -> Library:
+    """What `wmrgen.ir.kernels` is found to hold.
+
+    atan2 is the arctangent of a quotient (its rounding: 1 ulp), taken from pi/2 and from pi: two more roundings and
+    those of the constants, 4 ulp in all.
+    """
+    circle, arctangent = float(worst.circle), float(worst.arctangent)
+    return Library("kernels", circle, circle, arctangent, 4.0, True, 100.0, 1.0)
+
+
+def library(choice: Choice) -> Library:
+    """The sines and arctangents of C as it is printed."""
+    if choice.math != INLINE or choice.target == AVR:
+        return LIBM
+    return _kernel(FUSED if choice.target == M4F else PLAIN)
 
 
 @cache

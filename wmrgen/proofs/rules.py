@@ -202,9 +202,16 @@ def _root(p: Pass, i: int, node: Node) -> Value:
     return Value((np.maximum(value[0], noise), value[1]), slope, noise)
 
 
+def _within(p: Pass, i: int, x: Interval, most: float, unit: str) -> None:
+    """An alarm where a library function is not known to be right."""
+    if np.any(iv.magnitude(x) > most):
+        p.alarm(i, f"its argument may exceed {most:g} {unit}".rstrip())
+
+
 def _wave(p: Pass, i: int, node: Node) -> Value:
     a = node.args[0]
     x = p.range(a)
+    _within(p, i, x, p.library.reach, "rad")
     sine, cosine = iv.sine(x), iv.cosine(x)
     value = sine if node.op is Op.SIN else cosine
     slope = sl.times(p.slope(a), cosine if node.op is Op.SIN else iv.negative(sine))
@@ -226,6 +233,7 @@ def _atan2(p: Pass, i: int, node: Node) -> Value:
 def _atan(p: Pass, i: int, node: Node) -> Value:
     a = node.args[0]
     x = p.range(a)
+    _within(p, i, x, p.library.slope * (1 + 1e-6), "")
     value = iv.widened((np.arctan(x[0]), np.arctan(x[1])), np.full(p.boxes, 1e-15))
     noise = p.library_noise(node.op, value)
     direction = p.directions.get(i)

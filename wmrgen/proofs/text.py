@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from wmrgen.proofs.bounds import Bounds, FunctionBound, OutputBound
 from wmrgen.proofs.domain import Range
+from wmrgen.proofs.precision import Library
 
 
 def header_lines(found: Bounds) -> tuple[str, ...]:
@@ -16,8 +17,7 @@ def header_lines(found: Bounds) -> tuple[str, ...]:
         under += f", and with these ranges of inputs that have no limits: {listed(found.assumed)}"
     under += (
         ": no division by zero, no NaN, no infinity; results in the ranges below; and off the exact formula, by "
-        f"rounding, at most as stated (sin, cos and atan2 of the C library within {library.sin:g}, {library.cos:g} and "
-        f"{library.atan2:g} units in the last place)."
+        f"rounding, at most as stated ({_library(library)})."
     )
     if any(o.from_length for f in found.functions for o in f.outputs):
         under += " h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined."
@@ -25,6 +25,19 @@ def header_lines(found: Bounds) -> tuple[str, ...]:
     for f in found.functions:
         lines += _function(f)
     return tuple(lines)
+
+
+def _library(library: Library) -> str:
+    """What the bounds rest on."""
+    if library.circle:
+        return (
+            f"its own sines within {library.sin:g} * 2**-24 up to {library.reach:g} rad, arctangents within "
+            f"{library.atan:g} units in the last place"
+        )
+    return (
+        f"sin, cos and atan2 of the C library within {library.sin:g}, {library.cos:g} and "
+        f"{library.atan2:g} units in the last place"
+    )
 
 
 def listed(ranges: dict[str, Range]) -> str:

@@ -47,7 +47,7 @@ def test_names_are_true(robot: str) -> None:
 def test_comments_and_lines() -> None:
     derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
     meta = Meta(formulas=derivation.raw_module.functions)
-    source = printed(unit(derivation.c_module, "float", formulas=meta.formulas), meta)[1]
+    source = printed(derivation.c_module, unit(derivation.c_module, "float", formulas=meta.formulas), meta)[1]
     assert re.search(r"const float \w+ = .*; /\* front_left: u \*/$", source, flags=re.M)
     lines = source.splitlines()
     found = {p.function: p for p in places(source)}
@@ -62,7 +62,7 @@ def test_comments_and_lines() -> None:
 
 def test_without_formulas_nothing_is_named() -> None:
     derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
-    source = printed(unit(derivation.c_module, "float"), Meta())[1]
+    source = printed(derivation.c_module, unit(derivation.c_module, "float"), Meta())[1]
     assert "; /*" not in source
 
 

@@ -29,6 +29,9 @@ _APPLY: dict[str, Any] = {
     Op.ABS: np.abs, Op.SQRT: np.sqrt, Op.SIN: np.sin, Op.COS: np.cos, "atan": np.arctan, "rint": np.rint,
     Op.ATAN2: np.arctan2, Op.MIN: np.minimum, Op.MAX: np.maximum,
     Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y),
+    "flip": lambda a, n: np.where(n % 2 == 0, a, -a), "fma": lambda a, b, c: a * b + c,
+    "flip_bit": lambda a, n: np.where(np.asarray(n, np.float32).view(np.uint32) & 1, -a, a),
+    "isin": np.sin, "icos": np.cos, "iatan": np.arctan,
 }  # fmt: skip
 
 
@@ -84,6 +87,8 @@ def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tupl
     values = _values(function, {**known, **_inputs(function)}, np.float32)
     shape = wanted[0][1].shape
     every = [k for k, node in enumerate(function.nodes) if node.value is None and node.op is not Op.INPUT]
+    if not every:
+        return ()
     table = np.array([np.broadcast_to(np.asarray(values[k], dtype=np.float64), shape) for k in every])
     order = np.argsort(table[:, 0], kind="stable")
     first = table[order, 0]

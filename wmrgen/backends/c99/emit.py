@@ -79,10 +79,10 @@ def indented(text: str) -> list[str]:
 
 def sources(module: Module, meta: Meta) -> tuple[str, str]:
     """The text of ``<robot>.h`` and ``<robot>.c``."""
-    return printed(unit(module, meta.scalar, formulas=meta.formulas), meta)[:2]
+    return printed(module, unit(module, meta.scalar, formulas=meta.formulas), meta)[:2]
 
 
-def printed(made: Unit, meta: Meta) -> tuple[str, str, str]:
+def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
     """Header, source, and the digest that stands in both."""
     context: dict[str, object] = {
         "robot": made.robot,
@@ -104,7 +104,7 @@ def printed(made: Unit, meta: Meta) -> tuple[str, str, str]:
 def emit(module: Module, meta: Meta) -> dict[str, bytes]:
     """File name -> content."""
     made = unit(module, meta.scalar, formulas=meta.formulas)
-    header, source, pair = printed(made, meta)
+    header, source, pair = printed(module, made, meta)
     files = {f"{module.name}.h": header, f"{module.name}.c": source}
     files |= companions(module, made.steps, meta, _banner(meta), pair)
     return {name: text.encode("ascii") for name, text in files.items()}

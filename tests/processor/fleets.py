@@ -51,17 +51,19 @@ def rounded(value: float) -> float:
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
-def mismatches(
-    target: Target, folder: Path, modules: Sequence[Module], math: str, count: int
-) -> tuple[int, list[str]]:
-    """How many calls were made of every function of every robot, and each output that has other bits."""
+def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str) -> Fleet:
+    """``modules`` in an emulated processor, libm's functions answered by the interpreter's."""
     known = answers(host().arithmetic)
-    made = Fleet.build(
+    return Fleet.build(
         folder, modules, known, lambda m: sources(m, meta(math, target=target.name)), target, counts=False
     )
+
+
+def mismatches(made: Fleet, math: str, count: int) -> tuple[int, list[str]]:
+    """How many calls were made of every function of every robot, and each output that has other bits."""
     calls, wrong = 0, []
     for module in made.modules:
-        computed = printed(module, math, target=target.name)
+        computed = printed(module, math, target=made.target.name)
         for step in made.steps(module.name):
             name = step.name.removeprefix(f"{module.name}_")
             for case in inputs(module, module.function(name), count):

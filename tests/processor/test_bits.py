@@ -7,37 +7,26 @@ processor come from PyPI.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from benchmarks.emulator.zig import M0, M4F, Target
 from benchmarks.flavours import DEFAULT, MATHS
-from tests.processor.fleets import every, mismatches
-
-TARGETS = pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
-FEW = ("lekiwi", "wpilib_swervebot", "nomad_xr4000", "bicycle", "andino")
+from tests.processor.conftest import Built
+from tests.processor.fleets import mismatches
 
 
-def test_cortex_m4f(tmp_path: Path) -> None:
+def test_cortex_m4f(built: Built) -> None:
     """Every function of every robot, on a few inputs."""
-    calls, wrong = mismatches(M4F, tmp_path, every(), DEFAULT, 2)
+    calls, wrong = mismatches(built(M4F, DEFAULT), DEFAULT, 2)
     assert wrong == []
     assert calls > 700
 
 
 @pytest.mark.slow
-def test_cortex_m0(tmp_path: Path) -> None:
-    """The same bits without an FPU, from compiler-rt's arithmetic."""
-    calls, wrong = mismatches(M0, tmp_path, [m for m in every() if m.name in FEW], DEFAULT, 2)
-    assert wrong == []
-    assert calls > 80
-
-
-@pytest.mark.slow
-@TARGETS
+@pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
 @pytest.mark.parametrize("math", MATHS)
-def test_on_many_inputs(target: Target, math: str, tmp_path: Path) -> None:
-    calls, wrong = mismatches(target, tmp_path, every(), math, 12 if target is M4F else 3)
+def test_on_many_inputs(target: Target, math: str, built: Built) -> None:
+    """Without an FPU the same bits come from compiler-rt's arithmetic."""
+    calls, wrong = mismatches(built(target, math), math, 12 if target is M4F else 3)
     assert wrong == []
     assert calls > 1000

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -12,11 +13,12 @@ from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import M0, M4F, Target, compile_objects
 from benchmarks.flavours import DEFAULT, MATHS, meta
 from tests.c.harness import gallery
-from tests.processor.fleets import every
+from tests.processor.conftest import Built
 from wmrgen.backends.c99 import sources
 from wmrgen.ir.nodes import Module
 
 TARGETS = pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
+KINDS = ("lekiwi", "wpilib_swervebot", "nomad_xr4000", "bicycle", "andino")
 LIBM = r"(sin|cos|atan2?)f"
 # Without an FPU the compiler calls routines for float, for integers and between the two.
 SOFT = (
@@ -26,24 +28,38 @@ DOUBLE = r"__aeabi_([cd]d?\w*|\w+2d|d\w+)|__\w+df\w*|(sin|cos|atan2?|sqrt|fabs|f
 
 
 def undefined(
-    folder: Path, modules: tuple[Module, ...], target: Target, scalar: str, math: str = DEFAULT
+    folder: Path, modules: Sequence[Module], target: Target, scalar: str = "float"
 ) -> frozenset[str]:
-    write_sources(folder, modules, lambda module: sources(module, meta(math, scalar, target.name)))
+    """What the object of ``modules`` references."""
+    write_sources(folder, modules, lambda module: sources(module, meta(DEFAULT, scalar, target.name)))
     (made,) = compile_objects(folder, (EVERY,), target)
     return Image(made).undefined
 
 
-@TARGETS
-@pytest.mark.parametrize(
-    "math", [m if m == DEFAULT else pytest.param(m, marks=pytest.mark.slow) for m in MATHS]
-)
-def test_the_float_build_references_no_double_routine(target: Target, math: str, tmp_path: Path) -> None:
-    """An allow-list, so that a routine nobody thought of is found too. All robots are in this object."""
-    found = undefined(tmp_path, every(), target, "float", math)
+def check(found: frozenset[str], target: Target, math: str) -> None:
+    """An allow-list, so that a routine nobody thought of is found too."""
     allowed = "|".join([*([LIBM] if math == "libm" else []), *([] if target.fpu else [SOFT])])
     assert ("sinf" in found) == (math == "libm")
     assert {name for name in found if not re.fullmatch(allowed, name)} == set()
     assert not any(re.fullmatch(DOUBLE, name) for name in found)
+
+
+def test_no_double_routine_on_cortex_m4f(built: Built) -> None:
+    """The whole gallery. Where there is an FPU, kernels of its own leave nothing to call."""
+    check(Image(built(M4F, DEFAULT).objects[EVERY]).undefined, M4F, DEFAULT)
+
+
+def test_no_double_routine_on_cortex_m0(tmp_path: Path) -> None:
+    """Robots of each kind; the whole gallery below."""
+    check(undefined(tmp_path, [m for m in gallery() if m.name in KINDS], M0), M0, DEFAULT)
+
+
+@pytest.mark.slow
+@TARGETS
+@pytest.mark.parametrize("math", MATHS)
+def test_no_double_routine(target: Target, math: str, built: Built) -> None:
+    """The whole gallery on both, with each choice of mathematics."""
+    check(Image(built(target, math).objects[EVERY]).undefined, target, math)
 
 
 @TARGETS

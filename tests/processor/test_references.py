@@ -22,7 +22,8 @@ from wmrgen.backends.c99.step import Step
 from wmrgen.ir.arithmetic import FLOAT32, FLOAT64
 from wmrgen.ir.interpret import evaluate_module
 
-KINDS = {"libm": (), "inline": ("-DREFERENCE_INLINE",)}
+FLAGS_OF = {"libm": (), "inline": ("-DREFERENCE_INLINE",)}
+KINDS = ["inline", pytest.param("libm", marks=pytest.mark.slow)]
 
 
 @cache
@@ -30,7 +31,11 @@ def _built(folder: Path, kind: str) -> Fleet:
     modules = [derivation.c_module for derivation in derivations().values()]
     extra = list(references(folder, {module.name for module in modules}))
     return Fleet.build(
-        folder, modules, {"atanf": math.atan, **answers(FLOAT32)}, flags=(*FLAGS, *KINDS[kind]), extra=extra
+        folder,
+        modules,
+        {"atanf": math.atan, **answers(FLOAT32)},
+        flags=(*FLAGS, *FLAGS_OF[kind]),
+        extra=extra,
     )
 
 

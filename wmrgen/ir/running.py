@@ -24,6 +24,7 @@ from wmrgen.ir.rounding import to_float32, to_float64
 
 Array = Any  # numpy array of float64, one value per point
 UNITS = {"float": 2.0**-24, "double": 2.0**-53}
+LARGEST_ANGLE = {"float": 1e4, "double": 1e9}  # rad: own kernels promise nothing beyond
 LIBRARY = 4.0  # ulp of sin, cos and atan2, more than any libm in use needs
 CIRCLE = 3.0  # 2**-24 of sin and cos, which `wmrgen.ir.kernels` has beside their zeros
 _HALF = 2.0**-53  # of the float64 values themselves
@@ -59,6 +60,7 @@ def rounding_of(near: float, printed: float) -> Array:
 def bounds(function: Function, inputs: Mapping[str, Bounded], scalar: str, count: int) -> list[Bounded]:
     """Every node of ``function`` at ``count`` points; ``inputs`` by name."""
     unit = np.array([[UNITS[scalar] + _HALF], [_HALF]])
+    largest = LARGEST_ANGLE[scalar]
     known: list[Bounded] = []
     with np.errstate(all="ignore"):
         for node in function.nodes:
@@ -68,13 +70,21 @@ def bounds(function: Function, inputs: Mapping[str, Bounded], scalar: str, count
             elif node.op is Op.INPUT:
                 known.append(inputs[node.name or ""])
             else:
-                known.append(_apply(node, [known[a] for a in node.args], unit))
+                args = [known[a] for a in node.args]
+                known.append(_apply(node, args, unit))
+                if node.op in (Op.SIN, Op.COS):
+                    known[-1] = _within(known[-1], args[0], largest)
     return known
 
 
 def outputs(function: Function, known: list[Bounded]) -> dict[str, Bounded]:
     """The outputs by name."""
     return {port.name: known[i] for port, i in zip(function.outputs, function.results, strict=True)}
+
+
+def _within(made: Bounded, angle: Bounded, largest: float) -> Bounded:
+    """No bound where the angle is beyond ``largest``."""
+    return Bounded(made.value, np.where(np.abs(angle.value) <= largest, made.error, np.inf))
 
 
 def _apply(node: Node, args: list[Bounded], unit: Array) -> Bounded:

@@ -29,8 +29,9 @@ _APPLY: dict[str, Any] = {
     Op.ABS: np.abs, Op.SQRT: np.sqrt, Op.SIN: np.sin, Op.COS: np.cos, Op.ATAN: np.arctan, Op.RINT: np.rint,
     Op.ATAN2: np.arctan2, Op.MIN: np.minimum, Op.MAX: np.maximum,
     Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y), Op.FMA: lambda a, b, c: a * b + c,
-    Op.FLIP: lambda a, n: np.where(n % 2 == 1, -a, a),
-    Op.FLIP_BIT: lambda a, n: np.where(np.asarray(n, dtype=np.float32).view(np.uint32) & 1 == 1, -a, a),
+    Op.FLIP: lambda a, n: np.where(n % 2 == 0, a, -a),
+    Op.FLIP_BIT: lambda a, n: np.where(np.asarray(n, np.float32).view(np.uint32) & 1, -a, a),
+    Op.ISIN: np.sin, Op.ICOS: np.cos, Op.IATAN: np.arctan,
 }  # fmt: skip
 
 

@@ -8,14 +8,13 @@ from fractions import Fraction
 from wmrgen.backends.c99.literal import literal
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Port, Role
+from wmrgen.ir.running import LARGEST_ANGLE
 from wmrgen.ir.site import Site
 
 OVERSHOOT = 1.25  # of what is measured: a joint that stands at its limit must not stop the robot
 LARGEST = {"float": 1e9, "double": 1e100}
-LARGEST_ANGLE = {
-    "float": 1e4,
-    "double": 1e9,
-}  # beyond, neighbouring numbers are as far apart as angles that matter
+# A step of odometry turns by no more than an angle that the kernels take: omega dt <= 2000 rad.
+_TURNING = {"float": {"omega": 200.0, "dt": 10.0}, "double": {"omega": 1e6, "dt": 1e2}}
 _TWIST = ("vx", "vy", "omega")
 _COMMANDED = ("inverse", "inverse_slip", "inverse_together", "slip_inverse")
 _MEASURED = ("forward", "forward_slip", "odometry")
@@ -50,7 +49,7 @@ def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
 
 
 def _range(port: Port, function: str, scalar: str, site: Site) -> Range:
-    size = (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
+    size = _TURNING[scalar].get(port.name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
     low, high = -size, size
     if port.name in site.limits and function in (*_COMMANDED, *_MEASURED):
         low, high = site.limits[port.name]

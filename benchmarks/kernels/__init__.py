@@ -8,7 +8,7 @@ from pathlib import Path
 
 from benchmarks.kernels import remez, verify
 from wmrgen.ir.kernels import constants
-from wmrgen.ir.kernels.choice import HOST, M4F
+from wmrgen.ir.kernels.choice import HOST, M0, M4F
 
 
 def table(step: int = 1) -> Iterator[str]:
@@ -18,11 +18,14 @@ def table(step: int = 1) -> Iterator[str]:
     for kernel in remez.KERNELS:
         texts, error = remez.coefficients(kernel)
         yield f"| {kernel.name} | {' '.join(texts)} | {error:.1e} | {remez.shorter(kernel):.1e} |"
+    for kernel, bits in remez.INTEGER:
+        whole = " ".join(map(str, remez.whole_coefficients(kernel, bits)))
+        yield f"| integer {kernel.name} | {whole} in units of 2^-{bits}, signs alternating | | |"
     yield ""
     yield "| kernel | target | range | floats tried | worst | at | stated |"
     yield "|---|---|---|---:|---:|---:|---:|"
     with tempfile.TemporaryDirectory() as folder:
-        for target in (M4F, HOST):
+        for target in (M4F, HOST, M0):
             program = verify.build(Path(folder), target)
             for r in verify.RANGES:
                 found = verify.worst(program, r, step)
@@ -35,5 +38,5 @@ def table(step: int = 1) -> Iterator[str]:
 
 def stated(r: verify.Range, target: str) -> float:
     """What the header of generated C states for a range."""
-    worst = constants.FUSED if target == M4F else constants.PLAIN
+    worst = constants.worst(target)
     return float(worst.circle if r.absolute else getattr(worst, r.function))

@@ -136,3 +136,17 @@ def shorter(kernel: Kernel) -> float:
 
 def _decimal(value: float) -> str:
     return literal(Exact(Fraction(value)), "float").strip("()").removesuffix("f")
+
+
+# Of the integer kernels, and the bits of their coefficients.
+INTEGER = (
+    (Kernel("SINE", lambda x: mp.sin(mp.pi / 2 * x), (1, 3, 5, 7, 9), lambda: mp.mpf(1)), 31),
+    (Kernel("ATAN", mp.atan, (1, 3, 5, 7, 9, 11, 13, 15, 17), lambda: mp.mpf(1)), 32),
+)
+
+
+@cache
+def whole_coefficients(kernel: Kernel, bits: int) -> tuple[int, ...]:
+    """The coefficients in units of 2**-``bits``, signs aside: they alternate."""
+    with mpmath.workdps(DIGITS):
+        return tuple(int(mp.nint(abs(c) * 2**bits)) for c in minimax(kernel, (), kernel.powers))

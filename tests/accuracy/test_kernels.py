@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from benchmarks.kernels import remez, stated, verify
 from wmrgen.exact.number import Exact
-from wmrgen.ir.kernels import constants
+from wmrgen.ir.kernels import constants, integer
 from wmrgen.ir.kernels.choice import HOST, M0, M4F
 from wmrgen.ir.rounding import nearest_float32, to_float32
 
@@ -27,6 +28,12 @@ def test_coefficients(kernel: remez.Kernel) -> None:
     own = getattr(constants, kernel.name)
     assert floats(texts) == (own[1:] if kernel.name == "COS" else own)
     assert error <= remez.ENOUGH < remez.shorter(kernel)
+
+
+@pytest.mark.parametrize(("kernel", "bits"), remez.INTEGER, ids=["SINE", "ATAN"])
+def test_integer_coefficients(kernel: remez.Kernel, bits: int) -> None:
+    assert remez.whole_coefficients(kernel, bits) == getattr(integer, kernel.name)
+    assert round(2**34 / (2 * math.pi)) == integer.TURN
 
 
 def test_parts_of_pi() -> None:

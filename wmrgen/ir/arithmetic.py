@@ -18,6 +18,7 @@ from math import isqrt
 from typing import Any
 
 from wmrgen.exact.number import ZERO, Exact, exact_sqrt
+from wmrgen.ir.kernels import integer
 from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 
@@ -212,4 +213,5 @@ def _flip_bit32(a: float, b: float) -> float:
 
 _SINGLE: dict[Op, Callable[..., float]] = {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}}
 _SINGLE |= {Op.FMA: _fma32, Op.FLIP_BIT: _flip_bit32}
+_SINGLE |= {Op.ISIN: integer.sine, Op.ICOS: integer.cosine, Op.IATAN: integer.arctangent}
 FLOAT32 = Arithmetic("float32", _enter32, _SINGLE)

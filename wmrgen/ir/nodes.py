@@ -38,14 +38,15 @@ class Op(StrEnum):
     SELECT = "select"  # select(a, b, x, y): x where a < b, else y
     # What only the C of some processors has, see `wmrgen.ir.kernels`:
     FMA = "fma"  # a * b + c, rounded once
-    FLIP_BIT = (
-        "flip_bit"  # flip_bit(a, b): -a where the last bit of the floating-point number b is set, else a
-    )
+    ISIN = "isin"  # sine, cosine and arctangent (|q| <= 1) in integers: wmrgen.ir.kernels.integer
+    ICOS = "icos"
+    IATAN = "iatan"
+    FLIP_BIT = "flip_bit"  # flip_bit(a, b): -a where the last bit of the float b is set, else a
 
 
 ARITY = {
     Op.CONST: 0, Op.INPUT: 0, Op.NEG: 1, Op.ABS: 1, Op.SQRT: 1, Op.SIN: 1, Op.COS: 1,
-    Op.ATAN: 1, Op.RINT: 1, Op.FLIP: 2, Op.FMA: 3, Op.FLIP_BIT: 2,
+    Op.ATAN: 1, Op.RINT: 1, Op.ISIN: 1, Op.ICOS: 1, Op.IATAN: 1, Op.FLIP: 2, Op.FMA: 3, Op.FLIP_BIT: 2,
     Op.ADD: 2, Op.SUB: 2, Op.MUL: 2, Op.DIV: 2, Op.MIN: 2, Op.MAX: 2, Op.ATAN2: 2, Op.SELECT: 4,
 }  # fmt: skip
 

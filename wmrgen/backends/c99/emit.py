@@ -11,11 +11,11 @@ from wmrgen.backends.c99.companions import companions
 from wmrgen.backends.c99.notes import arithmetic_notes
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
-from wmrgen.backends.c99.style import LIBM
+from wmrgen.backends.c99.style import INTEGER, LIBM
 from wmrgen.backends.meta import Meta
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
-from wmrgen.ir.kernels import expand, rounds
+from wmrgen.ir.kernels import expand, integer, rounds
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Port
 from wmrgen.ir.trace import traced
@@ -64,7 +64,7 @@ def _includes(made: Unit) -> dict[str, bool]:
     return {
         "<float.h>": made.rounds,
         "<math.h>": not made.ops.isdisjoint(LIBM),
-        "<stdint.h>": Op.FLIP_BIT in made.ops,
+        "<stdint.h>": not made.ops.isdisjoint({Op.FLIP_BIT, *INTEGER}),
     }
 
 
@@ -115,6 +115,7 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
         "flips": Op.FLIP_BIT in made.ops,
+        "integer": None if made.ops.isdisjoint(INTEGER) else integer,
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
     draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from wmrgen.backends.meta import Meta
-from wmrgen.ir.kernels.choice import AVR, INLINE, M4F
-from wmrgen.ir.kernels.constants import FUSED, PLAIN
+from wmrgen.ir.kernels.choice import AVR, INLINE, M0
+from wmrgen.ir.kernels.constants import worst
 from wmrgen.ir.nodes import Function, Op
 
 LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
@@ -32,16 +32,15 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
 
 
 def _kernels(target: str, used: set[Op]) -> str:
-    worst = FUSED if target == M4F else PLAIN
+    errors = worst(target)
     parts = []
     if used & {Op.SIN, Op.COS}:
         parts.append(
-            f"a sine of up to pi/2 is within {worst.sine} ulp, sines and cosines of angles up to 100 rad within "
-            f"{worst.circle} * 2**-24 (angles, and omega dt, must not exceed 12000 rad)"
+            f"a sine of up to pi/2 is within {errors.sine} ulp, sines and cosines of angles up to 100 rad within "
+            f"{errors.circle} * 2**-24 (angles, and omega dt, must not exceed 12000 rad)"
         )
     if used & {Op.ATAN, Op.ATAN2}:
-        parts.append(f"an arctangent of up to 1 within {worst.arctangent} ulp")
-    return (
-        "Sines and arctangents are polynomials without branches, tables or calls. Every float of these ranges was "
-        f"tried: {'; '.join(parts)} of the true value."
-    )
+        parts.append(f"an arctangent of up to 1 within {errors.arctangent} ulp")
+    how = "in integers, without tables" if target == M0 else "without branches, tables or calls"
+    tried = f"Every float of these ranges was tried: {'; '.join(parts)} of the true value."
+    return f"Sines and arctangents are polynomials {how}. {tried}"

@@ -12,7 +12,9 @@ LIBM = {
     Op.ABS: "fabs{}({{0}})", Op.SQRT: "sqrt{}({{0}})", Op.SIN: "sin{}({{0}})", Op.COS: "cos{}({{0}})",
     Op.ATAN: "atan{}({{0}})", Op.ATAN2: "atan2{}({{0}}, {{1}})", Op.FMA: "fma{}({{0}}, {{1}}, {{2}})",
 }  # fmt: skip
-FLIP = "wmrgen_flip"  # defined in templates/c99/flip.h.j2
+FLIP = "wmrgen_flip"  # defined in templates/c99/source.c.j2
+# defined in templates/c99/integer.c.j2
+INTEGER = {Op.ISIN: "wmrgen_sin({0})", Op.ICOS: "wmrgen_cos({0})", Op.IATAN: "wmrgen_atan({0})"}
 
 
 @cache
@@ -21,7 +23,11 @@ def style(scalar: str) -> Style:
     suffix = "f" if scalar == "float" else ""
     return Style(
         literal=partial(literal, scalar=scalar),
-        calls={**{op: form.format(suffix) for op, form in LIBM.items()}, Op.FLIP_BIT: FLIP + "({0}, {1})"},
+        calls={
+            **{op: form.format(suffix) for op, form in LIBM.items()},
+            Op.FLIP_BIT: FLIP + "({0}, {1})",
+            **INTEGER,
+        },
         choices={
             # fminf would be a library call on most targets, and leaves the sign of zero open.
             Op.MIN: "({0} < {1}) ? {0} : {1}",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from wmrgen.exact.number import Exact
+from wmrgen.ir.kernels.choice import M0, M4F
 from wmrgen.ir.rounding import to_float32
 
 RINT32 = Exact(12582912)  # 1.5 * 2**23: floats this large are whole numbers
@@ -47,4 +48,10 @@ class Worst:
 
 
 FUSED = Worst(sine="1.68", circle="2.36", arctangent="1.19")  # where a product that is added is not rounded
+WHOLE = Worst(sine="11.86", circle="0.73", arctangent="5.34")  # in integers
 PLAIN = Worst(sine="1.90", circle="2.93", arctangent="1.23")
+
+
+def worst(target: str) -> Worst:
+    """Of the kernels of a target that has its own."""
+    return {M4F: FUSED, M0: WHOLE}.get(target, PLAIN)

@@ -19,6 +19,7 @@ from wmrgen.ir.nodes import Function, Module, Node, Op
 from wmrgen.ir.passes.schedule import schedule
 
 _TWO = Exact(2)
+_INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
 
 
 def expand(module: Module, scalar: str, math: str, target: str = DEFAULT.target) -> Module:
@@ -48,7 +49,8 @@ class _Expansion:
         self.made: list[int] = []
         self.circles: dict[int, tuple[int, int, int]] = {}
         self.raised: dict[int, int] = {}  # node of `function` that is a whole number -> that plus `magic`
-        self.paired = self._pairs() if self.inline else set()
+        self.integer = self.inline and target == M0
+        self.paired = self._pairs() if self.inline and not self.integer else set()
         self.sharp = sharp_sums(function) if single else frozenset()
 
     def run(self) -> Function:
@@ -71,13 +73,15 @@ class _Expansion:
             case Op.MUL:
                 found = self._signed(node)
                 return tape.mul(*args) if found is None else found
+            case Op.SIN | Op.COS | Op.ATAN if self.integer:
+                return tape.put(_INTEGER[node.op], *args)
             case Op.SIN | Op.COS if self.inline:
                 raised, sine, cosine = self._circle(args[0])
                 return tape.mul(self._sign(raised), sine if node.op is Op.SIN else cosine)
             case Op.ATAN if self.inline:
                 return trigonometry.arctangent(tape, args[0])
             case Op.ATAN2 if self.inline:
-                return trigonometry.arctangent2(tape, *args)
+                return trigonometry.arctangent2(tape, args[0], args[1], self.integer)
         return tape.copy(node, args)
 
     def _signed(self, node: Node) -> int | None:

@@ -40,13 +40,14 @@ def arctangent(tape: Tape, q: int) -> int:
     return tape.add(q, tape.mul(tape.mul(q, t), tape.horner(t, c.ATAN)))
 
 
-def arctangent2(tape: Tape, y: int, x: int) -> int:
+def arctangent2(tape: Tape, y: int, x: int, integer: bool = False) -> int:
     """atan2(y, x); 0 at (0, 0), and atan2(-0, x) is that of +0."""
     zero, one = tape.const(ZERO), tape.const(ONE)
     a, b = tape.put(Op.ABS, x), tape.put(Op.ABS, y)
     longer, shorter = tape.select(a, b, b, a), tape.select(a, b, a, b)
     divisor = tape.select(zero, longer, longer, one)
-    angle = arctangent(tape, tape.div(shorter, divisor))
+    slope = tape.div(shorter, divisor)
+    angle = tape.put(Op.IATAN, slope) if integer else arctangent(tape, slope)
     angle = tape.select(a, b, tape.sub(tape.const(c.QUARTER), angle), angle)
     angle = tape.select(x, zero, tape.sub(tape.const(c.HALF), angle), angle)
     return tape.select(y, zero, tape.put(Op.NEG, angle), angle)

@@ -322,7 +322,8 @@ def icr(
 def model(
     robot: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", show_default=False)],
     form: Annotated[
-        Form, typer.Option(help="Driven speeds, all joints, null-space inputs, front wheel, trailers, chained.")
+        Form,
+        typer.Option(help="Driven speeds, all joints, null-space inputs, front wheel, trailers, chained."),
     ] = Form.posture,
     latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
     json: Json = False,

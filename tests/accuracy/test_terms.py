@@ -38,7 +38,7 @@ def test_few(name: str, target: str) -> None:
     for function in ("inverse", "forward"):
         reference = derivation.raw_module.function(function)
         source = random.Random(f"{name} {function} few")
-        cases = [drawn(reference, source) for _ in range(25)]
+        cases = [drawn(reference, source) for _ in range(12)]
         worst = measure(reference, module, cases, compute=predicted)
         assert worst.ulp <= limit([p.name for p in reference.inputs]), worst
         assert worst.other <= 1, worst
@@ -49,6 +49,6 @@ def test_few(name: str, target: str) -> None:
 def test_compiled(name: str) -> None:
     """The C as derive writes it, from the system compiler."""
     derivation = derive(load(ROOT / "robots" / f"{name}.yaml"))
-    for function, worst in robot(name, 400):
+    for function, worst in robot(name, 100):
         inputs = [p.name for p in derivation.raw_module.function(function).inputs]
         assert worst.ulp <= limit(inputs), worst

@@ -24,6 +24,8 @@ pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 NO_LEAKS = {"ASAN_OPTIONS": "detect_leaks=0"}
 LEVELS = ("-O0", "-O2", "-Os")
 
+OTHERS = (LIBM, "m0", "avr", "host")
+
 
 @pytest.fixture(scope="module")
 def robots(tmp_path_factory: pytest.TempPathFactory) -> tuple[Program, Path]:
@@ -40,13 +42,28 @@ def test_float(robots: tuple[Program, Path], compiler: str, level: str) -> None:
     assert program.mismatches(folder, compiler, (*STRICT, level)) == []
 
 
+<<<<<<< HEAD
 @pytest.mark.slow
 @pytest.mark.parametrize("choice", [LIBM, "m0", "avr", "host"])
 def test_other_choices(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
+=======
+def others(choice: str, modules: tuple[Module, ...], folder: Path) -> list[str]:
+>>>>>>> kernels
     options = {"math": LIBM} if choice == LIBM else {"target": choice}
-    program = Program(robots[0].modules, "float", 4, **options)
-    program.write(tmp_path)
-    assert program.mismatches(tmp_path, COMPILERS[0], (*STRICT, "-O2")) == []
+    program = Program(modules, "float", 3, **options)
+    program.write(folder)
+    return program.mismatches(folder, COMPILERS[0], (*STRICT, "-O2"))
+
+
+@pytest.mark.parametrize("choice", OTHERS)
+def test_other_choices(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
+    assert others(choice, robots[0].modules[::4], tmp_path) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("choice", OTHERS)
+def test_other_choices_of_all(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
+    assert others(choice, robots[0].modules, tmp_path) == []
 
 
 @pytest.mark.slow

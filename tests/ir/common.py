@@ -69,7 +69,7 @@ def pseudo_inverse(matrix: Matrix) -> Matrix:
 INPUTS = ("x", "y", "z")
 GEOMETRY = ("g", "h")
 _KINDS = (Op.ADD, Op.SUB, Op.MUL, Op.NEG, Op.ADD, Op.SUB, Op.MUL, Op.MUL, Op.ABS, Op.MIN, Op.MAX,
-          Op.SIN, Op.COS, Op.SQRT, Op.ATAN2, Op.DIV, Op.SELECT)  # fmt: skip
+          Op.SIN, Op.COS, Op.ATAN, Op.SQRT, Op.ATAN2, Op.DIV, Op.SELECT)  # fmt: skip
 
 
 @st.composite
@@ -99,5 +99,5 @@ def functions(draw: st.DrawFn, kinds: Sequence[Op] = _KINDS, size: int = 24) -> 
     return Function("f", inputs, tuple(nodes), tuple(port(f"o{k}") for k in range(len(results))), results)
 
 
-_UNARY = (Op.NEG, Op.ABS, Op.SIN, Op.COS, Op.SQRT)
+_UNARY = (Op.NEG, Op.ABS, Op.SIN, Op.COS, Op.ATAN, Op.SQRT)
 RING = (Op.ADD, Op.SUB, Op.MUL, Op.NEG)

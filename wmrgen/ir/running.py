@@ -138,13 +138,14 @@ def _circular(unit: Array, a: Bounded, name: str) -> Bounded:
 
 
 def _atan2(unit: Array, y: Bounded, x: Bounded) -> Bounded:
-    value = np.arctan2(y.value, x.value)
+    value = np.arctan2(y.value + 0.0, x.value + 0.0)  # the formula knows one zero
     radius = np.hypot(x.value, y.value)
     shift = np.hypot(x.error, y.error)
     first = np.abs(x.value) * y.error + np.abs(y.value) * x.error
     error = np.where(shift < radius / 64, 1.05 * first / np.maximum(radius**2, 1e-300), np.pi)
     error = np.where((shift == 0) & (radius == 0), 0.0, error)
-    cut = (x.value - x.error < 0) & (np.abs(y.value) <= y.error)  # the sign of y decides between +pi and -pi
+    left = (x.value - x.error < 0) | np.signbit(x.value)  # a libm counts -0 as negative
+    cut = left & (np.abs(y.value) <= y.error)  # the sign of y decides between +pi and -pi
     return Bounded(value, np.where(cut, 2 * np.pi, error) + 2 * LIBRARY * unit * np.abs(value))
 
 

@@ -51,7 +51,8 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
         omega = names.poly("omega_fit", expression(above) / expression(below))
         slip: Expr = sympy.S.Zero
     else:
-        shifted = [tuple(p[i] - mean[i] for i in range(4)) for p in points]
+        # The shifted points add up to zero, so the mean of w drops out of the moment.
+        shifted = [(p[0] - mean[0], p[1] - mean[1], p[2], p[3]) for p in points]
         local = [
             tuple(names.poly(f"{c.wheel.name}_{k}0", q[i]) for i, k in enumerate(("bx", "by", "wx", "wy")))
             for c, q in zip(contacts, shifted, strict=True)
@@ -59,7 +60,7 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
         above = _total([q[0] * q[3] - q[1] * q[2] for q in local])
         below = _total([q[0] * q[0] + q[1] * q[1] for q in local])
         omega = names.poly("omega_fit", expression(above) / maximum(expression(below), number(FLOOR)))
-        errors = [e for q in local for e in (q[2] + omega * q[1], q[3] - omega * q[0])]
+        errors = [e for q in local for e in (q[2] - mean[2] + omega * q[1], q[3] - mean[3] - omega * q[0])]
         slip = root(add(*(square(names.define(f"error_{i}", e)) for i, e in enumerate(errors))))
     vx, vy = mean[2] + omega * mean[1], mean[3] - omega * mean[0]
     return (expression(vx), expression(vy), expression(omega)), slip

@@ -10,8 +10,8 @@ from functools import cache
 import numpy as np
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.kernels.choice import AVR, INLINE, M4F, Choice
-from wmrgen.ir.kernels.constants import FUSED, PLAIN, Worst
+from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
+from wmrgen.ir.kernels.constants import Worst, worst
 from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.proofs.interval import Array
@@ -59,7 +59,8 @@ class Library:
 
     The C standard bounds none of them: these are what is assumed of a libm, or was found of a kernel by trying every
     float. ``circle``: whether the error of sin and cos counts in that unit of 1, however small the result; for angles
-    up to ``reach`` [rad], and atan for arguments up to ``slope``.
+    up to ``reach`` [rad], and atan for arguments up to ``slope``. ``sine``: of angles up to pi/2, in
+    units in the last place of their own sine.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Library:
     cos: float
     atan: float
     atan2: float
+    sine: float
     circle: bool = False
     reach: float = math.inf
     slope: float = math.inf
@@ -79,24 +81,26 @@ class Library:
         return {"sin": self.sin, "cos": self.cos, "atan": self.atan, "atan2": self.atan2}
 
 
-LIBM = Library("libm", 1.0, 1.0, 1.0, 2.0)
+LIBM = Library("libm", 1.0, 1.0, 1.0, 2.0, 1.0)
 
 
-def _kernel(worst: Worst) -> Library:
+def _kernel(found: Worst) -> Library:
     """What `wmrgen.ir.kernels` is found to hold.
 
-    atan2 is the arctangent of a quotient (its rounding: 1 ulp), taken from pi/2 and from pi: two more roundings and
-    those of the constants, 4 ulp in all.
+    atan2 is the arctangent of a quotient (whose rounding counts 1 ulp), taken from pi/2 and from pi: two more
+    roundings and those of the constants, not 3 ulp.
     """
-    circle, arctangent = float(worst.circle), float(worst.arctangent)
-    return Library("kernels", circle, circle, arctangent, 4.0, True, 100.0, 1.0)
+    circle, arctangent = float(found.circle), float(found.arctangent)
+    return Library(
+        "kernels", circle, circle, arctangent, arctangent + 3.0, float(found.sine), True, 100.0, 1.0
+    )
 
 
 def library(choice: Choice) -> Library:
     """The sines and arctangents of C as it is printed."""
     if choice.math != INLINE or choice.target == AVR:
         return LIBM
-    return _kernel(FUSED if choice.target == M4F else PLAIN)
+    return _kernel(worst(choice.target))
 
 
 @cache

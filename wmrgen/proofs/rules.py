@@ -111,7 +111,7 @@ def _sinc(p: Pass, angle: int) -> Value:
     """sin(x) (1/x): three relative errors, and a slope of at most 0.4363 in x."""
     steep = np.full(p.boxes, _SINC_SLOPE)
     value = np.full(p.boxes, _SINC_LEAST), np.ones(p.boxes)
-    relative = (2 * p.library.sin + 2.0) * p.form.unit * (1 + 1e-6)
+    relative = (2 * max(p.library.sin, p.library.sine) + 2.0) * p.form.unit * (1 + 1e-6)
     noise = np.full(p.boxes, relative + p.form.tiny)
     return Value(value, sl.times(p.slope(angle), (-steep, steep)), noise)
 

@@ -1,0 +1,87 @@
+"""The same bits on x86, on a Cortex-M4F and on a Cortex-M0: 100,000 inputs of the kernels and of a robot."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from benchmarks.counts import ROOT
+from benchmarks.emulator.fleet import Fleet
+from benchmarks.emulator.zig import M0, M4F
+from benchmarks.kernels import verify
+from wmrgen import derive, load
+from wmrgen.backends.c99 import evaluate_c, sources
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.kernels.choice import TARGETS
+from wmrgen.ir.rounding import nearest_float32
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
+TOTAL = 100_000
+
+
+def largest(function: str, name: str) -> float:
+    if function == "arctangent":
+        return 1.0
+    return 100.0 if name == "x" or name.endswith(".steer") else 4.0
+
+
+def mismatches(folder: Path, target: str, count: int) -> tuple[int, list[str]]:
+    """Inputs tried of the C for ``target`` on all three processors, and outputs of the emulated ones that differ."""
+    modules = (verify.module(), derive(load(ROOT / "robots" / "kelly_4ws.yaml")).c_module)
+    tried, wrong = 0, []
+    fleets = []
+    for processor in (M4F, M0):
+        place = folder / processor.name
+        place.mkdir()
+        made = Fleet.build(
+            place,
+            modules,
+            {"sqrtf": _root},
+            lambda m: sources(m, Meta(target=target)),
+            processor,
+            counts=False,
+        )
+        fleets.append(made)
+    for module in modules:
+        for function in (f for f in module.functions if f.outputs):
+            source = random.Random(f"{target} {function.name}")
+            names = [p.name for p in function.inputs]
+            bounds = {n: largest(function.name, n) for n in names}
+            cases = [
+                {n: nearest_float32(source.uniform(-b, b)) for n, b in bounds.items()} for _ in range(count)
+            ]
+            here = evaluate_c(module, function.name, cases, "float", None, FLAGS, target=target)
+            tried += count
+            for fleet in fleets:
+                step = next(s for s in fleet.steps(module.name) if s.name == f"{module.name}_{function.name}")
+                for case, expected in zip(cases, here, strict=True):
+                    _, got = fleet.call(step, case)
+                    if {k: v.hex() for k, v in got.items()} != {k: v.hex() for k, v in expected.items()}:
+                        wrong.append(f"{fleet.target.name} {function.name} {case}: {got}, x86 {expected}")
+    return tried, wrong
+
+
+def _root(x: float) -> float:
+    return nearest_float32(x**0.5) if x >= 0 else float("nan")
+
+
+def test_few(tmp_path: Path) -> None:
+    """What is written for an M0; tests/processor has what derive writes."""
+    tried, wrong = mismatches(tmp_path, "m0", 30)
+    assert wrong == []
+    assert tried >= 200
+
+
+@pytest.mark.slow
+def test_many(tmp_path: Path) -> None:
+    tried = 0
+    for target in TARGETS:
+        if target == "avr":
+            continue
+        (tmp_path / target).mkdir()
+        more, wrong = mismatches(tmp_path / target, target, TOTAL // (3 * 8) + 1)
+        assert wrong == []
+        tried += more
+    assert tried >= TOTAL

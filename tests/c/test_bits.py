@@ -42,13 +42,7 @@ def test_float(robots: tuple[Program, Path], compiler: str, level: str) -> None:
     assert program.mismatches(folder, compiler, (*STRICT, level)) == []
 
 
-<<<<<<< HEAD
-@pytest.mark.slow
-@pytest.mark.parametrize("choice", [LIBM, "m0", "avr", "host"])
-def test_other_choices(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
-=======
 def others(choice: str, modules: tuple[Module, ...], folder: Path) -> list[str]:
->>>>>>> kernels
     options = {"math": LIBM} if choice == LIBM else {"target": choice}
     program = Program(modules, "float", 3, **options)
     program.write(folder)

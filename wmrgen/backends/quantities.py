@@ -10,7 +10,6 @@ _OF_A_WHEEL = {
     "nearest": "nearer angle", "other": "angle half a turn on", "target": "angle inside the limits",
     "bx": "contact point, x", "by": "contact point, y", "wx": "its velocity, x", "wy": "its velocity, y",
     "bx0": "contact point from the mean, x", "by0": "contact point from the mean, y",
-    "wx0": "velocity from the mean, x", "wy0": "velocity from the mean, y",
 }  # fmt: skip
 _ALONE = {
     "half_turn": "h", "half_turn_squared": "h^2", "sinc_series": "series of sinc(h)", "half_turn_safe": "h or 1",

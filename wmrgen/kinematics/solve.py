@@ -52,10 +52,12 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
         slip: Expr = sympy.S.Zero
     else:
         # The shifted points add up to zero, so the mean of w drops out of the moment.
-        shifted = [(p[0] - mean[0], p[1] - mean[1], p[2], p[3]) for p in points]
         local = [
-            tuple(names.poly(f"{c.wheel.name}_{k}0", q[i]) for i, k in enumerate(("bx", "by", "wx", "wy")))
-            for c, q in zip(contacts, shifted, strict=True)
+            (
+                *(names.poly(f"{c.wheel.name}_{k}0", p[i] - mean[i]) for i, k in enumerate(("bx", "by"))),
+                *p[2:],
+            )
+            for c, p in zip(contacts, points, strict=True)
         ]
         above = _total([q[0] * q[3] - q[1] * q[2] for q in local])
         below = _total([q[0] * q[0] + q[1] * q[1] for q in local])

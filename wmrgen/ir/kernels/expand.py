@@ -16,7 +16,7 @@ from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Module, Node, Op
-from wmrgen.ir.passes.schedule import schedule
+from wmrgen.ir.passes.schedule import calls_first, schedule
 
 _TWO = Exact(2)
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
@@ -58,7 +58,8 @@ class _Expansion:
             self.made.append(self._node(i, node))
         results = tuple(self.made[r] for r in self.function.results)
         made = replace(self.function, nodes=tuple(self.tape.nodes), results=results)
-        return schedule(fuse(made) if self.fused else made)
+        made = fuse(made) if self.fused else made
+        return calls_first(schedule(made))
 
     def _node(self, i: int, node: Node) -> int:
         tape, args = self.tape, tuple(self.made[a] for a in node.args)

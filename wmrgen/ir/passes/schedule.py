@@ -10,6 +10,8 @@ from dataclasses import replace
 
 from wmrgen.ir.nodes import Function, Node, Op
 
+LIBRARY = frozenset({Op.SIN, Op.COS, Op.ATAN, Op.ATAN2})
+
 
 def schedule(function: Function) -> Function:
     """``function`` with its nodes in a new order; unneeded ones are left out."""
@@ -31,6 +33,20 @@ def schedule(function: Function) -> Function:
             else:
                 place[i] = len(order)
                 order.append(stack.pop())
+    moved = tuple(_renumbered(nodes[i], place) for i in order)
+    return replace(function, nodes=moved, results=tuple(place[result] for result in function.results))
+
+
+def calls_first(function: Function) -> Function:
+    """What library functions need, and they themselves, before the rest: few values then live across a call."""
+    nodes = function.nodes
+    first = bytearray(node.op in LIBRARY for node in nodes)
+    for i in range(len(nodes) - 1, -1, -1):
+        if first[i]:
+            for arg in nodes[i].args:
+                first[arg] = 1
+    order = sorted(range(len(nodes)), key=lambda i: not first[i])
+    place = {i: k for k, i in enumerate(order)}
     moved = tuple(_renumbered(nodes[i], place) for i in order)
     return replace(function, nodes=moved, results=tuple(place[result] for result in function.results))
 

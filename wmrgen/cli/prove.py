@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
+    from wmrgen.ir.nodes import Function
     from wmrgen.proofs.bounds import Bounds, FunctionBound, OutputBound
 
 _TOOL = "frama-c"
@@ -67,17 +69,28 @@ def eva(derivation: Derivation, found: Bounds) -> dict[str, Any]:
     if tool is None:
         return {"run": False, "reason": f"{_TOOL} is not on the PATH ({_INSTALL})"}
     ranges = {f.name: f.inputs for f in found.functions if not f.unknown}
-    left: Sequence[str] = ()
+    chosen = [f for f in functions(derivation.c_module) if f.name in ranges]
+
+    def left(of: Sequence[Function], finer: int) -> tuple[str, ...]:
+        """Alarms of some functions. Smaller parts help only with sines that are known on them."""
+        parts = {f.name: cases(f, ranges[f.name], SINGLE, finer) for f in of}
+        files = harness(derivation.c_module, parts, waves=finer > 0)
+        return alarms(run_tool(command(tool, derivation.robot.name, finer > 0), files))
+
+    open_ = left(chosen, 0)
+    if open_:
+        open_ = tuple(text for f in chosen for text in _persistent(partial(left, [f])))
+    return {"run": True, "alarms": list(open_)}
+
+
+def _persistent(left: Callable[[int], tuple[str, ...]]) -> tuple[str, ...]:
+    """The alarms that remain however small the parts are."""
+    found: tuple[str, ...] = ()
     for finer in range(_FINER):
-        parts = {
-            f.name: cases(f, ranges[f.name], SINGLE, finer)
-            for f in functions(derivation.c_module)
-            if f.name in ranges
-        }
-        left = alarms(run_tool(command(tool, derivation.robot.name), harness(derivation.c_module, parts)))
-        if not left:
+        found = left(finer)
+        if not found:
             break
-    return {"run": True, "alarms": list(left)}
+    return found
 
 
 def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:

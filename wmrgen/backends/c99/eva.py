@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 
@@ -23,11 +24,19 @@ HARNESS = "eva_main.c"
 _SHOW = "Frama_C_show_each_"
 
 
-def harness(module: Module, cases: Cases, meta: Meta = NO_META) -> dict[str, str]:
-    """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function."""
+def harness(module: Module, cases: Cases, meta: Meta = NO_META, waves: bool = False) -> dict[str, str]:
+    """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function.
+
+    ``waves``: with sines and cosines of our own, see `_waves`; `command` must know, too.
+    """
     made = unit(module, meta.scalar, meta.math, meta.target)
     prepare = next((s for s in made.steps if s.name == f"{made.robot}_prepare"), None)
-    lines = [f'#include "{made.robot}.h"', '#include "__fc_builtin.h"', ""]
+    lines = [
+        f'#include "{made.robot}.h"',
+        '#include "__fc_builtin.h"',
+        "",
+        *(_waves(made.scalar) if waves else []),
+    ]
     count = 0
     for step in made.steps:
         name = step.name.removeprefix(f"{made.robot}_")
@@ -43,6 +52,26 @@ def harness(module: Module, cases: Cases, meta: Meta = NO_META) -> dict[str, str
     lines += ["int main(void)", "{", *(f"    case_{k}();" for k in range(count)), "    return 0;", "}", ""]
     header, source = sources(module, meta)
     return {f"{made.robot}.h": header, f"{made.robot}.c": source, HARNESS: "\n".join(lines)}
+
+
+def _waves(scalar: str) -> list[str]:
+    """Sines and cosines in steps of 1/8 between -pi and pi: Eva's own are [-1, 1] for angles beyond pi/4.
+
+    The library is taken to be off by 1e-6 at most.
+    """
+    end = "f" if scalar == "float" else ""
+    lines = []
+    for name, wave in (("sin", math.sin), ("cos", math.cos)):
+        lines += [f"{scalar} eva_{name}{end}({scalar} x)", "{"]
+        for k in range(-26, 26):
+            low, high = k / 8, (k + 1) / 8
+            ends = wave(low), wave(high)
+            turn = 0.008 if 1 - max(abs(ends[0]), abs(ends[1])) < 0.008 else 1e-6
+            least, most = max(-1.0, min(ends) - turn), min(1.0, max(ends) + turn)
+            given = f"Frama_C_{scalar}_interval({least:.8f}{end}, {most:.8f}{end})"
+            lines.append(f"    if (x >= {low!r}{end} && x <= {high!r}{end}) return {given};")
+        lines += [f"    return Frama_C_{scalar}_interval(-1.0{end}, 1.0{end});", "}", ""]
+    return lines
 
 
 def _call(step: Step, name: str, prepare: Step | None, ranges: Ranges, scalar: str) -> list[str]:
@@ -72,9 +101,10 @@ def _fill(struct: Struct, variable: str, ranges: Ranges, scalar: str) -> list[st
     return lines
 
 
-def command(tool: str, robot: str) -> list[str]:
+def command(tool: str, robot: str, waves: bool = False) -> list[str]:
     """The command that analyses what `harness` wrote."""
-    return [tool, *OPTIONS, HARNESS, f"{robot}.c"]
+    own = "-Dsinf=eva_sinf -Dcosf=eva_cosf"
+    return [tool, *OPTIONS, *([f"-cpp-extra-args={own}"] if waves else []), HARNESS, f"{robot}.c"]
 
 
 def alarms(output: str) -> tuple[str, ...]:

@@ -94,10 +94,10 @@ def _persistent(left: Callable[[int], tuple[str, ...]]) -> tuple[str, ...]:
 
 
 def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:
+    from wmrgen.proofs.text import described
+
     limits = ", ".join(_limit(n, r) for n, r in found.given.items())
-    console.result(
-        f"{name}: float, sin and cos within {found.library.sin:g} ulp, atan2 {found.library.atan2:g}"
-    )
+    console.result(f"{name}: float, {described(found.library)}")
     console.result(f"  limits: {limits}")
     if found.assumed:
         console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in found.assumed.items())}")
@@ -105,7 +105,9 @@ def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:
         _function(f)
     if eva["run"]:
         count = len(eva["alarms"])
-        console.result(f"Frama-C Eva: {count or 'no'} alarm{'s' * (count > 1)}", "bold")
+        console.result(
+            f"Frama-C Eva, of --math libm --target host: {count or 'no'} alarm{'s' * (count > 1)}", "bold"
+        )
     else:
         console.note(f"Frama-C Eva was not run: {eva['reason']}")
 

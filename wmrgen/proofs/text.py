@@ -17,7 +17,7 @@ def header_lines(found: Bounds) -> tuple[str, ...]:
         under += f", and with these ranges of inputs that have no limits: {listed(found.assumed)}"
     under += (
         ": no division by zero, no NaN, no infinity; results in the ranges below; and off the exact formula, by "
-        f"rounding, at most as stated ({_library(library)})."
+        f"rounding, at most as stated ({described(library)})."
     )
     if any(o.from_length for f in found.functions for o in f.outputs):
         under += " h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined."
@@ -27,7 +27,7 @@ def header_lines(found: Bounds) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _library(library: Library) -> str:
+def described(library: Library) -> str:
     """What the bounds rest on."""
     if library.circle:
         return (

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from wmrgen.backends.c99.emit import sources, unit
 from wmrgen.backends.c99.step import Step
 from wmrgen.backends.c99.struct import Struct
-from wmrgen.backends.meta import NO_META, Meta
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.kernels.choice import HOST, LIBM
 from wmrgen.ir.nodes import Module
 
 Ranges = Mapping[str, tuple[float, float]]
@@ -21,10 +22,12 @@ OPTIONS = (
     "-eva-msg-key=-summary", "-kernel-warn-key", "parser:decimal-float=inactive",
 )  # fmt: skip
 HARNESS = "eva_main.c"
+# Eva knows the C library's sines; it knows neither fmaf nor what the bits of a float mean.
+PLAIN = Meta(math=LIBM, target=HOST)
 _SHOW = "Frama_C_show_each_"
 
 
-def harness(module: Module, cases: Cases, meta: Meta = NO_META, waves: bool = False) -> dict[str, str]:
+def harness(module: Module, cases: Cases, meta: Meta = PLAIN, waves: bool = False) -> dict[str, str]:
     """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function.
 
     ``waves``: with sines and cosines of our own, see `_waves`; `command` must know, too.

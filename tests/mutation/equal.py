@@ -22,7 +22,20 @@ from wmrgen.ir.vectors import contract, prepared_of
 
 Array = Any
 POINTS = 4096
-_CALLS = {"fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atan2f": np.arctan2}
+
+
+def _fused(a: Array, b: Array, c: Array) -> Array:
+    return np.float32(np.float64(a) * np.float64(b) + np.float64(c))
+
+
+def _flip(a: Array, n: Array) -> Array:
+    return np.where(np.asarray(n, np.float32).view(np.uint32) & 1, -a, a)
+
+
+_CALLS = {
+    "fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atan2f": np.arctan2, "fmaf": _fused,
+    "wmrgen_flip": _flip,
+}  # fmt: skip
 _LINE = re.compile(r"^    (?:const float )?([\w.>-]+) = ([^;]+);$")
 _CHOICE = re.compile(r"^\((.+) < (.+)\) \? (.+) : (.+)$")
 _TYPICAL = {"m/s": 2.0, "rad/s": 8.0, "rad": 3.2, "m": 5.0, "s": 0.25}

@@ -22,7 +22,7 @@ from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.ir.vectors import tables
 
-LARGEST = 38_000  # bytes; half of the robots stay below 24 kB
+LARGEST = 48_000  # bytes, of eight steered wheels; half of the robots stay below 27 kB
 needs_compiler = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 
 
@@ -95,7 +95,7 @@ def test_all_numbers_are_the_exact_ones(robot: str) -> None:
 def test_small_and_the_same_every_time() -> None:
     sizes = {robot: len(files_of(robot)[f"{robot}_selftest.c"]) for robot in NAMES}
     assert max(sizes.values()) <= LARGEST
-    assert sorted(sizes.values())[len(sizes) // 2] <= 24_000
+    assert sorted(sizes.values())[len(sizes) // 2] <= 27_000
     robot = "ackermann_car"
     again = files_of.__wrapped__(robot)
     assert again[f"{robot}_selftest.c"] == files_of(robot)[f"{robot}_selftest.c"]

@@ -6,7 +6,8 @@ import re
 
 # The quantities of sections 6 to 8 of the report. A wheel's name may stand in front.
 _OF_A_WHEEL = {
-    "x": "a", "y": "b", "along": "u", "across": "w", "speed": "sqrt(a^2 + b^2)", "turn": "Delta",
+    "x": "a", "y": "b", "along": "u", "across": "w", "u": "u", "turn": "Delta",
+    "size": "sqrt(a^2 + b^2)", "speed": "speed", "heading": "heading", "slope": "tan(heading / 2)",
     "nearest": "nearer angle", "other": "angle half a turn on", "target": "angle inside the limits",
     "bx": "contact point, x", "by": "contact point, y", "wx": "its velocity, x", "wy": "its velocity, y",
     "bx0": "contact point from the mean, x", "by0": "contact point from the mean, y",

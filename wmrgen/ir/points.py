@@ -23,6 +23,7 @@ TWIST = ("vx", "vy", "omega")
 BRANCH = "branch"  # a point of the pool: kept where it takes branches that no other takes
 _SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
 _GENERIC, _POOL, _ROWS = 6, 320, 64
+_ANGLES = (1.515625, -1.453125, 4.59375, -1.625, 3.0625, -64.40625, 98.9375, 1.40625)  # rad
 _MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
 _LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
 _BEYOND = 1 + 2.0**-11
@@ -58,8 +59,8 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
         alone[column] = grid.single[column]
         yield f"{ports[column].name} alone", alone
         if moving.sum() <= 4:
-            yield f"{ports[column].name} alone, backwards", -alone
-    generic = _GENERIC if len(ports) <= _MANY else _GENERIC - 2
+            yield f"{ports[column].name} alone, backwards", np.where(moving, -alone, grid.rows[3])
+    generic = _GENERIC if len(ports) <= _MANY else _GENERIC - 1
     for row in range(generic):
         yield "generic", grid.rows[row]
         if row < generic // 2:
@@ -71,12 +72,26 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     stretch = np.array([{"m/s": 8.0, "rad/s": 0.25}.get(p.unit, 1.0) for p in ports])
     for row in (41, 42, 43):
         yield "a long arc", free.rows[row] * np.where(moving, stretch, 1.0)
+    yield from _all_round(ports, free, moving)
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
     if any(node.op in (Op.SELECT, Op.MIN, Op.MAX) for node in function.nodes):
         pool = _POOL if len(function.nodes) <= _LARGE else _POOL // 10
         for row, values in enumerate(_scattered(ports, pool)):
             yield BRANCH, values * (1.0, 0.125, 4.0)[row % 3]
+
+
+def _all_round(ports: Sequence[Port], free: Grid, moving: Array) -> Iterator[Point]:
+    """Angles about the quarter turns, where sines are at their ends, from the origin, where no place hides them."""
+    angle = np.array([port.unit == "rad" for port in ports])
+    if not angle.any():
+        return
+    place = np.array([port.unit == "m" and port.role is not Role.COMMAND for port in ports])
+    turning = np.array([port.unit == "rad/s" for port in ports])
+    for k in range(len(_ANGLES)):
+        angles = np.array([_ANGLES[(k + 5 * column) % len(_ANGLES)] for column in range(len(ports))])
+        values = np.where(moving & turning, free.rows[44 + k] * 2.0 ** (k % 4), free.rows[44 + k])
+        yield "all round", np.where(angle, angles, np.where(place, 0.0, values))
 
 
 def _scattered(ports: Sequence[Port], count: int) -> Array:

@@ -1,10 +1,10 @@
 """Running error bounds: a function at many points at once, each value with a bound of its rounding error.
 
 Values are computed in float64. Two bounds go along: how far code in the target's arithmetic (rounding unit ``unit``,
-library functions within ``LIBRARY`` ulp) may be from the float64 value, and how far that value may be from the exact
-formula: Higham, Accuracy and Stability of Numerical Algorithms, 3.3. Contraction to fused multiply-add only leaves
-roundings out, so the bounds hold with it. A comparison that rounding may turn counts both branches. The last bits
-of a value may depend on the processor's sine; no result that is printed does, for those are rounded where the
+library functions within ``CIRCLE`` and ``LIBRARY``) may be from the float64 value, and how far that value may be from
+the exact formula: Higham, Accuracy and Stability of Numerical Algorithms, 3.3. Contraction to fused multiply-add only
+leaves roundings out, so the bounds hold with it. A comparison that rounding may turn counts both branches. The last
+bits of a value may depend on the processor's sine; no result that is printed does, for those are rounded where the
 second bound leaves no doubt.
 """
 
@@ -25,8 +25,10 @@ from wmrgen.ir.rounding import to_float32, to_float64
 Array = Any  # numpy array of float64, one value per point
 UNITS = {"float": 2.0**-24, "double": 2.0**-53}
 LARGEST_ANGLE = {"float": 1e4, "double": 1e9}  # rad: own kernels promise nothing beyond
-LIBRARY = 4.0  # ulp of sin, cos and atan2, more than any libm in use needs
-CIRCLE = 3.0  # 2**-24 of sin and cos, which `wmrgen.ir.kernels` has beside their zeros
+CIRCLE = (
+    4.0  # units of rounding that sines and cosines may be off, more than our kernels and any libm in use need
+)
+LIBRARY = 6.0  # the same of arctangents, in ulp
 _HALF = 2.0**-53  # of the float64 values themselves
 
 
@@ -134,7 +136,8 @@ def _circular(unit: Array, a: Bounded, name: str) -> Bounded:
     sine, cosine = np.sin(a.value), np.cos(a.value)
     value, slope = (sine, cosine) if name == "sin" else (cosine, sine)
     error = np.minimum(np.abs(slope) * a.error + a.error**2 / 2, 2.0)
-    return Bounded(value, error + unit * (2 * LIBRARY * np.abs(value) + CIRCLE))
+    known = (a.value == 0) & (a.error == 0)
+    return Bounded(value, np.where(known, 0.0, error + CIRCLE * unit))
 
 
 def _atan2(unit: Array, y: Bounded, x: Bounded) -> Bounded:

@@ -6,6 +6,7 @@ result at several unrelated points is that result. Constants and inputs are left
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -78,7 +79,7 @@ def names_of(raw: Function, known: Mapping[str, Array]) -> Names:
 
 
 def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tuple[tuple[str, int], ...]:
-    """Every name whose value a node has, with the first such node."""
+    """Every name whose value a node has, with the first such node, a shared one before others."""
     wanted = [
         (name, v) for name, v in names.items() if np.ndim(v) == 1 and np.ptp(v) > 0 and np.isfinite(v).all()
     ]
@@ -90,13 +91,15 @@ def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tupl
     table = np.array([np.broadcast_to(np.asarray(values[k], dtype=np.float64), shape) for k in every])
     order = np.argsort(table[:, 0], kind="stable")
     first = table[order, 0]
+    uses = Counter(argument for node in function.nodes for argument in node.args)
     found: list[tuple[str, int]] = []
     for name, value in wanted:
         room = _NEAR * np.abs(value).max()
         low, high = np.searchsorted(first, (value[0] - room, value[0] + room))
         near = np.sort(order[low:high])
         hits = near[(np.abs(table[near] - value) <= room).all(axis=1)]
-        found += [(name, every[k]) for k in hits[:1].tolist()]
+        shared = [k for k in hits.tolist() if uses[every[k]] > 1]
+        found += [(name, every[k]) for k in (shared or hits.tolist())[:1]]
     return tuple(found)
 
 

@@ -26,13 +26,10 @@ from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.affine import Affine
 from wmrgen.proofs.directions import Direction, Shares, directions
 from wmrgen.proofs.interval import Array, Interval
-from wmrgen.proofs.precision import Format, Library
+from wmrgen.proofs.precision import SMALL_ANGLE, Format, Library
 from wmrgen.proofs.records import Analysis, Angle, Value
 from wmrgen.proofs.slopes import Slope
 
-SMALL_ANGLE = (
-    64.0  # the error of a direction is claimed where the vector is longer than its own error times this
-)
 _EXACT = frozenset({"input", "neg", "abs", "min", "max", "select", "rint", "flip"})
 _TURN_GROW = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
 _SHORT = 2.0**-60  # below this length squares may underflow

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wmrgen.ir.inline import hand_through, inline_prepare
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
-from wmrgen.proofs.analysis import SMALL_ANGLE
-from wmrgen.proofs.boxes import analysed
 from wmrgen.proofs.domain import Domain, Range, domain
-from wmrgen.proofs.precision import SINGLE, Library
-from wmrgen.proofs.records import Analysis
+from wmrgen.ir.kernels.sharp import sharp_sums
+from wmrgen.proofs.precision import SINGLE, SMALL_ANGLE, Library
+
+if TYPE_CHECKING:
+    from wmrgen.proofs.records import Analysis
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +94,9 @@ def _function(function: Function, where: Domain, library: Library) -> FunctionBo
     ranges, unknown = where.of(function)
     if unknown:
         return FunctionBound(function.name, ranges, (), (), tuple(unknown))
-    found = analysed(function, ranges, SINGLE, library)
+    from wmrgen.proofs.boxes import analysed  # not needed where there are no limits
+
+    found = analysed(function, ranges, SINGLE, library, sharp_sums(function))
     outputs = tuple(
         _output(found, k, port.name, port.unit)
         for port, k in zip(function.outputs, function.results, strict=True)

@@ -16,7 +16,8 @@ from wmrgen.proofs.patterns import sinc_argument
 from wmrgen.proofs.precision import Format, Library
 from wmrgen.proofs.records import Analysis
 
-MOST = 256  # boxes of one function
+PARTS = 16  # of each angle
+MOST_ANGLES = 2  # of more, a grid that one can afford is too coarse to help
 
 
 def analysed(
@@ -41,16 +42,17 @@ def _split(function: Function, ranges: Mapping[str, Range]) -> list[str]:
         return []
     waves = {n.args[0] for n in nodes if n.op in (Op.SIN, Op.COS)}
     names = dict.fromkeys(nodes[k].name for k in sorted(waves) if nodes[k].op is Op.INPUT)
-    return [name for name in names if name is not None and name in ranges]
+    split = [name for name in names if name is not None and name in ranges]
+    return split if len(split) <= MOST_ANGLES else []
 
 
 def boxed(ranges: Mapping[str, Range], split: list[str]) -> dict[str, Interval]:
-    """A grid over the inputs in ``split``, the whole range of the others; at most `MOST` boxes."""
-    parts = int(MOST ** (1 / len(split)) + 1e-9) if split else 1
+    """A grid over the inputs in ``split``, the whole range of the others."""
+    parts = PARTS
     boxes = parts ** len(split)
     found: dict[str, Interval] = {}
     for name, (lo, hi) in ranges.items():
-        if parts > 1 and name in split:
+        if name in split:
             edges = np.linspace(lo, hi, parts + 1)
             place = _place(split.index(name), parts, boxes)
             found[name] = edges[place], edges[place + 1]

@@ -16,6 +16,10 @@ from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.proofs.interval import Array
 
+SMALL_ANGLE = (
+    64.0  # errors of a direction are claimed where the vector is this much longer than its own error
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Format:

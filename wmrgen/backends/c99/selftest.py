@@ -18,8 +18,8 @@ from wmrgen.render import render
 ABOUT = (
     "Self-test of {0}.c, for the machine it is to run on. A row holds inputs, then for every output what the exact "
     "formula gives there (60 digits, rounded once; below 1e-12: 0) and how far a correct build may be from it: a "
-    "bound of the rounding errors of all operations, with a sine or an arctangent within 4 ulp; contraction to fused "
-    "multiply-add is covered. A NaN fails.",
+    "bound of the rounding errors of all operations, with sines and cosines within 4 units of rounding ({2}) and "
+    "arctangents within 6 ulp; contraction to fused multiply-add is covered. A NaN fails.",
     "{0}_selftest() returns 0, or the number of the first row that fails, counted through this file. main() calls "
     "it and returns 0 or 1; define {1}_SELFTEST_NO_MAIN to call it from a program of your own.",
 )
@@ -44,7 +44,7 @@ def selftest(
     by_name = {s.name: s for s in steps}
     robot, upper = module.name, module.name.upper()
     printed = [_printed(table, robot, by_name, scalar) for table in tables(module, scalar, site)]
-    about = [text.format(robot, upper) for text in ABOUT]
+    about = [text.format(robot, upper, "2**-24" if scalar == "float" else "2**-53") for text in ABOUT]
     return render(
         "c99/selftest.c.j2",
         robot=robot,

@@ -6,6 +6,7 @@ interpreter predicts its bits on every target. It is no longer exact algebra, so
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 from wmrgen.exact.number import ONE, Exact
@@ -47,6 +48,8 @@ class _Expansion:
         self.magic = RINT32 if single else RINT64
         self.tape = Tape()
         self.made: list[int] = []
+        self.uses = Counter(a for node in function.nodes for a in node.args) + Counter(function.results)
+        self.products = {node.args for node in function.nodes if node.op is Op.MUL}
         self.circles: dict[int, tuple[int, int, int]] = {}
         self.raised: dict[int, int] = {}  # node of `function` that is a whole number -> that plus `magic`
         self.integer = self.inline and target == M0
@@ -73,6 +76,7 @@ class _Expansion:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
                 found = self._signed(node)
+                found = self._quotient(node) if found is None else found
                 return tape.mul(*args) if found is None else found
             case Op.SIN | Op.COS | Op.ATAN if self.integer:
                 return tape.put(_INTEGER[node.op], *args)
@@ -96,6 +100,20 @@ class _Expansion:
                 raised, sine, cosine = self._circle(self.made[other.args[0]])
                 flipped = self._by(self.made[factor], raised)
                 return tape.mul(flipped, sine if other.op is Op.SIN else cosine)
+        return None
+
+    def _quotient(self, node: Node) -> int | None:
+        """a (1/b) as a/b, and c (a/b) as (c a)/b where c a is there: a product less."""
+        nodes = self.function.nodes
+        for factor, other in (node.args, node.args[::-1]):
+            quotient = nodes[other]
+            if quotient.op is not Op.DIV or self.uses[other] > 1:
+                continue
+            a, b = quotient.args
+            if nodes[a].value == ONE:
+                return self.tape.div(self.made[factor], self.made[b])
+            if (factor, a) in self.products:
+                return self.tape.div(self.tape.mul(self.made[factor], self.made[a]), self.made[b])
         return None
 
     def _circle(self, x: int) -> tuple[int, int, int]:

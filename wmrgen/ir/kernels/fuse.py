@@ -15,12 +15,9 @@ _TWO = Exact(2)
 def fuse(function: Function) -> Function:
     """``function`` with sums of a product that nothing else needs as one operation."""
     nodes, results = prune(function.nodes, function.results)
-    users: list[list[int]] = [[] for _ in nodes]
-    for i, node in enumerate(nodes):
-        for arg in node.args:
-            users[arg].append(i)
-    for result in results:
-        users[result].append(len(nodes))
+    uses = [0] * len(nodes)
+    for i in (*results, *(arg for node in nodes for arg in node.args)):
+        uses[i] += 1
     made: list[Node] = []
     place: list[int] = []
     opposites: dict[int, int] = {}
@@ -36,7 +33,7 @@ def fuse(function: Function) -> Function:
 
     for i, node in enumerate(nodes):
         args = tuple(place[a] for a in node.args)
-        k = _product(nodes, i, users) if node.op is Op.ADD or node.op is Op.SUB else None
+        k = _product(nodes, i, uses) if node.op is Op.ADD or node.op is Op.SUB else None
         if k is not None:
             x, y = (place[a] for a in nodes[node.args[k]].args)
             other = args[1 - k]
@@ -50,31 +47,10 @@ def fuse(function: Function) -> Function:
     return replace(function, nodes=tuple(made), results=tuple(place[r] for r in results))
 
 
-def _product(nodes: Sequence[Node], i: int, users: Sequence[list[int]]) -> int | None:
-    """Which of the two arguments of sum ``i`` is a product that pays when it is not rounded.
-
-    The instruction adds to a register: it saves one where the other term is needed no more. Twice x is x + x.
-    """
+def _product(nodes: Sequence[Node], i: int, uses: Sequence[int]) -> int | None:
+    """Which of the two arguments of sum ``i`` is a product for it alone. Twice x is better left as x + x."""
     for k, arg in enumerate(nodes[i].args):
-        product, other = nodes[arg], nodes[i].args[1 - k]
-        if product.op is not Op.MUL or len(users[arg]) > 1 or nodes[product.args[0]].value == _TWO:
-            continue
-        if nodes[other].value is not None or _dies(nodes, i, other, users):
+        product = nodes[arg]
+        if product.op is Op.MUL and uses[arg] == 1 and nodes[product.args[0]].value != _TWO:
             return k
     return None
-
-
-def _dies(nodes: Sequence[Node], i: int, value: int, users: Sequence[list[int]]) -> bool:
-    """True where all other users of ``value`` come before node ``i``, being needed for it."""
-    open_ = set(users[value])
-    open_.discard(i)
-    if open_ and max(open_) > i:
-        return False
-    stack, seen = list(nodes[i].args), set()
-    while stack and open_:
-        j = stack.pop()
-        if j > value and j not in seen:
-            seen.add(j)
-            open_.discard(j)
-            stack += nodes[j].args
-    return not open_

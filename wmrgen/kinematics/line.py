@@ -1,13 +1,15 @@
 """The line along which a pivot moves, as a joint angle: headings count modulo a half turn.
 
 A steered wheel rolls along its pivot's velocity (a, b) forwards or backwards, so only the line matters. With the
-signed speed v = +-sqrt(a**2 + b**2), its sign that of a, half the angle of the line has the tangent b / (v + a),
-which lies in [-1, 1]: one quotient and one arctangent, and nothing cancels.
+size s = sqrt(a**2 + b**2), half the angle of the line has the tangent +-b / (s + |a|), its sign that of a: it lies in
+[-1, 1], from one quotient and one arctangent, and nothing cancels. The divisor is kept above `STILL`, so that whoever
+reads the C, an analyser too, sees that it is not zero.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import mpmath
 import sympy
@@ -20,9 +22,11 @@ from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Wheel
 from wmrgen.symbolic import (
     Expr,
+    absolute,
     add,
     arctangent,
     expression,
+    maximum,
     number,
     root,
     select,
@@ -32,13 +36,14 @@ from wmrgen.symbolic import (
 )
 
 Velocity = tuple[Poly, Poly]
+STILL = Exact(Fraction(1, 10**20))  # m/s
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
     """``heading``: joint angle [rad] of one direction of the line. ``speed`` [m/s] of the pivot in that direction.
 
-    ``size``: of the velocity [m/s], zero where the pivot stands still.
+    ``size``: of the velocity [m/s]. Up to `STILL` the pivot counts as standing, and there is no heading.
     """
 
     heading: Expr
@@ -52,8 +57,8 @@ def line(w: Wheel, velocity: Velocity, names: Locals) -> Line:
     a, b = short(names, f"{w.name}_x", x), short(names, f"{w.name}_y", y)
     size = names.define(f"{w.name}_size", root(add(square(a), square(b))))
     speed = names.define(f"{w.name}_speed", select(a, sympy.S.Zero, times(-1, size), size))
-    divisor = select(sympy.S.Zero, size, add(speed, a), sympy.S.One)
-    slope = names.define(f"{w.name}_slope", b / names.define(f"{w.name}_divisor", divisor))
+    total = names.define(f"{w.name}_total", maximum(number(STILL), add(absolute(a), size)))
+    slope = names.define(f"{w.name}_slope", select(a, sympy.S.Zero, times(-1, b), b) / total)
     return Line(subtract(times(2, arctangent(slope)), zero), speed, size)
 
 

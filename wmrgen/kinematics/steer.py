@@ -15,7 +15,7 @@ import sympy
 from wmrgen.constraints import heading, working_view
 from wmrgen.exact.angles import circle_point
 from wmrgen.exact.number import Exact
-from wmrgen.kinematics.line import Velocity, line, short, turned_by
+from wmrgen.kinematics.line import STILL, Velocity, line, short, turned_by
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.symbolic import (
@@ -40,7 +40,6 @@ from wmrgen.symbolic import (
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
 WIDE = Exact(Fraction(315, 100))  # rad between limits, just over half a turn
 NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter turn
-STILL = Exact(Fraction(1, 10**20))  # m/s
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +75,7 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
         return _narrow(w, limits, velocity, names)
     found = line(w, velocity, names)
     now = present(w, limits)
-    heading_ = names.define(f"{w.name}_heading", select(sympy.S.Zero, found.size, found.heading, now))
+    heading_ = names.define(f"{w.name}_heading", select(number(STILL), found.size, found.heading, now))
     turns = nearest(times(number(PER_HALF_TURN), subtract(heading_, now)))
     steer = subtract(heading_, times(sympy.pi, turns))
     rim = times(alternating(turns), found.speed)

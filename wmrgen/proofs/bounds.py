@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wmrgen.ir.inline import hand_through, inline_prepare
+from wmrgen.ir.kernels.sharp import sharp_sums
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
 from wmrgen.proofs.domain import Domain, Range, domain
-from wmrgen.ir.kernels.sharp import sharp_sums
 from wmrgen.proofs.precision import SINGLE, SMALL_ANGLE, Library
 
 if TYPE_CHECKING:

@@ -63,36 +63,42 @@ def _factor(nodes: Sequence[Node], i: int) -> tuple[Exact, int]:
 
 
 def _line(nodes: Sequence[Node], node: Node, users: Sequence[int]) -> Direction | None:
-    """atan(c b / select(0 < size, v + a, 1)), size = sqrt(a a + (c b) (c b))."""
+    """atan(c n / d), n = -b where a < 0, else b; d = max(least, size + |a|), size = sqrt(a a + (c b) (c b))."""
     c, quotient = _factor(nodes, node.args[0])
     if nodes[quotient].op is not Op.DIV or any(users[k] > 1 for k in {quotient, node.args[0]}):
         return None
-    b, divisor = nodes[quotient].args
-    guard = nodes[divisor]
-    if guard.op is not Op.SELECT or nodes[guard.args[0]].value != ZERO:
+    above, divisor = nodes[quotient].args
+    signed, total = nodes[above], _kept_apart(nodes, divisor)
+    if signed.op is not Op.SELECT or total is None or nodes[total].op is not Op.ADD:
         return None
-    _, size, total, _ = guard.args
-    if nodes[size].op is not Op.SQRT or nodes[total].op is not Op.ADD:
+    a, zero, _, b = signed.args
+    if nodes[zero].value != ZERO or not _opposite(nodes, *signed.args[2:]):
         return None
-    for speed, a in (nodes[total].args, nodes[total].args[::-1]):
-        if _signed(nodes, speed, a, size) and (most := _norm(nodes, size, a, b, c)) is not None:
-            f = float(c * c)
-            # size is off by most/2 + 1 units relatively; sum and quotient add one each, a factor two. An arctangent
-            # halves relative errors at the least. Subnormal squares: f q q <= 3 + 2 f.
-            rounds = (most / 2 + (3 if c == ONE else 5)) / 2
-            parts = ((1.0, a), (float(abs(c)), b))
-            return Direction(parts, 0.5, np.pi / 2, quotient, rounds, np.sqrt((3 + 2 * f) / f) * 1.01, size)
+    for size, beside in (nodes[total].args, nodes[total].args[::-1]):
+        if nodes[size].op is Op.SQRT and nodes[beside].op is Op.ABS and nodes[beside].args[0] == a:
+            most = _norm(nodes, size, a, b, c)
+            if most is not None:
+                f = float(c * c)
+                # size is off by most/2 + 1 units relatively; sum and quotient add one each, a factor two. An
+                # arctangent halves relative errors at the least. Subnormal squares: f q q <= 3 + 2 f.
+                rounds = (most / 2 + (3 if c == ONE else 5)) / 2
+                parts = ((1.0, a), (float(abs(c)), b))
+                return Direction(
+                    parts, 0.5, np.pi / 2, quotient, rounds, np.sqrt((3 + 2 * f) / f) * 1.01, size
+                )
     return None
 
 
-def _signed(nodes: Sequence[Node], speed: int, a: int, size: int) -> bool:
-    """Whether ``speed`` is -size where a < 0, else size."""
-    node = nodes[speed]
-    if node.op is not Op.SELECT:
-        return False
-    p, q, x, y = node.args
-    minus = nodes[x]
-    return p == a and nodes[q].value == ZERO and minus.op is Op.NEG and minus.args[0] == size and y == size
+def _kept_apart(nodes: Sequence[Node], divisor: int) -> int | None:
+    """t of max(t, s), s > 0."""
+    found = extremum(nodes, nodes[divisor]) if nodes[divisor].op in (Op.MAX, Op.SELECT) else None
+    if found is None or found[0] is not Op.MAX:
+        return None
+    for least, total in (found[1:], found[:0:-1]):
+        value = nodes[least].value
+        if value is not None and value.sign > 0:
+            return total
+    return None
 
 
 def _norm(nodes: Sequence[Node], size: int, a: int, b: int, c: Exact) -> int | None:

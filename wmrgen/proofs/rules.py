@@ -233,7 +233,6 @@ def _atan2(p: Pass, i: int, node: Node) -> Value:
 def _atan(p: Pass, i: int, node: Node) -> Value:
     a = node.args[0]
     x = p.range(a)
-    _within(p, i, x, p.library.slope * (1 + 1e-6), "")
     value = iv.widened((np.arctan(x[0]), np.arctan(x[1])), np.full(p.boxes, 1e-15))
     noise = p.library_noise(node.op, value)
     direction = p.directions.get(i)
@@ -242,6 +241,7 @@ def _atan(p: Pass, i: int, node: Node) -> Value:
         noise = p.library_noise(node.op, (-np.full(p.boxes, 0.7855), np.full(p.boxes, 0.7855)))
         own = direction.roundings * p.form.unit * (1 + 1e-5)
         return Value(value, p.turned(i, direction), noise + own)
+    _within(p, i, x, p.library.slope, "")
     square = iv.square(x)
     steep = iv.reciprocal((1 + square[0], 1 + square[1]))
     return Value(value, sl.times(p.slope(a), steep), noise)

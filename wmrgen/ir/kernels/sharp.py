@@ -43,17 +43,23 @@ def _reach(nodes: tuple[Node, ...], start: int, through: tuple[Op, ...], wanted:
 
 def _pair(nodes: tuple[Node, ...], across: int, divisor: int) -> set[int]:
     """The sums among the two components of a velocity, unless the other one keeps it from mattering."""
-    along: set[int] = set()
-    stack = [divisor]
+    parts = _linear(nodes, across) | _linear(nodes, divisor)
+    sums = {i for i in parts if (t := _terms(nodes, i)) is not None and len(t) == 2}
+    return {i for i in sums if not any(_held(nodes, i, j) for j in parts - {i})}
+
+
+def _linear(nodes: tuple[Node, ...], start: int) -> set[int]:
+    """The linear forms of which a value is made by adding and choosing."""
+    found: set[int] = set()
+    stack = [start]
     while stack:
         i = stack.pop()
         node = nodes[i]
         if _terms(nodes, i) is not None:
-            along.add(i)
-        elif node.op in (Op.ADD, Op.SUB, Op.NEG, Op.SELECT):
+            found.add(i)
+        elif node.op in (Op.ADD, Op.SUB, Op.NEG, Op.ABS, Op.MAX, Op.SELECT):
             stack += node.args[2:] if node.op is Op.SELECT else node.args
-    sums = {i for i in (across, *along) if (t := _terms(nodes, i)) is not None and len(t) == 2}
-    return {i for i in sums if not any(_held(nodes, i, j) for j in {across, *along} - {i})}
+    return found
 
 
 def _terms(nodes: tuple[Node, ...], i: int) -> dict[int, Exact | None] | None:

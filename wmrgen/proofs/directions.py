@@ -89,6 +89,12 @@ def _line(nodes: Sequence[Node], node: Node, users: Sequence[int]) -> Direction 
     return None
 
 
+def _sides(nodes: Sequence[Node], i: int) -> tuple[int, ...]:
+    """The two numbers of a maximum."""
+    found = extremum(nodes, nodes[i])
+    return found[1:] if found is not None else ()
+
+
 def _kept_apart(nodes: Sequence[Node], divisor: int) -> int | None:
     """t of max(t, s), s > 0."""
     found = extremum(nodes, nodes[divisor]) if nodes[divisor].op in (Op.MAX, Op.SELECT) else None
@@ -122,7 +128,7 @@ def _square_of(nodes: Sequence[Node], i: int, c: Exact) -> tuple[int, Exact]:
 
 
 def _clamped(nodes: Sequence[Node], node: Node) -> Direction | None:
-    """max(-m, min(m, c b / a')), a' = a or, where that is tiny, a tiny number."""
+    """max(-m, min(m, c n / d)), n = -b where a < 0, else b; d = max(least, |a|)."""
     outer = extremum(nodes, node)
     if outer is None:
         return None
@@ -135,16 +141,16 @@ def _clamped(nodes: Sequence[Node], node: Node) -> Direction | None:
             c, quotient = _factor(nodes, ratio)
             if bounds[0] is None or bounds[1] is None or nodes[quotient].op is not Op.DIV:
                 continue
-            b, divisor = nodes[quotient].args
-            guard = nodes[divisor]
-            if guard.op is Op.SELECT and nodes[guard.args[0]].op is Op.ABS:
-                a = guard.args[3]
-                if nodes[guard.args[0]].args[0] == a:
-                    m = max(abs(float(v)) for v in bounds if v is not None)
-                    parts = ((1.0, a), (abs(float(c)), b))
-                    still = min(float(nodes[k].value or ZERO) for k in guard.args[1:3]) * (1 - 1e-6)
-                    if still > 0:
-                        return Direction(parts, 1 + m * m, 2 * m, quotient, 4 * m, m, None, still)
+            above, divisor = nodes[quotient].args
+            signed, beside = nodes[above], _kept_apart(nodes, divisor)
+            if signed.op is not Op.SELECT or beside is None or nodes[beside].op is not Op.ABS:
+                continue
+            a, zero, minus, b = signed.args
+            if nodes[beside].args[0] == a and nodes[zero].value == ZERO and _opposite(nodes, minus, b):
+                m = max(abs(float(v)) for v in bounds if v is not None)
+                parts = ((1.0, a), (abs(float(c)), b))
+                least = min(float(v) for k in _sides(nodes, divisor) if (v := nodes[k].value) is not None)
+                return Direction(parts, 1 + m * m, 2 * m, quotient, 4 * m, m, None, least * (1 - 1e-6))
     return None
 
 
@@ -200,6 +206,7 @@ def _unsigned(nodes: Sequence[Node], i: int) -> set[int]:
 def _opposite(nodes: Sequence[Node], a: int, b: int) -> bool:
     """Whether a = -b by its shape."""
     p, q = nodes[a], nodes[b]
-    if p.op is Op.NEG:
-        return p.args[0] == b
+    (f, x), (g, y) = without_factors(nodes, a), without_factors(nodes, b)
+    if x == y and f == -g:
+        return True
     return p.op is Op.SUB and q.op is Op.SUB and p.args == q.args[::-1]

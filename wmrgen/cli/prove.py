@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wmrgen.proofs.bounds import Bounds, FunctionBound, OutputBound
 
 _TOOL = "frama-c"
-_FINER = 3  # how often Eva gets the inputs in smaller parts
+_FINER = 5  # how often Eva gets the inputs in smaller parts
 _INSTALL = "Debian, Ubuntu: apt-get install frama-c-base"
 
 

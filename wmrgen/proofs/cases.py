@@ -15,7 +15,6 @@ from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.domain import Range
 from wmrgen.proofs.interval import Array, Interval
-from wmrgen.proofs.patterns import extremum
 from wmrgen.proofs.precision import Format, constant
 
 MOST = 512
@@ -29,7 +28,7 @@ def cases(
 ) -> list[dict[str, Range]]:
     """A partition of ``ranges``; one part where nothing needs to be divided.
 
-    ``finer``: how often every part is halved once more along the inputs that were divided.
+    ``finer``: how often every part is halved once more along the inputs that were divided, or on which divisors depend.
     """
     names = [name for name, (lo, hi) in ranges.items() if lo < hi]
     done: list[dict[str, Range]] = []
@@ -49,6 +48,9 @@ def cases(
             break
     done += open_
     divided = [n for n in names if any(part[n] != ranges[n] for part in done)]
+    if not divided:  # an analyser may see less than is seen here: what divisors depend on
+        below = {n for node in function.nodes if node.op is Op.DIV for n in cones[node.args[1]]}
+        divided = [n for n in names if n in below]
     for name in divided * finer:
         done = [half for part in done for half in _halved(part, name)]
     return done
@@ -80,8 +82,6 @@ def _first_alarm(function: Function, parts: list[dict[str, Range]], form: Format
                 value = np.array([lo for lo, _ in ends]), np.array([hi for _, hi in ends])
             elif node.op is Op.DIV:
                 value = _quotient(function.nodes, known, node, form)
-            elif node.op is Op.SELECT and (kept := extremum(function.nodes, node)) is not None:
-                value = _apply(kept[0].value, [known[k] for k in kept[1:]])
             else:
                 value = _value(node, [known[k] for k in node.args], form, len(parts))
             known.append(value)
@@ -95,7 +95,7 @@ def _value(node: Node, args: list[Interval], form: Format, count: int) -> Interv
     if node.value is not None:
         lo, hi, _, _ = constant(node.value, form.name)
         return np.full(count, lo), np.full(count, hi)
-    if node.op in (Op.MIN, Op.MAX, Op.SELECT):  # no rounding
+    if node.op in (Op.MIN, Op.MAX):  # no rounding
         return _apply(node.op.value, args)
     squared = node.op is Op.MUL and node.args[0] == node.args[1]
     return _widened(iv.square(args[0]) if squared else _apply(node.op.value, args), form)
@@ -105,7 +105,7 @@ def _quotient(nodes: Sequence[Node], known: list[Interval], node: Node, form: Fo
     """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
     a, b = node.args
     guard = nodes[b]
-    if guard.op is not Op.SELECT or extremum(nodes, guard) is not None:
+    if guard.op is not Op.SELECT:
         return _widened(_apply("div", [known[a], known[b]]), form)
     small, large, x, y = (known[k] for k in guard.args)
     first, second = (_apply("div", [known[a], branch]) for branch in (x, y))

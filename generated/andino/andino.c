@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_006d9f7e79df0aec)
+#if !defined(ANDINO_PAIR_f2b65293a33a0bc4)
 #error "andino.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -52,7 +57,7 @@ void andino_inverse(const andino_inverse_in *in, andino_inverse_out *out)
     const float t11 = fmaf(t5, fmaf(t5, t10, 0.041666657f), (-0.5f));
     const float t12 = t8 * fmaf(t5, t11, 1.0f);
     const float t13 = fmaf(66.666664f, in->vx * t12, -(6.366667f * (in->omega * t9)));
-    const float t14 = fmaf((-5.96875f), in->omega * t12, ((-62.5f) * (in->vx * t9)) - in->omega);
+    const float t14 = fmaf((-5.96875f), in->omega * t12, fmaf((-62.5f), in->vx * t9, -in->omega));
 
     out->right.spin = t0 + t1;
     out->left.spin = t1 - t0;

@@ -28,7 +28,7 @@
 #define WMRGEN_ANDINO_H
 
 #define ANDINO_MODEL_HASH "40e5563d43a9852f8cddf1dd35bb49c8"
-#define ANDINO_PAIR_006d9f7e79df0aec 1
+#define ANDINO_PAIR_f2b65293a33a0bc4 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ANDINO_PAIR_006d9f7e79df0aec)
+#if !defined(ANDINO_PAIR_f2b65293a33a0bc4)
 #error "andino_checked.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

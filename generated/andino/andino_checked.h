@@ -18,7 +18,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_006d9f7e79df0aec)
+#if !defined(ANDINO_PAIR_f2b65293a33a0bc4)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

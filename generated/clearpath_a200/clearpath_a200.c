@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_A200_PAIR_e02ff53a3d55789c)
+#if !defined(CLEARPATH_A200_PAIR_f4292d7b61f7b93b)
 #error "clearpath_a200.c and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -80,12 +85,12 @@ void clearpath_a200_forward_slip(
     const float t3 = t0 - t1;
     const float t4 = 0.080353804f * t3; /* omega */
     const float t5 = 0.022298181f * t3;
-    const float t6 = t2 - t5;
-    const float t7 = (0.1651f * in->front_left.spin) - t6;
-    const float t8 = t2 + t5;
-    const float t9 = (0.1651f * in->front_right.spin) - t8;
-    const float t10 = (0.1651f * in->rear_left.spin) - t6;
-    const float t11 = (0.1651f * in->rear_right.spin) - t8;
+    const float t6 = -(t2 - t5);
+    const float t7 = fmaf(0.1651f, in->front_left.spin, t6);
+    const float t8 = -(t2 + t5);
+    const float t9 = fmaf(0.1651f, in->front_right.spin, t8);
+    const float t10 = fmaf(0.1651f, in->rear_left.spin, t6);
+    const float t11 = fmaf(0.1651f, in->rear_right.spin, t8);
     const float t12 = fmaf(t11, t11, fmaf(t10, t10, fmaf(t7, t7, t9 * t9)));
 
     out->vx = t2;

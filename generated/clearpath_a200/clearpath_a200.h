@@ -47,7 +47,7 @@
 #define WMRGEN_CLEARPATH_A200_H
 
 #define CLEARPATH_A200_MODEL_HASH "d4ebc2550b3101c4c496e1b3715cc5f5"
-#define CLEARPATH_A200_PAIR_e02ff53a3d55789c 1
+#define CLEARPATH_A200_PAIR_f4292d7b61f7b93b 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_A200_PAIR_e02ff53a3d55789c)
+#if !defined(CLEARPATH_A200_PAIR_f4292d7b61f7b93b)
 #error "clearpath_a200_checked.c and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -18,7 +18,7 @@
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_e02ff53a3d55789c)
+#if !defined(CLEARPATH_A200_PAIR_f4292d7b61f7b93b)
 #error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -18,7 +18,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_b65a8625fb978d46)
+#if !defined(CLEARPATH_DO100_PAIR_578f2bcfc5d02278)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

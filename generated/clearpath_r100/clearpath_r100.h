@@ -50,7 +50,7 @@
 #define WMRGEN_CLEARPATH_R100_H
 
 #define CLEARPATH_R100_MODEL_HASH "9f58f434ef91d139e7187745500868dd"
-#define CLEARPATH_R100_PAIR_4bf255f3868ac493 1
+#define CLEARPATH_R100_PAIR_adee6afcac904937 1
 
 #ifdef __cplusplus
 extern "C" {

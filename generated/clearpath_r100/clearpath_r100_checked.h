@@ -18,7 +18,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_4bf255f3868ac493)
+#if !defined(CLEARPATH_R100_PAIR_adee6afcac904937)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 

@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_4114472443d49acf)
+#if !defined(FESTO_ROBOTINO_PAIR_69f8ed4baf653813)
 #error "festo_robotino.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -59,7 +64,7 @@ void festo_robotino_forward(const festo_robotino_forward_in *in, festo_robotino_
 {
     const float t0 = 0.023094011f * (in->wheel2.spin - in->wheel0.spin);
     const float t1 = in->wheel0.spin + in->wheel2.spin;
-    const float t2 = 0.01348808f * (t1 - (1.9655814f * in->wheel1.spin));
+    const float t2 = 0.01348808f * fmaf((-1.9655814f), in->wheel1.spin, t1);
 
     out->vx = t0;
     out->vy = t2;
@@ -72,7 +77,7 @@ void festo_robotino_forward_slip(
 {
     const float t0 = 0.023094011f * (in->wheel2.spin - in->wheel0.spin);
     const float t1 = in->wheel0.spin + in->wheel2.spin;
-    const float t2 = 0.01348808f * (t1 - (1.9655814f * in->wheel1.spin));
+    const float t2 = 0.01348808f * fmaf((-1.9655814f), in->wheel1.spin, t1);
 
     out->vx = t0;
     out->vy = t2;

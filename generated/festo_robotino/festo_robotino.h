@@ -48,7 +48,7 @@
 #define WMRGEN_FESTO_ROBOTINO_H
 
 #define FESTO_ROBOTINO_MODEL_HASH "4fb3b62042cc2c214ab0bef03172ce35"
-#define FESTO_ROBOTINO_PAIR_4114472443d49acf 1
+#define FESTO_ROBOTINO_PAIR_69f8ed4baf653813 1
 
 #ifdef __cplusplus
 extern "C" {

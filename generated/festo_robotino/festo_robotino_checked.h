@@ -18,7 +18,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_4114472443d49acf)
+#if !defined(FESTO_ROBOTINO_PAIR_69f8ed4baf653813)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

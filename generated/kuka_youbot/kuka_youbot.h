@@ -48,7 +48,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "c4c0ab6420747c8ae193c530a4c61ec5"
-#define KUKA_YOUBOT_PAIR_0e5bbaf28b849fd7 1
+#define KUKA_YOUBOT_PAIR_503fb579fe1d1ba0 1
 
 #ifdef __cplusplus
 extern "C" {

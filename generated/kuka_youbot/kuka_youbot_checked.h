@@ -18,7 +18,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_0e5bbaf28b849fd7)
+#if !defined(KUKA_YOUBOT_PAIR_503fb579fe1d1ba0)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 

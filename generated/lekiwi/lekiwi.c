@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LEKIWI_PAIR_70126de06cf25266)
+#if !defined(LEKIWI_PAIR_6dbb34aac7fece6a)
 #error "lekiwi.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -39,11 +44,11 @@ static inline float wmrgen_flip(float a, float n)
 void lekiwi_inverse(const lekiwi_inverse_in *in, lekiwi_inverse_out *out)
 {
     const float t0 = 2.5f * in->omega;
-    const float t1 = t0 + (10.0f * in->vy);
+    const float t1 = fmaf(10.0f, in->vy, t0);
     const float t2 = 17.320509f * in->vx;
 
     out->left_wheel.spin = t1 - t2;
-    out->back_wheel.spin = t0 - (20.0f * in->vy);
+    out->back_wheel.spin = fmaf((-20.0f), in->vy, t0);
     out->right_wheel.spin = t1 + t2;
 }
 

@@ -48,7 +48,7 @@
 #define WMRGEN_LEKIWI_H
 
 #define LEKIWI_MODEL_HASH "c63acdb616024cc477c9562ef7664b07"
-#define LEKIWI_PAIR_70126de06cf25266 1
+#define LEKIWI_PAIR_6dbb34aac7fece6a 1
 
 #ifdef __cplusplus
 extern "C" {

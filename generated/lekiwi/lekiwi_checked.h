@@ -18,7 +18,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_70126de06cf25266)
+#if !defined(LEKIWI_PAIR_6dbb34aac7fece6a)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

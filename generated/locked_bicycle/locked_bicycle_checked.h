@@ -18,7 +18,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_750475a93346e7f1)
+#if !defined(LOCKED_BICYCLE_PAIR_89a471965ff4274f)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

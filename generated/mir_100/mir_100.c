@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(MIR_100_PAIR_7a71c64b7b833bde)
+#if !defined(MIR_100_PAIR_c7cef5043e076bf9)
 #error "mir_100.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -55,65 +60,66 @@ void mir_100_inverse(const mir_100_inverse_in *in, mir_100_inverse_out *out)
     const float t14 = (-16.0f) * in->vx;
     const float t15 = in->omega * t13;
     const float t16 = fmaf(3.248f, t15, fmaf(t13, t14, -(5.461536f * t10)));
-    const float t17 = fmaf(8.93576f, t15, (5.314136f * t10) - in->omega);
-    const float t18 = 26.17801f * in->vx;
-    const float t19 = fmaf(in->fr_caster.steer, 0.31830987f, 12582912.0f);
-    const float t20 = t19 - 12582912.0f;
-    const float t21 = fmaf(t20, 8.742278e-08f, fmaf(-t20, 3.1415927f, in->fr_caster.steer));
-    const float t22 = t21 * t21;
-    const float t23 = fmaf(t22, fmaf(t22, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t24 = fmaf(t21 * t22, fmaf(t22, t23, (-0.16666657f)), t21);
-    const float t25 = wmrgen_flip(1.0f, t19);
-    const float t26 = t25 * t24;
-    const float t27 = in->omega * t26;
-    const float t28 = fmaf(t22, fmaf(t22, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t29 = fmaf(t22, fmaf(t22, t28, 0.041666657f), (-0.5f));
-    const float t30 = t25 * fmaf(t22, t29, 1.0f);
-    const float t31 = in->omega * t30;
-    const float t32 = fmaf((-3.248f), t31, fmaf(t14, t30, -(5.461536f * t27)));
-    const float t33 = fmaf(8.93576f, t31, ((-5.314136f) * t27) - in->omega);
-    const float t34 = -t18;
-    const float t35 = fmaf(in->bl_caster.steer, 0.31830987f, 12582912.0f);
-    const float t36 = t35 - 12582912.0f;
-    const float t37 = fmaf(t36, 8.742278e-08f, fmaf(-t36, 3.1415927f, in->bl_caster.steer));
-    const float t38 = t37 * t37;
-    const float t39 = fmaf(t38, fmaf(t38, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t40 = fmaf(t37 * t38, fmaf(t38, t39, (-0.16666657f)), t37);
-    const float t41 = wmrgen_flip(1.0f, t35);
-    const float t42 = t41 * t40;
-    const float t43 = in->omega * t42;
-    const float t44 = fmaf(t38, fmaf(t38, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t45 = fmaf(t38, fmaf(t38, t44, 0.041666657f), (-0.5f));
-    const float t46 = t41 * fmaf(t38, t45, 1.0f);
-    const float t47 = in->omega * t46;
-    const float t48 = fmaf(3.248f, t47, fmaf(4.322464f, t43, t14 * t46));
-    const float t49 = fmaf((-7.0720944f), t47, (5.314136f * t43) - in->omega);
-    const float t50 = fmaf(in->br_caster.steer, 0.31830987f, 12582912.0f);
-    const float t51 = t50 - 12582912.0f;
-    const float t52 = fmaf(t51, 8.742278e-08f, fmaf(-t51, 3.1415927f, in->br_caster.steer));
-    const float t53 = t52 * t52;
-    const float t54 = fmaf(t53, fmaf(t53, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t55 = fmaf(t52 * t53, fmaf(t53, t54, (-0.16666657f)), t52);
-    const float t56 = wmrgen_flip(1.0f, t50);
-    const float t57 = t56 * t55;
-    const float t58 = in->omega * t57;
-    const float t59 = fmaf(t53, fmaf(t53, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t60 = fmaf(t53, fmaf(t53, t59, 0.041666657f), (-0.5f));
-    const float t61 = t56 * fmaf(t53, t60, 1.0f);
-    const float t62 = in->omega * t61;
-    const float t63 = fmaf((-3.248f), t62, fmaf(4.322464f, t58, t14 * t61));
-    const float t64 = fmaf((-7.0720944f), t62, ((-5.314136f) * t58) - in->omega);
+    const float t17 = -in->omega;
+    const float t18 = fmaf(8.93576f, t15, fmaf(5.314136f, t10, t17));
+    const float t19 = 26.17801f * in->vx;
+    const float t20 = fmaf(in->fr_caster.steer, 0.31830987f, 12582912.0f);
+    const float t21 = t20 - 12582912.0f;
+    const float t22 = fmaf(t21, 8.742278e-08f, fmaf(-t21, 3.1415927f, in->fr_caster.steer));
+    const float t23 = t22 * t22;
+    const float t24 = fmaf(t23, fmaf(t23, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t25 = fmaf(t22 * t23, fmaf(t23, t24, (-0.16666657f)), t22);
+    const float t26 = wmrgen_flip(1.0f, t20);
+    const float t27 = t26 * t25;
+    const float t28 = in->omega * t27;
+    const float t29 = fmaf(t23, fmaf(t23, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t30 = fmaf(t23, fmaf(t23, t29, 0.041666657f), (-0.5f));
+    const float t31 = t26 * fmaf(t23, t30, 1.0f);
+    const float t32 = in->omega * t31;
+    const float t33 = fmaf((-3.248f), t32, fmaf(t14, t31, -(5.461536f * t28)));
+    const float t34 = fmaf(8.93576f, t32, fmaf((-5.314136f), t28, t17));
+    const float t35 = -t19;
+    const float t36 = fmaf(in->bl_caster.steer, 0.31830987f, 12582912.0f);
+    const float t37 = t36 - 12582912.0f;
+    const float t38 = fmaf(t37, 8.742278e-08f, fmaf(-t37, 3.1415927f, in->bl_caster.steer));
+    const float t39 = t38 * t38;
+    const float t40 = fmaf(t39, fmaf(t39, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t41 = fmaf(t38 * t39, fmaf(t39, t40, (-0.16666657f)), t38);
+    const float t42 = wmrgen_flip(1.0f, t36);
+    const float t43 = t42 * t41;
+    const float t44 = in->omega * t43;
+    const float t45 = fmaf(t39, fmaf(t39, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t46 = fmaf(t39, fmaf(t39, t45, 0.041666657f), (-0.5f));
+    const float t47 = t42 * fmaf(t39, t46, 1.0f);
+    const float t48 = in->omega * t47;
+    const float t49 = fmaf(3.248f, t48, fmaf(4.322464f, t44, t14 * t47));
+    const float t50 = fmaf((-7.0720944f), t48, fmaf(5.314136f, t44, t17));
+    const float t51 = fmaf(in->br_caster.steer, 0.31830987f, 12582912.0f);
+    const float t52 = t51 - 12582912.0f;
+    const float t53 = fmaf(t52, 8.742278e-08f, fmaf(-t52, 3.1415927f, in->br_caster.steer));
+    const float t54 = t53 * t53;
+    const float t55 = fmaf(t54, fmaf(t54, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t56 = fmaf(t53 * t54, fmaf(t54, t55, (-0.16666657f)), t53);
+    const float t57 = wmrgen_flip(1.0f, t51);
+    const float t58 = t57 * t56;
+    const float t59 = in->omega * t58;
+    const float t60 = fmaf(t54, fmaf(t54, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t61 = fmaf(t54, fmaf(t54, t60, 0.041666657f), (-0.5f));
+    const float t62 = t57 * fmaf(t54, t61, 1.0f);
+    const float t63 = in->omega * t62;
+    const float t64 = fmaf((-3.248f), t63, fmaf(4.322464f, t59, t14 * t62));
+    const float t65 = fmaf((-7.0720944f), t63, fmaf((-5.314136f), t59, t17));
 
     out->left.spin = t0 - t1;
     out->right.spin = t1 + t0;
     out->fl_caster.spin = t16;
-    out->fl_caster.steer_rate = fmaf(-t9, t18, t17);
-    out->fr_caster.spin = t32;
-    out->fr_caster.steer_rate = fmaf(t34, t26, t33);
-    out->bl_caster.spin = t48;
-    out->bl_caster.steer_rate = fmaf(t34, t42, t49);
-    out->br_caster.spin = t63;
-    out->br_caster.steer_rate = fmaf(t34, t57, t64);
+    out->fl_caster.steer_rate = fmaf(-t9, t19, t18);
+    out->fr_caster.spin = t33;
+    out->fr_caster.steer_rate = fmaf(t35, t27, t34);
+    out->bl_caster.spin = t49;
+    out->bl_caster.steer_rate = fmaf(t35, t43, t50);
+    out->br_caster.spin = t64;
+    out->br_caster.steer_rate = fmaf(t35, t58, t65);
 }
 
 void mir_100_inverse_slip(const mir_100_inverse_slip_in *in, mir_100_inverse_slip_out *out)

@@ -55,7 +55,7 @@
 #define WMRGEN_MIR_100_H
 
 #define MIR_100_MODEL_HASH "01dfebe1a41126e8d3a81048b5bb7e0d"
-#define MIR_100_PAIR_7a71c64b7b833bde 1
+#define MIR_100_PAIR_c7cef5043e076bf9 1
 
 #ifdef __cplusplus
 extern "C" {

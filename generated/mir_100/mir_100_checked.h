@@ -18,7 +18,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_7a71c64b7b833bde)
+#if !defined(MIR_100_PAIR_c7cef5043e076bf9)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_c7443594d56401c0)
+#if !defined(NEOBOTIX_MP_400_PAIR_fce3e94cc2b68b7f)
 #error "neobotix_mp_400.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -58,68 +63,69 @@ void neobotix_mp_400_inverse(
     const float t15 = (-26.31579f) * in->vx;
     const float t16 = in->omega * t14;
     const float t17 = fmaf(4.0789475f, t16, fmaf(t14, t15, -(4.3421054f * t11)));
-    const float t18 = 50.0f * in->vx;
-    const float t19 = fmaf(-t10, t18, fmaf(8.25f, t16, (7.75f * t11) - in->omega));
-    const float t20 = fmaf(in->castor_back_left.steer, 0.31830987f, 12582912.0f);
-    const float t21 = t20 - 12582912.0f;
-    const float t22 = fmaf(-t21, 3.1415927f, in->castor_back_left.steer);
-    const float t23 = fmaf(t21, 8.742278e-08f, t22);
-    const float t24 = t23 * t23;
-    const float t25 = fmaf(t24, fmaf(t24, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t26 = fmaf(t23 * t24, fmaf(t24, t25, (-0.16666657f)), t23);
-    const float t27 = wmrgen_flip(1.0f, t20);
-    const float t28 = t27 * t26;
-    const float t29 = in->omega * t28;
-    const float t30 = fmaf(t24, fmaf(t24, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t31 = fmaf(t24, fmaf(t24, t30, 0.041666657f), (-0.5f));
-    const float t32 = t27 * fmaf(t24, t31, 1.0f);
-    const float t33 = in->omega * t32;
-    const float t34 = fmaf(4.0789475f, t33, fmaf(5.7894735f, t29, t15 * t32));
-    const float t35 = fmaf((-11.0f), t33, (7.75f * t29) - in->omega);
-    const float t36 = -t18;
-    const float t37 = fmaf(in->castor_front_right.steer, 0.31830987f, 12582912.0f);
-    const float t38 = t37 - 12582912.0f;
-    const float t39 = fmaf(-t38, 3.1415927f, in->castor_front_right.steer);
-    const float t40 = fmaf(t38, 8.742278e-08f, t39);
-    const float t41 = t40 * t40;
-    const float t42 = fmaf(t41, fmaf(t41, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t43 = fmaf(t40 * t41, fmaf(t41, t42, (-0.16666657f)), t40);
-    const float t44 = wmrgen_flip(1.0f, t37);
-    const float t45 = t44 * t43;
-    const float t46 = in->omega * t45;
-    const float t47 = fmaf(t41, fmaf(t41, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t48 = fmaf(t41, fmaf(t41, t47, 0.041666657f), (-0.5f));
-    const float t49 = t44 * fmaf(t41, t48, 1.0f);
-    const float t50 = in->omega * t49;
-    const float t51 = fmaf((-4.0789475f), t50, fmaf(t15, t49, -(4.3421054f * t46)));
-    const float t52 = fmaf(8.25f, t50, ((-7.75f) * t46) - in->omega);
-    const float t53 = fmaf(in->castor_back_right.steer, 0.31830987f, 12582912.0f);
-    const float t54 = t53 - 12582912.0f;
-    const float t55 = fmaf(-t54, 3.1415927f, in->castor_back_right.steer);
-    const float t56 = fmaf(t54, 8.742278e-08f, t55);
-    const float t57 = t56 * t56;
-    const float t58 = fmaf(t57, fmaf(t57, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t59 = fmaf(t56 * t57, fmaf(t57, t58, (-0.16666657f)), t56);
-    const float t60 = wmrgen_flip(1.0f, t53);
-    const float t61 = t60 * t59;
-    const float t62 = in->omega * t61;
-    const float t63 = fmaf(t57, fmaf(t57, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t64 = fmaf(t57, fmaf(t57, t63, 0.041666657f), (-0.5f));
-    const float t65 = t60 * fmaf(t57, t64, 1.0f);
-    const float t66 = in->omega * t65;
-    const float t67 = fmaf((-4.0789475f), t66, fmaf(5.7894735f, t62, t15 * t65));
-    const float t68 = fmaf((-11.0f), t66, ((-7.75f) * t62) - in->omega);
+    const float t18 = -in->omega;
+    const float t19 = 50.0f * in->vx;
+    const float t20 = fmaf(-t10, t19, fmaf(8.25f, t16, fmaf(7.75f, t11, t18)));
+    const float t21 = fmaf(in->castor_back_left.steer, 0.31830987f, 12582912.0f);
+    const float t22 = t21 - 12582912.0f;
+    const float t23 = fmaf(-t22, 3.1415927f, in->castor_back_left.steer);
+    const float t24 = fmaf(t22, 8.742278e-08f, t23);
+    const float t25 = t24 * t24;
+    const float t26 = fmaf(t25, fmaf(t25, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t27 = fmaf(t24 * t25, fmaf(t25, t26, (-0.16666657f)), t24);
+    const float t28 = wmrgen_flip(1.0f, t21);
+    const float t29 = t28 * t27;
+    const float t30 = in->omega * t29;
+    const float t31 = fmaf(t25, fmaf(t25, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t32 = fmaf(t25, fmaf(t25, t31, 0.041666657f), (-0.5f));
+    const float t33 = t28 * fmaf(t25, t32, 1.0f);
+    const float t34 = in->omega * t33;
+    const float t35 = fmaf(4.0789475f, t34, fmaf(5.7894735f, t30, t15 * t33));
+    const float t36 = -t19;
+    const float t37 = fmaf(t36, t29, fmaf((-11.0f), t34, fmaf(7.75f, t30, t18)));
+    const float t38 = fmaf(in->castor_front_right.steer, 0.31830987f, 12582912.0f);
+    const float t39 = t38 - 12582912.0f;
+    const float t40 = fmaf(-t39, 3.1415927f, in->castor_front_right.steer);
+    const float t41 = fmaf(t39, 8.742278e-08f, t40);
+    const float t42 = t41 * t41;
+    const float t43 = fmaf(t42, fmaf(t42, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t44 = fmaf(t41 * t42, fmaf(t42, t43, (-0.16666657f)), t41);
+    const float t45 = wmrgen_flip(1.0f, t38);
+    const float t46 = t45 * t44;
+    const float t47 = in->omega * t46;
+    const float t48 = fmaf(t42, fmaf(t42, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t49 = fmaf(t42, fmaf(t42, t48, 0.041666657f), (-0.5f));
+    const float t50 = t45 * fmaf(t42, t49, 1.0f);
+    const float t51 = in->omega * t50;
+    const float t52 = fmaf((-4.0789475f), t51, fmaf(t15, t50, -(4.3421054f * t47)));
+    const float t53 = fmaf(t36, t46, fmaf(8.25f, t51, fmaf((-7.75f), t47, t18)));
+    const float t54 = fmaf(in->castor_back_right.steer, 0.31830987f, 12582912.0f);
+    const float t55 = t54 - 12582912.0f;
+    const float t56 = fmaf(-t55, 3.1415927f, in->castor_back_right.steer);
+    const float t57 = fmaf(t55, 8.742278e-08f, t56);
+    const float t58 = t57 * t57;
+    const float t59 = fmaf(t58, fmaf(t58, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t60 = fmaf(t57 * t58, fmaf(t58, t59, (-0.16666657f)), t57);
+    const float t61 = wmrgen_flip(1.0f, t54);
+    const float t62 = t61 * t60;
+    const float t63 = in->omega * t62;
+    const float t64 = fmaf(t58, fmaf(t58, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t65 = fmaf(t58, fmaf(t58, t64, 0.041666657f), (-0.5f));
+    const float t66 = t61 * fmaf(t58, t65, 1.0f);
+    const float t67 = in->omega * t66;
+    const float t68 = fmaf((-4.0789475f), t67, fmaf(5.7894735f, t63, t15 * t66));
+    const float t69 = fmaf((-11.0f), t67, fmaf((-7.75f), t63, t18));
 
     out->right.spin = t0 + t1;
     out->left.spin = t1 - t0;
     out->castor_front_left.spin = t17;
-    out->castor_front_left.steer_rate = t19;
-    out->castor_back_left.spin = t34;
-    out->castor_back_left.steer_rate = fmaf(t36, t28, t35);
-    out->castor_front_right.spin = t51;
-    out->castor_front_right.steer_rate = fmaf(t36, t45, t52);
-    out->castor_back_right.spin = t67;
-    out->castor_back_right.steer_rate = fmaf(t36, t61, t68);
+    out->castor_front_left.steer_rate = t20;
+    out->castor_back_left.spin = t35;
+    out->castor_back_left.steer_rate = t37;
+    out->castor_front_right.spin = t52;
+    out->castor_front_right.steer_rate = t53;
+    out->castor_back_right.spin = t68;
+    out->castor_back_right.steer_rate = fmaf(t36, t62, t69);
 }
 
 void neobotix_mp_400_inverse_slip(

@@ -31,7 +31,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "fde63fc887ed13d9421f944a2f62c4ce"
-#define NEOBOTIX_MP_400_PAIR_c7443594d56401c0 1
+#define NEOBOTIX_MP_400_PAIR_fce3e94cc2b68b7f 1
 
 #ifdef __cplusplus
 extern "C" {

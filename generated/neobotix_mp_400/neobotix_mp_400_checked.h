@@ -18,7 +18,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_c7443594d56401c0)
+#if !defined(NEOBOTIX_MP_400_PAIR_fce3e94cc2b68b7f)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

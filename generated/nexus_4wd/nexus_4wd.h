@@ -30,7 +30,7 @@
 #define WMRGEN_NEXUS_4WD_H
 
 #define NEXUS_4WD_MODEL_HASH "554517386b33097f083fe6bbff916652"
-#define NEXUS_4WD_PAIR_c55e3155a043bb22 1
+#define NEXUS_4WD_PAIR_5f9fe547f1123ed0 1
 
 #ifdef __cplusplus
 extern "C" {

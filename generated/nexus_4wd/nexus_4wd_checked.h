@@ -18,7 +18,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_c55e3155a043bb22)
+#if !defined(NEXUS_4WD_PAIR_5f9fe547f1123ed0)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_7d51b110c712938d)
+#if !defined(OFFICE_CHAIR_PAIR_be2ed3b31bb53e13)
 #error "office_chair.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -46,84 +51,85 @@ void office_chair_inverse(const office_chair_inverse_in *in, office_chair_invers
     const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
     const float t6 = wmrgen_flip(1.0f, t0);
     const float t7 = t6 * t5;
-    const float t8 = in->vy + (0.28f * in->omega);
+    const float t8 = fmaf(0.28f, in->omega, in->vy);
     const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
     const float t11 = t6 * fmaf(t3, t10, 1.0f);
-    const float t12 = fmaf((-40.0f), in->vx * t7, (t11 * (40.0f * t8)) - in->omega);
-    const float t13 = fmaf(in->c2.steer, 0.31830987f, 12582912.0f);
-    const float t14 = t13 - 12582912.0f;
-    const float t15 = fmaf(t14, 8.742278e-08f, fmaf(-t14, 3.1415927f, in->c2.steer));
-    const float t16 = t15 * t15;
-    const float t17 = fmaf(t16, fmaf(t16, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t18 = fmaf(t15 * t16, fmaf(t16, t17, (-0.16666657f)), t15);
-    const float t19 = wmrgen_flip(1.0f, t13);
-    const float t20 = t19 * t18;
-    const float t21 = fmaf(t16, fmaf(t16, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t22 = fmaf(t16, fmaf(t16, t21, 0.041666657f), (-0.5f));
-    const float t23 = t19 * fmaf(t16, t22, 1.0f);
-    const float t24 = fmaf(in->vx, t20, -(in->vy * t23));
-    const float t25 = 9.333333f * in->omega;
-    const float t26 = fmaf(in->vx, t23, in->vy * t20);
-    const float t27 = fmaf(10.300567f, t26, fmaf(t20, t25, -(31.701883f * t24)));
-    const float t28 = 11.2f * in->omega;
-    const float t29 = fmaf((-12.36068f), t24, (t23 * t28) - in->omega);
-    const float t30 = fmaf(in->c3.steer, 0.31830987f, 12582912.0f);
-    const float t31 = t30 - 12582912.0f;
-    const float t32 = fmaf(t31, 8.742278e-08f, fmaf(-t31, 3.1415927f, in->c3.steer));
-    const float t33 = t32 * t32;
-    const float t34 = fmaf(t33, fmaf(t33, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t35 = fmaf(t32 * t33, fmaf(t33, t34, (-0.16666657f)), t32);
-    const float t36 = wmrgen_flip(1.0f, t30);
-    const float t37 = t36 * t35;
-    const float t38 = fmaf(t33, fmaf(t33, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t39 = fmaf(t33, fmaf(t33, t38, 0.041666657f), (-0.5f));
-    const float t40 = t36 * fmaf(t33, t39, 1.0f);
-    const float t41 = fmaf(in->vx, t37, -(in->vy * t40));
-    const float t42 = fmaf(in->vx, t40, in->vy * t37);
-    const float t43 = fmaf((-26.967234f), t42, fmaf(t25, t37, -(19.592842f * t41)));
-    const float t44 = fmaf(32.36068f, t41, (t28 * t40) - in->omega);
-    const float t45 = fmaf(in->c4.steer, 0.31830987f, 12582912.0f);
-    const float t46 = t45 - 12582912.0f;
-    const float t47 = fmaf(t46, 8.742278e-08f, fmaf(-t46, 3.1415927f, in->c4.steer));
-    const float t48 = t47 * t47;
-    const float t49 = fmaf(t48, fmaf(t48, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t50 = fmaf(t47 * t48, fmaf(t48, t49, (-0.16666657f)), t47);
-    const float t51 = wmrgen_flip(1.0f, t45);
-    const float t52 = t51 * t50;
-    const float t53 = fmaf(t48, fmaf(t48, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t54 = fmaf(t48, fmaf(t48, t53, 0.041666657f), (-0.5f));
-    const float t55 = t51 * fmaf(t48, t54, 1.0f);
-    const float t56 = fmaf(in->vx, t52, -(in->vy * t55));
-    const float t57 = fmaf(in->vx, t55, in->vy * t52);
-    const float t58 = fmaf((-26.967234f), t57, fmaf(19.592842f, t56, t25 * t52));
-    const float t59 = fmaf(32.36068f, t56, (t28 * t55) - in->omega);
-    const float t60 = fmaf(in->c5.steer, 0.31830987f, 12582912.0f);
-    const float t61 = t60 - 12582912.0f;
-    const float t62 = fmaf(t61, 8.742278e-08f, fmaf(-t61, 3.1415927f, in->c5.steer));
-    const float t63 = t62 * t62;
-    const float t64 = fmaf(t63, fmaf(t63, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t65 = fmaf(t62 * t63, fmaf(t63, t64, (-0.16666657f)), t62);
-    const float t66 = wmrgen_flip(1.0f, t60);
-    const float t67 = t66 * t65;
-    const float t68 = fmaf(t63, fmaf(t63, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t69 = fmaf(t63, fmaf(t63, t68, 0.041666657f), (-0.5f));
-    const float t70 = t66 * fmaf(t63, t69, 1.0f);
-    const float t71 = fmaf(in->vx, t67, -(in->vy * t70));
-    const float t72 = fmaf(in->vx, t70, in->vy * t67);
-    const float t73 = fmaf(10.300567f, t72, fmaf(31.701883f, t71, t25 * t67));
-    const float t74 = fmaf((-12.36068f), t71, (t28 * t70) - in->omega);
+    const float t12 = -in->omega;
+    const float t13 = fmaf((-40.0f), in->vx * t7, fmaf(t11, 40.0f * t8, t12));
+    const float t14 = fmaf(in->c2.steer, 0.31830987f, 12582912.0f);
+    const float t15 = t14 - 12582912.0f;
+    const float t16 = fmaf(t15, 8.742278e-08f, fmaf(-t15, 3.1415927f, in->c2.steer));
+    const float t17 = t16 * t16;
+    const float t18 = fmaf(t17, fmaf(t17, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t19 = fmaf(t16 * t17, fmaf(t17, t18, (-0.16666657f)), t16);
+    const float t20 = wmrgen_flip(1.0f, t14);
+    const float t21 = t20 * t19;
+    const float t22 = fmaf(t17, fmaf(t17, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t23 = fmaf(t17, fmaf(t17, t22, 0.041666657f), (-0.5f));
+    const float t24 = t20 * fmaf(t17, t23, 1.0f);
+    const float t25 = fmaf(in->vx, t21, -(in->vy * t24));
+    const float t26 = 9.333333f * in->omega;
+    const float t27 = fmaf(in->vx, t24, in->vy * t21);
+    const float t28 = fmaf(10.300567f, t27, fmaf(t21, t26, -(31.701883f * t25)));
+    const float t29 = 11.2f * in->omega;
+    const float t30 = fmaf((-38.04226f), t27, fmaf((-12.36068f), t25, fmaf(t24, t29, t12)));
+    const float t31 = fmaf(in->c3.steer, 0.31830987f, 12582912.0f);
+    const float t32 = t31 - 12582912.0f;
+    const float t33 = fmaf(t32, 8.742278e-08f, fmaf(-t32, 3.1415927f, in->c3.steer));
+    const float t34 = t33 * t33;
+    const float t35 = fmaf(t34, fmaf(t34, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t36 = fmaf(t33 * t34, fmaf(t34, t35, (-0.16666657f)), t33);
+    const float t37 = wmrgen_flip(1.0f, t31);
+    const float t38 = t37 * t36;
+    const float t39 = fmaf(t34, fmaf(t34, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t40 = fmaf(t34, fmaf(t34, t39, 0.041666657f), (-0.5f));
+    const float t41 = t37 * fmaf(t34, t40, 1.0f);
+    const float t42 = fmaf(in->vx, t38, -(in->vy * t41));
+    const float t43 = fmaf(in->vx, t41, in->vy * t38);
+    const float t44 = fmaf((-26.967234f), t43, fmaf(t26, t38, -(19.592842f * t42)));
+    const float t45 = fmaf((-23.51141f), t43, fmaf(32.36068f, t42, fmaf(t29, t41, t12)));
+    const float t46 = fmaf(in->c4.steer, 0.31830987f, 12582912.0f);
+    const float t47 = t46 - 12582912.0f;
+    const float t48 = fmaf(t47, 8.742278e-08f, fmaf(-t47, 3.1415927f, in->c4.steer));
+    const float t49 = t48 * t48;
+    const float t50 = fmaf(t49, fmaf(t49, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t51 = fmaf(t48 * t49, fmaf(t49, t50, (-0.16666657f)), t48);
+    const float t52 = wmrgen_flip(1.0f, t46);
+    const float t53 = t52 * t51;
+    const float t54 = fmaf(t49, fmaf(t49, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t55 = fmaf(t49, fmaf(t49, t54, 0.041666657f), (-0.5f));
+    const float t56 = t52 * fmaf(t49, t55, 1.0f);
+    const float t57 = fmaf(in->vx, t53, -(in->vy * t56));
+    const float t58 = fmaf(in->vx, t56, in->vy * t53);
+    const float t59 = fmaf((-26.967234f), t58, fmaf(19.592842f, t57, t26 * t53));
+    const float t60 = fmaf(23.51141f, t58, fmaf(32.36068f, t57, fmaf(t29, t56, t12)));
+    const float t61 = fmaf(in->c5.steer, 0.31830987f, 12582912.0f);
+    const float t62 = t61 - 12582912.0f;
+    const float t63 = fmaf(t62, 8.742278e-08f, fmaf(-t62, 3.1415927f, in->c5.steer));
+    const float t64 = t63 * t63;
+    const float t65 = fmaf(t64, fmaf(t64, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
+    const float t66 = fmaf(t63 * t64, fmaf(t64, t65, (-0.16666657f)), t63);
+    const float t67 = wmrgen_flip(1.0f, t61);
+    const float t68 = t67 * t66;
+    const float t69 = fmaf(t64, fmaf(t64, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t70 = fmaf(t64, fmaf(t64, t69, 0.041666657f), (-0.5f));
+    const float t71 = t67 * fmaf(t64, t70, 1.0f);
+    const float t72 = fmaf(in->vx, t68, -(in->vy * t71));
+    const float t73 = fmaf(in->vx, t71, in->vy * t68);
+    const float t74 = fmaf(10.300567f, t73, fmaf(31.701883f, t72, t26 * t68));
+    const float t75 = fmaf(38.04226f, t73, fmaf((-12.36068f), t72, fmaf(t29, t71, t12)));
 
     out->c1.spin = 33.333332f * fmaf(in->vx, t11, t7 * t8);
-    out->c1.steer_rate = t12;
-    out->c2.spin = t27;
-    out->c2.steer_rate = fmaf((-38.04226f), t26, t29);
-    out->c3.spin = t43;
-    out->c3.steer_rate = fmaf((-23.51141f), t42, t44);
-    out->c4.spin = t58;
-    out->c4.steer_rate = fmaf(23.51141f, t57, t59);
-    out->c5.spin = t73;
-    out->c5.steer_rate = fmaf(38.04226f, t72, t74);
+    out->c1.steer_rate = t13;
+    out->c2.spin = t28;
+    out->c2.steer_rate = t30;
+    out->c3.spin = t44;
+    out->c3.steer_rate = t45;
+    out->c4.spin = t59;
+    out->c4.steer_rate = t60;
+    out->c5.spin = t74;
+    out->c5.steer_rate = t75;
 }
 
 void office_chair_inverse_slip(

@@ -30,7 +30,7 @@
 #define WMRGEN_OFFICE_CHAIR_H
 
 #define OFFICE_CHAIR_MODEL_HASH "a03eb55de49feb850da4f225e1bc2615"
-#define OFFICE_CHAIR_PAIR_7d51b110c712938d 1
+#define OFFICE_CHAIR_PAIR_be2ed3b31bb53e13 1
 
 #ifdef __cplusplus
 extern "C" {

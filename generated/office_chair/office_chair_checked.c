@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_7d51b110c712938d)
+#if !defined(OFFICE_CHAIR_PAIR_be2ed3b31bb53e13)
 #error "office_chair_checked.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -18,7 +18,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_7d51b110c712938d)
+#if !defined(OFFICE_CHAIR_PAIR_be2ed3b31bb53e13)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 

@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SSL_PARSIAN_PAIR_0200c39078c83b33)
+#if !defined(SSL_PARSIAN_PAIR_67e49c2f14098361)
 #error "ssl_parsian.c and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -39,9 +44,9 @@ static inline float wmrgen_flip(float a, float n)
 void ssl_parsian_inverse(const ssl_parsian_inverse_in *in, ssl_parsian_inverse_out *out)
 {
     const float t0 = (-3.3333333f) * in->omega;
-    const float t1 = t0 - (18.518518f * in->vy);
+    const float t1 = fmaf((-18.518518f), in->vy, t0);
     const float t2 = (-32.075016f) * in->vx;
-    const float t3 = t0 + (26.18914f * in->vy);
+    const float t3 = fmaf(26.18914f, in->vy, t0);
     const float t4 = (-26.18914f) * in->vx;
 
     out->wheel1.spin = t1 - t2;

@@ -30,7 +30,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "af9dc6415a911b061b5ef54f64d48fb5"
-#define SSL_PARSIAN_PAIR_0200c39078c83b33 1
+#define SSL_PARSIAN_PAIR_67e49c2f14098361 1
 
 #ifdef __cplusplus
 extern "C" {

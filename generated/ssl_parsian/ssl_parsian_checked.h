@@ -18,7 +18,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_0200c39078c83b33)
+#if !defined(SSL_PARSIAN_PAIR_67e49c2f14098361)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_e650254ba718c65e)
+#if !defined(TEXTBOOK_PAIR_39cca6862286a2a3)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -1122,7 +1127,7 @@ void textbook_mecanum_roller(
 {
     const float t0 = fabsf(in->count);
     const float t1 = (1e-12f < t0) ? in->count : 1.0f;
-    const float t2 = (1e-12f < t0) ? (3.1415927f * (1.0f / t1)) : 0.0f;
+    const float t2 = (1e-12f < t0) ? (3.1415927f / t1) : 0.0f;
     const float t3 = fmaf(t2, 0.31830987f, 12582912.0f);
     const float t4 = t3 - 12582912.0f;
     const float t5 = fmaf(t4, 8.742278e-08f, fmaf(-t4, 3.1415927f, t2));
@@ -1556,8 +1561,8 @@ void textbook_polar_gains(const textbook_polar_gains_in *in, textbook_polar_gain
     const float t1 = (in->k_rho < t0) ? in->k_rho : t0;
     const float t2 = in->k_alpha - in->k_rho;
     const float t3 = (t1 < t2) ? t1 : t2;
-    const float t4 = in->k_alpha - (0.63661975f * in->k_rho);
-    const float t5 = t4 + (1.6666666f * in->k_beta);
+    const float t4 = fmaf((-0.63661975f), in->k_rho, in->k_alpha);
+    const float t5 = fmaf(1.6666666f, in->k_beta, t4);
     const float t6 = (t1 < t5) ? t1 : t5;
     const float t7 = t4 + (2.0f * in->k_beta);
     const float t8 = (t1 < t7) ? t1 : t7;
@@ -1622,7 +1627,7 @@ void textbook_pursuit(const textbook_pursuit_in *in, textbook_pursuit_out *out)
     const float t24 = in->distance * in->distance;
     const float t25 = fabsf(t24);
     const float t26 = (1e-12f < t25) ? t24 : 1.0f;
-    const float t27 = (1e-12f < t25) ? (2.0f * (1.0f / t26)) : 0.0f;
+    const float t27 = (1e-12f < t25) ? (2.0f / t26) : 0.0f;
     const float t28 = fabsf(t6);
     const float t29 = (1e-12f < t28) ? t6 : 1.0f;
     const float t30 = (1e-12f < t28) ? (in->epsilon / t29) : 0.0f;

@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_652de563dfc446b3)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_90799deb8d1b4432)
 #error "textbook_differential.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif

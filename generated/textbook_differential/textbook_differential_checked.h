@@ -19,7 +19,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_652de563dfc446b3)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_90799deb8d1b4432)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 

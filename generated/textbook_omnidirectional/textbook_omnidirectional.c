@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_ea25d226804c2498)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_f10ad278112bed96)
 #error "textbook_omnidirectional.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -41,11 +46,11 @@ void textbook_omnidirectional_inverse(
     textbook_omnidirectional_inverse_out *out)
 {
     const float t0 = (-4.375f) * in->omega;
-    const float t1 = t0 - (6.25f * in->vy);
+    const float t1 = fmaf((-6.25f), in->vy, t0);
     const float t2 = (-10.825317f) * in->vx;
 
     out->w1.spin = t1 - t2;
-    out->w2.spin = t0 + (12.5f * in->vy);
+    out->w2.spin = fmaf(12.5f, in->vy, t0);
     out->w3.spin = t1 + t2;
 }
 

@@ -19,7 +19,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_ea25d226804c2498)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_f10ad278112bed96)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

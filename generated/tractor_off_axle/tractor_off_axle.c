@@ -10,13 +10,13 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_3ffff3b5e9d5ab82)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_1ed780bb2c6c75fb)
 #error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
 #error "-ffast-math regroups operations; the results would be wrong"
 #endif
-#if FLT_EVAL_METHOD != 0
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
@@ -28,10 +28,15 @@ static inline float wmrgen_flip(float a, float n)
     union {
         float value;
         uint32_t bits;
-    } x, y;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
     x.value = a;
     y.value = n;
-    x.bits ^= y.bits << 31;
+    x.bits ^= y.bits << 31U;
     return x.value;
 }
 #endif
@@ -54,7 +59,7 @@ void tractor_off_axle_inverse(
     const float t11 = fmaf(t5, fmaf(t5, t10, 0.041666657f), (-0.5f));
     const float t12 = t8 * fmaf(t5, t11, 1.0f);
     const float t13 = fmaf(6.0f, in->omega * t9, 20.0f * (in->vx * t12));
-    const float t14 = fmaf((-7.5f), in->omega * t12, (25.0f * (in->vx * t9)) - in->omega);
+    const float t14 = fmaf((-7.5f), in->omega * t12, fmaf(25.0f, in->vx * t9, -in->omega));
 
     out->left.spin = t0 - t1;
     out->right.spin = t1 + t0;

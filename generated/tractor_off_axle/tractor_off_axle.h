@@ -28,7 +28,7 @@
 #define WMRGEN_TRACTOR_OFF_AXLE_H
 
 #define TRACTOR_OFF_AXLE_MODEL_HASH "0070fd12925fb620178aadaf156a43f1"
-#define TRACTOR_OFF_AXLE_PAIR_3ffff3b5e9d5ab82 1
+#define TRACTOR_OFF_AXLE_PAIR_1ed780bb2c6c75fb 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_3ffff3b5e9d5ab82)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_1ed780bb2c6c75fb)
 #error "tractor_off_axle_checked.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -18,7 +18,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_3ffff3b5e9d5ab82)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_1ed780bb2c6c75fb)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -18,7 +18,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_c8b2d0586f2f190f)
+#if !defined(TURTLEBOT3_BURGER_PAIR_30cd1351919ed10a)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -25,7 +25,7 @@
 #define WMRGEN_UNICYCLE_H
 
 #define UNICYCLE_MODEL_HASH "90099c8a2656a337e8b65871c8606f9b"
-#define UNICYCLE_PAIR_e91970883d32caa8 1
+#define UNICYCLE_PAIR_d241bb31ab2aa02b 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -18,7 +18,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_e91970883d32caa8)
+#if !defined(UNICYCLE_PAIR_d241bb31ab2aa02b)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

@@ -33,7 +33,8 @@ def _flip(a: Array, n: Array) -> Array:
 
 
 _CALLS = {
-    "fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atan2f": np.arctan2, "fmaf": _fused,
+    "fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atanf": np.arctan,
+    "atan2f": np.arctan2, "fmaf": _fused,
     "wmrgen_flip": _flip,
 }  # fmt: skip
 _LINE = re.compile(r"^    (?:const float )?([\w.>-]+) = ([^;]+);$")

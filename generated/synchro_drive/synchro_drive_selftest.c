@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* synchro_drive_inverse() and synchro_drive_inverse_slip(). Columns: vx, vy, omega, w1.steer,
  * w2.steer, w3.steer; expected and tolerance of w1.spin, w1.steer, w2.spin, w2.steer, w3.spin,
  * w3.steer, slip. */
-static const float inverse_rows[36][20] = {
+static const float inverse_rows[40][20] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
      0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -156,6 +156,19 @@ static const float inverse_rows[36][20] = {
     /* centre of rotation on w3 */
     {-0.25980762f, 0.15f, 1.0f, -1.96875f, -2.34375f, -2.71875f, -3.0f, 94e-8f, -0.5235988f, 6e-7f,
      -3.0f, 94e-8f, -0.5235988f, 6e-7f, -3.0f, 94e-8f, -0.5235988f, 6e-7f, 0.3f, 51e-9f},
+    /* beside a wall */
+    {0.06160811f, -0.09998389f, 0.049574304f, 6.839344f, -0.21428229f, 0.3510789f, -1.1744078f,
+     37e-8f, 8.406214f, 3e-6f, -1.1744078f, 37e-8f, 8.406214f, 3e-6f, -1.1744078f, 37e-8f,
+     8.406214f, 3e-6f, 0.014872291f, 25e-10f},
+    {0.061582092f, -0.09989492f, 0.049329393f, 6.8316994f, -0.2141652f, 0.35098222f, 1.1735139f,
+     37e-8f, 5.26483f, 23e-7f, 1.1735139f, 37e-8f, 5.26483f, 23e-7f, 1.1735139f, 37e-8f, 5.26483f,
+     23e-7f, 0.014798818f, 25e-10f},
+    {2.5975602f, -0.17710638f, -1.7710638f, -11.069148f, -10.980596f, 0.08855319f, 26.03591f,
+     82e-7f, -12.634447f, 29e-7f, 26.03591f, 82e-7f, -12.634447f, 29e-7f, 26.03591f, 82e-7f,
+     -12.634447f, 29e-7f, 0.53131914f, 89e-9f},
+    {2.59498f, -0.17693044f, -1.7693045f, -11.058153f, -10.969687f, 0.08846522f, -26.010048f,
+     82e-7f, -9.492854f, 22e-7f, -26.010048f, 82e-7f, -9.492854f, 22e-7f, -26.010048f, 82e-7f,
+     -9.492854f, 22e-7f, 0.53079134f, 89e-9f},
 };
 
 static int inverse_misses(const float *row)
@@ -440,7 +453,7 @@ int synchro_drive_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 36U; ++k) {
+    for (k = 0U; k < 40U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* textbook_omni_steer_inverse() and textbook_omni_steer_inverse_slip(). Columns: vx, vy, omega,
  * front.steer; expected and tolerance of front.spin, front.steer, slip. */
-static const float inverse_rows[34][10] = {
+static const float inverse_rows[38][10] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -100,6 +100,15 @@ static const float inverse_rows[34][10] = {
      1e-12f},
     /* centre of rotation on right */
     {-0.25980762f, 0.15f, 1.0f, -1.96875f, -5.1961527f, 22e-7f, -1.0471976f, 15e-7f, 0.0f, 1e-12f},
+    /* beside a wall */
+    {0.061864834f, -0.10086197f, 0.051991243f, 6.914789f, -1.0534376f, 39e-8f, 8.481659f, 31e-7f,
+     0.0f, 1e-12f},
+    {0.061837707f, -0.10076918f, 0.051735844f, 6.906817f, 1.0531474f, 39e-8f, 5.3399477f, 24e-7f,
+     0.0f, 1e-12f},
+    {2.6440654f, -0.18027718f, -1.8027718f, -11.267324f, 27.40635f, 89e-7f, -12.832623f, 31e-7f,
+     0.0f, 1e-12f},
+    {2.6414852f, -0.18010126f, -1.8010125f, -11.256329f, -27.379604f, 89e-7f, -9.69103f, 24e-7f,
+     0.0f, 1e-12f},
 };
 
 static int inverse_misses(const float *row)
@@ -338,7 +347,7 @@ int textbook_omni_steer_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 34U; ++k) {
+    for (k = 0U; k < 38U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;

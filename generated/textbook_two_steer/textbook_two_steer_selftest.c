@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* textbook_two_steer_inverse() and textbook_two_steer_inverse_slip(). Columns: vx, vy, omega,
  * front.steer, rear.steer; expected and tolerance of front.spin, front.steer, rear.spin,
  * rear.steer, slip. */
-static const float inverse_rows[34][15] = {
+static const float inverse_rows[42][15] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f},
@@ -125,6 +125,23 @@ static const float inverse_rows[34][15] = {
     /* centre of rotation on ball */
     {-0.3f, 0.0f, 1.0f, -1.96875f, -2.34375f, -5.0f, 22e-7f, -0.6435011f, 92e-8f, 5.0f, 22e-7f,
      -2.4980915f, 15e-7f, 0.0f, 1e-12f},
+    /* beside a wall */
+    {0.06172622f, -0.10038787f, 0.050686266f, 6.8740544f, -0.21481396f, -1.0230373f, 4e-7f,
+     8.440924f, 32e-7f, 1.2873228f, 5e-7f, -1.1150645f, 15e-7f, 0.0f, 1e-12f},
+    {0.06169974f, -0.10029731f, 0.050436992f, 6.8662734f, -0.21469478f, 1.0228974f, 4e-7f,
+     5.2994037f, 25e-7f, 1.2858315f, 5e-7f, -1.1145093f, 15e-7f, 0.0f, 1e-12f},
+    {2.6402466f, -0.18001682f, -1.8001682f, -11.251051f, -11.161042f, 29.107357f, 12e-6f,
+     -12.816349f, 31e-7f, 28.431515f, 11e-6f, -12.439398f, 29e-7f, 0.0f, 1e-12f},
+    {2.6376662f, -0.17984088f, -1.7984089f, -11.240055f, -11.150135f, -29.07891f, 12e-6f,
+     -9.674757f, 24e-7f, 28.403727f, 11e-6f, -12.439398f, 29e-7f, 0.0f, 1e-12f},
+    {0.0668752f, 0.031161293f, 0.1973308f, -0.17675167f, 7.321356f, 1.0191863f, 45e-8f, 1.0899309f,
+     16e-7f, -0.54849845f, 26e-8f, 8.888225f, 28e-7f, 0.0f, 1e-12f},
+    {0.066848435f, 0.031114161f, 0.19698752f, -0.17665543f, 7.314448f, 1.0178906f, 45e-8f,
+     1.0891829f, 16e-7f, 0.5482782f, 26e-8f, 5.747578f, 21e-7f, 0.0f, 1e-12f},
+    {4.703879f, 0.6023259f, 2.8682187f, 0.86046565f, -7.9162836f, 46.529724f, 18e-6f, 0.3198012f,
+     43e-8f, -44.245937f, 17e-6f, -9.483153f, 22e-7f, 0.0f, 1e-12f},
+    {4.699212f, 0.6017284f, 2.8653731f, 0.8596119f, -7.9084296f, 46.483562f, 18e-6f, 0.31980124f,
+     43e-8f, 44.202038f, 17e-6f, -6.3415604f, 15e-7f, 0.0f, 1e-12f},
 };
 
 static int inverse_misses(const float *row)
@@ -435,7 +452,7 @@ int textbook_two_steer_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 34U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;

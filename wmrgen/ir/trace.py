@@ -17,6 +17,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.points import Grid
 from wmrgen.ir.rounding import to_float64
+from wmrgen.ir.sample import values_of
 from wmrgen.ir.site import NO_SITE
 from wmrgen.ir.vectors import contract
 
@@ -24,30 +25,6 @@ Array = Any
 _POINTS = slice(20, 28)
 _NEAR = 2e-4  # of float32 code without and with kernels; unrelated values do not agree at eight points
 Names = Mapping[str, Array]  # name of an intermediate result -> its values at the points
-
-_APPLY: dict[str, Any] = {
-    Op.ADD: np.add, Op.SUB: np.subtract, Op.MUL: np.multiply, Op.DIV: np.divide, Op.NEG: np.negative,
-    Op.ABS: np.abs, Op.SQRT: np.sqrt, Op.SIN: np.sin, Op.COS: np.cos, Op.ATAN: np.arctan, Op.RINT: np.rint,
-    Op.ATAN2: np.arctan2, Op.MIN: np.minimum, Op.MAX: np.maximum,
-    Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y), Op.FMA: lambda a, b, c: a * b + c,
-    Op.FLIP: lambda a, n: np.where(n % 2 == 0, a, -a),
-    Op.FLIP_BIT: lambda a, n: np.where(np.asarray(n, np.float32).view(np.uint32) & 1, -a, a),
-    Op.ISIN: np.sin, Op.ICOS: np.cos, Op.IATAN: np.arctan,
-}  # fmt: skip
-
-
-def _values(function: Function, given: Mapping[str, Array], kind: Any) -> list[Array]:
-    """Every node, in arithmetic of ``kind``, which float kernels need."""
-    values: list[Array] = []
-    with np.errstate(all="ignore"):
-        for node in function.nodes:
-            if node.value is not None:
-                values.append(kind(to_float64(node.value)))
-            elif node.op is Op.INPUT:
-                values.append(given[node.name or ""].astype(kind))
-            else:
-                values.append(_APPLY[node.op](*(values[a] for a in node.args)))
-    return values
 
 
 def _inputs(function: Function) -> dict[str, Array]:
@@ -62,7 +39,7 @@ def nominal(module: Module) -> dict[str, Array]:
     ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
     known = {p.name: np.full(1, to_float64(Exact.of(p.default))) for p in ports if p.default is not None}
     if module.prepare is not None:
-        made = _values(module.prepare, known, np.float64)
+        made = values_of(module.prepare, known, np.float64)
         known |= {
             p.name: np.atleast_1d(made[r])
             for p, r in zip(module.prepare.outputs, module.prepare.results, strict=True)
@@ -74,7 +51,7 @@ def names_of(raw: Function, known: Mapping[str, Array]) -> Names:
     """The values of the intermediate results of a formula as it was lowered."""
     if not raw.named:
         return {}
-    values = _values(raw, {**known, **_inputs(raw)}, np.float64)
+    values = values_of(raw, {**known, **_inputs(raw)}, np.float64)
     return {name: values[k] for name, k in raw.named}
 
 
@@ -86,7 +63,7 @@ def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tupl
     every = [k for k, node in enumerate(function.nodes) if node.value is None and node.op is not Op.INPUT]
     if not wanted or not every:
         return ()
-    values = _values(function, {**known, **_inputs(function)}, np.float32)
+    values = values_of(function, {**known, **_inputs(function)}, np.float32)
     shape = wanted[0][1].shape
     table = np.array([np.broadcast_to(np.asarray(values[k], dtype=np.float64), shape) for k in every])
     order = np.argsort(table[:, 0], kind="stable")

@@ -14,6 +14,7 @@ from fractions import Fraction
 import numpy as np
 
 from wmrgen.exact.number import Exact
+from wmrgen.ir.beside import beside
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.nodes import Function, Module, Port, Role
 from wmrgen.ir.points import BRANCH, TWIST, Grid, Point, points
@@ -105,6 +106,9 @@ def _table(
 ) -> Table:
     ports = contract(group[0])
     tried = list(points(group[0], ports, site)) if ports else [("constant", np.zeros(0))]
+    if ports:
+        rows_, fixed = np.array([values for _, values in tried]), {n: b.value for n, b in prepared.items()}
+        tried += [point for f in group for point in beside(f, ports, rows_, fixed)]
     columns = _columns(ports, tried, prepared)
     known = [bounds(function, columns, scalar, len(tried)) for function in group]
     made: dict[str, Bounded] = {}

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import wmrgen
 from wmrgen.cli.app import app
 from wmrgen.emit import artifacts
+from wmrgen.ir.kernels.choice import choice
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 
@@ -68,5 +69,5 @@ def test_bounds_stand_in_the_files() -> None:
 
 
 def test_a_double_header_has_no_bounds_of_floats() -> None:
-    files = artifacts(wmrgen.derive(wmrgen.load(ROBOTS / "clearpath_do100.yaml")), "double")
+    files = artifacts(wmrgen.derive(wmrgen.load(ROBOTS / "clearpath_do100.yaml")), choice("double"))
     assert b"Proved for" not in files["clearpath_do100.h"]

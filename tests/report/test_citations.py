@@ -12,6 +12,7 @@ from tests.conftest import ROOT
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.report.sources import SOURCES
 from wmrgen.emit import meta
+from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.program import OPTIONAL
 
 TEXTS = ("Tzafestas", "Konstantinov", "Kelly", "Siegwart", "AA274", "ours")
@@ -19,7 +20,7 @@ TEXTS = ("Tzafestas", "Konstantinov", "Kelly", "Siegwart", "AA274", "ours")
 
 def report(path: Path) -> str:
     d = wmrgen.derive(wmrgen.load(path))
-    return str(BACKENDS["report"].load().emit(d, meta(d, "float", b""))["report.md"].decode())
+    return str(BACKENDS["report"].load().emit(d, meta(d, DEFAULT, b""))["report.md"].decode())
 
 
 def test_every_function_has_its_source() -> None:

@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from tests.depth import DEEP, thin_out
+
 ROOT = Path(__file__).resolve().parent.parent
 GALLERY = tuple(sorted((ROOT / "robots").glob("*.yaml")))
 
@@ -71,3 +73,10 @@ def tree(folder: Path) -> dict[str, bytes]:
     return {
         p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()
     }
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """`make check` runs everything, `make test` a share of what has many parameters."""
+    if not DEEP:
+        thin_out(items)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Sequence
 
 import pytest
 
@@ -19,3 +20,21 @@ def everyday(values: Iterable[object], kept: Iterable[object]) -> list[object]:
     """``values`` as parameters, those not in ``kept`` marked slow."""
     chosen = list(kept)
     return [v if v in chosen else pytest.param(v, marks=pytest.mark.slow) for v in values]
+
+
+_FEW, _SHARE = 8, 3
+
+
+def thin_out(items: Sequence[pytest.Item]) -> None:
+    """Of a test with many parameters every third case stays everyday; the others are marked slow."""
+    many = Counter(_test(item) for item in items)
+    seen: Counter[str] = Counter()
+    for item in items:
+        name = _test(item)
+        if many[name] > _FEW and seen[name] % _SHARE:
+            item.add_marker(pytest.mark.slow)
+        seen[name] += 1
+
+
+def _test(item: pytest.Item) -> str:
+    return item.nodeid.partition("[")[0]

@@ -19,7 +19,7 @@ Wall = tuple[int, float]  # node, and its value at the wall
 BESIDE = "beside a wall"
 _STEP, _ROOM = 5e-4, 2e-4  # of the wall's value: how far beside it, and how well that is met
 _LEAST = 1e-2  # smaller constants guard divisors and bound series
-_HALVINGS, _MOST, _PAIRS = 40, 16, 4
+_HALVINGS, _MOST, _PAIRS = 40, 11, 4
 
 
 def beside(
@@ -38,13 +38,12 @@ def beside(
     found = at(rows)
     goals: list[Wall] = []
     ends: list[tuple[int, int]] = []
-    for node, wall in _walls(function, found):
-        for goal in (wall * (1 + _STEP), wall * (1 - _STEP)):
-            below, above = np.flatnonzero(found[node] < goal), np.flatnonzero(found[node] > goal)
-            if len(below) and len(above) and len(goals) < _MOST * _PAIRS:
-                for k in range(_PAIRS):  # on some segments the value jumps over the wall
-                    goals.append((node, goal))
-                    ends.append((int(below[k % len(below)]), int(above[-1 - k % len(above)])))
+    for node, goal in _goals(function, found):
+        below, above = np.flatnonzero(found[node] < goal), np.flatnonzero(found[node] > goal)
+        if len(below) and len(above) and len(goals) < _MOST * _PAIRS:
+            for k in range(_PAIRS):  # on some segments the value jumps over the wall
+                goals.append((node, goal))
+                ends.append((int(below[k % len(below)]), int(above[-1 - k % len(above)])))
     if not goals:
         return
     low, high = (rows[[pair[side] for pair in ends]] for side in (0, 1))
@@ -63,17 +62,25 @@ def beside(
             yield BESIDE, points[k]
 
 
-def _walls(function: Function, found: Sequence[Array]) -> list[Wall]:
-    walls: dict[Wall, None] = {}
+def _goals(function: Function, found: Sequence[Array]) -> list[Wall]:
+    """Both sides of every wall; first beyond limits and short of roundings, where larger constants show."""
+    walls = _walls(function, found)
+    first = [(node, wall * (1 - _STEP if half else 1 + _STEP)) for node, wall, half in walls]
+    return first + [(node, wall * (1 + _STEP if half else 1 - _STEP)) for node, wall, half in walls]
+
+
+def _walls(function: Function, found: Sequence[Array]) -> list[tuple[int, float, bool]]:
+    """Node, value and whether that is half a whole number."""
+    walls: dict[tuple[int, float, bool], None] = {}
     for node in function.nodes:
         if node.op in (Op.SELECT, Op.MIN, Op.MAX):
             for c, other in (node.args[:2], node.args[1::-1]):
                 value = function.nodes[c].value
                 if value is not None and abs(wall := to_float64(value)) >= _LEAST:
-                    walls[other, wall] = None
+                    walls[other, wall, False] = None
         elif node.op is Op.RINT:
             inner = node.args[0]
             far = np.sort(found[inner])
             for end in (far[1], far[-2]) if len(far) > 3 else ():
-                walls[inner, float(np.trunc(end) + np.copysign(0.5, -end))] = None
+                walls[inner, float(np.trunc(end) + np.copysign(0.5, -end)), True] = None
     return [wall for wall in walls if wall[1]]

@@ -212,6 +212,16 @@ def maximum(a: Expr, b: Expr) -> Expr:
     return sympy.Max(a, b, evaluate=False)
 
 
+def minimum(a: Expr, b: Expr) -> Expr:
+    """The smaller of two expressions, unevaluated."""
+    return sympy.Min(a, b, evaluate=False)
+
+
+def kept_between(low: Expr, a: Expr, high: Expr) -> Expr:
+    """``a``, or the end of [low, high] that it lies beyond, unevaluated."""
+    return maximum(low, minimum(high, a))
+
+
 def absolute(a: Expr) -> Expr:
     """|a|, unevaluated."""
     return a if a.is_zero else sympy.Abs(a, evaluate=False)

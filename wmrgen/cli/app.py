@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, ParamSpec
 
@@ -12,11 +11,10 @@ import typer
 
 from wmrgen import __version__
 from wmrgen.cli import console
-from wmrgen.errors import UsageError, WmrgenError
+from wmrgen.cli.choices import Backend, Form, Math, Scalar, Target
+from wmrgen.cli.outcome import outcome
 
 P = ParamSpec("P")
-_BUG = 70  # exit code of an internal error, as in sysexits.h
-_INTERRUPTED = 130
 
 app = typer.Typer(
     help="""Example:  wmrgen derive robots/pioneer3dx.yaml
@@ -32,91 +30,14 @@ app = typer.Typer(
 )
 
 
-class Scalar(StrEnum):
-    """The floating-point type of the generated C."""
-
-    float = "float"
-    double = "double"
-
-
-class Math(StrEnum):
-    """Whose sines and arctangents the generated C uses."""
-
-    inline = "inline"
-    libm = "libm"
-
-
-class Target(StrEnum):
-    """The processor that the generated C is for."""
-
-    m4f = "m4f"
-    m0 = "m0"
-    avr = "avr"
-    host = "host"
-
-
-class Backend(StrEnum):
-    """What computes the values of ``wmrgen eval``."""
-
-    exact = "exact"
-    casadi = "casadi"
-    numpy = "numpy"
-    c = "c"
-
-
-class Form(StrEnum):
-    """The forms of a model that ``wmrgen model`` prints."""
-
-    posture = "posture"
-    configuration = "configuration"
-    eta = "eta"
-    zeta = "zeta"
-    trailer = "trailer"
-    chained = "chained"
-
-
 def guarded(command: Callable[P, int]) -> Callable[P, None]:
     """A command that ends with an exit code and never with a stack trace."""
 
     @functools.wraps(command)
     def run(*args: P.args, **kwargs: P.kwargs) -> None:
-        raise typer.Exit(_outcome(lambda: command(*args, **kwargs)))
+        raise typer.Exit(outcome(lambda: command(*args, **kwargs)))
 
     return run
-
-
-def _outcome(work: Callable[[], int]) -> int:
-    try:
-        return work()
-    except WmrgenError as error:
-        console.failure(str(error))
-        return error.exit_code
-    except OverflowError:
-        console.failure("a result is beyond the range of a double: give smaller values")
-        return UsageError.exit_code
-    except KeyboardInterrupt:
-        console.failure("interrupted")
-        return _INTERRUPTED
-    except BrokenPipeError:
-        raise
-    except (Exception, RecursionError) as error:
-        console.failure(_bug(error))
-        return _BUG
-
-
-def _bug(error: BaseException) -> str:
-    """One line about an error that is ours; the stack trace goes to a file."""
-    import traceback
-
-    from wmrgen.artifacts import write_log
-
-    what = f"{type(error).__name__}: {error}".splitlines()[0][:200]
-    text = f"this is a bug in wmrgen {__version__}: {what}"
-    try:
-        log = write_log(f"wmrgen {__version__}\n" + "".join(traceback.format_exception(error)))
-    except OSError:
-        return text
-    return f"{text} (details in {log})"
 
 
 def _version(wanted: bool) -> None:

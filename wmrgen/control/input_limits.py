@@ -34,6 +34,7 @@ from wmrgen.symbolic import (
     add,
     expression,
     maximum,
+    minimum,
     number,
     root,
     select,
@@ -77,11 +78,11 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
     rest = names.define("rest", root(maximum(subtract(square(car.top), square(v)), sympy.S.Zero)))
     over = names.define("over_base", 1 / car.base)
     outputs = [
-        *zip(_BOUNDS, (v_max, times(over, slope), times(over, _least(slope, rest))), strict=True),
+        *zip(_BOUNDS, (v_max, times(over, slope), times(over, minimum(slope, rest))), strict=True),
         *_projections(car, (a, b), slope, v_max, over, names),
     ]
-    exact = _least(subtract(car.top, root(add(square(v), square(turn)))), subtract(slope, b))
-    inner = _least(subtract(v_max, a), subtract(slope, b))
+    exact = minimum(subtract(car.top, root(add(square(v), square(turn)))), subtract(slope, b))
+    inner = minimum(subtract(v_max, a), subtract(slope, b))
     outputs += [
         (_port("exact.margin", "m/s", "slack of the tightest bound, negative outside"), exact),
         (_port("inner.margin", "m/s", "slack of the tightest bound, negative outside"), inner),
@@ -94,10 +95,6 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
 
 def _port(name: str, unit: str, text: str) -> Port:
     return Port(name, Role.COMMAND, unit, text)
-
-
-def _least(a: Expr, b: Expr) -> Expr:
-    return sympy.Min(a, b, evaluate=False)
 
 
 def _projections(
@@ -115,8 +112,8 @@ def _projections(
     speed = names.define("wedge_speed", root(add(square(wedge_v), square(wedge_turn))))
     divisor = names.define("speed_divisor", maximum(speed, car.top))
     shrink = names.define("shrink", times(car.top, 1 / divisor))
-    clipped_v = names.define("clipped_v", _least(wedge_v, v_max))
-    clipped_turn = names.define("clipped_turn", _least(wedge_turn, times(v_max, car.tan)))
+    clipped_v = names.define("clipped_v", minimum(wedge_v, v_max))
+    clipped_turn = names.define("clipped_turn", minimum(wedge_turn, times(v_max, car.tan)))
 
     def signed(port: str, size: Expr) -> Expr:
         return select(signal(port), sympy.S.Zero, times(-1, size), size)
@@ -144,7 +141,7 @@ def _car(robot: Robot, ref: Reference, names: Locals) -> _Car:
     bends = [_sharpest(robot, w, ref) for w in steered]
     bend = bends[0]
     for other in bends[1:]:
-        bend = bend if other == bend else _least(bend, other)
+        bend = bend if other == bend else minimum(bend, other)
     bend = names.define("sharpest", bend)
     length = names.define("wheelbase_size", absolute(expression(base)))
     tan = names.define("tan_zeta", times(length, bend))
@@ -152,7 +149,7 @@ def _car(robot: Robot, ref: Reference, names: Locals) -> _Car:
     tops = _tops(robot, steered, ref, bend)
     top = tops[0]
     for other in tops[1:]:
-        top = top if other == top else _least(top, other)
+        top = top if other == top else minimum(top, other)
     return _Car(length, tan, cos, names.define("sin_zeta", times(tan, cos)), names.define("u1_max", top))
 
 

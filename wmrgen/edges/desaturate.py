@@ -16,7 +16,7 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, maximum, number, signal, times
+from wmrgen.symbolic import Expr, maximum, minimum, number, signal, times
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ def _kept(rate: _Rate, scale: Expr) -> Expr:
     scaled = times(scale, signal(rate.name))
     if rate.limit is None:
         return scaled
-    below = sympy.Min(number(rate.limit.high), scaled, evaluate=False)
+    below = minimum(number(rate.limit.high), scaled)
     return maximum(number(rate.limit.low), below)
 
 

@@ -27,6 +27,7 @@ from wmrgen.symbolic import (
     add,
     angle_of,
     expression,
+    kept_between,
     local,
     maximum,
     number,
@@ -180,7 +181,7 @@ def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
     else:
         chosen = select(direction, _ZERO, local(f"{key}_backwards_best"), local(f"{key}_forwards_best"))
         low, high = number(unit.limits.low), number(unit.limits.high)
-        wanted = maximum(low, sympy.Min(high, chosen, evaluate=False))
+        wanted = kept_between(low, chosen, high)
     steer = names.define(f"{key}_target", wanted)
     turn = names.define(f"{key}_turn", subtract(steer, signal(f"{key}.steer")))
     return {i: turned(steer, turn, u, v) for i, (u, v) in unit.seen.items()}

@@ -16,7 +16,7 @@ from wmrgen.constraints import rolling_row, sliding_row, working_view
 from wmrgen.exact.angles import sqrt_poly
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.kinematics.normal import pseudo_inverse
 from wmrgen.kinematics.records import given
 from wmrgen.layout.records import Robot
@@ -43,16 +43,11 @@ def project(robot: Robot, mobility: Mobility) -> Projection:
         return Projection((twist[0] - nx * lateral, twist[1] - ny * lateral, twist[2]), (lateral,), ONE)
     if picked.normal is not None and not picked.normal[0] and not picked.normal[1]:
         return _translate(robot, twist)
-    if len(picked.chosen) == 1 and not mobility.degenerate and not _turns(mobility.basis_rows[0]):
+    if len(picked.chosen) == 1 and not mobility.degenerate and not has_angles(mobility.basis_rows[0]):
         return _nearest(robot, mobility.basis_rows[0], twist)
     residuals = [dot(sliding_row(w, working_view(w)).row, twist) for w in fixed]
     residuals += _spin_residuals(robot, twist)
     return Projection(twist, tuple(residuals), ONE / max(len(fixed), 1))
-
-
-def _turns(row: Row) -> bool:
-    """True when the row depends on a castor's angle."""
-    return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
 
 
 def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:

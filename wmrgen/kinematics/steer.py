@@ -25,6 +25,7 @@ from wmrgen.symbolic import (
     alternating,
     angle_of,
     arctangent,
+    kept_between,
     maximum,
     nearest,
     number,
@@ -91,7 +92,7 @@ def present(w: Wheel, limits: Interval | None) -> Expr:
     now = signal(f"{w.name}.steer")
     if limits is None:
         return now
-    return maximum(number(limits.low), sympy.Min(number(limits.high), now, evaluate=False))
+    return kept_between(number(limits.low), now, number(limits.high))
 
 
 def _turned_back(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
@@ -112,7 +113,7 @@ def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) 
     )
     inside = select(high, other, steer, select(other, low, steer, other))
     kept = select(high, steer, inside, select(steer, low, inside, steer))
-    target = names.define(f"{w.name}_target", maximum(low, sympy.Min(high, kept, evaluate=False)))
+    target = names.define(f"{w.name}_target", kept_between(low, kept, high))
     excess = names.define(f"{w.name}_excess", subtract(target, steer))
     speed = names.define(f"{w.name}_rim", rim)
     return Target(target, times(speed, sympy.cos(excess)), times(-1, speed, sympy.sin(excess)))
@@ -131,8 +132,8 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     x, y = turned_by(w, velocity, middle)
     u, v = short(names, f"{w.name}_u", x), short(names, f"{w.name}_v", y)
     divisor = names.define(f"{w.name}_divisor", maximum(number(STILL), absolute(u)))
-    slope = sympy.Min(most, select(u, sympy.S.Zero, times(-1, v), v) / divisor, evaluate=False)
-    slope = names.define(f"{w.name}_slope", maximum(times(-1, most), slope))
+    slope = select(u, sympy.S.Zero, times(-1, v), v) / divisor
+    slope = names.define(f"{w.name}_slope", kept_between(times(-1, most), slope, most))
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))
@@ -157,7 +158,7 @@ def steer_group(
     limits = steer_limits(robot, lead)
     target: Expr = add(now, swing)
     if limits is not None:
-        target = maximum(number(limits.low), sympy.Min(number(limits.high), target, evaluate=False))
+        target = kept_between(number(limits.low), target, number(limits.high))
     steer = names.define(f"{lead.name}_target", target)
     turn = names.define(f"{lead.name}_turn", subtract(steer, now))
     return {i: turned(steer, turn, u, v) for i, (u, v) in seen.items()}

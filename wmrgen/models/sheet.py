@@ -10,7 +10,6 @@ import sympy
 from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
-from wmrgen.kinematics.records import Formula
 from wmrgen.models.decimals import Reader
 from wmrgen.models.system import System, rate_port
 from wmrgen.ports import Port
@@ -54,15 +53,6 @@ def sheet_of(form: str, system: System) -> Sheet:
         tuple((p.name, tuple(tidy(e) for e in f)) for p, f in zip(system.inputs, system.fields, strict=True)),
         tuple((tidy(d.expression), d.text) for d in system.domain),
     )  # fmt: skip
-
-
-def sheet_of_formula(form: str, formula: Formula) -> Sheet:
-    """A function that is not a system: its outputs as equations, with its intermediate results."""
-    where = tuple(Equation(symbol.name, tidy(e)) for symbol, e in formula.locals)
-    equations = tuple(Equation(p.name, tidy(e)) for p, e in formula.outputs)
-    inputs = tuple(p for p in formula.inputs if p.default is None)
-    parameters = tuple(p for p in formula.inputs if p.default is not None)
-    return Sheet(form, formula.text, (), inputs, parameters, where, equations, (), ())
 
 
 def tidy(expr: Expr) -> Expr:

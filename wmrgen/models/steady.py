@@ -21,7 +21,7 @@ from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.models.trailers import body_of, check_trailers, require_trailers
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, angle_of, expression, maximum, root, signal, square, times
+from wmrgen.symbolic import Expr, add, angle_of, expression, maximum, minimum, root, signal, square, times
 
 CURVATURE = Port("curvature", Role.COMMAND, "1/m", "yaw rate of the body per speed of its axle centre")
 
@@ -49,7 +49,7 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
         squared = names.define(
             f"{t.name}.squared", add(squared, times(expression(hitch**2 - length**2), bend))
         )
-        margin = squared if margin is None else sympy.Min(margin, squared, evaluate=False)
+        margin = squared if margin is None else minimum(margin, squared)
         ahead = speed
         speed = names.define(f"{t.name}.speed", root(maximum(sympy.S.Zero, squared)))
         angle = angle_of(times(expression(length), kappa), speed)

@@ -10,7 +10,7 @@ import numpy as np
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly
+from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Geometry, Robot, Virtual, Wheel
 from wmrgen.mobility.configure import pivot_velocity
@@ -116,7 +116,7 @@ def _check_steerability(robot: Robot, mobility: Mobility, wheels: tuple[Virtual,
 def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
     """Neither the virtual wheel nor a wheel it steers may stand on the line of the fixed axle."""
     rows = constant_rows(robot, mobility)
-    if len(rows) != 1 or angles(rows[0]):
+    if len(rows) != 1 or has_angles(rows[0]):
         return
     nx, ny, k = (nominal_at(p, robot, straight) for p in rows[0])
     size = float(np.hypot(nx, ny))
@@ -132,11 +132,6 @@ def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
                 "leaves nothing to steer.\n  Place it off the axle (x, y).",
                 v.mark,
             )
-
-
-def angles(row: tuple[Poly, Poly, Poly]) -> bool:
-    """True where a joint angle occurs."""
-    return any(g.kind in ("cos", "sin") for p in row for g in p.generators)
 
 
 def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -> None:

@@ -16,7 +16,19 @@ import sympy
 from wmrgen.exact.number import Exact
 from wmrgen.kinematics.records import Locals
 from wmrgen.motion.compose import over
-from wmrgen.symbolic import Expr, add, angle_of, maximum, number, root, select, square, subtract, times
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    angle_of,
+    maximum,
+    minimum,
+    number,
+    root,
+    select,
+    square,
+    subtract,
+    times,
+)
 
 STEPS = 2
 FLOOR = Exact(Fraction(1, 10**12))  # a slope or an eigenvector's square below is no information
@@ -62,7 +74,7 @@ def _smallest(gram: dict[tuple[int, int], Expr], names: Locals) -> Expr:
 
 
 def _kept(value: Expr, mean: Expr) -> Expr:
-    return maximum(sympy.Min(value, mean, evaluate=False), sympy.S.Zero)
+    return maximum(minimum(value, mean), sympy.S.Zero)
 
 
 def _cosine_root(trace: Expr, second: Expr, third: Expr, mean: Expr, names: Locals) -> Expr:
@@ -75,9 +87,7 @@ def _cosine_root(trace: Expr, second: Expr, third: Expr, mean: Expr, names: Loca
     p = names.define("half_range", root(maximum(spread, zero)))
     cube = maximum(times(2, p, p, p), number(FLOOR))
     shifted = add(third, times(mean, subtract(times(2, mean, mean), second)))
-    ratio = names.define(
-        "ratio", maximum(sympy.Min(over(shifted, cube), one, evaluate=False), times(-1, one))
-    )
+    ratio = names.define("ratio", maximum(minimum(over(shifted, cube), one), times(-1, one)))
     height = root(maximum(subtract(one, square(ratio)), zero))
     angle = add(times(sympy.Rational(1, 3), angle_of(height, ratio)), times(sympy.Rational(2, 3), sympy.pi))
     return add(mean, times(2, p, sympy.cos(names.define("angle", angle))))

@@ -32,6 +32,7 @@ from wmrgen.symbolic import (
     angle_of,
     expression,
     maximum,
+    minimum,
     number,
     root,
     select,
@@ -63,9 +64,9 @@ def stability(robot: Robot, _: Mobility) -> Formula:
     for i, place in enumerate(places):
         own = [e for e in found if e.start == i]
         if own:
-            least = names.define(f"{place.wheel.name}_least", _fold([margins[e] for e in own], _smaller))
+            least = names.define(f"{place.wheel.name}_least", _fold([margins[e] for e in own], minimum))
             outputs.append((_edge_port(places, own), least))
-    every = _fold([value for _, value in outputs], _smaller)
+    every = _fold([value for _, value in outputs], minimum)
     outputs.append((Port("margin", Role.COMMAND, "rad", "least of all edges, negative: tips over"), every))
     outputs += _ranges(f, normals, valid, names, places)
     steers = tuple(joint_port(p.wheel, "steer", Role.STATE) for p in places if p.reach)
@@ -121,17 +122,13 @@ def _condition(places: list[Spot], e: Edge, names: Locals) -> Expr | None:
         w = places[k]
         left = times(subtract(q.x, p.x), subtract(w.y, p.y))
         sides.append(subtract(left, times(subtract(q.y, p.y), subtract(w.x, p.x))))
-    return names.define(_name(places, e, "inside"), _fold(sides, _smaller))
+    return names.define(_name(places, e, "inside"), _fold(sides, minimum))
 
 
 def _where(condition: Expr | None, value: Expr, otherwise: Expr, names: Locals, name: str) -> Expr:
     """``value`` where the pair is an edge; contacts in line with it, to rounding, do not matter."""
     chosen = value if condition is None else select(condition, times(-1, _TINY), otherwise, value)
     return names.define(name, chosen)
-
-
-def _smaller(a: Expr, b: Expr) -> Expr:
-    return sympy.Min(a, b, evaluate=False)
 
 
 def _fold(values: list[Expr], choose: Callable[[Expr, Expr], Expr]) -> Expr:
@@ -162,6 +159,6 @@ def _ranges(
         text = f"f{letter} at which the robot tips over, the rest as given; 1e9: never"
         outputs += [
             (Port(f"f{letter}_min", Role.COMMAND, "m/s^2", text), _fold(lows, maximum)),
-            (Port(f"f{letter}_max", Role.COMMAND, "m/s^2", text), _fold(highs, _smaller)),
+            (Port(f"f{letter}_max", Role.COMMAND, "m/s^2", text), _fold(highs, minimum)),
         ]
     return outputs

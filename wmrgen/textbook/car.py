@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.kinematics.records import Formula
-from wmrgen.symbolic import absolute, angle_of, maximum, root, select
+from wmrgen.symbolic import absolute, angle_of, maximum, minimum, root, select
 from wmrgen.textbook.page import TINY, Page
 from wmrgen.textbook.vectors import ONE, ZERO
 
@@ -72,9 +72,7 @@ def car_bounds() -> Formula:
     outer = page.quotient("turn_outer", rest, L)
     page.gives("v_max", "m/s", fastest, "inner bound of |v|")
     page.gives("omega_max", "rad/s", turn, "inner bound of |omega| at v")
-    page.gives(
-        "omega_max_exact", "rad/s", sympy.Min(turn, outer, evaluate=False), "exact bound of |omega| at v"
-    )
+    page.gives("omega_max_exact", "rad/s", minimum(turn, outer), "exact bound of |omega| at v")
     page.gives("reeds_shepp", "m/s", fastest, "|v| of Reeds-Shepp")
     page.gives("dubins", "m/s", fastest, "v of Dubins")
     return page.formula()

@@ -10,7 +10,7 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.kinematics.records import Formula
-from wmrgen.symbolic import Expr, absolute, angle_of, maximum, root, select
+from wmrgen.symbolic import Expr, absolute, angle_of, maximum, minimum, root, select
 from wmrgen.textbook.page import Page
 
 HALVINGS, TERMS = 6, 15
@@ -24,7 +24,7 @@ def exponential(page: Page, name: str, x: Expr) -> Expr:
     The report shows the local ``NAME_exp`` as the exponential of ``NAME_exp_of``.
     """
     exponent = page.let(f"{name}_exp_of", x)
-    clamped = sympy.Min(maximum(exponent, -LARGEST), LARGEST, evaluate=False)
+    clamped = minimum(maximum(exponent, -LARGEST), LARGEST)
     y = page.let(f"{name}_exp_part", clamped / 2**HALVINGS)
     series: Expr = sympy.S.One
     for k in range(TERMS, 0, -1):

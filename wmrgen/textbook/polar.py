@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.kinematics.records import Formula
-from wmrgen.symbolic import Expr, angle_of, root
+from wmrgen.symbolic import Expr, angle_of, minimum, root
 from wmrgen.textbook.page import Page
 
 cos, sin = sympy.cos, sympy.sin
@@ -112,7 +112,7 @@ def polar_gains() -> Formula:
     """Siegwart (3.61)-(3.65), (3.65) also corrected: slack of the tightest condition, positive where all hold."""
     page = Page("polar_gains", "do gains stabilise the polar law, Siegwart (3.61)-(3.65), (3.65) corrected")
     k_rho, k_alpha, k_beta = _gains(page)
-    signs = page.let("signs", sympy.Min(k_rho, -k_beta, evaluate=False))
+    signs = page.let("signs", minimum(k_rho, -k_beta))
     share = page.let("share", k_rho * 2 / sympy.pi)
     for name, value, text in (
         ("stable", k_alpha - k_rho, "Hurwitz: k_rho, -k_beta, k_alpha - k_rho"),
@@ -121,5 +121,5 @@ def polar_gains() -> Formula:
         ("strong_all_beta", k_alpha + k_beta * 2 - share,
          "corrected: k_rho, -k_beta, k_alpha + 2 k_beta - 2/pi k_rho; alpha stays in I1 from every beta"),
     ):  # fmt: skip
-        page.gives(name, "1/s", sympy.Min(signs, value, evaluate=False), text)
+        page.gives(name, "1/s", minimum(signs, value), text)
     return page.formula()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from wmrgen.symbolic import escape
+
 _PLAIN = {
     "omega": r"\omega",
     "theta": r"\theta",
@@ -18,14 +20,9 @@ TWIST = ("vx", "vy", "omega")
 DRIVEN = {f"{n}_driven": _PLAIN[n] + "^{*}" for n in TWIST}
 
 
-def escaped(name: str) -> str:
-    """An identifier inside LaTeX braces."""
-    return name.replace("_", r"\_")
-
-
 def wheel(name: str) -> str:
     """A wheel's name as an index."""
-    return rf"\mathrm{{{escaped(name)}}}"
+    return rf"\mathrm{{{escape(name)}}}"
 
 
 def parameter(name: str) -> str:
@@ -33,7 +30,7 @@ def parameter(name: str) -> str:
     short = re.fullmatch(r"([a-z])_?([a-z0-9]|\d+)?", name)
     if short:
         return f"{short[1]}_{{{short[2]}}}" if short[2] else name
-    return rf"\mathit{{{escaped(name)}}}"
+    return rf"\mathit{{{escape(name)}}}"
 
 
 def port(name: str) -> str:
@@ -51,4 +48,4 @@ def port(name: str) -> str:
     if joint in _PLAIN:
         return f"{_PLAIN[joint]}_{{{wheel(owner)}}}"
     numbered = re.fullmatch(r"eta(\d+)", name)
-    return rf"\eta_{{{numbered[1]}}}" if numbered else rf"\mathrm{{{escaped(name)}}}"
+    return rf"\eta_{{{numbered[1]}}}" if numbered else rf"\mathrm{{{escape(name)}}}"

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import sympy
 
 from wmrgen.textbook.errata import engine
 from wmrgen.textbook.errata.claims import claim
-from wmrgen.textbook.errata.forms import Value, symbol
+from wmrgen.textbook.errata.forms import symbol
 from wmrgen.textbook.errata.kelly import MOTION, TEXT, L, M, W, cos, omega, sin, vx
 from wmrgen.textbook.errata.motion import cross, vector
 from wmrgen.textbook.errata.records import Record
@@ -20,10 +22,7 @@ r0, vel = vector("r_0"), vector("v_0")
 gamma, psi, x, y = (symbol(n) for n in (r"\gamma", r"\psi", "x", "y"))
 
 
-def holds(equation: str, says: str, *lines: tuple[str, Value, Value], remark: str = "") -> Record:
-    """A claim of this text."""
-    return claim(TEXT, equation, says, *lines, remark=remark)
-
+holds = partial(claim, TEXT)  # a claim of this text
 
 # A second frame inside the first: the same motion with symbols of its own.
 W2, AL2, R2, V2, A2 = (vector(n) for n in (r"\omega_s", r"\alpha_s", "r_s", "v_c", "a_c"))

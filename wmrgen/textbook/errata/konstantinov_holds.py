@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import sympy
 
 from wmrgen.symbolic import Expr
 from wmrgen.textbook.errata import engine
 from wmrgen.textbook.errata.claims import claim
-from wmrgen.textbook.errata.forms import Value, symbol
+from wmrgen.textbook.errata.forms import symbol
 from wmrgen.textbook.errata.konstantinov import (
     E_I,
     LAMBDA,
@@ -56,10 +58,7 @@ def _drive(k: int) -> Expr:
     return (wheel_row(k) * RATES)[0] / r
 
 
-def holds(equation: str, says: str, *lines: tuple[str, Value, Value], remark: str = "") -> Record:
-    """A claim of this text."""
-    return claim(TEXT, equation, says, *lines, remark=remark)
-
+holds = partial(claim, TEXT)  # a claim of this text
 
 HEADING = PHI0 - W0 * TIME  # with constant wheel speeds
 CENTRE = (X0 + SPEED / W0 * sin(PHI0 + theta), Y0 - SPEED / W0 * cos(PHI0 + theta))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import sympy
 
 from wmrgen.textbook.errata import engine
@@ -49,10 +51,7 @@ SLIDE = M([[cos(SUM), sin(SUM), L * sin(BETA)]])
 SWEDISH = M([[sin(SUM + GAMMA), -cos(SUM + GAMMA), -L * cos(BETA + GAMMA)]])
 
 
-def holds(equation: str, says: str, *lines: tuple[str, Value, Value], remark: str = "") -> Record:
-    """A claim of this text."""
-    return claim(TEXT, equation, says, *lines, remark=remark)
-
+holds = partial(claim, TEXT)  # a claim of this text
 
 CONTRIBUTION = book("wheel_contributions", r=R, l=L, right_spin=F1, left_spin=F2)
 EXAMPLE = {R: ONE, L: ONE, F1: sympy.Integer(4), F2: sympy.Integer(2)}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import sympy
 
 from wmrgen.textbook.errata import engine
@@ -44,10 +46,7 @@ TALL = M([[p, 1], [1, q], [0, s]])
 WIDE = TALL.T
 
 
-def holds(equation: str, says: str, *lines: tuple[str, object, object], remark: str = "") -> Record:
-    """A claim of this text."""
-    return claim(TEXT, equation, says, *lines, remark=remark)
-
+holds = partial(claim, TEXT)  # a claim of this text
 
 # ---- 2.2: inverses and transforms
 

@@ -1,31 +1,36 @@
 """Rounding errors of the generated C against 66 digits, in ulp of the sum of the terms' magnitudes.
 
-The sum of magnitudes is what the formula adds up, signs aside: rounding is measured against it, not against a result
-in which terms cancel. A sine or cosine counts 1: what it turns counts with its length.
+The sum of magnitudes (`benchmarks.magnitudes`) is what the formula adds up, signs aside: rounding is measured against
+it, not against a result in which terms cancel. A sine or cosine counts 1: what it turns counts with its length.
 """
 
 from __future__ import annotations
 
-import math
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import mpmath
 
 import wmrgen
 from benchmarks.counts import ROOT
+from benchmarks.magnitudes import magnitudes, ulps
+from benchmarks.singularity import HEADING, NEAR, SPEED, TARGETS, nearby
 from wmrgen.backends.c99 import evaluate
 from wmrgen.exact.number import Exact
 from wmrgen.ir.arithmetic import Arithmetic, Number
 from wmrgen.ir.interpret import evaluate_nodes
 from wmrgen.ir.kernels.choice import DEFAULT
-from wmrgen.ir.nodes import Function, Module, Node, Op, Role
+from wmrgen.ir.nodes import Function, Module, Op, Role
 from wmrgen.ir.rounding import nearest_float32
 
 DIGITS = 66
 LARGEST_STEER = 100.0  # rad
+LINEAR, STEERED = 2.5, 4.5  # ulp
 ROBOTS = (
     "textbook_differential", "clearpath_do100", "lekiwi", "ssl_parsian", "wpilib_swervebot", "agilex_ranger",
     "care_o_bot_4", "nomad_xr4000", "ackermann_car", "kelly_4ws", "textbook_tricycle",
@@ -33,9 +38,13 @@ ROBOTS = (
 Values = dict[str, float]
 
 
-def _rational(x: Number) -> Any:
-    if isinstance(x, float):
-        return mpmath.mpf(x)
+def _entered(x: Number) -> Any:
+    return mpmath.mpf(x) if isinstance(x, float) else _rational(x)
+
+
+@cache
+def _rational(x: Exact | Fraction) -> Any:
+    """To `DIGITS` digits, with which everything here computes."""
     q = x.rational(DIGITS + 4) if isinstance(x, Exact) else x
     return mpmath.mpf(q.numerator) / q.denominator
 
@@ -46,7 +55,7 @@ def _atan2(y: Any, x: Any) -> Any:
 
 REFERENCE = Arithmetic(
     "66 digits",
-    _rational,
+    _entered,
     {
         Op.ADD: lambda a, b: a + b, Op.SUB: lambda a, b: a - b, Op.MUL: lambda a, b: a * b,
         Op.DIV: lambda a, b: a / b, Op.NEG: lambda a: -a, Op.ABS: abs, Op.SQRT: mpmath.sqrt,
@@ -55,39 +64,6 @@ REFERENCE = Arithmetic(
         Op.FLIP: lambda a, n: -a if int(n) % 2 else a, Op.SELECT: lambda a, b, x, y: x if a < b else y,
     },
 )  # fmt: skip
-
-
-def magnitudes(function: Function, values: Sequence[Any]) -> list[float]:
-    """For each node the sum of what it adds up, without signs."""
-    found: list[float] = []
-    for node, value in zip(function.nodes, values, strict=True):
-        found.append(_magnitude(node, float(value), found, values))
-    return found
-
-
-def _magnitude(node: Node, value: float, known: list[float], values: Sequence[Any]) -> float:
-    args = [known[a] for a in node.args]
-    match node.op:
-        case Op.ADD | Op.SUB:
-            return args[0] + args[1]
-        case Op.MUL:
-            return args[0] * args[1]
-        case Op.DIV:
-            return args[0] / abs(float(values[node.args[1]]))
-        case Op.NEG | Op.ABS:
-            return args[0]
-        case Op.FLIP:
-            return args[0]
-        case Op.SQRT:
-            return math.sqrt(args[0])
-        case Op.SIN | Op.COS:
-            return 1.0
-        case Op.SELECT:
-            return args[2] if values[node.args[0]] < values[node.args[1]] else args[3]
-        case Op.MIN | Op.MAX:
-            return max(args)
-        case _:
-            return abs(value)
 
 
 @dataclass
@@ -122,30 +98,31 @@ def measure(
     name = name or reference.name
     found = evaluate(module, name, cases) if compute is None else compute(module, name, cases)
     worst = Worst(cases=len(cases))
+    units = [ulps(size) for size in magnitudes(reference, cases)]
     with mpmath.workdps(DIGITS):
-        for case, outputs in zip(cases, found, strict=True):
-            _compare(reference, case, outputs, worst)
+        for k, (case, outputs) in enumerate(zip(cases, found, strict=True)):
+            unit = {p.name: float(u[k]) for p, u in zip(reference.outputs, units, strict=True)}
+            _compare(reference, case, outputs, unit, worst)
     return worst
 
 
-def _compare(reference: Function, case: Values, outputs: Mapping[str, float], worst: Worst) -> None:
+def _compare(
+    reference: Function, case: Values, outputs: Mapping[str, float], unit: Mapping[str, float], worst: Worst
+) -> None:
     values = evaluate_nodes(reference, case, REFERENCE)
-    sizes = magnitudes(reference, values)
-    wanted = {p.name: i for p, i in zip(reference.outputs, reference.results, strict=True)}
+    wanted = {p.name: values[i] for p, i in zip(reference.outputs, reference.results, strict=True)}
     flipped = {
         key.removesuffix(".steer")
         for key in outputs
-        if key.endswith(".steer") and abs(outputs[key] - float(values[wanted[key]])) > 1.0
+        if key.endswith(".steer") and abs(outputs[key] - float(wanted[key])) > 1.0
     }
     worst.other += bool(flipped)
     for key, value in outputs.items():
-        i = wanted[key]
         if key.split(".")[0] in flipped or (key == "slip" and flipped):
             continue
-        error = float(abs(mpmath.mpf(value) - values[i]))
-        ulp = math.ldexp(1.0, max(math.frexp(sizes[i])[1], -125) - 24)
-        if error / ulp > worst.ulp:
-            worst.ulp, worst.output, worst.case = error / ulp, key, case
+        error = float(abs(mpmath.mpf(value) - wanted[key])) / unit[key]
+        if error > worst.ulp:
+            worst.ulp, worst.output, worst.case = error, key, case
 
 
 def robot(name: str, count: int) -> Iterator[tuple[str, Worst]]:
@@ -158,14 +135,37 @@ def robot(name: str, count: int) -> Iterator[tuple[str, Worst]]:
         yield function, measure(reference, module, [inputs(reference, source) for _ in range(count)])
 
 
+def limit(reference: Function) -> float:
+    """The largest error allowed: of what steers, more."""
+    return STEERED if any(p.name.endswith(".steer") for p in reference.inputs) else LINEAR
+
+
+def _rows(job: tuple[str, int]) -> list[str]:
+    name, count = job
+    functions = wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{name}.yaml")).raw_module
+    return [
+        f"| {name} | {function} | {worst.ulp:.2f} | {limit(functions.function(function))} "
+        f"| {worst.output} | {worst.other} |"
+        for function, worst in robot(name, count)
+    ]
+
+
 def table(total: int = 100_000) -> Iterator[str]:
-    """The worst errors over ``total`` inputs, in the C that derive writes."""
-    each = total // (2 * len(ROBOTS))
+    """The worst errors over ``total`` inputs, in the C that derive writes; then next to singularities."""
+    each = -(-total // (2 * len(ROBOTS)))
     yield f"Worst error of the float C ({DEFAULT.math}, {DEFAULT.target}) in ulp of the sum of the terms' magnitudes,"
-    yield f"{each} inputs per function, steering angles up to +-{LARGEST_STEER:g} rad."
+    yield f"{each} inputs per function against {DIGITS} digits, steering angles up to +-{LARGEST_STEER:g} rad."
+    yield "Other branch: inputs so near a tie of two steering angles that float and exact formula choose differently."
     yield ""
-    yield "| robot | function | worst [ulp] | output |"
-    yield "|---|---|---:|---|"
-    for name in ROBOTS:
-        for function, worst in robot(name, each):
-            yield f"| {name} | {function} | {worst.ulp:.2f} | {worst.output} |"
+    yield "| robot | function | worst [ulp] | at most | output | other branch |"
+    yield "|---|---|---:|---:|---|---:|"
+    with ProcessPoolExecutor() as pool:
+        for rows in pool.map(_rows, [(name, each) for name in ROBOTS]):
+            yield from rows
+        yield ""
+        yield f"Steered wheels with the centre of rotation 1e-8 m to 1 m away, {NEAR} twists per target:"
+        yield ""
+        yield "| target | heading [rad] | at most | speed [ulp] | at most |"
+        yield "|---|---:|---:|---:|---:|"
+        for target, (heading, speed) in zip(TARGETS, pool.map(nearby, TARGETS), strict=True):
+            yield f"| {target} | {heading:.1e} | {HEADING:.0e} | {speed:.2f} | {SPEED:g} |"

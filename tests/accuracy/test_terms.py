@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from benchmarks.accuracy import ROBOTS, Values, measure, robot
+from benchmarks.accuracy import ROBOTS, Values, limit, measure, robot
 from benchmarks.accuracy import inputs as drawn
 from benchmarks.counts import ROOT
 from wmrgen import derive, load
@@ -15,17 +15,12 @@ from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.nodes import Module
 
-LINEAR, STEERED = 2.5, 4.5
 FEW = ("lekiwi", "wpilib_swervebot", "nomad_xr4000", "ackermann_car")
 
 
 def predicted(module: Module, name: str, cases: Sequence[Values]) -> list[Values]:
     """What the expanded C computes, which tests/c shows to be its bits."""
     return [evaluate_module(module, name, case, FLOAT32) for case in cases]
-
-
-def limit(function_inputs: Sequence[str]) -> float:
-    return STEERED if any(name.endswith(".steer") for name in function_inputs) else LINEAR
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -40,7 +35,7 @@ def test_few(name: str, target: str) -> None:
         source = random.Random(f"{name} {function} few")
         cases = [drawn(reference, source) for _ in range(12)]
         worst = measure(reference, module, cases, compute=predicted)
-        assert worst.ulp <= limit([p.name for p in reference.inputs]), worst
+        assert worst.ulp <= limit(reference), worst
         assert worst.other <= 1, worst
 
 
@@ -50,5 +45,4 @@ def test_compiled(name: str) -> None:
     """The C as derive writes it, from the system compiler."""
     derivation = derive(load(ROOT / "robots" / f"{name}.yaml"))
     for function, worst in robot(name, 100):
-        inputs = [p.name for p in derivation.raw_module.function(function).inputs]
-        assert worst.ulp <= limit(inputs), worst
+        assert worst.ulp <= limit(derivation.raw_module.function(function)), worst

@@ -122,18 +122,27 @@ def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:
 
 
 def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
-    """Children of some points: a few of their inputs moved to an end, elsewhere, or a little."""
+    """Children of some points: some inputs from a second parent; a few moved to an end, elsewhere, or a little.
+
+    Rounding errors depend on the last digits of every input: most children change one or two inputs, by a few units
+    in the last place, and keep what is good in the others.
+    """
     rng = np.random.default_rng(seed)
     size = len(next(iter(parents.values())))
-    pick = rng.integers(0, size, count)
+    first, second = rng.integers(0, size, (2, count))
+    crossed = rng.random(count) < 0.3
+    often = np.where(rng.random(count) < 0.7, 1.5 / len(ranges), 0.5)
     found = {}
     for name, (lo, hi) in ranges.items():
-        value = parents[name][pick].astype(np.float64)
-        kind = rng.random(count)
-        value = np.where(kind < 0.04, np.where(rng.random(count) < 0.5, lo, hi), value)
-        value = np.where((kind > 0.04) & (kind < 0.1), rng.uniform(lo, hi, count), value)
-        nudge = value * (1 + rng.normal(0, 1, count) * 10.0 ** rng.uniform(-7, -1, count))
-        found[name] = _inside(np.where(kind > 0.5, nudge, value), lo, hi)
+        other = crossed & (rng.random(count) < 0.5)
+        value = parents[name][np.where(other, second, first)].astype(np.float64)
+        moved, kind = rng.random(count) < often, rng.random(count)
+        nudged = value * (1 + rng.normal(0, 1, count) * 10.0 ** rng.uniform(-7, -1, count))
+        near = value * (1 + rng.integers(-40, 41, count) * 2.0**-24)
+        end = np.where(rng.random(count) < 0.5, lo, hi)
+        new = np.where(kind < 0.08, end, np.where(kind < 0.15, -value, nudged))
+        new = np.where((kind > 0.15) & (kind < 0.2), rng.uniform(lo, hi, count), new)
+        found[name] = _inside(np.where(moved, np.where(kind > 0.6, near, new), value), lo, hi)
     return found
 
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.proofs import affine as af
@@ -26,6 +27,7 @@ from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.affine import Affine
 from wmrgen.proofs.directions import Direction, Shares, directions
 from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.patterns import Term
 from wmrgen.proofs.precision import SMALL_ANGLE, Format, Library
 from wmrgen.proofs.records import Analysis, Angle, Value
 from wmrgen.proofs.slopes import Slope
@@ -49,8 +51,7 @@ def analyse(
 
     ``twice``: sums that the code rounds once more than they stand here.
     """
-    with np.errstate(all="ignore"):
-        return Pass(function, inputs, form, library, twice).run()
+    return Pass(function, inputs, form, library, twice).run()
 
 
 class Pass:
@@ -86,66 +87,78 @@ class Pass:
     def run(self) -> Analysis:
         from wmrgen.proofs.rules import RULES
 
-        for i, node in enumerate(self.nodes):
-            self.current = i
-            value = RULES[node.op.value](self, i, node)
-            found, slope, away, noise = value.range, value.slope, value.away, value.noise
-            if noise is not None:
-                row = self.sources[i]
-                self.result.noise[row] = noise
-                if i not in self.rows and noise.any():
-                    slope = sl.with_source(slope, row, self.boxes)
-                for extra in range(self.uses.get(i, 0)):
-                    self.result.noise[row + 1 + extra] = noise
-                found = iv.widened(found, noise)
-                away = None if away is None else away - noise
-            found = self._linear(i, node, found, noise)
-            if not np.all(iv.magnitude(found) <= self.form.largest):
-                self.alarm(i, "may overflow")
-                found = np.nan_to_num(found[0], nan=-np.inf), np.nan_to_num(found[1], nan=np.inf)
-            least = iv.smallest(found)
-            self.result.ranges.append(found)
-            self.result.slopes.append(slope)
-            self.result.away.append(least if away is None else np.maximum(least, away))
+        with np.errstate(all="ignore"):
+            for i, node in enumerate(self.nodes):
+                self.current = i
+                self.record(i, node, RULES[node.op.value](self, i, node))
         for i in self.rows:
             self.result.slopes[i] = sl.with_source(self.result.slopes[i], self.sources[i], self.boxes)
         return self.result
 
-    def _linear(self, i: int, node: Node, found: Interval, noise: Array | None) -> Interval:
-        """``found``, cut to the range of the linear form that the node is."""
-        form, cut = self._form(i, node)
-        if form is None:
-            self.forms.append(af.atom(i, self.boxes))
-            return found
+    def record(self, i: int, node: Node, value: Value) -> None:
+        """A result with its rounding."""
+        found, slope, away, noise = value.range, value.slope, value.away, value.noise
         if noise is not None:
+            row = self.sources[i]
+            self.result.noise[row] = noise
+            if i not in self.rows and noise.any():
+                slope = self.sourced(slope, row)
+            for extra in range(self.uses.get(i, 0)):
+                self.result.noise[row + 1 + extra] = noise
+            found = iv.widened(found, noise)
+            away = None if away is None else away - noise
+        form = self._form(i, node)
+        if form is None:
+            form = af.atom(i, self.boxes)
+        elif noise is not None:
             form = form.widened(noise)
         self.forms.append(form)
-        return iv.meet(found, form.range(self.result.ranges)) if cut else found
+        fits = iv.magnitude(found) <= self.form.largest
+        if not np.all(fits):
+            self.alarm(i, "may overflow", ~fits)
+            found = np.nan_to_num(found[0], nan=-np.inf), np.nan_to_num(found[1], nan=np.inf)
+        least = iv.smallest(found)
+        self.result.ranges.append(found)
+        self.result.slopes.append(slope)
+        self.result.away.append(least if away is None else np.maximum(least, away))
 
-    def _form(self, i: int, node: Node) -> tuple[Affine | None, bool]:
-        """The form of a node, and whether something cancels in it."""
+    def sourced(self, slope: Slope, row: int) -> Slope:
+        """``slope`` of a result to which source ``row`` is added."""
+        return sl.with_source(slope, row, self.boxes)
+
+    def cut(self, value: Interval, op: Op, a: int, b: int, inverse: Interval | None = None) -> Interval:
+        """``value``, the range of a op b (a / b with the ``inverse`` of b), as far as linear forms allow it."""
+        if op in (Op.ADD, Op.SUB) and af.overlap(self.forms[a], self.forms[b]):
+            form = af.combined(self.forms[a], self.forms[b], 1 if op is Op.ADD else -1)
+            if form is not None:
+                return iv.meet(value, form.range(self.result.ranges))
+        return value
+
+    def _form(self, i: int, node: Node) -> Affine | None:
+        """The linear form that a node is."""
         if node.op not in _LINEAR:
-            return None, False
+            return None
         if node.value is not None:
             value = float(node.value)
-            return af.constant(value, abs(value) * 2.0**-52, self.boxes), False
+            return af.constant(value, abs(value) * 2.0**-52, self.boxes)
         forms = [self.forms[k] for k in node.args]
         if node.op is Op.NEG:
-            return forms[0].scaled(-1.0), False
+            return forms[0].scaled(-1.0)
         if node.op is Op.MUL:
             for c, x in (forms, forms[::-1]):
                 if not c.terms:
                     width = c.slack * iv.magnitude(self.result.ranges[node.args[1]])
                     width = np.maximum(width, c.slack * iv.magnitude(self.result.ranges[node.args[0]]))
-                    return x.scaled(c.constant).widened(width), False
-            return None, False
-        a, b = forms
-        return af.combined(a, b, 1 if node.op is Op.ADD else -1), af.overlap(a, b)
+                    return x.scaled(c.constant).widened(width)
+            return None
+        return af.combined(forms[0], forms[1], 1 if node.op is Op.ADD else -1)
 
     # ---- what rules ask for
 
-    def alarm(self, i: int, what: str) -> None:
-        self.result.alarms.append((i, what))
+    def alarm(self, i: int, what: str, where: NDArray[np.bool_]) -> None:
+        """An alarm on the boxes ``where``, if any."""
+        if np.any(where):
+            self.result.alarms.append((i, what, where))
 
     def range(self, i: int) -> Interval:
         return self.result.ranges[i]
@@ -186,6 +199,10 @@ class Pass:
         self.shares[row] = Shares(self.nodes, direction, self.result.ranges)
         return sl.with_source(None, row, self.boxes)
 
+    def sum_slope(self, a: int, b: int, sign: int) -> Slope:
+        """Slope of a + sign b."""
+        return sl.plus(self.slope(a), self.slope(b), sign)
+
     def product_slope(self, a: int, b: int) -> Slope:
         """Slope of a b. Where b is at most s h, the slope of ``a`` in a direction counts as s, in that times h."""
         first = sl.times(self._kept(a, b), self.range(b))
@@ -216,6 +233,23 @@ class Pass:
     def shared(self, a: int, b: int) -> bool:
         """Whether `product_slope` of the two moves anything."""
         return bool(self._shared(a, b) or self._shared(b, a))
+
+    def lengthened(self, terms: Sequence[Term]) -> tuple[Slope, Array]:
+        """Slope and error of the root of a sum of squares, from the errors of what is squared.
+
+        The error of a length is at most the length of the error: its parts are a source of noise of their own. Only
+        the directions on which it depends stay slopes.
+        """
+        squares, total = [], np.zeros(self.boxes)
+        for t in terms:
+            slope, kept = self.slope(t.base), None
+            for row in self.shares:
+                size = self.magnitude(t.base, row)
+                if np.any(size):
+                    slope, kept = sl.without(slope, row), sl.added(kept, row, size, self.boxes)
+            squares.append((float(t.factor), kept))
+            total = total + float(t.factor) * sl.weighed(slope, self.result.noise, self.boxes) ** 2
+        return sl.norm(squares), np.asarray(np.sqrt(total) * (1 + 1e-9))
 
     def _kept(self, x: int, y: int) -> Slope:
         """The slope of x without the rows that `product_slope` moves."""

@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wmrgen.ir.inline import hand_through, inline_prepare
-from wmrgen.ir.kernels.sharp import sharp_sums
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
 from wmrgen.proofs.domain import Domain, Range, domain
-from wmrgen.proofs.precision import SINGLE, SMALL_ANGLE, Library
+from wmrgen.proofs.outcomes import Outcomes
+from wmrgen.proofs.precision import SMALL_ANGLE, Library
 
 if TYPE_CHECKING:
-    from wmrgen.proofs.records import Analysis
+    from wmrgen.proofs.records import Claim
+
+
+_NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +80,10 @@ def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
         return Bounds("float", library, missing, where.given, {}, ())
     found: list[FunctionBound] = []
     assumed: dict[str, Range] = {}
-    for function in functions(module):
-        bound = _function(function, where, library)
+    printed = functions(module)
+    outcomes = Outcomes(printed, library)
+    for function in printed:
+        bound = _function(function, where, outcomes)
         found.append(bound)
         assumed |= {name: r for name, r in bound.inputs.items() if name not in where.given}
     return Bounds("float", library, (), where.given, assumed, tuple(found))
@@ -90,16 +95,14 @@ def functions(module: Module) -> list[Function]:
     return [inline_prepare(f, printed.prepare) for f in printed.functions if f.outputs]
 
 
-def _function(function: Function, where: Domain, library: Library) -> FunctionBound:
+def _function(function: Function, where: Domain, outcomes: Outcomes) -> FunctionBound:
     ranges, unknown = where.of(function)
     if unknown:
         return FunctionBound(function.name, ranges, (), (), tuple(unknown))
-    from wmrgen.proofs.boxes import analysed  # not needed where there are no limits
-
-    found = analysed(function, ranges, SINGLE, library, sharp_sums(function))
+    found = outcomes.of(function, ranges)
     outputs = tuple(
-        _output(found, k, port.name, port.unit)
-        for port, k in zip(function.outputs, function.results, strict=True)
+        _output(claim, port.name, port.unit)
+        for port, claim in zip(function.outputs, found.claims, strict=True)
     )
     if function.name == "inverse":
         where.commanded.update({o.name: (o.low, o.high) for o in outputs})
@@ -107,13 +110,10 @@ def _function(function: Function, where: Domain, library: Library) -> FunctionBo
     return FunctionBound(function.name, ranges, outputs, alarms)
 
 
-def _output(found: Analysis, k: int, name: str, unit: str) -> OutputBound:
-    lo, hi = found.ranges[k]
-    error, over = found.split_error(k)
-    rho = found.lengths(k)
+def _output(claim: Claim, name: str, unit: str) -> OutputBound:
     return OutputBound(
-        name, unit, _up(lo.min() - 0.0, -1), _up(hi.max()), _up(error.max()), _up(over.max()),
-        _up(SMALL_ANGLE * rho.max()),
+        name, unit, _up(claim.low - 0.0, -1), _up(claim.high), _up(claim.error), _up(claim.over),
+        _up(SMALL_ANGLE * claim.rho),
     )  # fmt: skip
 
 
@@ -123,7 +123,7 @@ def _up(value: Any, sign: int = 1) -> float:
     value += (
         sign * abs(value) * 1e-9
     )  # whatever the processor does in the last place, the digits are the same
-    if not np.isfinite(value) or abs(value) < 1e-300:
+    if not np.isfinite(value) or abs(value) < _NOTHING:
         return value if not np.isfinite(value) else 0.0
     printed = float(f"{value:.5e}")
     if (printed - value) * sign >= 0:

@@ -1,4 +1,4 @@
-"""Which boxes of inputs an analysis looks at: one where that is enough, else parts of the steering angles."""
+"""Which boxes of inputs an analysis looks at: one where that is enough, else parts of the angles, finer on demand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wmrgen.proofs.domain import Range
 from wmrgen.proofs.interval import Interval
 from wmrgen.proofs.patterns import sinc_argument
 from wmrgen.proofs.precision import Format, Library
-from wmrgen.proofs.records import Analysis
+from wmrgen.proofs.records import Claim, Outcome
 
 PARTS = 16  # of each angle
 MOST_ANGLES = 2  # of more, a grid that one can afford is too coarse to help
@@ -26,29 +26,51 @@ def analysed(
     form: Format,
     library: Library,
     twice: Collection[int] = (),
-) -> Analysis:
+) -> Outcome:
     """The analysis of a function over ``ranges``."""
-    return analyse(function, boxed(ranges, _split(function, ranges)), form, library, twice)
+    angles = _angles(function, ranges)
+    if not 0 < len(angles) <= MOST_ANGLES or not _divides(function):
+        return _outcome(function, boxed(ranges, [], 1), form, library, twice)
+    if directions(function.nodes):
+        return _outcome(function, boxed(ranges, angles, PARTS), form, library, twice)
+    from wmrgen.proofs.refinement import refined  # of few robots
+
+    return refined(function, ranges, angles, form, library, twice)
 
 
-def _split(function: Function, ranges: Mapping[str, Range]) -> list[str]:
-    """Angles to divide: those of sines, where there is a divisor that no known shape accounts for."""
+def _outcome(
+    function: Function, boxes: Mapping[str, Interval], form: Format, library: Library, twice: Collection[int]
+) -> Outcome:
+    """Every result on given boxes."""
+    found = analyse(function, boxes, form, library, twice)
+    claims = []
+    for k in function.results:
+        error, over = found.split_error(k)
+        low, high = found.ranges[k]
+        claims.append(
+            Claim(*map(float, (low.min(), high.max(), error.max(), over.max(), found.lengths(k).max())))
+        )
+    return Outcome(tuple(claims), tuple((i, what) for i, what, _ in found.alarms))
+
+
+def _divides(function: Function) -> bool:
+    """Whether there is a divisor that no known shape accounts for."""
     nodes = function.nodes
     known = {d.quotient for d in directions(nodes).values()}
-    hard = any(
+    return any(
         n.op is Op.DIV and i not in known and sinc_argument(nodes, n) is None for i, n in enumerate(nodes)
     )
-    if not hard:
-        return []
-    waves = {n.args[0] for n in nodes if n.op in (Op.SIN, Op.COS)}
-    names = dict.fromkeys(nodes[k].name for k in sorted(waves) if nodes[k].op is Op.INPUT)
-    split = [name for name in names if name is not None and name in ranges]
-    return split if len(split) <= MOST_ANGLES else []
 
 
-def boxed(ranges: Mapping[str, Range], split: list[str]) -> dict[str, Interval]:
+def _angles(function: Function, ranges: Mapping[str, Range]) -> list[str]:
+    """Inputs of sines."""
+    waves = {n.args[0] for n in function.nodes if n.op in (Op.SIN, Op.COS)}
+    names = dict.fromkeys(function.nodes[k].name for k in sorted(waves) if function.nodes[k].op is Op.INPUT)
+    return [name for name in names if name is not None and name in ranges]
+
+
+def boxed(ranges: Mapping[str, Range], split: list[str], parts: int) -> dict[str, Interval]:
     """A grid over the inputs in ``split``, the whole range of the others."""
-    parts = PARTS
     boxes = parts ** len(split)
     found: dict[str, Interval] = {}
     for name, (lo, hi) in ranges.items():

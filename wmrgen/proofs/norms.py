@@ -9,47 +9,89 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
-from wmrgen.proofs.interval import Array
+from wmrgen.proofs.interval import Array, Interval
 from wmrgen.proofs.patterns import terms_below_root
 
 if TYPE_CHECKING:
     from wmrgen.proofs.analysis import Pass
 
 _GROW = 1 + 1e-9
+_CIRCLE = 1 + 1e-5  # sines and cosines as computed, whose roundings and whose products' stay below
 
 
 def length(p: Pass, parts: Sequence[tuple[float, int]]) -> Array:
     """Upper bound of sqrt(sum f x x) over the parts (f, node), per box."""
-    plain = np.sqrt(sum((f * iv.magnitude(p.range(k)) ** 2 for f, k in parts), np.zeros(p.boxes)))
+    plain = np.sqrt(sum((f * iv.magnitude(p.range(k)) ** 2 for f, k in parts), np.zeros(p.boxes))) * _GROW
+    shared = _shared(p, parts)
+    return np.asarray(plain if shared is None else np.minimum(plain, shared[1]))
+
+
+def lengths(p: Pass, parts: Sequence[tuple[float, int]]) -> Interval | None:
+    """Bounds of sqrt(sum f x x) where the parts (f, node) share what they are sums of; None where they do not."""
+    return _shared(p, parts)
+
+
+def _shared(p: Pass, parts: Sequence[tuple[float, int]]) -> Interval | None:
+    """|b + M z| is |b| within the largest singular value of M times |z|."""
     atoms = sorted({atom for _, k in parts for atom in p.forms[k].terms})
-    if len(parts) < 2 or len(atoms) == sum(len(p.forms[k].terms) for _, k in parts):
-        return np.asarray(plain * _GROW)
+    if len(parts) < 2 or not _alike(p, parts, atoms):
+        return None
     place = {atom: j for j, atom in enumerate(atoms)}
-    matrix = np.zeros((len(parts), len(atoms)))
-    rest = np.zeros(p.boxes)
+    matrix, middle = np.zeros((len(parts), len(atoms))), np.zeros(len(parts))
+    slack = np.zeros(p.boxes)
     for i, (f, k) in enumerate(parts):
         form = p.forms[k]
         for atom, c in form.terms.items():
             matrix[i, place[atom]] = np.sqrt(f) * c
-        rest = rest + np.sqrt(f) * (abs(form.constant) + form.slack)
-    most = float(np.linalg.norm(matrix, 2))
-    return np.asarray(np.minimum(plain, most * _size(p, atoms) + rest) * _GROW)
+        middle[i] = np.sqrt(f) * form.constant
+        slack = slack + f * form.slack**2
+    about = float(np.linalg.norm(middle))
+    reach = _stretch(p, atoms, matrix) + np.sqrt(slack)
+    room = (about + reach) * (_GROW - 1)
+    return np.maximum(about - reach - room, 0.0), about + reach + room
 
 
-def _size(p: Pass, atoms: Sequence[int]) -> Array:
-    """The length of the vector of atoms; p cos x and p sin x together are no longer than p."""
-    groups: dict[tuple[int, int], Array] = {}
-    for atom in atoms:
-        arm = _arm(p.nodes, p.nodes[atom])
-        groups[arm or (atom, -1)] = iv.magnitude(p.range(arm[0] if arm else atom))
-    return np.asarray(np.sqrt(sum((size**2 for size in groups.values()), np.zeros(p.boxes))) * _GROW)
+def _stretch(p: Pass, atoms: Sequence[int], matrix: NDArray[np.float64]) -> Array:
+    """Upper bound of |M z|, z the atoms: of |M W^-1| |W z|, W such that large columns and large atoms weigh alike."""
+    sizes = _sizes(p, atoms)
+    total = np.zeros(p.boxes)
+    for columns, size in sizes:
+        most = float(size.max())
+        if most > 0:
+            weight = np.sqrt(np.linalg.norm(matrix[:, columns]) / most)
+            matrix[:, columns] /= weight
+            total = total + (weight * size) ** 2
+        else:
+            matrix[:, columns] = 0.0
+    return np.asarray(float(np.linalg.norm(matrix, 2)) * np.sqrt(total) * _GROW)
+
+
+def _alike(p: Pass, parts: Sequence[tuple[float, int]], atoms: Sequence[int]) -> bool:
+    """Whether something stands in two parts: the same atom, or sine and cosine of one angle."""
+    arms = {_arm(p.nodes, p.nodes[a]) or (a, -1) for a in atoms}
+    return len(arms) < sum(len(p.forms[k].terms) for _, k in parts)
+
+
+def _sizes(p: Pass, atoms: Sequence[int]) -> list[tuple[list[int], Array]]:
+    """(places, length) of atoms that belong together: p cos x and p sin x are together no longer than p."""
+    groups: dict[tuple[int, int], list[int]] = {}
+    for j, atom in enumerate(atoms):
+        groups.setdefault(_arm(p.nodes, p.nodes[atom]) or (atom, -2), []).append(j)
+    found = []
+    for (arm, angle), places in groups.items():
+        size = np.ones(p.boxes) if arm < 0 else iv.magnitude(p.range(arm))
+        found.append((places, size if angle == -2 else size * _CIRCLE))
+    return found
 
 
 def _arm(nodes: Sequence[Node], node: Node) -> tuple[int, int] | None:
-    """(p, x) of a product p cos x or p sin x."""
+    """(p, x) of a product p cos x or p sin x; (-1, x) of a sine or cosine alone."""
+    if node.op in (Op.SIN, Op.COS):
+        return -1, node.args[0]
     if node.op is Op.MUL:
         for wave, arm in (node.args, node.args[::-1]):
             if nodes[wave].op in (Op.SIN, Op.COS):

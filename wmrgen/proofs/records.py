@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.interval import Array, Interval
@@ -19,6 +20,25 @@ class Value:
     slope: Slope = None
     noise: Array | None = None
     away: Array | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A result lies in [low, high] and is off by at most error + over / h where h >= `SMALL_ANGLE` rho."""
+
+    low: float
+    high: float
+    error: float
+    over: float
+    rho: float
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Of a function: a claim per result, and what is not shown (node, what)."""
+
+    claims: tuple[Claim, ...]
+    alarms: tuple[tuple[int, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +60,8 @@ class Analysis:
     """What is known of every node, on every box.
 
     ``ranges`` hold the exact and the float value; ``away`` is a lower bound of the absolute value. ``slopes``: rows
-    per source; ``noise``: sources x boxes. ``alarms``: (node, what is not shown). ``decisions``: comparisons that
-    are no minimum or maximum, and roundings to whole numbers.
+    per source; ``noise``: sources x boxes. ``alarms``: (node, what is not shown, on which boxes). ``decisions``:
+    comparisons that are no minimum or maximum, and roundings to whole numbers.
     """
 
     boxes: int
@@ -50,7 +70,7 @@ class Analysis:
     slopes: list[Slope] = field(default_factory=list)
     noise: Array = field(default_factory=lambda: np.zeros((0, 0)))
     angles: list[Angle] = field(default_factory=list)
-    alarms: list[tuple[int, str]] = field(default_factory=list)
+    alarms: list[tuple[int, str, NDArray[np.bool_]]] = field(default_factory=list)
     decisions: list[int] = field(default_factory=list)
 
     def error(self, i: int) -> Array:

@@ -10,7 +10,7 @@ from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.analysis import Pass, Rule
 from wmrgen.proofs.interval import Array, Interval
-from wmrgen.proofs.norms import least_squares, length
+from wmrgen.proofs.norms import least_squares, length, lengths
 from wmrgen.proofs.patterns import (
     Term,
     extremum,
@@ -41,14 +41,21 @@ def _input(p: Pass, i: int, node: Node) -> Value:
 def _sum(p: Pass, i: int, node: Node) -> Value:
     a, b = node.args
     sign = 1 if node.op is Op.ADD else -1
-    value = (iv.plus if sign > 0 else iv.minus)(p.range(a), p.range(b))
-    slope = sl.plus(p.slope(a), p.slope(b), sign)
     if parity(p.nodes, node):
         return Value((np.full(p.boxes, -1.0), np.full(p.boxes, 1.0)))
+    value = p.cut((iv.plus if sign > 0 else iv.minus)(p.range(a), p.range(b)), node.op, a, b)
+    slope = p.sum_slope(a, b, sign)
     arms = rotation(p.nodes, node)
     if arms is not None:
         most = np.hypot(*(iv.magnitude(p.range(k)) for k in arms)) * (1 + 1e-6)
         value = iv.meet(value, (-most, most))
+    squares = terms_below_root(p.nodes, i) if sign > 0 else ()
+    if len(squares) > 1 and all(t.squared for t in squares):
+        size = lengths(p, [(float(t.factor), t.base) for t in squares])
+        if size is not None:
+            room = (max(t.roundings for t in squares) + 2) * p.form.unit
+            low, high = size[0] ** 2 * (1 - room), size[1] ** 2 * (1 + room)
+            value = iv.meet(value, iv.widened((low, high), np.full(p.boxes, 2 * len(squares) * p.form.tiny)))
     turn = nearest_turn(p.nodes, node)
     if turn is not None:
         step, x, present, steps = turn
@@ -80,6 +87,7 @@ def _mul(p: Pass, i: int, node: Node) -> Value:
     else:
         value = iv.times(x, y)
         slope = p.product_slope(a, b)
+    value = p.cut(value, Op.MUL, a, b)
     noise = np.full(p.boxes, p.form.tiny)
     if not any(_power_of_two(p, k) or _small_whole(p, k) for k in node.args):
         noise = noise + p.rounding(value)
@@ -96,6 +104,7 @@ def _by_inverse(p: Pass, node: Node) -> Value | None:
             most = least_squares(p, above, below)
             if most is not None:
                 value = iv.meet(value, (-most, most))
+            value = p.cut(value, Op.DIV, above, below, p.range(inverse))
             slope = sl.plus(p.slope(above), sl.times(p.slope(below), value), -1)
             own = p.rounding(value) + iv.magnitude(value) * p.form.unit * (1 + 1e-6)
             return Value(value, sl.times(slope, p.range(inverse)), own + 2 * p.form.tiny)
@@ -128,8 +137,7 @@ def _div(p: Pass, i: int, node: Node) -> Value:
     angle = sinc_argument(p.nodes, node)
     away, below = p.away(b), p.range(b)
     holds = (below[0] <= 0) & (below[1] >= 0)
-    if np.any(holds & (away <= 0)):
-        p.alarm(i, "the divisor may be zero")
+    p.alarm(i, "the divisor may be zero", holds & (away <= 0))
     if angle is not None:
         return _sinc(p, angle)
     inverse, most = iv.reciprocal(below), np.nextafter(1.0 / away, np.inf)
@@ -138,6 +146,7 @@ def _div(p: Pass, i: int, node: Node) -> Value:
     most_of_all = least_squares(p, a, b)
     if most_of_all is not None:
         value = iv.meet(value, (-most_of_all, most_of_all))
+    value = p.cut(value, Op.DIV, a, b, inverse)
     slope = sl.times(sl.plus(p.slope(a), sl.times(p.slope(b), value), -1), inverse)
     return Value(value, slope, p.rounding(value) + p.form.tiny)
 
@@ -180,15 +189,17 @@ def _root(p: Pass, i: int, node: Node) -> Value:
     value = iv.root(below)
     terms = terms_below_root(p.nodes, a)
     if any(np.any(p.range(t.base)[0] < 0) for t in terms if not t.squared):
-        if np.any(below[0] < 0):
-            p.alarm(i, "the root's argument may be negative")
+        p.alarm(i, "the root's argument may be negative", below[0] < 0)
         terms = (Term.whole(a),)
     elif all(t.squared for t in terms):
         most = length(p, [(float(t.factor), t.base) for t in terms]) * (1 + 1e-5) + p.form.tiny**0.5
         value = iv.meet(value, (np.zeros(p.boxes), most))
     inverse = iv.reciprocal((2 * value[0], 2 * value[1]))
-    squares = [(float(t.factor), p.slope(t.base)) for t in terms if t.squared]
-    slope = sl.norm(squares)
+    squares = [t for t in terms if t.squared]
+    if len(squares) == len(terms):
+        slope, from_parts = p.lengthened(squares)
+    else:
+        slope, from_parts = sl.norm([(float(t.factor), p.slope(t.base)) for t in squares]), np.zeros(p.boxes)
     for t in terms:
         if not t.squared:
             factor = float(t.factor)
@@ -197,15 +208,14 @@ def _root(p: Pass, i: int, node: Node) -> Value:
     most = max(t.roundings for t in terms)
     own = most * p.form.unit / 2 * (1 + 1e-5) * value[1]
     lost = np.sqrt(2 * len(terms) * p.form.tiny) if squares else 0.0
-    noise = p.rounding(value) + own + lost
+    noise = p.rounding(value) + own + lost + from_parts
     # The root of a float is no float below 0: the range is not widened beyond.
     return Value((np.maximum(value[0], noise), value[1]), slope, noise)
 
 
 def _within(p: Pass, i: int, x: Interval, most: float, unit: str) -> None:
     """An alarm where a library function is not known to be right."""
-    if np.any(iv.magnitude(x) > most):
-        p.alarm(i, f"its argument may exceed {most:g} {unit}".rstrip())
+    p.alarm(i, f"its argument may exceed {most:g} {unit}".rstrip(), iv.magnitude(x) > most)
 
 
 def _wave(p: Pass, i: int, node: Node) -> Value:
@@ -250,8 +260,8 @@ def _atan(p: Pass, i: int, node: Node) -> Value:
 def _rint(p: Pass, i: int, node: Node) -> Value:
     """A whole number, decided as the float program decides it."""
     x = p.range(node.args[0])
-    if np.any(iv.magnitude(x) > 2.0 ** (p.form.bits - 2)):
-        p.alarm(i, "too large to be rounded to a whole number")
+    too_large = iv.magnitude(x) > 2.0 ** (p.form.bits - 2)
+    p.alarm(i, "too large to be rounded to a whole number", too_large)
     p.result.decisions.append(i)
     return Value((np.rint(x[0]), np.rint(x[1])))
 
@@ -271,10 +281,9 @@ def _select(p: Pass, i: int, node: Node) -> Value:
         return _extremum(p, i, node)
     a, b, x, y = node.args
     small, large = p.range(a), p.range(b)
-    slack = p.error(a) + p.error(b)
     p.result.decisions.append(i)
-    first, first_away = _branch(p, a, b, x, slack)
-    second, second_away = _branch(p, b, a, y, slack)
+    first, first_away = _branch(p, a, b, x)
+    second, second_away = _branch(p, b, a, y)
     always, never = small[1] < large[0], small[0] > large[1]
     lo = sl.chosen(always, never, first[0], second[0], np.minimum(first[0], second[0]))
     hi = sl.chosen(always, never, first[1], second[1], np.maximum(first[1], second[1]))
@@ -282,10 +291,11 @@ def _select(p: Pass, i: int, node: Node) -> Value:
     return Value((lo, hi), sl.choice(small, large, p.slope(x), p.slope(y)), away=away)
 
 
-def _branch(p: Pass, small: int, large: int, value: int, slack: Array) -> tuple[Interval, Array]:
-    """Range of a branch and its distance from zero, given small <= large there up to ``slack``."""
+def _branch(p: Pass, small: int, large: int, value: int) -> tuple[Interval, Array]:
+    """Range of a branch and its distance from zero, given small <= large there up to their errors."""
     found, away = p.range(value), p.away(value)
     far = np.full(p.boxes, np.inf)
+    slack = p.error(small) + p.error(large) if value in (small, large) else far
     if value == large:
         found = iv.meet(found, (p.range(small)[0] - slack, far))
     elif value == small:

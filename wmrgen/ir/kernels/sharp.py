@@ -119,12 +119,10 @@ def _fused(tape: Tape, x: int, c: Exact, y: int) -> int:
 
 
 def _split(tape: Tape, x: int, c: Exact, y: int) -> int:
-    parts, rest = [], c
-    for _ in range(2):
-        part = Exact(Fraction(round_rational(rest.rational(60), 12, -149, 128)))
-        parts.append(part)
-        rest = rest - part
-    low = Exact(Fraction(to_float32(rest)))
+    single = Exact(Fraction(to_float32(c)))
+    first = Exact(Fraction(round_rational(c.rational(60), 12, -149, 128)))
+    parts = [first, single - first]
+    low = Exact(Fraction(to_float32(c - single)))
     if not parts[1] and abs(parts[0].num[0]) == 1:  # a power of two
         return tape.add(x, tape.mul(tape.const(parts[0]), y))
     ids = [tape.const(part) for part in parts if part]
@@ -132,15 +130,16 @@ def _split(tape: Tape, x: int, c: Exact, y: int) -> int:
 
 
 def _less_parts(tape: Tape, x: int, parts: list[int], y: int, low: int | None) -> int:
-    """x + (parts + low) y; a product of two halves of 12 bits is exact."""
+    """x + (parts + low) y; a product of two halves of 12 bits is exact, and so is the sum of the two middle ones."""
     high_y, low_y = _halves(tape, y)
     total = tape.add(x, tape.mul(parts[0], high_y))
-    total = tape.add(total, tape.mul(parts[0], low_y))
+    middle = tape.mul(parts[0], low_y)
     tail = None if low is None else tape.mul(low, y)
     for part in parts[1:]:
-        total = tape.add(total, tape.mul(part, high_y))
+        middle = tape.add(middle, tape.mul(part, high_y))
         last = tape.mul(part, low_y)
         tail = last if tail is None else tape.add(last, tail)
+    total = tape.add(total, middle)
     return total if tail is None else tape.add(total, tail)
 
 

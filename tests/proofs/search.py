@@ -1,0 +1,133 @@
+"""An honest search for the largest rounding error of an output, as a share of its proved bound.
+
+Three starts, each bred on: points drawn at random; points at which the analysis allows large errors (where a function
+has no directions); for the slip of wheel rates, rates that fit a motion, where it is zero and rounding all there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from tests.proofs.observe import Ranges, bred, draw, lengths, run
+from wmrgen.ir.nodes import Function
+from wmrgen.proofs.adjoint import Adjoint
+from wmrgen.proofs.bounds import FunctionBound
+from wmrgen.proofs.directions import directions
+from wmrgen.proofs.precision import LIBM, SINGLE
+
+Points = dict[str, np.ndarray]
+Score = Callable[[Points], np.ndarray]
+TWIST = ("vx", "vy", "omega")
+TRIES = 48  # steering angles tried for wheels that a motion should not turn fast
+
+
+def shares(function: Function, bound: FunctionBound, inputs: Points) -> dict[str, np.ndarray]:
+    """Output -> error over its bound, per point; 0 where none is claimed. Ranges are checked on the way."""
+    found = run(function, inputs)
+    result = {}
+    for o, k in zip(bound.outputs, function.results, strict=True):
+        value = found.single[k].astype(np.float64)
+        assert np.isfinite(value).all()
+        assert ((o.low <= value) & (value <= o.high)).all(), f"{function.name}: {o.name} leaves its range"
+        error = np.abs(value - found.exact[k])
+        length = lengths(function, found, k) if o.from_length else np.full(len(value), np.inf)
+        allowed = o.error + o.per_length / length
+        claimed = found.alike & (length >= o.from_length)
+        with np.errstate(all="ignore"):
+            share = np.where(error > 0, error / allowed, 0.0)
+        result[o.name] = np.where(claimed, share, 0.0)
+    return result
+
+
+def climbed(ranges: Ranges, score: Score, start: Points, generations: int, kept: int = 150) -> Points:
+    """The best points after so many generations, the best of all first."""
+    best = _best(start, score(start), kept)
+    for generation in range(generations):
+        children = bred(ranges, best[0], 2000, generation)
+        both = {n: np.concatenate([best[0][n], children[n]]) for n in children}
+        best = _best(both, np.concatenate([best[1], score(children)]), kept)
+    return best[0]
+
+
+def _best(points: Points, value: np.ndarray, kept: int) -> tuple[Points, np.ndarray]:
+    order = np.argsort(-value, kind="stable")[:kept]
+    return {n: v[order] for n, v in points.items()}, value[order]
+
+
+def worst(
+    function: Function,
+    bound: FunctionBound,
+    output: str,
+    inverse: tuple[Function, FunctionBound] | None,
+    generations: int,
+) -> float:
+    """The largest share that the searches find for ``output``."""
+    ranges = bound.inputs
+
+    def share(points: Points) -> np.ndarray:
+        return shares(function, bound, points)[output]
+
+    starts = [draw(ranges, 20000, 1)]
+    if not directions(function.nodes):
+        row = [o.name for o in bound.outputs].index(output)
+        starts.append(
+            climbed(ranges, lambda p: possible(function, p)[row], draw(ranges, 1000, 5), generations // 3)
+        )
+    found = [share(climbed(ranges, share, start, generations)).max() for start in starts]
+    if output == "slip" and function.name == "forward_slip" and inverse is not None:
+        moves, known = inverse
+        wide = {n: (30 * lo, 30 * hi) if n in TWIST else (lo, hi) for n, (lo, hi) in known.inputs.items()}
+
+        def fitting(points: Points) -> np.ndarray:
+            return share(rates(moves, ranges, points))
+
+        found.append(fitting(climbed(wide, fitting, motions(moves, wide, 4000), generations)).max())
+    return float(max(found))
+
+
+def possible(function: Function, points: Points) -> np.ndarray:
+    """Results x points: the error that the analysis allows there."""
+    exact = {n: (v.astype(np.float64), v.astype(np.float64)) for n, v in points.items()}
+    walk = Adjoint(function, exact, SINGLE, LIBM)
+    walk.run()
+    return walk.errors(function.results)
+
+
+def commanded(inverse: Function, points: Points) -> Points:
+    """What `inverse` commands."""
+    found = run(inverse, points)
+    return {o.name: found.single[k] for o, k in zip(inverse.outputs, inverse.results, strict=True)}
+
+
+def motions(inverse: Function, ranges: Ranges, count: int) -> Points:
+    """Twists, and of some steering angles those at which a wheel turns least about its pivot."""
+    points = draw(ranges, count, 3)
+    angles = [n for n in ranges if n.endswith(".steer")]
+    least = {n: np.full(count, np.inf) for n in angles}
+    for seed in range(TRIES if angles else 0):
+        tried = points | {n: v for n, v in draw(ranges, count, 10 + seed).items() if n in angles}
+        rates_ = commanded(inverse, tried)
+        for n in angles:
+            cost = np.abs(rates_.get(f"{n}_rate", np.zeros(count)))
+            points[n] = np.where(cost < least[n], tried[n], points[n])
+            least[n] = np.minimum(cost, least[n])
+    return points
+
+
+def rates(inverse: Function, ranges: Ranges, motion: Points) -> Points:
+    """The inputs that fit a motion, which is slowed down until they lie within ``ranges``."""
+    for _ in range(2):
+        made = commanded(inverse, motion)
+        over = np.ones(len(next(iter(motion.values()))))
+        for n, (_, hi) in ranges.items():
+            if n in made and not n.endswith(".steer"):
+                over = np.maximum(over, np.abs(made[n]) / hi)
+        motion = {n: (v / over).astype(np.float32) if n in TWIST else v for n, v in motion.items()}
+    known: Mapping[str, np.ndarray] = motion | commanded(inverse, motion)
+    zero = np.zeros(len(over), np.float32)
+    return {
+        n: np.clip(known.get(n, zero), np.float32(lo), np.float32(hi)).astype(np.float32)
+        for n, (lo, hi) in ranges.items()
+    }

@@ -1,0 +1,93 @@
+"""Sums of multiples of inputs whose coefficients are intervals: c0 + c1 x1 + ... on every box.
+
+Arrays of (..., rows, boxes): row 0 is c0; with one row there are no multiples. What is linear in the wheels' rates
+keeps its coefficients, functions of the angles alone, so that a rate that stands twice counts once.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+
+from wmrgen.proofs import interval as iv
+from wmrgen.proofs.interval import Array, Interval
+
+Multiple: TypeAlias = Interval  # arrays of (..., rows, boxes)
+
+_ROOM = 1e-14  # covers the rounding of a sum of a few products
+_UNIT, _LEAST = 2.0**-51, 1e-290
+
+
+def plain(a: Interval) -> Multiple:
+    """A value that counts as no multiple."""
+    return a[0][np.newaxis], a[1][np.newaxis]
+
+
+def unit(j: int, count: int, boxes: int) -> Multiple:
+    """Input ``j`` of ``count``."""
+    rows = np.zeros((1 + count, boxes))
+    rows[1 + j] = 1.0
+    return rows, rows
+
+
+def rows(a: Multiple) -> int:
+    return int(a[0].shape[-2])
+
+
+def hull(a: Multiple, scales: Interval) -> Interval:
+    """The range, given those of the inputs (arrays of inputs x boxes)."""
+    if rows(a) == 1:
+        return a[0][..., 0, :], a[1][..., 0, :]
+    each = iv.times((a[0][..., 1:, :], a[1][..., 1:, :]), scales)
+    lo, hi = a[0][..., 0, :] + each[0].sum(axis=-2), a[1][..., 0, :] + each[1].sum(axis=-2)
+    room = _ROOM * (iv.magnitude(each).sum(axis=-2) + np.abs(a[0][..., 0, :]) + np.abs(a[1][..., 0, :]))
+    return lo - room, hi + room
+
+
+def plus(a: Multiple, b: Multiple, sign: int = 1) -> Multiple:
+    """a + sign b."""
+    if sign < 0:
+        b = iv.negative(b)
+    if rows(a) == rows(b):
+        return _sum(a, b)
+    long, short = (a, b) if rows(a) > rows(b) else (b, a)
+    shape = np.broadcast_shapes(long[0].shape, (*short[0].shape[:-2], 1, short[0].shape[-1]))
+    lo, hi = np.array(np.broadcast_to(long[0], shape)), np.array(np.broadcast_to(long[1], shape))
+    first = _sum((lo[..., :1, :], hi[..., :1, :]), short)
+    lo[..., :1, :], hi[..., :1, :] = first
+    return lo, hi
+
+
+def _sum(a: Multiple, b: Multiple) -> Multiple:
+    return _outward(a[0] + b[0], a[1] + b[1])
+
+
+def times(a: Multiple, b: Multiple, scales: Interval) -> Multiple:
+    """a b; of two that have multiples, ``b`` counts with its range."""
+    if rows(a) > 1 and rows(b) > 1:
+        b = plain(hull(b, scales))
+    p, q, r, s = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
+    return _outward(  # 0 times infinity is 0
+        np.fmin(np.fmin(p, q), np.fmin(r, s)), np.fmax(np.fmax(p, q), np.fmax(r, s))
+    )
+
+
+def _outward(lo: Array, hi: Array) -> Multiple:
+    """Wider on either side by more than a rounding: cheaper than the next number, and never subnormal."""
+    return lo - (np.abs(lo) * _UNIT + _LEAST), hi + (np.abs(hi) * _UNIT + _LEAST)
+
+
+def size(a: Multiple, most: Array) -> Array:
+    """Largest absolute value, given those of the inputs (inputs x boxes)."""
+    each = iv.magnitude(a)
+    if rows(a) == 1:
+        return np.asarray(each[..., 0, :])
+    return np.asarray((each[..., 0, :] + (each[..., 1:, :] * most).sum(axis=-2)) * (1 + _ROOM))
+
+
+def widened(a: Multiple, by: Array) -> Multiple:
+    """``a`` with ``by`` >= 0 more on either side."""
+    lo, hi = a[0].copy(), a[1].copy()
+    lo[..., 0, :], hi[..., 0, :] = iv.widened((lo[..., 0, :], hi[..., 0, :]), by)
+    return lo, hi

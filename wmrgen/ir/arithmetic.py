@@ -19,6 +19,7 @@ from typing import Any
 
 from wmrgen.exact.number import ZERO, Exact, exact_sqrt
 from wmrgen.ir.kernels import integer
+from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 
@@ -214,4 +215,5 @@ def _flip_bit32(a: float, b: float) -> float:
 _SINGLE: dict[Op, Callable[..., float]] = {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}}
 _SINGLE |= {Op.FMA: _fma32, Op.FLIP_BIT: _flip_bit32}
 _SINGLE |= {Op.ISIN: integer.sine, Op.ICOS: integer.cosine, Op.IATAN: integer.arctangent}
+_SINGLE |= {op: _SINGLE[plain] for plain, op in SOFT.items()}
 FLOAT32 = Arithmetic("float32", _enter32, _SINGLE)

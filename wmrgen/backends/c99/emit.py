@@ -63,7 +63,7 @@ def _unit(module: Module, meta: Meta) -> Unit:
 def _includes(made: Unit) -> dict[str, bool]:
     return {
         "<float.h>": made.rounds,
-        "<math.h>": not made.ops.isdisjoint(LIBM),
+        "<math.h>": not made.ops.isdisjoint({Op.ISQRT, *LIBM}),
         "<stdint.h>": not made.ops.isdisjoint({Op.FLIP_BIT, *INTEGER}),
     }
 
@@ -116,6 +116,7 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
         "rounds": made.rounds,
         "flips": Op.FLIP_BIT in made.ops,
         "integer": None if made.ops.isdisjoint(INTEGER) else integer,
+        "needs": {op.value for op in made.ops & INTEGER.keys()},
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
     draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]

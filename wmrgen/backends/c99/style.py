@@ -14,7 +14,10 @@ LIBM = {
 }  # fmt: skip
 FLIP = "wmrgen_flip"  # defined in templates/c99/source.c.j2
 # defined in templates/c99/integer.c.j2
-INTEGER = {Op.ISIN: "wmrgen_sin({0})", Op.ICOS: "wmrgen_cos({0})", Op.IATAN: "wmrgen_atan({0})"}
+INTEGER = {
+    Op.ISIN: "wmrgen_sin({0})", Op.ICOS: "wmrgen_cos({0})", Op.IATAN: "wmrgen_atan({0})",
+    Op.IMUL: "wmrgen_mul({0}, {1})", Op.IDIV: "wmrgen_div({0}, {1})", Op.ISQRT: "wmrgen_sqrt({0})",
+}  # fmt: skip
 
 
 @cache

@@ -14,6 +14,7 @@ from wmrgen.ir.kernels import trigonometry
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.constants import RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
+from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Module, Node, Op
@@ -62,6 +63,7 @@ class _Expansion:
         results = tuple(self.made[r] for r in self.function.results)
         made = replace(self.function, nodes=tuple(self.tape.nodes), results=results)
         made = fuse(made) if self.fused else made
+        made = replace(made, nodes=tuple(_soft(n) for n in made.nodes)) if self.integer else made
         return calls_first(schedule(made))
 
     def _node(self, i: int, node: Node) -> int:
@@ -159,6 +161,11 @@ class _Expansion:
             factors = angles.setdefault(nodes[i].args[0], set())
             factors.update(_other(nodes[u], i) if u >= 0 and nodes[u].op is Op.MUL else -1 for u in found)
         return {i for i in users if len(f := angles[nodes[i].args[0]]) == 1 and -1 not in f}
+
+
+def _soft(node: Node) -> Node:
+    """Arithmetic of a processor without floating point."""
+    return Node(SOFT[node.op], node.args) if node.op in SOFT else node
 
 
 def _other(node: Node, arg: int) -> int:

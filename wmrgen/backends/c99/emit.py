@@ -64,7 +64,7 @@ def _includes(made: Unit) -> dict[str, bool]:
     return {
         "<float.h>": made.rounds,
         "<math.h>": not made.ops.isdisjoint({Op.ISQRT, *LIBM}),
-        "<stdint.h>": not made.ops.isdisjoint({Op.FLIP_BIT, *INTEGER}),
+        "<stdint.h>": not made.ops.isdisjoint({Op.FLIP_BIT, Op.SIGNED, *INTEGER}),
     }
 
 
@@ -115,6 +115,7 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
         "flips": Op.FLIP_BIT in made.ops,
+        "signs": Op.SIGNED in made.ops,
         "integer": None if made.ops.isdisjoint(INTEGER) else integer,
         "needs": {op.value for op in made.ops & INTEGER.keys()},
     }

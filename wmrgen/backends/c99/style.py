@@ -29,6 +29,7 @@ def style(scalar: str) -> Style:
         calls={
             **{op: form.format(suffix) for op, form in LIBM.items()},
             Op.FLIP_BIT: FLIP + "({0}, {1})",
+            Op.SIGNED: "wmrgen_signed({0}, {1})",
             **INTEGER,
         },
         choices={

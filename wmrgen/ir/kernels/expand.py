@@ -16,6 +16,7 @@ from wmrgen.ir.kernels.constants import RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
+from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Module, Node, Op
 from wmrgen.ir.passes.schedule import calls_first, schedule
@@ -44,8 +45,9 @@ class _Expansion:
 
     def __init__(self, function: Function, scalar: str, math: str, target: str) -> None:
         single = scalar == "float"
-        self.function, self.inline = function, math == INLINE
         self.fused, self.bits = single and target == M4F, single and target in (M4F, M0)
+        self.function = function = signs_as_bits(one_comparison(function)) if self.bits else function
+        self.inline = math == INLINE
         self.magic = RINT32 if single else RINT64
         self.tape = Tape()
         self.made: list[int] = []

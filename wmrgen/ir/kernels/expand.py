@@ -15,11 +15,11 @@ from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.constants import RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.integer import SOFT
+from wmrgen.ir.kernels.order import ordered
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Module, Node, Op
-from wmrgen.ir.passes.schedule import calls_first, schedule
 
 _TWO = Exact(2)
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
@@ -66,7 +66,7 @@ class _Expansion:
         made = replace(self.function, nodes=tuple(self.tape.nodes), results=results)
         made = fuse(made) if self.fused else made
         made = replace(made, nodes=tuple(_soft(n) for n in made.nodes)) if self.integer else made
-        return calls_first(schedule(made))
+        return ordered(made)
 
     def _node(self, i: int, node: Node) -> int:
         tape, args = self.tape, tuple(self.made[a] for a in node.args)

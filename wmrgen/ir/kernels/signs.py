@@ -73,7 +73,9 @@ class _Signs:
         constant = self.tape.nodes[first].value
         if op is Op.MUL and constant == ONE:
             return _Signed(second, by)
-        taken = frozenset(sign for sign in by if sign[0] is Op.SIGNED) if constant is not None else frozenset()
+        taken = (
+            frozenset(sign for sign in by if sign[0] is Op.SIGNED) if constant is not None else frozenset()
+        )
         return _Signed(self.tape.put(op, self._whole(_Signed(first, taken)), second), by - taken)
 
     def _chooses_sign(self, node: Node) -> bool:

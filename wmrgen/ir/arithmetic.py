@@ -195,6 +195,8 @@ _DOUBLE: dict[Op, Callable[..., float]] = {
     Op.MIN: lambda a, b: a if a < b else b, Op.MAX: lambda a, b: b if a < b else a,
     Op.SIN: _sin, Op.COS: _cos, Op.ATAN: math.atan, Op.ATAN2: math.atan2, Op.RINT: _rint, Op.FLIP: _flip,
     Op.FMA: _fma64, Op.FLIP_BIT: lambda a, b: -a if _last_bit64(b) else a,
+    Op.WITHIN: lambda a, m: a if abs(a) <= m else math.copysign(m, a),
+    Op.BEYOND: lambda a, m: math.copysign(m, a) if abs(a) < m else a,
     Op.SIGNED: lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
     Op.SELECT: lambda a, b, x, y: x if a < b else y,
 }  # fmt: skip

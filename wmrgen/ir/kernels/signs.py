@@ -17,6 +17,7 @@ from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Node, Op
 
 _ODD = (Op.NEG, Op.ATAN, Op.SIN)
+_EXTREMES = (Op.MIN, Op.MAX)
 
 
 Sign = tuple[Op, int]  # SIGNED or FLIP, and by which node
@@ -63,8 +64,13 @@ class _Signs:
             return _Signed(args[0].core, args[0].by ^ {(Op.FLIP, self._whole(args[1]))})
         if node.op in _ODD:
             return _Signed(self.tape.put(node.op, args[0].core), args[0].by)
+        if node.op is Op.DIV:
+            args = self._signed_divisor(*args)
         if node.op in (Op.MUL, Op.DIV):
             return self._product(node.op, args)
+        if node.op in _EXTREMES and (kept := self._kept_within(node)) is not None:
+            inside, limit = self.made[kept[0]], self.made[kept[1]]
+            return _Signed(self.tape.put(Op.WITHIN, inside.core, limit.core), inside.by)
         return _Signed(self.tape.copy(node, tuple(self._whole(a) for a in args)))
 
     def _product(self, op: Op, args: list[_Signed]) -> _Signed:
@@ -77,6 +83,28 @@ class _Signs:
             frozenset(sign for sign in by if sign[0] is Op.SIGNED) if constant is not None else frozenset()
         )
         return _Signed(self.tape.put(op, self._whole(_Signed(first, taken)), second), by - taken)
+
+    def _signed_divisor(self, above: _Signed, below: _Signed) -> list[_Signed]:
+        """The sign of a above max(|a|, c) as that of the divisor: a, or c with the sign of a."""
+        nodes = self.tape.nodes
+        for size, least in (pair for p in (nodes[below.core].args,) if len(p) == 2 for pair in (p, p[::-1])):
+            value, a = nodes[least].value, nodes[size].args[0] if nodes[size].op is Op.ABS else -1
+            sign = frozenset({(Op.SIGNED, a)})
+            if nodes[below.core].op is Op.MAX and value is not None and value.sign > 0 and sign <= above.by:
+                return [_Signed(above.core, above.by - sign), _Signed(self.tape.put(Op.BEYOND, a, least))]
+        return [above, below]
+
+    def _kept_within(self, node: Node) -> tuple[int, int] | None:
+        """(x, m) of max(-m, min(m, x)) in any order."""
+        nodes = self.function.nodes
+        for outer, i in (node.args, node.args[::-1]):
+            inner, limit = nodes[i], nodes[outer].value
+            if limit is None or inner.op not in _EXTREMES or inner.op is node.op or self.uses[i] > 1:
+                continue
+            for other, x in (inner.args, inner.args[::-1]):
+                if nodes[other].value == -limit:
+                    return x, outer if limit.sign > 0 else other
+        return None
 
     def _chooses_sign(self, node: Node) -> bool:
         nodes = self.function.nodes

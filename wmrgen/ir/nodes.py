@@ -45,8 +45,8 @@ class Op(StrEnum):
     IDIV = "idiv"
     ISQRT = "isqrt"
     FLIP_BIT = "flip_bit"  # flip_bit(a, b): -a where the last bit of the float b is set, else a
-    WITHIN = "within"  # within(a, m): a where |a| <= m, else m with the sign of a; m > 0
-    BEYOND = "beyond"  # beyond(a, m): a where |a| >= m, else m with the sign of a; m > 0
+    WITHIN = "within"  # within(a, m): m with the sign of a where |a| > m, else a; m of NaN; m > 0
+    BEYOND = "beyond"  # beyond(a, m): m with the sign of a where |a| < m, else a; m > 0
     SIGNED = "signed"  # signed(a, b): -a where the sign bit of the float b is set, else a
 
 

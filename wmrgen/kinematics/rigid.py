@@ -12,6 +12,7 @@ Nothing cancels where the pivots stand well apart. Where they do not, the means 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -32,14 +33,13 @@ _APART = 4  # sum of |P|**2 over sum of |f|**2 from which the collapsed sums are
 class Spread:
     """Constant pivots, ``away`` [unit] from their mean ``centre`` [unit]; ``unit`` [m]: the offset where all have one.
 
-    ``least``: a bound under sum of |B - mean B|**2 [unit**2]. ``sure``: one that intervals of sines see is positive.
+    ``least``: a bound under sum of |B - mean B|**2 [unit**2].
     """
 
     unit: Exact
     centre: tuple[Exact, Exact]
     away: tuple[tuple[Exact, Exact], ...]
     least: Exact
-    sure: bool
 
 
 def spread(contacts: list[Contact]) -> Spread | None:
@@ -59,16 +59,12 @@ def spread(contacts: list[Contact]) -> Spread | None:
     near = _total(d * d + o * o for _, _, d, o in scaled)
     if far <= near * _APART:
         return None
-    reaches = [abs(d) + abs(o) for _, _, d, o in scaled]
-    swing = _total((abs(x) + abs(y)) * r for (x, y), r in zip(away, reaches, strict=True))
-    whole = _total(reaches)
-    sure = (far + near - swing * 2 - whole * whole * 2 / len(scaled)).sign > 0
     # |B - mean B| >= |P| - |f - mean f| in the norm of all contacts, and sqrt(near) <= sqrt(far) / 2.
-    return Spread(unit, (centre[0], centre[1]), away, far / 4, sure)
+    return Spread(unit, (centre[0], centre[1]), away, far / 4)
 
 
-def _total(values: object) -> Exact:
-    return sum(values, ZERO)  # type: ignore[call-overload, no-any-return]
+def _total(values: Iterable[Exact]) -> Exact:
+    return sum(values, ZERO)
 
 
 def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
@@ -123,11 +119,12 @@ def _collapsed(contacts: list[Contact], found: Spread, names: Locals) -> tuple[T
         inertia = inertia + ((fx + px) * (fx + px) + (fy + py) * (fy + py)).scale(n)
         offsets.append((fx, fy))
         speeds.append((u, v))
-    fx, fy = (_named(names, f"sum_f{k}", Poly.sum(f[i] for f in offsets)) for i, k in enumerate("xy"))
+    sums = [Poly.sum(f[i] for f in offsets) for i in (0, 1)]
+    fx, fy = (_named(names, f"sum_f{k}", p) for k, p in zip("xy", sums, strict=True))
     wx, wy = (_named(names, f"sum_w{k}", Poly.sum(w[i] for w in speeds)) for i, k in enumerate("xy"))
     # The linear parts have names of their own: their sums are shared with those of f and w.
     below = expression(names.poly("inertia", inertia) - fx * fx - fy * fy)
-    if not found.sure:
+    if not _stays_positive(inertia, sums):
         below = maximum(below, number(found.least * n / 2))
     omega = names.poly("omega_fit", expression(names.poly("moment", moment) - fx * wy + fy * wx) / below)
     share = found.unit / n
@@ -139,6 +136,14 @@ def _collapsed(contacts: list[Contact], found: Spread, names: Locals) -> tuple[T
         bx, by = gx + px - fx.scale(Fraction(1, n)), gy + py - fy.scale(Fraction(1, n))
         errors += [u - wx.scale(Fraction(1, n)) + omega * by, v - wy.scale(Fraction(1, n)) - omega * bx]
     return (expression(vx), expression(vy), expression(omega)), _norm(errors, names, found.unit)
+
+
+def _stays_positive(inertia: Poly, sums: list[Poly]) -> bool:
+    """Whether intervals see that ``inertia`` less the squares of ``sums`` is positive, sums regrouped or not."""
+    still = inertia.terms.get((), ZERO)
+    moving = _total(abs(c) for m, c in inertia.terms.items() if m)
+    squares = _total(reach * reach for reach in (_total(abs(c) for c in p.terms.values()) for p in sums))
+    return (still - moving * 2 - squares).sign > 0
 
 
 def _named(names: Locals, name: str, value: Poly) -> Poly:

@@ -16,7 +16,10 @@ from wmrgen.ir.passes.guards import findings
 
 NAMES = [path.stem for path in GALLERY]
 LIBRARY = {"sqrt", "fabs"}
-FLIP = re.compile(r"^static inline float wmrgen_flip\(float a, float n\)\n\{\n.*?^\}\n", flags=re.S | re.M)
+BITS = re.compile(
+    r"^static inline float wmrgen_(?:flip|signed|within|beyond)\(float a, float [bmn]\)\n\{\n.*?^\}\n",
+    flags=re.S | re.M,
+)
 STATEMENT = re.compile(r"(const (float|double) \w+|[\w.>-]+) = [^;{}]+")
 FUNCTION = re.compile(r"^void \w+\([^)]*\)\n\{\n(.*?)^\}\n", flags=re.S | re.M)
 
@@ -31,7 +34,7 @@ def code_of(text: str) -> str:
 def test_straight_lines_only(module: Module, scalar: str) -> None:
     """Bodies are assignments of expressions; outside them nothing is defined, so there is no state."""
     header, source = sources(module, Meta(scalar=scalar))
-    code = FLIP.sub("", code_of(source))
+    code = BITS.sub("", code_of(source))
     bodies = FUNCTION.findall(code)
     assert len(bodies) >= len([f for f in module.functions if f.outputs])
     assert not FUNCTION.sub("", code).strip()
@@ -43,7 +46,7 @@ def test_straight_lines_only(module: Module, scalar: str) -> None:
                 not statement or re.fullmatch(r"\(void\)\s?\w+", statement) or STATEMENT.fullmatch(statement)
             )
         assert set(re.findall(r"(\w+)\s*\(", body)) - {"void"} <= {
-            "wmrgen_flip",
+            *("wmrgen_flip", "wmrgen_signed", "wmrgen_within", "wmrgen_beyond"),
             *(name + suffix for name in library),
         }
     declared = re.sub(r"typedef struct \{.*?^\} \w+;\n", "", code_of(header), flags=re.S | re.M)

@@ -14,6 +14,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Node, Op
 
 _LONGEST = 44  # characters of an expression printed in place
+_LONGEST_ARM = 56  # the same where it is computed only if it is chosen
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
 _INFIX = {Op.ADD: ("+", _SUM), Op.SUB: ("-", _SUM), Op.MUL: ("*", _PRODUCT), Op.DIV: ("/", _PRODUCT)}
 
@@ -98,6 +99,7 @@ def body(
     ``notes``: node -> finished comment, printed behind the statement that names the node.
     """
     uses = _uses(function, style)
+    arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
     texts: list[_Text] = []
     statements: list[str] = []
     for index, node in enumerate(function.nodes):
@@ -108,7 +110,8 @@ def body(
             texts.append(_Text(access(node.name or ""), _ATOM))
             continue
         text = _expression(node, [texts[a] for a in node.args], style)
-        if uses[index] > 1 or text.binding == _CHOICE or len(text.text) > _LONGEST:
+        longest = _LONGEST_ARM if index in arms else _LONGEST
+        if uses[index] > 1 or text.binding == _CHOICE or len(text.text) > longest:
             name = style.temporary.format(len(statements))
             note = (notes or {}).get(index)
             statements.append(style.declare.format(name, text.text) + (f" {note}" if note else ""))

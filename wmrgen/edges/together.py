@@ -15,8 +15,8 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Row
-from wmrgen.kinematics.inverse import joint_commands, moves_as_one, pivot, steered_groups
-from wmrgen.kinematics.line import Velocity
+from wmrgen.kinematics.inverse import joint_commands, moves_as_one, steered_groups
+from wmrgen.kinematics.line import Velocity, pivot
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.kinematics.steer import Target, seen_from, steer_limits, turned
 from wmrgen.layout.records import Interval, Robot, Wheel

@@ -19,6 +19,7 @@ from typing import Any
 
 from wmrgen.exact.number import ZERO, Exact, exact_sqrt
 from wmrgen.ir.kernels import integer
+from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 
@@ -160,6 +161,12 @@ def _flip(a: float, n: float) -> float:
     return -a if math.isfinite(n) and n % 2 == 1 else a
 
 
+def _within(a: float, m: float) -> float:
+    if a != a:
+        return m
+    return math.copysign(m, a) if abs(a) > m else a
+
+
 def _fma64(a: float, b: float, c: float) -> float:
     if not (math.isfinite(a) and math.isfinite(b) and math.isfinite(c)):
         return a * b + c
@@ -194,6 +201,9 @@ _DOUBLE: dict[Op, Callable[..., float]] = {
     Op.MIN: lambda a, b: a if a < b else b, Op.MAX: lambda a, b: b if a < b else a,
     Op.SIN: _sin, Op.COS: _cos, Op.ATAN: math.atan, Op.ATAN2: math.atan2, Op.RINT: _rint, Op.FLIP: _flip,
     Op.FMA: _fma64, Op.FLIP_BIT: lambda a, b: -a if _last_bit64(b) else a,
+    Op.WITHIN: _within,
+    Op.BEYOND: lambda a, m: math.copysign(m, a) if abs(a) < m else a,
+    Op.SIGNED: lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
     Op.SELECT: lambda a, b, x, y: x if a < b else y,
 }  # fmt: skip
 
@@ -214,4 +224,5 @@ def _flip_bit32(a: float, b: float) -> float:
 _SINGLE: dict[Op, Callable[..., float]] = {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}}
 _SINGLE |= {Op.FMA: _fma32, Op.FLIP_BIT: _flip_bit32}
 _SINGLE |= {Op.ISIN: integer.sine, Op.ICOS: integer.cosine, Op.IATAN: integer.arctangent}
+_SINGLE |= {op: _SINGLE[plain] for plain, op in SOFT.items()}
 FLOAT32 = Arithmetic("float32", _enter32, _SINGLE)

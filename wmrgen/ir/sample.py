@@ -19,6 +19,10 @@ _APPLY: dict[str, Any] = {
     Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y), Op.FMA: lambda a, b, c: a * b + c,
     Op.FLIP: lambda a, n: np.where(n % 2 == 0, a, -a),
     Op.FLIP_BIT: lambda a, n: np.where(np.asarray(n, np.float32).view(np.uint32) & 1, -a, a),
+    Op.WITHIN: lambda a, m: np.clip(a, -m, m),
+    Op.BEYOND: lambda a, m: np.where(np.abs(a) < m, np.copysign(m, a), a),
+    Op.SIGNED: lambda a, b: np.where(np.signbit(b), -a, a),
+    Op.IMUL: np.multiply, Op.IDIV: np.divide, Op.ISQRT: np.sqrt,
     Op.ISIN: np.sin, Op.ICOS: np.cos, Op.IATAN: np.arctan,
 }  # fmt: skip
 

@@ -19,9 +19,10 @@ from wmrgen.kinematics.records import (
     tunable_ports,
     twist_ports,
 )
+from wmrgen.kinematics.rigid import fit_rigid
 from wmrgen.kinematics.rootsum import norm
 from wmrgen.kinematics.sensing import Component, Contact, measurements, sensed_joints
-from wmrgen.kinematics.solve import fit_rigid, solve_general
+from wmrgen.kinematics.solve import solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide
 from wmrgen.ports import Role

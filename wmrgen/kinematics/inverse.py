@@ -11,8 +11,10 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.constraints import along, rolling_row, sliding_row, working_view
+from wmrgen.constraints import rolling_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.kinematics.castors import CastorMotion, castor_motion
+from wmrgen.kinematics.line import pivot
 from wmrgen.kinematics.project import Projection, project
 from wmrgen.kinematics.records import (
     Formula,
@@ -57,8 +59,9 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     projection = project(robot, mobility)
     twist = _named_twist(projection, names)
     targets = steering(robot, twist, names)
-    swivels, left_over = _swivels(robot, twist)
-    joints = {w.index: _joints(w, twist, targets, swivels) for w in robot.wheels if w.has_spin}
+    seen = castor_motion(robot, twist, names)
+    swivels, left_over = _swivels(robot, seen)
+    joints = {w.index: _joints(w, twist, targets, swivels, seen) for w in robot.wheels if w.has_spin}
     speeds = spins(robot, joints)
     outputs: list[tuple[Port, Expr]] = []
     for w in robot.wheels:
@@ -101,13 +104,6 @@ def _slip(projection: Projection, left_over: list[Poly], targets: dict[int, Targ
     return root(mean if forbidden.is_zero else add(square(forbidden), mean))
 
 
-def pivot(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
-    """Velocity of the pivot A in the robot frame [m/s]."""
-    g = working_view(w)
-    one, zero = Poly.of(1), Poly({})
-    return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
-
-
 def steered_groups(robot: Robot) -> list[list[Wheel]]:
     """The steered wheels, those that one motor turns together."""
     groups: dict[int, list[Wheel]] = {}
@@ -136,7 +132,7 @@ def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Targe
     return result
 
 
-def _swivels(robot: Robot, twist: Row) -> tuple[dict[int, Poly], list[Poly]]:
+def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Poly], list[Poly]]:
     """Steering rates of castors: d rate = -(sliding row . xi) (Siegwart (3.18)).
 
     Castors turned by one motor share the least-squares rate; what their contacts still slide comes second.
@@ -148,11 +144,11 @@ def _swivels(robot: Robot, twist: Row) -> tuple[dict[int, Poly], list[Poly]]:
     rates: dict[int, Poly] = {}
     left_over: list[Poly] = []
     for members in groups.values():
-        slides = [dot(sliding_row(w, working_view(w)).row, twist) for w in members]
-        offsets = [working_view(w).d for w in members]
         if len(members) == 1:
-            rates[members[0].index] = -(slides[0] * offsets[0].inverse())
+            rates[members[0].index] = seen[members[0].index].free_rate
             continue
+        slides = [seen[w.index].sliding for w in members]
+        offsets = [working_view(w).d for w in members]
         total = Poly.sum(d * d for d in offsets).inverse()
         shared = -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)
         rates.update({w.index: shared for w in members})
@@ -160,17 +156,23 @@ def _swivels(robot: Robot, twist: Row) -> tuple[dict[int, Poly], list[Poly]]:
     return rates, left_over
 
 
-def _joints(w: Wheel, twist: Row, targets: dict[int, Target], swivels: dict[int, Poly]) -> Joints:
+def _joints(
+    w: Wheel,
+    twist: Row,
+    targets: dict[int, Target],
+    swivels: dict[int, Poly],
+    seen: dict[int, CastorMotion],
+) -> Joints:
     g = working_view(w)
     if w.type == "steered":
         target = targets[w.index]
         rim = subtract(target.rim, expression(g.o * twist[2])) if g.o else target.rim
         return Joints(rim, g.r, target.steer)
-    rolling = dot(rolling_row(w, g).row, twist)
     if w.type == "castor":
-        rate = swivels[w.index]
+        rate, rolling = swivels[w.index], seen[w.index].rolling
         rim_speed = rolling - g.o * rate if g.o else rolling
         return Joints(expression(rim_speed), g.r, None, expression(rate))
+    rolling = dot(rolling_row(w, g).row, twist)
     return Joints(expression(rolling), g.r * g.cg)
 
 

@@ -14,10 +14,10 @@ from fractions import Fraction
 import mpmath
 import sympy
 
-from wmrgen.constraints import working_view
+from wmrgen.constraints import along, working_view
 from wmrgen.exact.angles import PRECISION, add_angles, circle_point, to_fraction, to_mpf, twelfths
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Poly
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Wheel
 from wmrgen.symbolic import (
@@ -60,6 +60,13 @@ def line(w: Wheel, velocity: Velocity, names: Locals) -> Line:
     total = names.define(f"{w.name}_total", maximum(number(STILL), add(absolute(a), size)))
     slope = names.define(f"{w.name}_slope", select(a, sympy.S.Zero, times(-1, b), b) / total)
     return Line(subtract(times(2, arctangent(slope)), zero), speed, size)
+
+
+def pivot(w: Wheel, twist: Row) -> Velocity:
+    """Velocity of the pivot A in the robot frame [m/s]."""
+    g = working_view(w)
+    one, zero = Poly.of(1), Poly({})
+    return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
 def short(names: Locals, name: str, value: Poly) -> Expr:

@@ -5,15 +5,11 @@ Denominators are kept above a floor far below any value a real robot takes, so t
 
 from __future__ import annotations
 
-from fractions import Fraction
-
-import sympy
-
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.sensing import Component, Contact
-from wmrgen.kinematics.smallest import FLOOR, System, generic_rank, lower_bound, reach, smallest_twist
-from wmrgen.symbolic import Expr, add, expression, maximum, number, root, square
+from wmrgen.kinematics.smallest import System, generic_rank, lower_bound, reach, smallest_twist
+from wmrgen.symbolic import Expr, add, expression, root, square
 
 _UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 Twist = tuple[Expr, Expr, Expr]
@@ -23,7 +19,7 @@ def _total(values: list[Poly]) -> Poly:
     return Poly.sum(values)
 
 
-def _named(contacts: list[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:
+def named_contacts(contacts: list[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:
     """Contact points and velocities with names, so that each is computed once."""
     named = []
     for c in contacts:
@@ -32,40 +28,6 @@ def _named(contacts: list[Contact], names: Locals) -> list[tuple[Poly, Poly, Pol
         bx, by, wx, wy = (names.poly(f"{n}_{k}", p) if p.generators else p for k, p in parts)
         named.append((bx, by, wx, wy))
     return named
-
-
-def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
-    """The rigid motion nearest to measured contact velocities.
-
-    omega = sum of (B - mean B) x (w - mean w) over sum of |B - mean B|**2; v follows from the means.
-    One contact alone: the smallest twist, omega = B x w / (1 + |B|**2).
-    """
-    points = _named(contacts, names)
-    share = Fraction(1, len(points))
-    mean = [
-        names.poly(f"mean_{k}", _total([p[i] for p in points]).scale(share))
-        for i, k in enumerate(("bx", "by", "wx", "wy"))
-    ]
-    if len(points) == 1:
-        above, below = mean[0] * mean[3] - mean[1] * mean[2], 1 + mean[0] * mean[0] + mean[1] * mean[1]
-        omega = names.poly("omega_fit", expression(above) / expression(below))
-        slip: Expr = sympy.S.Zero
-    else:
-        # The shifted points add up to zero, so the mean of w drops out of the moment.
-        local = [
-            (
-                *(names.poly(f"{c.wheel.name}_{k}0", p[i] - mean[i]) for i, k in enumerate(("bx", "by"))),
-                *p[2:],
-            )
-            for c, p in zip(contacts, points, strict=True)
-        ]
-        above = _total([q[0] * q[3] - q[1] * q[2] for q in local])
-        below = _total([q[0] * q[0] + q[1] * q[1] for q in local])
-        omega = names.poly("omega_fit", expression(above) / maximum(expression(below), number(FLOOR)))
-        errors = [e for q in local for e in (q[2] - mean[2] + omega * q[1], q[3] - mean[3] - omega * q[0])]
-        slip = root(add(*(square(names.define(f"error_{i}", e)) for i, e in enumerate(errors))))
-    vx, vy = mean[2] + omega * mean[1], mean[3] - omega * mean[0]
-    return (expression(vx), expression(vy), expression(omega)), slip
 
 
 def solve_general(contacts: list[Contact], components: list[Component], names: Locals) -> tuple[Twist, Expr]:
@@ -90,7 +52,7 @@ def solve_general(contacts: list[Contact], components: list[Component], names: L
 def _all_rows(contacts: list[Contact], components: list[Component], names: Locals) -> list[tuple[Row, Poly]]:
     one, zero = Poly.of(1), Poly({})
     rows: list[tuple[Row, Poly]] = []
-    for bx, by, wx, wy in _named(contacts, names):
+    for bx, by, wx, wy in named_contacts(contacts, names):
         rows += [((one, zero, -by), wx), ((zero, one, bx), wy)]
     for c in components:
         parts = [

@@ -19,7 +19,8 @@ import sympy
 
 from wmrgen.constraints import rolling_row, working_view
 from wmrgen.exact.poly import dot
-from wmrgen.kinematics.inverse import Joints, inverse, pivot, spins
+from wmrgen.kinematics.inverse import Joints, inverse, spins
+from wmrgen.kinematics.line import pivot
 from wmrgen.kinematics.project import project
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.layout.records import Robot, Wheel

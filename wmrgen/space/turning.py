@@ -11,7 +11,7 @@ import sympy
 from wmrgen.constraints import heading, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
-from wmrgen.kinematics.inverse import pivot
+from wmrgen.kinematics.line import pivot
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.smallest import FLOOR
 from wmrgen.kinematics.steer import steer_limits

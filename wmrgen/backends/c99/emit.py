@@ -11,7 +11,7 @@ from wmrgen.backends.c99.companions import companions
 from wmrgen.backends.c99.notes import arithmetic_notes
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
-from wmrgen.backends.c99.style import INTEGER, LIBM
+from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
 from wmrgen.backends.meta import Meta
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
@@ -63,8 +63,8 @@ def _unit(module: Module, meta: Meta) -> Unit:
 def _includes(made: Unit) -> dict[str, bool]:
     return {
         "<float.h>": made.rounds,
-        "<math.h>": not made.ops.isdisjoint(LIBM),
-        "<stdint.h>": not made.ops.isdisjoint({Op.FLIP_BIT, *INTEGER}),
+        "<math.h>": not made.ops.isdisjoint({Op.ISQRT, *LIBM}),
+        "<stdint.h>": not made.ops.isdisjoint({*BITS, *INTEGER}),
     }
 
 
@@ -114,8 +114,8 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
         "steps": made.steps,
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
-        "flips": Op.FLIP_BIT in made.ops,
         "integer": None if made.ops.isdisjoint(INTEGER) else integer,
+        "needs": {op.value for op in made.ops},
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
     draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]

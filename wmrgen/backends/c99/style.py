@@ -12,9 +12,16 @@ LIBM = {
     Op.ABS: "fabs{}({{0}})", Op.SQRT: "sqrt{}({{0}})", Op.SIN: "sin{}({{0}})", Op.COS: "cos{}({{0}})",
     Op.ATAN: "atan{}({{0}})", Op.ATAN2: "atan2{}({{0}}, {{1}})", Op.FMA: "fma{}({{0}}, {{1}}, {{2}})",
 }  # fmt: skip
-FLIP = "wmrgen_flip"  # defined in templates/c99/source.c.j2
+# defined in templates/c99/bits.c.j2
+BITS = {
+    Op.FLIP_BIT: "wmrgen_flip({0}, {1})", Op.SIGNED: "wmrgen_signed({0}, {1})",
+    Op.WITHIN: "wmrgen_within({0}, {1})", Op.BEYOND: "wmrgen_beyond({0}, {1})",
+}  # fmt: skip
 # defined in templates/c99/integer.c.j2
-INTEGER = {Op.ISIN: "wmrgen_sin({0})", Op.ICOS: "wmrgen_cos({0})", Op.IATAN: "wmrgen_atan({0})"}
+INTEGER = {
+    Op.ISIN: "wmrgen_sin({0})", Op.ICOS: "wmrgen_cos({0})", Op.IATAN: "wmrgen_atan({0})",
+    Op.IMUL: "wmrgen_mul({0}, {1})", Op.IDIV: "wmrgen_div({0}, {1})", Op.ISQRT: "wmrgen_sqrt({0})",
+}  # fmt: skip
 
 
 @cache
@@ -25,7 +32,7 @@ def style(scalar: str) -> Style:
         literal=partial(literal, scalar=scalar),
         calls={
             **{op: form.format(suffix) for op, form in LIBM.items()},
-            Op.FLIP_BIT: FLIP + "({0}, {1})",
+            **BITS,
             **INTEGER,
         },
         choices={

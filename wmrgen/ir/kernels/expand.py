@@ -14,10 +14,12 @@ from wmrgen.ir.kernels import trigonometry
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.constants import RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
+from wmrgen.ir.kernels.integer import SOFT
+from wmrgen.ir.kernels.order import ordered
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
+from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Module, Node, Op
-from wmrgen.ir.passes.schedule import calls_first, schedule
 
 _TWO = Exact(2)
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
@@ -43,8 +45,9 @@ class _Expansion:
 
     def __init__(self, function: Function, scalar: str, math: str, target: str) -> None:
         single = scalar == "float"
-        self.function, self.inline = function, math == INLINE
         self.fused, self.bits = single and target == M4F, single and target in (M4F, M0)
+        self.function = function = signs_as_bits(one_comparison(function)) if self.bits else function
+        self.inline = math == INLINE
         self.magic = RINT32 if single else RINT64
         self.tape = Tape()
         self.made: list[int] = []
@@ -62,7 +65,8 @@ class _Expansion:
         results = tuple(self.made[r] for r in self.function.results)
         made = replace(self.function, nodes=tuple(self.tape.nodes), results=results)
         made = fuse(made) if self.fused else made
-        return calls_first(schedule(made))
+        made = replace(made, nodes=tuple(_soft(n) for n in made.nodes)) if self.integer else made
+        return ordered(made)
 
     def _node(self, i: int, node: Node) -> int:
         tape, args = self.tape, tuple(self.made[a] for a in node.args)
@@ -159,6 +163,11 @@ class _Expansion:
             factors = angles.setdefault(nodes[i].args[0], set())
             factors.update(_other(nodes[u], i) if u >= 0 and nodes[u].op is Op.MUL else -1 for u in found)
         return {i for i in users if len(f := angles[nodes[i].args[0]]) == 1 and -1 not in f}
+
+
+def _soft(node: Node) -> Node:
+    """Arithmetic of a processor without floating point."""
+    return Node(SOFT[node.op], node.args) if node.op in SOFT else node
 
 
 def _other(node: Node, arg: int) -> int:

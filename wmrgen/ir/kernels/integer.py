@@ -1,5 +1,7 @@
 """Sine, cosine and arctangent in 32-bit integers, for processors without floating point: as templates/c99/integer.c.j2.
 
+Products, quotients and roots come out of the same integers, rounded as IEEE 754 says: they have no model of their own.
+
 An angle becomes a phase, 2**32 to the turn, whose overflow is the reduction. Products of 16 bits each, no division.
 """
 
@@ -7,7 +9,10 @@ from __future__ import annotations
 
 import struct
 
+from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import nearest_float32
+
+SOFT = {Op.MUL: Op.IMUL, Op.DIV: Op.IDIV, Op.SQRT: Op.ISQRT}  # the same values from fewer instructions
 
 TURN = 2734261102  # 2**34 / (2 pi)
 # sin(pi/2 u) = u (c1 - c3 s + ...), s = u**2 <= 1, in units of 2**-31

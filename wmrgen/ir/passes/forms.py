@@ -2,8 +2,9 @@
 
 A row is an output or an argument of a non-linear operation; its terms are inputs and non-linear
 operations, its coefficients constants or geometry-only values. Rows that share terms are given
-to the search of `wmrgen.ir.linear` at once. How far sums are expanded is tried three ways: into
-each other entirely, down to other rows, down to every shared sum.
+to the search of `wmrgen.ir.linear` at once. How far sums are expanded is tried four ways: into
+each other entirely, down to other rows, down to every shared sum, and down to every sum of values
+that are known before the rest of the sum that it stands in: such a part may share with earlier rows.
 """
 
 from __future__ import annotations
@@ -32,7 +33,11 @@ def share_linear_forms(function: Function) -> Function:
     tried: list[Rows] = []
     search = _Search()
     limit = len(function.nodes)
-    for kept in shape.boundaries():
+    boundaries = list(shape.boundaries())
+    early = _early(function, shape, scalars, builder, boundaries[0])
+    if early:
+        boundaries.insert(1, boundaries[0] | early)
+    for kept in boundaries:
         rows = _rows(function, shape, scalars, builder, kept, limit)
         if rows is None or rows in tried:
             continue
@@ -90,6 +95,26 @@ class _Shape:
             return
         yield rows
         yield frozenset()
+
+
+def _early(
+    function: Function, shape: _Shape, scalars: Scalars, builder: Builder, kept: frozenset[int]
+) -> frozenset[int]:
+    """Sums in sums of which another part needs more products, roots and the like one after the other.
+
+    Only those that have two terms in common with a row that is computed anyway, so that there is something to share.
+    """
+    nodes, linear = function.nodes, shape.linear
+    depth: list[int] = []
+    found: set[int] = set()
+    for i, node in enumerate(nodes):
+        below = max((depth[arg] for arg in node.args), default=0)
+        depth.append(below + (bool(node.args) and not linear[i]))
+        if linear[i] and node.op in _SUMS:
+            found.update(a for a in node.args if linear[a] and nodes[a].op in _SUMS and depth[a] < below)
+    rows = _rows(function, shape, scalars, builder, kept | found, len(nodes)) or {}
+    others = [row.keys() for i, row in rows.items() if i not in found]
+    return frozenset(i for i in found & rows.keys() if any(len(rows[i].keys() & row) > 1 for row in others))
 
 
 def _rows(

@@ -102,7 +102,8 @@ def _product(a: Fact, b: Fact, square: bool) -> Fact:
     """A product counts as non-zero where it is bounded away from zero: floats underflow."""
     away = a.away * b.away
     if square:
-        return _interval(away, None, away)
+        ends = [bound * bound for bound in (a.lo, a.hi) if bound is not None]
+        return _interval(away, max(ends) if len(ends) == 2 else None, away)
     if _at_least_zero(a) and _at_least_zero(b):
         both = a.hi is not None and b.hi is not None
         hi = a.hi * b.hi if both and a.hi is not None and b.hi is not None else None

@@ -1,0 +1,155 @@
+"""The rigid motion nearest to measured contact velocities: one division at run time.
+
+omega = sum of (B - mean B) x (w - mean w) over sum of |B - mean B|**2; v follows from the means. A contact B = A + f
+stands off its pivot A by f = d e + o n, which turns. With the pivots measured from their own mean, P = A - mean A,
+both sums collapse: with F = sum f and W = sum w of n contacts
+
+    moment  = sum of P x w + sum of f x w - F x W / n        f x w = -d**2 steer_rate - o (r spin + o steer_rate)
+    inertia = sum of |P|**2 + 2 sum of P . f + sum of |f|**2 - |F|**2 / n
+
+Nothing cancels where the pivots stand well apart. Where they do not, the means are taken away first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+import sympy
+
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.exact.poly import Poly, has_angles
+from wmrgen.kinematics.records import Locals
+from wmrgen.kinematics.sensing import Contact
+from wmrgen.kinematics.smallest import FLOOR
+from wmrgen.kinematics.solve import Twist, named_contacts
+from wmrgen.symbolic import Expr, add, expression, maximum, number, root, square
+
+_APART = 4  # sum of |P|**2 over sum of |f|**2 from which the collapsed sums are taken
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Constant pivots, ``away`` [unit] from their mean ``centre`` [unit]; ``unit`` [m]: the offset where all have one.
+
+    ``least``: a bound under sum of |B - mean B|**2 [unit**2].
+    """
+
+    unit: Exact
+    centre: tuple[Exact, Exact]
+    away: tuple[tuple[Exact, Exact], ...]
+    least: Exact
+
+
+def spread(contacts: list[Contact]) -> Spread | None:
+    """The pivots of ``contacts``; None where they are tunable or stand too close for their offsets."""
+    shapes = [c.wheel.working for c in contacts]
+    numbers = [[p.constant for p in (g.x, g.y, g.d, g.o)] for g in shapes]
+    known = [[v for v in row if v is not None] for row in numbers]
+    if len(contacts) < 2 or any(len(row) < 4 for row in known):
+        return None
+    offsets = {d for _, _, d, _ in known}
+    unit = offsets.pop() if len(offsets) == 1 else ONE
+    unit = abs(unit) if unit else ONE
+    scaled = [[v / unit for v in row] for row in known]
+    centre = tuple(_total(row[k] for row in scaled) / len(scaled) for k in (0, 1))
+    away = tuple((x - centre[0], y - centre[1]) for x, y, _, _ in scaled)
+    far = _total(x * x + y * y for x, y in away)
+    near = _total(d * d + o * o for _, _, d, o in scaled)
+    if far <= near * _APART:
+        return None
+    # |B - mean B| >= |P| - |f - mean f| in the norm of all contacts, and sqrt(near) <= sqrt(far) / 2.
+    return Spread(unit, (centre[0], centre[1]), away, far / 4)
+
+
+def _total(values: Iterable[Exact]) -> Exact:
+    return sum(values, ZERO)
+
+
+def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
+    """Twist and residual norm of the rigid motion nearest to ``contacts``."""
+    if len(contacts) == 1:
+        return _single(contacts[0], names)
+    found = spread(contacts)
+    return _centred(contacts, names) if found is None else _collapsed(contacts, found, names)
+
+
+def _single(contact: Contact, names: Locals) -> tuple[Twist, Expr]:
+    """The smallest twist, omega = B x w / (1 + |B|**2)."""
+    ((bx, by, wx, wy),) = named_contacts([contact], names)
+    above, below = bx * wy - by * wx, 1 + bx * bx + by * by
+    omega = names.poly("omega_fit", expression(above) / expression(below))
+    vx, vy = wx + omega * by, wy - omega * bx
+    return (expression(vx), expression(vy), expression(omega)), sympy.S.Zero
+
+
+def _centred(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
+    """From contact points as they stand about their mean."""
+    points = named_contacts(contacts, names)
+    share = Fraction(1, len(points))
+    mean = [
+        names.poly(f"mean_{k}", Poly.sum(p[i] for p in points).scale(share))
+        for i, k in enumerate(("bx", "by", "wx", "wy"))
+    ]
+    # The shifted points add up to zero, so the mean of w drops out of the moment.
+    local = [
+        (*(names.poly(f"{c.wheel.name}_{k}0", p[i] - mean[i]) for i, k in enumerate(("bx", "by"))), *p[2:])
+        for c, p in zip(contacts, points, strict=True)
+    ]
+    above = Poly.sum(q[0] * q[3] - q[1] * q[2] for q in local)
+    below = Poly.sum(q[0] * q[0] + q[1] * q[1] for q in local)
+    omega = names.poly("omega_fit", expression(above) / maximum(expression(below), number(FLOOR)))
+    errors = [e for q in local for e in (q[2] - mean[2] + omega * q[1], q[3] - mean[3] - omega * q[0])]
+    vx, vy = mean[2] + omega * mean[1], mean[3] - omega * mean[0]
+    return (expression(vx), expression(vy), expression(omega)), _norm(errors, names)
+
+
+def _collapsed(contacts: list[Contact], found: Spread, names: Locals) -> tuple[Twist, Expr]:
+    """From sums over pivots and offsets; lengths in ``found.unit``, both sums n times as large."""
+    n, over = len(contacts), found.unit.inverse()
+    offsets, speeds = [], []
+    moment, inertia = Poly({}), Poly({})
+    for c, (px, py) in zip(contacts, found.away, strict=True):
+        g = c.wheel.working
+        fx, fy = (c.bx - g.x).scale(over), (c.by - g.y).scale(over)
+        wx, wy = c.wx.scale(over), c.wy.scale(over)
+        u, v = (_named(names, f"{c.wheel.name}_{k}", p) for k, p in (("wx", wx), ("wy", wy)))
+        moment = moment + (v.scale(px) - u.scale(py) + fx * wy - fy * wx).scale(n)
+        inertia = inertia + ((fx + px) * (fx + px) + (fy + py) * (fy + py)).scale(n)
+        offsets.append((fx, fy))
+        speeds.append((u, v))
+    sums = [Poly.sum(f[i] for f in offsets) for i in (0, 1)]
+    fx, fy = (_named(names, f"sum_f{k}", p) for k, p in zip("xy", sums, strict=True))
+    wx, wy = (_named(names, f"sum_w{k}", Poly.sum(w[i] for w in speeds)) for i, k in enumerate("xy"))
+    # The linear parts have names of their own: their sums are shared with those of f and w.
+    below = expression(names.poly("inertia", inertia) - fx * fx - fy * fy)
+    if not _stays_positive(inertia, sums):
+        below = maximum(below, number(found.least * n / 2))
+    omega = names.poly("omega_fit", expression(names.poly("moment", moment) - fx * wy + fy * wx) / below)
+    share = found.unit / n
+    x, y = found.centre
+    vx = (wx + omega * (fy + y * n)).scale(share)
+    vy = (wy - omega * (fx + x * n)).scale(share)
+    errors = []
+    for (px, py), (gx, gy), (u, v) in zip(found.away, offsets, speeds, strict=True):
+        bx, by = gx + px - fx.scale(Fraction(1, n)), gy + py - fy.scale(Fraction(1, n))
+        errors += [u - wx.scale(Fraction(1, n)) + omega * by, v - wy.scale(Fraction(1, n)) - omega * bx]
+    return (expression(vx), expression(vy), expression(omega)), _norm(errors, names, found.unit)
+
+
+def _stays_positive(inertia: Poly, sums: list[Poly]) -> bool:
+    """Whether intervals see that ``inertia`` less the squares of ``sums`` is positive, sums regrouped or not."""
+    still = inertia.terms.get((), ZERO)
+    moving = _total(abs(c) for m, c in inertia.terms.items() if m)
+    squares = _total(reach * reach for reach in (_total(abs(c) for c in p.terms.values()) for p in sums))
+    return (still - moving * 2 - squares).sign > 0
+
+
+def _named(names: Locals, name: str, value: Poly) -> Poly:
+    return names.poly(name, value) if has_angles((value, value, value)) or len(value.terms) > 1 else value
+
+
+def _norm(errors: list[Poly], names: Locals, unit: Exact = ONE) -> Expr:
+    squares = (square(names.define(f"error_{i}", e)) for i, e in enumerate(errors))
+    return expression(Poly.of(unit)) * root(add(*squares))

@@ -31,14 +31,18 @@ class Footprint:
 
 
 def measure(
-    modules: Sequence[Module], processor: Processor, math: str = DEFAULT, flags: Sequence[str] = gcc.FLAGS
+    modules: Sequence[Module],
+    processor: Processor,
+    math: str = DEFAULT,
+    flags: Sequence[str] = gcc.FLAGS,
+    size: bool = False,
 ) -> dict[str, Footprint]:
     """C function -> what it occupies."""
     found = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
-            header, source = sources(module, meta(math, target=processor.target))
+            header, source = sources(module, meta(math, target=processor.target, size=size))
             (folder / f"{module.name}.h").write_text(header)
             (folder / f"{module.name}.c").write_text(source)
         files = [f"{module.name}.c" for module in modules]
@@ -49,7 +53,7 @@ def measure(
             symbols = Image(folder / f"{module.name}.o").symbols
             for line in (folder / f"{module.name}.su").read_text().splitlines():
                 place, stack, kind = line.split("\t")
-                assert kind == "static", line
+                assert kind in ("static", "dynamic,bounded"), line
                 function = place.rpartition(":")[2]
                 found[function] = Footprint(symbols[function].size, int(stack))
     return found

@@ -57,6 +57,7 @@ def meta(derivation: Derivation, choice: Choice, model: bytes) -> Meta:
         scalar=choice.scalar,
         math=choice.math,
         target=choice.target,
+        size=choice.size,
         bound_lines=_bound_lines(derivation, choice),
         site=site(derivation.robot),
         formulas=derivation.raw_module.functions,

@@ -42,6 +42,9 @@ class Op(StrEnum):
     ICOS = "icos"
     IATAN = "iatan"
     FLIP_BIT = "flip_bit"  # flip_bit(a, b): -a where the last bit of the float b is set, else a
+    # What only the smallest C has, see `wmrgen.ir.outline`:
+    CALL = "call"  # of the part called ``name``, over its parameters
+    PART = "part"  # the result number ``name`` of a call that has several
 
 
 ARITY = {

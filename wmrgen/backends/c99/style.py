@@ -17,6 +17,11 @@ FLIP = "wmrgen_flip"  # defined in templates/c99/source.c.j2
 INTEGER = {Op.ISIN: "wmrgen_sin({0})", Op.ICOS: "wmrgen_cos({0})", Op.IATAN: "wmrgen_atan({0})"}
 
 
+def _held(function: str) -> str:
+    """The variable for what ``<robot>_part<n>`` hands back."""
+    return "of_" + function.rpartition("_")[2]
+
+
 @cache
 def style(scalar: str) -> Style:
     """``scalar``: ``float`` (libm names end in f) or ``double``."""
@@ -37,4 +42,7 @@ def style(scalar: str) -> Style:
         declare=f"const {scalar} {{0}} = {{1}};",
         temporary="t{0}",
         grouped=True,
+        holder="{0}_out {1};",
+        held=_held,
+        part="{0}.y{1}",
     )

@@ -37,7 +37,8 @@ def parts(
 
 def _part(part: Function, callers: Counter[str], scalar: str) -> Part:
     code = body(part, str, style(scalar))
-    parameters = [node.name or "" for node in part.nodes if node.op is Op.INPUT]
+    count = sum(node.op is Op.INPUT for node in part.nodes)
+    parameters = [f"{scalar} x{k}" for k in range(count)]
     several = len(code.results) > 1
     kind = f"{part.name}_out" if several else scalar
     struct = ("typedef struct {", *(f"    {scalar} y{n};" for n in range(len(code.results))), f"}} {kind};")
@@ -50,7 +51,7 @@ def _part(part: Function, callers: Counter[str], scalar: str) -> Part:
     return Part(
         tuple(block_comment([f"Called by {used}."])),
         struct if several else (),
-        _prototype(kind, part.name, [f"{scalar} {name}" for name in parameters]),
+        _prototype(kind, part.name, parameters),
         (*code.statements, *([""] if code.statements else []), *last),
         code.ops,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from benchmarks import footprint, processor
+from benchmarks import footprint, processor, small
 from benchmarks.others import wpilib
 from wmrgen.artifacts import write_file
 
@@ -17,7 +17,7 @@ END = "<!-- end -->"
 def run(renew: bool, path: Path = README) -> Iterator[str]:
     """The tables; with ``renew`` they replace those of the file, when every tool they need is there."""
     lines = []
-    for table in (processor.tables, wpilib.table, footprint.table):
+    for table in (processor.tables, wpilib.table, footprint.table, small.table):
         for line in ("", *table()):
             lines.append(line)
             yield line

@@ -18,9 +18,9 @@ def _chosen(math: str, target: str) -> dict[str, str]:
     return {key: word for key, word in (("math", math), ("target", target)) if key in _KNOWN}
 
 
-def meta(math: str = DEFAULT, scalar: str = "float", target: str = "m4f") -> Meta:
-    """What to print: ``math`` is libm's or wmrgen's own, ``target`` m4f, m0, avr or host."""
-    return Meta(scalar=scalar, **_chosen(math, target))
+def meta(math: str = DEFAULT, scalar: str = "float", target: str = "m4f", size: bool = False) -> Meta:
+    """What to print: ``math`` is libm's or wmrgen's own, ``target`` m4f, m0, avr or host; ``size``: the smallest."""
+    return Meta(scalar=scalar, size=size, **_chosen(math, target))
 
 
 def printed(module: Module, math: str = DEFAULT, scalar: str = "float", target: str = "m4f") -> Module:

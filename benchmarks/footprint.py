@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,24 +22,29 @@ SHOWN = ("m0+", "m4f", "m33", "rv32", "avr")
 
 @dataclass(frozen=True)
 class Footprint:
-    """``text``: bytes of code and constants; ``stack``: of the function itself, libm's not in it."""
+    """``text``: bytes of code and constants; ``stack``: both with the functions of the same file, without libm's."""
 
     text: int
     stack: int
+    own: int = 0  # bytes of the function alone
 
     def __str__(self) -> str:
         return f"{self.text} / {self.stack}"
 
 
 def measure(
-    modules: Sequence[Module], processor: Processor, math: str = DEFAULT, flags: Sequence[str] = gcc.FLAGS
+    modules: Sequence[Module],
+    processor: Processor,
+    math: str = DEFAULT,
+    flags: Sequence[str] = gcc.FLAGS,
+    size: bool = False,
 ) -> dict[str, Footprint]:
-    """C function -> what it occupies."""
+    """C function -> what it occupies. ``size``: as ``derive --size`` writes it."""
     found = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
-            header, source = sources(module, meta(math, target=processor.target))
+            header, source = sources(module, meta(math, target=processor.target, size=size))
             (folder / f"{module.name}.h").write_text(header)
             (folder / f"{module.name}.c").write_text(source)
         files = [f"{module.name}.c" for module in modules]
@@ -49,10 +55,24 @@ def measure(
             symbols = Image(folder / f"{module.name}.o").symbols
             for line in (folder / f"{module.name}.su").read_text().splitlines():
                 place, stack, kind = line.split("\t")
-                assert kind == "static", line
+                assert kind in ("static", "dynamic,bounded"), line
                 function = place.rpartition(":")[2]
-                found[function] = Footprint(symbols[function].size, int(stack))
+                found[function] = Footprint(symbols[function].size, int(stack), symbols[function].size)
+            found |= _whole(module.name, (folder / f"{module.name}.c").read_text(), found)
     return found
+
+
+def _whole(robot: str, source: str, found: Mapping[str, Footprint]) -> dict[str, Footprint]:
+    """The functions that call parts (``--size``), with the text of these and the stack of the deepest."""
+    whole = {}
+    for text in source.split("\n}\n"):
+        name = re.search(rf"^(?:void|static .*?) ({robot}_\w+)\(", text, re.M)
+        called = set(re.findall(rf"\b({robot}_part\d+)\(", text)) - {name[1] if name else ""}
+        if name and called:
+            own, parts = found[name[1]], [found[part] for part in called]
+            depth = max(part.stack for part in parts)
+            whole[name[1]] = Footprint(own.own + sum(part.own for part in parts), own.stack + depth, own.own)
+    return whole
 
 
 def table() -> Iterator[str]:
@@ -61,13 +81,28 @@ def table() -> Iterator[str]:
     if not there:
         yield "Bytes of code and stack: needs arm-none-eabi-gcc, riscv64-unknown-elf-gcc or avr-gcc."
         return
+    modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in JOBS)]
+    measured = [measure(modules, processor) for processor in there]
     versions = ", ".join(dict.fromkeys(processor.version for processor in there))
     yield f"Bytes of code / of stack, `{gcc.FLAGS[0]}`, {DEFAULT}: {versions}."
     yield ""
-    yield f"| layout | function | {' | '.join(processor.name for processor in there)} |"
-    yield f"|---|---|{'---:|' * len(there)}"
-    modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in JOBS)]
-    measured = [measure(modules, processor) for processor in there]
+    yield from rows(there, measured)
+
+
+def rows(there: Sequence[Processor], measured: Sequence[Mapping[str, Footprint]]) -> Iterator[str]:
+    """A row for each of `JOBS`."""
+    yield from heading("layout", "function", there)
     for job in JOBS:
         cells = [str(found[f"{job.robot}_{job.function}"]) for found in measured]
         yield f"| {job.layout} | {job.function} | {' | '.join(cells)} |"
+
+
+def heading(first: str, second: str, there: Sequence[Processor]) -> Iterator[str]:
+    """A column for each processor."""
+    yield f"| {first} | {second} | {' | '.join(processor.name for processor in there)} |"
+    yield f"|---|---|{'---:|' * len(there)}"
+
+
+def total(found: Mapping[str, Footprint], robot: str) -> int:
+    """Bytes of code of all functions of ``robot``."""
+    return sum(footprint.own for name, footprint in found.items() if name.startswith(f"{robot}_"))

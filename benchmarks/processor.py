@@ -55,12 +55,13 @@ class Bench:
         processor: str = "m4f",
         jobs: Sequence[Job] = JOBS,
         others: bool = False,
+        size: bool = False,
     ) -> None:
         self.flat: dict[str, tuple[str, ...]] = {}
         self.jobs = jobs
         modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in jobs)]
         target = M0 if processor.startswith("m0") else M4F
-        write_sources(folder, modules, lambda module: sources(module, meta(math, target=target.name)))
+        write_sources(folder, modules, lambda m: sources(m, meta(math, target=target.name, size=size)))
         files = [f"{module.name}.c" for module in modules] + [LAYOUTS]
         files += references(folder, {module.name for module in modules})
         files += [name for job in jobs for name in self._others(folder, job)] if others else []

@@ -17,14 +17,15 @@ from tests.oracle.harness import Model, robot_text
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.exact.number import Exact
-from wmrgen.ir.kernels.choice import LIBM
+from wmrgen.ir.kernels.choice import INLINE, LIBM, M4F
 from wmrgen.ir.nodes import ARITY, Function, Module, Node, Op, Port, Role
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 NO_LEAKS = {"ASAN_OPTIONS": "detect_leaks=0"}
 LEVELS = ("-O0", "-O2", "-Os")
 
-OTHERS = (LIBM, "m0", "avr", "host")
+OTHERS = (LIBM, "m0", "avr", "host", "m4f size")
+SMALL = ("libm size", "m0 size", "avr size", "host size")
 
 
 @pytest.fixture(scope="module")
@@ -43,8 +44,9 @@ def test_float(robots: tuple[Program, Path], compiler: str, level: str) -> None:
 
 
 def others(choice: str, modules: tuple[Module, ...], folder: Path) -> list[str]:
-    options = {"math": LIBM} if choice == LIBM else {"target": choice}
-    program = Program(modules, "float", 3, **options)
+    flavour, _, size = choice.partition(" ")
+    math, target = (LIBM, M4F) if flavour == LIBM else (INLINE, flavour)
+    program = Program(modules, "float", 3, math, target, size == "size")
     program.write(folder)
     return program.mismatches(folder, COMPILERS[0], (*STRICT, "-O2"))
 
@@ -55,7 +57,7 @@ def test_other_choices(robots: tuple[Program, Path], tmp_path: Path, choice: str
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("choice", OTHERS)
+@pytest.mark.parametrize("choice", (*OTHERS, *SMALL))
 def test_other_choices_of_all(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
     assert others(choice, robots[0].modules, tmp_path) == []
 

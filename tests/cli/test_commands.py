@@ -42,11 +42,18 @@ def test_check_regenerates_with_the_options_of_the_manifest(
     wmrgen_cli: Cli, robot_file: Path, tmp_path: Path
 ) -> None:
     out, texts = tmp_path / "out", set()
-    for words in (("--math", "libm"), ("--target", "host"), ("--target", "m0"), ("--scalar", "double"), ()):
+    for words in (
+        ("--math", "libm"),
+        ("--target", "host"),
+        ("--target", "m0"),
+        ("--scalar", "double"),
+        ("--size",),
+        (),
+    ):
         assert wmrgen_cli("derive", robot_file, "-o", out, *words).code == 0
         texts.add(next(out.glob("*/*.c")).read_text())
         assert wmrgen_cli("check", robot_file, "-o", out).code == 0
-    assert len(texts) == 5
+    assert len(texts) == 6
     assert wmrgen_cli("derive", robot_file, "-o", out, "--scalar", "double", "--math", "inline").code == 2
 
 

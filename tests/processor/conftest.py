@@ -11,15 +11,15 @@ from benchmarks.emulator.fleet import Fleet
 from benchmarks.emulator.zig import Target
 from tests.processor.fleets import every, fleet
 
-Built = Callable[[Target, str], Fleet]
+Built = Callable[..., Fleet]
 
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
-    """(processor, mathematics) -> the image of the gallery."""
+    """(processor, mathematics, least flash) -> the image of the gallery."""
 
     @cache
-    def one(target: Target, math: str) -> Fleet:
-        return fleet(target, tmp_path_factory.mktemp("gallery"), every(), math)
+    def one(target: Target, math: str, size: bool = False) -> Fleet:
+        return fleet(target, tmp_path_factory.mktemp("gallery"), every(), math, size)
 
     return one

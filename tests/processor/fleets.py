@@ -51,11 +51,16 @@ def rounded(value: float) -> float:
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
-def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str) -> Fleet:
+def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str, size: bool = False) -> Fleet:
     """``modules`` in an emulated processor, libm's functions answered by the interpreter's."""
     known = answers(host().arithmetic)
     return Fleet.build(
-        folder, modules, known, lambda m: sources(m, meta(math, target=target.name)), target, counts=False
+        folder,
+        modules,
+        known,
+        lambda m: sources(m, meta(math, target=target.name, size=size)),
+        target,
+        counts=False,
     )
 
 

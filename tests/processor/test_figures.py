@@ -27,10 +27,10 @@ def test_the_readme_has_every_row() -> None:
     text = figures.between(README.read_text(encoding="utf-8"))
     rows = Counter((row[0], row[1]) for row in figures.rows(text))
     for job in JOBS:
-        assert rows[job.layout, job.function] >= 3, job
+        assert rows[job.layout, job.function] >= 5, job
     assert all((layout, "forward") in rows for layout in ("differential", "mecanum", "swerve"))
     headings = [line for line in text.splitlines() if line.startswith("| layout")]
-    assert len(headings) == 4
+    assert len(headings) == 7
     for math in MATHS:
         assert all(f"wmrgen, {math}" in line for line in headings[:3])
     assert all(re.search(r"\d", "".join(row[2:])) for row in figures.rows(text))

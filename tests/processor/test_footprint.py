@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 
+import wmrgen
 from benchmarks.emulator.gcc import PROCESSORS
 from benchmarks.flavours import DEFAULT
 from benchmarks.footprint import SHOWN, Footprint, measure
 from tests.c.harness import gallery
+from tests.conftest import ROOT
 from tests.tools import need
+from wmrgen.ir.nodes import Module
 
 
 @pytest.mark.slow
@@ -29,6 +34,36 @@ def test_small_robots_need_no_stack() -> None:
     for name in names:
         for function in ("inverse", "forward"):
             assert found[f"{name}_{function}"].stack == 0
+
+
+@pytest.mark.parametrize("way", [False, True], ids=["usual", "size"])
+@pytest.mark.parametrize("function", ["inverse", "forward"])
+def test_a_swerve_with_size(way: bool, function: str) -> None:
+    """Issue 4: with --size at most 600 bytes, kernels included, and 56 bytes of stack."""
+    need(PROCESSORS["m4f"].compiler)
+    found = swerve(way)[f"wpilib_swervebot_{function}"]
+    assert (found.text <= 600) == way
+    if way:
+        assert found.stack <= (56 if function == "forward" else 72)
+        assert found.text > found.own > 100
+
+
+@cache
+def swerve(size: bool) -> dict[str, Footprint]:
+    return measure([of("wpilib_swervebot")], PROCESSORS["m4f"], size=size)
+
+
+def of(robot: str) -> Module:
+    return wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{robot}.yaml")).c_module
+
+
+@pytest.mark.parametrize("key", SHOWN)
+def test_size_is_never_larger(key: str) -> None:
+    """A robot's file, and the swerve to at most three quarters."""
+    need(PROCESSORS[key].compiler)
+    for robot, most in (("wpilib_swervebot", 0.78), ("lekiwi", 1.0)):
+        usual, small = (measure([of(robot)], PROCESSORS[key], size=way) for way in (False, True))
+        assert sum(f.own for f in small.values()) <= most * sum(f.own for f in usual.values())
 
 
 @pytest.mark.slow

@@ -76,6 +76,16 @@ def test_clang_tidy_of_the_gallery(robot: str, tmp_path: Path) -> None:
     assert beyond(TIDY, tidy(tmp_path, write(tmp_path, robot))) == []
 
 
+@pytest.mark.parametrize("robot", [ONE, "lekiwi"])
+def test_nothing_beyond_the_deviations_with_size(robot: str, tmp_path: Path) -> None:
+    sources = write(tmp_path, robot, size=True)
+    assert "_part1(" in (tmp_path / f"{robot}.c").read_text()
+    macro = f"{robot.upper()}_SELFTEST_NO_MAIN"
+    assert beyond(MISRA, cppcheck(tmp_path, sources, macro)) == []
+    assert beyond(TIDY, tidy(tmp_path, sources)) == []
+    assert gcc_analyzer(tmp_path, sources) == ""
+
+
 def test_gcc_analyzer(tmp_path: Path) -> None:
     assert gcc_analyzer(tmp_path, write(tmp_path, ONE)) == ""
 

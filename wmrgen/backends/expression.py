@@ -7,7 +7,7 @@ the IR, node by node.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from wmrgen.exact.number import Exact
@@ -26,7 +26,9 @@ class Style:
     ``literal`` prints a constant as an atom (negative ones in parentheses). ``calls`` and ``choices`` are
     formats over the arguments by position; a choice always gets a statement of its own.
     ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name. ``grouped``: no
-    reader has to know which operator binds tighter (MISRA C:2012 rule 12.1).
+    reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``holder``: statement that declares the
+    variable ``{1}`` for what function ``{0}`` hands back when that is several values, ``held`` its name for a function,
+    ``part`` value ``{1}`` of it.
     """
 
     literal: Callable[[Exact], str]
@@ -35,6 +37,9 @@ class Style:
     declare: str
     temporary: str
     grouped: bool = False
+    holder: str = ""
+    held: Callable[[str], str] = str
+    part: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,34 +93,78 @@ def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
         if style.grouped:
             texts = [argument.within(_UNARY) for argument in args]
         return _Text(style.choices[node.op].format(*texts), _CHOICE)
+    if node.op is Op.CALL:
+        return _Text(f"{node.name}({', '.join(texts)})", _ATOM)
     return _Text(style.calls[node.op].format(*texts), _ATOM)
 
 
+class _Printer:
+    """Statements, node by node."""
+
+    def __init__(self, function: Function, style: Style, access: Callable[[str], str]) -> None:
+        self.function, self.style, self.access = function, style, access
+        self.uses = _uses(function, style)
+        self.arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
+        self.several: dict[int, list[int]] = {}  # a call -> the nodes that are one of its results
+        for k, node in enumerate(function.nodes):
+            if node.op is Op.PART:
+                self.several.setdefault(node.args[0], []).append(k)
+        names = dict.fromkeys(function.nodes[i].name or "" for i in self.several)
+        self.statements = [style.holder.format(name, style.held(name)) for name in names]
+        self.count = 0
+        self.parts: dict[int, str] = {}
+        self.texts: list[_Text] = []
+
+    def print(self, index: int, note: str | None) -> _Text:
+        """The value of a node, and before it the statements that it takes."""
+        node, style = self.function.nodes[index], self.style
+        if node.value is not None:
+            return _Text(style.literal(node.value), _ATOM)
+        if node.op is Op.INPUT:
+            return _Text(self.access(node.name or ""), _ATOM)
+        if node.op is Op.PART:
+            return _Text(self.parts[index], _ATOM)
+        text = _expression(node, [self.texts[a] for a in node.args], style)
+        if index in self.several:
+            held = style.held(node.name or "")
+            self.statements.append(f"{held} = {text.text};")
+            for k in self.several[
+                index
+            ]:  # at once: the next call of the same function takes the holder again
+                self.parts[k] = self._named(style.part.format(held, self.function.nodes[k].name), None)
+        elif self.uses[index] > 1 or text.binding == _CHOICE or len(text.text) > self._longest(index):
+            return _Text(self._named(text.text, note), _ATOM)
+        return text
+
+    def _longest(self, index: int) -> int:
+        return _LONGEST_ARM if index in self.arms else _LONGEST
+
+    def _named(self, text: str, note: str | None) -> str:
+        name = self.style.temporary.format(self.count)
+        self.count += 1
+        self.statements.append(self.style.declare.format(name, text) + (f" {note}" if note else ""))
+        return name
+
+
 def body(
-    function: Function, access: Callable[[str], str], style: Style, notes: Mapping[int, str] | None = None
+    function: Function,
+    access: Callable[[str], str],
+    style: Style,
+    notes: Mapping[int, str] | None = None,
+    stores: Sequence[str] = (),
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
-    ``notes``: node -> finished comment, printed behind the statement that names the node.
+    ``notes``: node -> finished comment, printed behind the statement that names the node. ``stores``: statements that
+    hand over the results ``{0}``; with them, each is handed over as soon as it is known.
     """
-    uses = _uses(function, style)
-    arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
-    texts: list[_Text] = []
-    statements: list[str] = []
-    for index, node in enumerate(function.nodes):
-        if node.value is not None:
-            texts.append(_Text(style.literal(node.value), _ATOM))
-            continue
-        if node.op is Op.INPUT:
-            texts.append(_Text(access(node.name or ""), _ATOM))
-            continue
-        text = _expression(node, [texts[a] for a in node.args], style)
-        longest = _LONGEST_ARM if index in arms else _LONGEST
-        if uses[index] > 1 or text.binding == _CHOICE or len(text.text) > longest:
-            name = style.temporary.format(len(statements))
-            note = (notes or {}).get(index)
-            statements.append(style.declare.format(name, text.text) + (f" {note}" if note else ""))
-            text = _Text(name, _ATOM)
-        texts.append(text)
+    printer = _Printer(function, style, access)
+    waiting: dict[int, list[str]] = {}
+    for result, store in zip(function.results, stores, strict=False):
+        waiting.setdefault(result, []).append(store)
+    for index in range(len(function.nodes)):
+        text = printer.print(index, (notes or {}).get(index))
+        printer.texts.append(text)
+        printer.statements += [store.format(text.text) for store in waiting.get(index, ())]
     ops = frozenset(node.op for node in function.nodes)
-    return Body(tuple(statements), tuple(texts[r].text for r in function.results), ops)
+    return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)

@@ -78,6 +78,10 @@ def derive(
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = Scalar.float,
     math: ChosenMath = None,
     target: ChosenTarget = Target.m4f,
+    size: Annotated[
+        bool,
+        typer.Option("--size", help="C for the least flash: what repeats is a function. The same results."),
+    ] = False,
     fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
 ) -> int:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
@@ -87,7 +91,7 @@ def derive(
     from wmrgen.cli.derive import run
     from wmrgen.ir.kernels.choice import choice
 
-    chosen = choice(scalar.value, math and math.value, target.value)
+    chosen = choice(scalar.value, math and math.value, target.value, size)
     return run(robots, out, as_json=json, choice=chosen, fuzz=fuzz)
 
 

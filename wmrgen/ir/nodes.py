@@ -48,6 +48,9 @@ class Op(StrEnum):
     WITHIN = "within"  # within(a, m): m with the sign of a where |a| > m, else a; m of NaN; m > 0
     BEYOND = "beyond"  # beyond(a, m): m with the sign of a where |a| < m, else a; m > 0
     SIGNED = "signed"  # signed(a, b): -a where the sign bit of the float b is set, else a
+    # What only the smallest C has, see `wmrgen.ir.outline`:
+    CALL = "call"  # of the part called ``name``, over its parameters
+    PART = "part"  # the result number ``name`` of a call that has several
 
 
 ARITY = {

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wmrgen.backends.c99.comment import comment_lines
 from wmrgen.backends.c99.companions import companions
 from wmrgen.backends.c99.notes import arithmetic_notes
+from wmrgen.backends.c99.parts import Part, parts
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
@@ -16,8 +17,9 @@ from wmrgen.backends.meta import Meta
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import expand, integer, rounds
-from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.kernels.choice import AVR, DEFAULT, M0
 from wmrgen.ir.nodes import Function, Module, Op, Port
+from wmrgen.ir.outline import FPU, SOFT, outline
 from wmrgen.ir.trace import traced
 from wmrgen.render import render
 
@@ -30,10 +32,12 @@ class Unit:
     scalar: str
     steps: tuple[Step, ...]
     rounds: bool  # relies on the rounding of sums of magic numbers
+    parts: tuple[Part, ...] = ()
 
     @property
     def ops(self) -> frozenset[Op]:
-        return frozenset().union(*(step.ops for step in self.steps))
+        own = (part.ops for part in self.parts)
+        return frozenset().union(*(step.ops for step in self.steps), *own)
 
 
 def unit(
@@ -42,22 +46,29 @@ def unit(
     math: str = DEFAULT.math,
     target: str = DEFAULT.target,
     formulas: Sequence[Function] = (),
+    small: bool = False,
 ) -> Unit:
     """The C functions of ``module``: params_default and prepare first when a parameter is tunable.
 
-    ``formulas``: the functions as lowered, whose intermediate results comments name.
+    ``formulas``: the functions as lowered, whose intermediate results comments name. ``small``: what repeats is
+    written once.
     """
     module = hand_through(module)
     costs = {f.name: count(f) for f in (*module.functions, *((module.prepare,) if module.prepare else ()))}
-    module = traced(expand(module, scalar, math, target), formulas)
+    module = traced(expand(module, scalar, math, target, small), formulas)
+    rounding, own = rounds(module), tuple[Part, ...]()
+    if small:
+        found = outline(module.functions, f"{module.name}_part", SOFT if target in (M0, AVR) else FPU)
+        own = parts(found.functions, found.parts, module.name, scalar)
+        module = replace(module, functions=found.functions)
     steps, prepared = prepare_steps(module, scalar, costs)
     inputs_of: dict[tuple[Port, ...], Struct] = {}
     rest = (step(f, module.name, prepared, scalar, costs[f.name], inputs_of) for f in module.functions)
-    return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None), rounds(module))
+    return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None), rounding, own)
 
 
 def _unit(module: Module, meta: Meta) -> Unit:
-    return unit(module, meta.scalar, meta.math, meta.target, meta.formulas)
+    return unit(module, meta.scalar, meta.math, meta.target, meta.formulas, meta.size)
 
 
 def _includes(made: Unit) -> dict[str, bool]:
@@ -112,6 +123,7 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
         "model_hash": "".join(c for c in meta.model_hash if c.isalnum()),
         "structs": [s.lines for made_step in made.steps for s in made_step.structs],
         "steps": made.steps,
+        "parts": made.parts,
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
         "integer": None if made.ops.isdisjoint(INTEGER) else integer,

@@ -22,7 +22,13 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
     ]
     inline = meta.scalar == "float" and meta.math == INLINE and meta.target != AVR
     if inline and used & _WAVES:
-        notes.append(_kernels(meta.target, used))
+        notes.append(_kernels(meta.target, used, meta.size))
+    if meta.size:
+        notes.append(
+            "Written for the least flash (--size): what repeats stands once, in functions of the C file alone, which "
+            "must not be inlined (WMRGEN_NOINLINE). Results are those of the usual C to the bit; calls cost time and "
+            "stack. A function writes *out while it reads *in: the two must not overlap."
+        )
     if Op.FMA in ops:
         notes.append(
             "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "
@@ -31,7 +37,7 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
     return notes
 
 
-def _kernels(target: str, used: set[Op]) -> str:
+def _kernels(target: str, used: set[Op], size: bool) -> str:
     errors = worst(target)
     parts = []
     if used & {Op.SIN, Op.COS}:
@@ -41,6 +47,10 @@ def _kernels(target: str, used: set[Op]) -> str:
         )
     if used & {Op.ATAN, Op.ATAN2}:
         parts.append(f"an arctangent of up to 1 within {errors.arctangent} ulp")
-    how = "in integers, without tables" if target == M0 else "without branches, tables or calls"
+    how = (
+        "in integers, without tables"
+        if target == M0
+        else ("without branches or tables" if size else "without branches, tables or calls")
+    )
     tried = f"Every float of these ranges was tried: {'; '.join(parts)} of the true value."
     return f"Sines and arctangents are polynomials {how}. {tried}"

@@ -67,20 +67,22 @@ def _build(
     notes: dict[int, str] = {}
     for label, k in function.named:
         notes[k] = f"{notes[k]}, {quantity(label)}" if k in notes else quantity(label)
+    out_struct, out = output
+    forms = [f"{out}->{out_struct.members[port.name]} = {{0}};" for port in function.outputs]
+    small = any(node.op is Op.CALL for node in function.nodes)
     code = body(
         function,
         reads.__getitem__,
         style(scalar),
         {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE},
+        forms if small else (),
     )
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
     unread = [f"(void){par};" for s, par in inputs if not read & set(s.members)]
-    out_struct, out = output
-    stores = [
-        f"{out}->{out_struct.members[port.name]} = {text};"
-        for port, text in zip(function.outputs, code.results, strict=True)
-    ]
-    lines = unread + list(code.statements) + ([""] if code.statements or unread else []) + stores
+    lines = unread + list(code.statements)
+    if not small:
+        stores = [form.format(text) for form, text in zip(forms, code.results, strict=True)]
+        lines += ([""] if lines else []) + stores
     arguments = (*inputs, output)
     comment = tuple(block_comment([_sentence(function.text), f"Operations: {cost}."]))
     return Step(

@@ -25,12 +25,17 @@ _TWO = Exact(2)
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
 
 
-def expand(module: Module, scalar: str, math: str, target: str = DEFAULT.target) -> Module:
-    """``module`` as operations of C: rounding and signs as arithmetic, float functions as kernels or libm's."""
+def expand(
+    module: Module, scalar: str, math: str, target: str = DEFAULT.target, small: bool = False
+) -> Module:
+    """``module`` as operations of C: rounding and signs as arithmetic, float functions as kernels or libm's.
+
+    ``small``: sines and cosines take their own sign, so that all are alike; the results are the same to the bit.
+    """
     if scalar != "float" or target == AVR:
         math = LIBM
     prepare = None if module.prepare is None else _Expansion(module.prepare, scalar, LIBM, target).run()
-    functions = tuple(_Expansion(f, scalar, math, target).run() for f in module.functions)
+    functions = tuple(_Expansion(f, scalar, math, target, small).run() for f in module.functions)
     return Module(module.name, functions, prepare)
 
 
@@ -43,7 +48,7 @@ def rounds(module: Module) -> bool:
 class _Expansion:
     """One function, node by node."""
 
-    def __init__(self, function: Function, scalar: str, math: str, target: str) -> None:
+    def __init__(self, function: Function, scalar: str, math: str, target: str, small: bool = False) -> None:
         single = scalar == "float"
         self.fused, self.bits = single and target == M4F, single and target in (M4F, M0)
         self.function = function = signs_as_bits(one_comparison(function)) if self.bits else function
@@ -53,10 +58,12 @@ class _Expansion:
         self.made: list[int] = []
         self.uses = Counter(a for node in function.nodes for a in node.args) + Counter(function.results)
         self.products = {node.args for node in function.nodes if node.op is Op.MUL}
+        self.constants = {i for i, node in enumerate(function.nodes) if node.value is not None}
         self.circles: dict[int, tuple[int, int, int]] = {}
         self.raised: dict[int, int] = {}  # node of `function` that is a whole number -> that plus `magic`
         self.integer = self.inline and target == M0
-        self.paired = self._pairs() if self.inline and not self.integer else set()
+        self.paired = self._pairs() if self.inline and not self.integer and not small else set()
+        self.small = small
         self.sharp = sharp_sums(function) if single else frozenset()
 
     def run(self) -> Function:
@@ -76,6 +83,8 @@ class _Expansion:
             case Op.RINT:
                 self.raised[i] = tape.add(args[0], tape.const(self.magic))
                 return tape.sub(self.raised[i], tape.const(self.magic))
+            case Op.MIN | Op.MAX if node.args[0] in self.constants:
+                args = args[::-1]  # alike wherever it stands
             case Op.FLIP:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
@@ -86,7 +95,8 @@ class _Expansion:
                 return tape.put(_INTEGER[node.op], *args)
             case Op.SIN | Op.COS if self.inline:
                 raised, sine, cosine = self._circle(args[0])
-                return tape.mul(self._sign(raised), sine if node.op is Op.SIN else cosine)
+                wave = sine if node.op is Op.SIN else cosine
+                return self._by(wave, raised) if self.small else tape.mul(self._sign(raised), wave)
             case Op.ATAN if self.inline:
                 return trigonometry.arctangent(tape, args[0])
             case Op.ATAN2 if self.inline:

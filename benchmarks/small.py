@@ -1,0 +1,47 @@
+"""What ``wmrgen derive --size`` saves in bytes, and what it costs in instructions."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.emulator.gcc import PROCESSORS
+from benchmarks.flavours import DEFAULT
+from benchmarks.footprint import SHOWN, heading, measure, rows, total
+from benchmarks.jobs import JOBS, derivations
+from benchmarks.processor import Bench
+
+
+def table() -> Iterator[str]:
+    """Bytes and stack of `JOBS`, of all functions of their robots, and instructions, in Markdown."""
+    there = [PROCESSORS[key] for key in SHOWN if PROCESSORS[key].present]
+    if not PROCESSORS["m4f"].present:
+        yield "The least flash: needs arm-none-eabi-gcc."
+        return
+    modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in JOBS)]
+    usual, small = ([measure(modules, processor, size=way) for processor in there] for way in (False, True))
+    yield "The same with `--size`; a function with the parts that it calls, which all functions of a robot share."
+    yield ""
+    yield from rows(there, small)
+    yield ""
+    yield "Bytes of code of all functions of a robot together, as usual → with `--size`."
+    yield ""
+    yield from heading("layout", "robot", there)
+    for layout, robot in dict.fromkeys((job.layout, job.robot) for job in JOBS):
+        pairs = zip(usual, small, strict=True)
+        cells = [" → ".join(str(total(found, robot)) for found in pair) for pair in pairs]
+        yield f"| {layout} | `{robot}` | {' | '.join(cells)} |"
+    yield ""
+    yield "Instructions per call on the emulated Cortex-M4F, inline."
+    yield ""
+    yield "| layout | function | as usual | with `--size` |"
+    yield "|---|---|---:|---:|"
+    with tempfile.TemporaryDirectory() as name:
+        benches = []
+        for way in (False, True):
+            folder = Path(name) / str(way)
+            folder.mkdir()
+            benches.append(Bench(folder, DEFAULT, size=way))
+        for job in JOBS:
+            yield f"| {job.layout} | {job.function} | {' | '.join(str(b.count(job)) for b in benches)} |"

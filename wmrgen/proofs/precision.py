@@ -16,6 +16,8 @@ from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.proofs.interval import Array
 
+_EXPONENT = 0x7FF << 52  # of a double
+_LEAST = 2.0**-1000
 SMALL_ANGLE = (
     64.0  # errors of a direction are claimed where the vector is this much longer than its own error
 )
@@ -47,9 +49,10 @@ class Format:
 
     def half_ulp(self, size: Array) -> Array:
         """Half a unit in the last place of the largest value: the error of one rounding up to ``size``."""
-        # A power of two is exact, and what lies below it has the finer spacing there.
-        _, exponent = np.frexp(np.nextafter(size, 0.0))
-        return np.asarray(np.ldexp(1.0, np.maximum(exponent - self.bits - 1, self.lowest - 1).astype(int)))
+        # A power of two is exact, and what lies below it has the finer spacing there: the bits of the number before
+        # without those of its mantissa are the power of two at or below it.
+        before = np.maximum(size, _LEAST).view(np.int64) - 1
+        return np.asarray(np.maximum((before & _EXPONENT).view(np.float64) * self.unit, self.tiny))
 
 
 SINGLE = Format("float", 24, -149, 128)

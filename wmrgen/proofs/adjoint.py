@@ -126,6 +126,10 @@ class Adjoint(Pass):
 
     def errors(self, roots: Sequence[int]) -> Array:
         """How far the nodes ``roots`` may be off: roots x boxes."""
+        with np.errstate(all="ignore"):
+            return self._errors(roots)
+
+    def _errors(self, roots: Sequence[int]) -> Array:
         count, last = len(roots), max(roots)
         derivative: list[Multiple | None] = [None] * (last + 1)
         apart: dict[int, Array] = {}  # what may be contracted: a rounding per use

@@ -56,6 +56,24 @@ def test_says_which_limits_are_needed(tmp_path: Path) -> None:
     assert b"no limits of `vx` and `omega`" in files["report.md"]
 
 
+@pytest.mark.usefixtures("no_eva")
+def test_says_which_limits_a_virtual_wheel_needs(tmp_path: Path) -> None:
+    """Rates that nothing commands, and an angle at which the model of a car with trailers is singular."""
+    text = (ROBOTS / "car_with_trailers.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "car_with_trailers.yaml"
+
+    def proved(limits: str) -> str:
+        lines = [f"limits: {limits}" if line.startswith("limits:") else line for line in text.splitlines()]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        return CliRunner().invoke(app, ["prove", str(path)]).stdout
+
+    assert "needs limits: {steer_rate: 2.0}" in proved("{vx: 2, omega: 1}")
+    assert "perhaps it needs limits: {steer: 60 deg}" in proved("{vx: 2, omega: 1, steer_rate: 2}")
+    complete = proved("{vx: 2, omega: 1, steer_rate: 2, steer: 60 deg}")
+    assert "needs" not in complete and "not proved" not in complete and "no range" not in complete
+    assert "trailer2.theta_rate" in complete
+
+
 def test_bounds_stand_in_the_files() -> None:
     derivation = wmrgen.derive(wmrgen.load(ROBOTS / "clearpath_do100.yaml"))
     files = artifacts(derivation)

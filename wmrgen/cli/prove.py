@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from wmrgen.derivation import Derivation
     from wmrgen.ir.nodes import Function
     from wmrgen.proofs.bounds import Bounds, FunctionBound, OutputBound
+    from wmrgen.proofs.domain import Range
 
 _TOOL = "frama-c"
 _FINER = 5  # how often Eva gets the inputs in smaller parts
@@ -102,7 +103,7 @@ def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:
     if found.assumed:
         console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in found.assumed.items())}")
     for f in found.functions:
-        _function(f)
+        _function(f, found.given)
     if eva["run"]:
         count = len(eva["alarms"])
         console.result(
@@ -117,15 +118,21 @@ def _limit(name: str, r: tuple[float, float]) -> str:
     return f"|{name}| <= {high:g}" if low == -high else f"{low:g} <= {name} <= {high:g}"
 
 
-def _function(f: FunctionBound) -> None:
+def _function(f: FunctionBound, given: Mapping[str, Range]) -> None:
+    from wmrgen.proofs.domain import wanted
+
     if f.unknown:
         console.result(f"{f.name}: not looked at, no range for {', '.join(f.unknown)}", "bold")
+        console.result(f"  needs {wanted(f.unknown)}")
         return
     console.result(
         f"{f.name}: {'no NaN, infinity or division by zero' if f.proved else 'not proved'}", "bold"
     )
     for text in f.alarms:
         console.result(f"  {text}")
+    free = tuple(n for n in f.inputs if n.endswith(".steer") and n not in given)
+    if f.alarms and free:
+        console.result(f"  {', '.join(free)} may have any value; perhaps it needs {wanted(free)}")
     width = max((len(o.name) for o in f.outputs), default=0)
     for o in f.outputs:
         span = f"[{o.low:.6g}, {o.high:.6g}] {o.unit}"

@@ -52,7 +52,6 @@ class Adjoint(Pass):
             np.stack([hi for _, hi in ranges]) if ranges else empty,
         )
         self.multiples: list[Multiple] = []
-        self.most = iv.magnitude(self.scales)
         self.partials: list[list[tuple[int, Partial]]] = []
         self.noisy: list[bool] = []  # whether a node has noise, or depends on any
         self.units: dict[int, Interval] = {}
@@ -126,6 +125,10 @@ class Adjoint(Pass):
 
     def errors(self, roots: Sequence[int]) -> Array:
         """How far the nodes ``roots`` may be off: roots x boxes."""
+        with np.errstate(all="ignore"):
+            return self._errors(roots)
+
+    def _errors(self, roots: Sequence[int]) -> Array:
         count, last = len(roots), max(roots)
         derivative: list[Multiple | None] = [None] * (last + 1)
         apart: dict[int, Array] = {}  # what may be contracted: a rounding per use
@@ -139,7 +142,7 @@ class Adjoint(Pass):
             if found is None:
                 continue
             if i in self.sources:
-                size = apart[i] if i in apart else mu.size(found, self.most)
+                size = apart[i] if i in apart else mu.size(found, self.scales)
                 noise = self.result.noise[self.sources[i]]
                 total += np.where(noise > 0, size * noise, 0.0)
             for k, partial in self.partials[i]:
@@ -158,4 +161,4 @@ class Adjoint(Pass):
         before = derivative[k]
         derivative[k] = by if before is None else mu.plus(before, by)
         if k in self.uses:
-            apart[k] = apart.get(k, np.zeros(())) + mu.size(by, self.most)
+            apart[k] = apart.get(k, np.zeros(())) + mu.size(by, self.scales)

@@ -15,6 +15,7 @@ at most s h gets no more than s rho: a source of noise of its own (`Angle`). Ran
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
@@ -65,6 +66,7 @@ class Pass:
         library: Library,
         twice: Collection[int] = (),
     ) -> None:
+        self.results = function.results
         self.nodes, self.inputs, self.form, self.library = function.nodes, inputs, form, library
         self.twice, self.current = frozenset(twice), 0
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
@@ -82,7 +84,19 @@ class Pass:
                 self.sources[i] = row
                 row += 3 if i in self.directions else 1
             row += self.uses.get(i, 0)  # a row per use, beside the one for an output
+        self._alternatives()
         self.result.noise = np.zeros((row, self.boxes))
+
+    def _alternatives(self) -> None:
+        """Sums between which a choice is made and which nothing else uses have one source: only one of them counts."""
+        uses = Counter(k for node in self.nodes for k in node.args)
+        uses.update(self.results)
+        for node in self.nodes:
+            if node.op is Op.SELECT:
+                x, y = node.args[2:]
+                sums = all(self.nodes[k].op in (Op.ADD, Op.SUB) and uses[k] == 1 for k in (x, y))
+                if sums and x != y:
+                    self.sources[y] = self.sources[x]
 
     def run(self) -> Analysis:
         from wmrgen.proofs.rules import RULES
@@ -100,7 +114,7 @@ class Pass:
         found, slope, away, noise = value.range, value.slope, value.away, value.noise
         if noise is not None:
             row = self.sources[i]
-            self.result.noise[row] = noise
+            self.result.noise[row] = np.maximum(self.result.noise[row], noise)
             if i not in self.rows and noise.any():
                 slope = self.sourced(slope, row)
             for extra in range(self.uses.get(i, 0)):

@@ -1,8 +1,9 @@
 """The inputs that a proof is about: the limits of the robot file, and stated ranges where it has none.
 
 Defaults: vy as vx; steering angles two turns about zero; spins and steering rates what `inverse` commands within the
-limits of the twist; a pose 100 m and two turns around the origin, steps of at most 0.1 s; tunable parameters 10 %
-around their nominal value. The limits of vx and omega have none: without them there is nothing to prove.
+limits of the twist; a pose 100 m and two turns around the origin, headings of trailers alike, steps of at most 0.1 s;
+speeds of virtual wheels as vx; tunable parameters 10 % around their nominal value. The limits of vx and omega have
+none: without them there is nothing to prove. A rate that nothing commands needs a limit, too.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from wmrgen.layout.records import Robot
 TURNS = 12.5663707  # two turns [rad]
 _POSE = {"x": (-100.0, 100.0), "y": (-100.0, 100.0), "theta": (-TURNS, TURNS), "dt": (0.0, 0.1)}
 _JOINTS = ("spin", "steer", "steer_rate")
+_EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
 _SPREAD = 0.1  # of a tunable parameter about its nominal value
 _SPAN = 0.01  # of one that is nominally zero [m, rad]
 
@@ -66,9 +68,13 @@ class Domain:
         if name in _POSE:
             return inside(*_POSE[name])
         _, _, joint = name.rpartition(".")
-        if joint == "steer":
+        limit = self.robot.limits.get(joint) if joint in _JOINTS else None
+        if limit is not None:  # of a virtual wheel, which has none of its own
+            self.given[name] = _floats(limit.low, limit.high)
+            return self.given[name]
+        if joint in ("steer", "theta"):
             return inside(-TURNS, TURNS)
-        return self.commanded.get(name)
+        return self.given.get("vx") if joint == "speed" else self.commanded.get(name)
 
 
 def domain(robot: Robot) -> Domain:
@@ -83,9 +89,10 @@ def domain(robot: Robot) -> Domain:
 
 
 def wanted(missing: tuple[str, ...]) -> str:
-    """What to write in the robot file."""
-    examples = {"vx": "vx: 1.0", "omega": "omega: 2.0"}
-    return f"limits: {{{', '.join(examples[name] for name in missing)}}}"
+    """What to write in the robot file: limits of the robot, those of wheels by the name of their joint."""
+    names = dict.fromkeys(name.rpartition(".")[2] for name in missing)
+    examples = [f"{name}: {_EXAMPLES.get(name, '1.0')}" for name in names]
+    return f"limits: {{{', '.join(examples)}}}"
 
 
 def _floats(low: Exact, high: Exact) -> Range:

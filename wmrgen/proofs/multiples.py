@@ -78,12 +78,14 @@ def _outward(lo: Array, hi: Array) -> Multiple:
     return lo - (np.abs(lo) * _UNIT + _LEAST), hi + (np.abs(hi) * _UNIT + _LEAST)
 
 
-def size(a: Multiple, most: Array) -> Array:
-    """Largest absolute value, given those of the inputs (inputs x boxes)."""
-    each = iv.magnitude(a)
+def size(a: Multiple, scales: Interval) -> Array:
+    """Largest absolute value, given the ranges of the inputs."""
     if rows(a) == 1:
-        return np.asarray(each[..., 0, :])
-    return np.asarray((each[..., 0, :] + (each[..., 1:, :] * most).sum(axis=-2)) * (1 + _ROOM))
+        return np.asarray(iv.magnitude(a)[..., 0, :])
+    if not np.array_equal(-scales[0], scales[1]):
+        return iv.magnitude(hull(a, scales))
+    each = iv.magnitude(a)  # for inputs of either sign this is as good and cheaper
+    return np.asarray((each[..., 0, :] + (each[..., 1:, :] * scales[1]).sum(axis=-2)) * (1 + _ROOM))
 
 
 def widened(a: Multiple, by: Array) -> Multiple:

@@ -74,14 +74,15 @@ def refined(
         alarms = tuple((i, what) for i, what, _ in found.alarms)
         return _Leaves(boxes, low, high, walk.errors(function.results), bad), alarms
 
-    leaves, _ = looked(grid)
-    for _ in range(ROUNDS):
-        before = leaves.error.max(axis=1)
-        pick = _worst(leaves)
-        children, _ = looked(_halved(leaves.taken(pick).boxes, angles))
-        leaves = leaves.taken(~pick).joined(children)
-        if not leaves.bad.any() and np.all(leaves.error.max(axis=1) > GAIN * before):
-            break
+    with np.errstate(all="ignore"):
+        leaves, _ = looked(grid)
+        for _ in range(ROUNDS):
+            before = leaves.error.max(axis=1)
+            pick = _worst(leaves)
+            children, _ = looked(_halved(leaves.taken(pick).boxes, angles))
+            leaves = leaves.taken(~pick).joined(children)
+            if not leaves.bad.any() and np.all(leaves.error.max(axis=1) > GAIN * before):
+                break
     alarms = looked(leaves.taken(leaves.bad).boxes)[1] if leaves.bad.any() else ()
     claims = (
         Claim(float(lo.min()), float(hi.max()), float(e.max()), 0.0, 0.0)
@@ -93,7 +94,7 @@ def refined(
 def _worst(leaves: _Leaves) -> NDArray[np.bool_]:
     """The boxes to divide next: those with alarms, and those with the largest errors."""
     most = leaves.error.max(axis=1, keepdims=True)
-    share = (leaves.error / np.maximum(most, 1e-300)).max(axis=0)
+    share = np.nan_to_num(leaves.error / np.maximum(most, 1e-300), nan=1.0).max(axis=0)
     share = np.where(leaves.bad, np.inf, share)
     least = np.sort(share)[-MOST] if len(share) > MOST else 0.0
     return np.asarray(share >= max(least, NEAR))

@@ -30,7 +30,8 @@ DEVIATIONS = (
         MISRA, "misra-c2012-19.2", r"\w+\.c",
         "`wmrgen_flip()`, `wmrgen_signed()` and `wmrgen_beyond()` read the bits of floats through unions",
         "Turning a sign by the parity of a whole number or by another sign takes one exclusive or and no branch. C99 "
-        "defines it for types of one size (6.5.2.3), and `memcpy` would be a call. `--target host` has no such function.",
+        "defines it for types of one size (6.5.2.3), and `memcpy` would be a call. `--target host` has no such "
+        "function.",
     ),
     Deviation(
         MISRA, "misra-c2012-8.9", r"\w+_selftest\.c",

@@ -55,21 +55,26 @@ def module() -> Module:
     return Module("kernel", tuple(Function(name, (x,), n, (y,), (1,), name) for name, n in nodes.items()))
 
 
+def compiler() -> str:
+    """A C compiler of this machine."""
+    found = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if found is None:
+        raise EnvironmentFailure("trying every float needs a C compiler")
+    return found
+
+
 def build(folder: Path, target: str) -> Path:
     """The driver for the kernels of ``target``; with the instructions of this machine where the compiler knows it."""
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    if compiler is None:
-        raise EnvironmentFailure("trying every float needs a C compiler")
     header, source = sources(module(), Meta(target=target))
     (folder / "kernel.h").write_text(header)
     (folder / "kernel.c").write_text(source)
     program = folder / f"kernels_{target}"
     words = ["-I", str(folder), str(DRIVER), "-o", str(program), "-lm"]
     for native in (("-march=native",), ()):
-        done = subprocess.run([compiler, *FLAGS, *native, *words], capture_output=True, text=True)
+        done = subprocess.run([compiler(), *FLAGS, *native, *words], capture_output=True, text=True)
         if done.returncode == 0:
             return program
-    raise EnvironmentFailure(f"{compiler} cannot build the kernels: {done.stderr[:2000]}")
+    raise EnvironmentFailure(f"{compiler()} cannot build the kernels: {done.stderr[:2000]}")
 
 
 def worst(program: Path, r: Range, step: int = 1) -> Found:

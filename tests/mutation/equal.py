@@ -32,10 +32,24 @@ def _flip(a: Array, n: Array) -> Array:
     return np.where(np.asarray(n, np.float32).view(np.uint32) & 1, -a, a)
 
 
+def _signed(a: Array, b: Array) -> Array:
+    return np.where(np.signbit(b), -a, a)
+
+
+def _within(a: Array, m: Array) -> Array:
+    return np.where(a < m, np.where(a < -m, -m, a), m)
+
+
+def _beyond(a: Array, m: Array) -> Array:
+    """Sizes and signs as bits: a mutant's m may be negative."""
+    size, least = (np.asarray(v, np.float32).view(np.uint32) for v in (np.abs(a), m))
+    return np.where(size < least, np.where(np.signbit(a), -np.abs(m), m), a)
+
+
 _CALLS = {
     "fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atanf": np.arctan,
     "atan2f": np.arctan2, "fmaf": _fused,
-    "wmrgen_flip": _flip,
+    "wmrgen_flip": _flip, "wmrgen_signed": _signed, "wmrgen_within": _within, "wmrgen_beyond": _beyond,
 }  # fmt: skip
 _LINE = re.compile(r"^    (?:const float )?([\w.>-]+) = ([^;]+);$")
 _CHOICE = re.compile(r"^\((.+) < (.+)\) \? (.+) : (.+)$")

@@ -151,5 +151,5 @@ def _named(names: Locals, name: str, value: Poly) -> Poly:
 
 
 def _norm(errors: list[Poly], names: Locals, unit: Exact = ONE) -> Expr:
-    squares = (square(names.define(f"error_{i}", e)) for i, e in enumerate(errors))
-    return expression(Poly.of(unit)) * root(add(*squares))
+    squares = (square(names.define(f"error_{i}", e.scale(unit))) for i, e in enumerate(errors))
+    return root(add(*squares))

@@ -34,6 +34,11 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
             "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "
             "instruction; for others there are --target host, m0 and avr."
         )
+    if not ops.isdisjoint({Op.IMUL, Op.IDIV, Op.ISQRT}):
+        notes.append(
+            "Written for processors without floating point: products, quotients and roots are formed in integers, to "
+            "the last bit what IEEE 754 says, from fewer instructions than compilers' libraries take."
+        )
     return notes
 
 

@@ -9,6 +9,7 @@ from wmrgen.backends.report.subject import CAP, Subject, cut_note
 from wmrgen.backends.report.tex import broken, matrix, pieces, poly, summands, terms_of, width
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.forward import constant_normal
+from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Component, Contact, measurements
 from wmrgen.kinematics.smallest import generic_rank
 
@@ -195,12 +196,22 @@ def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
         ]),
         "This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here "
         f"n = {len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is "
-        "all that is left for run time; its "
-        "denominator is kept above 10⁻¹² m². The residual `slip`, the norm of all w<sub>i</sub> − v "
+        f"all that is left for run time; {_divisor(s)} The residual `slip`, the norm of all w<sub>i</sub> − v "
         "− ω ẑ × B<sub>i</sub> [m/s], "
         "is a signal for slip, a dead encoder or crossed wires.",
         "",
     ]  # fmt: skip
+
+
+def _divisor(s: Subject) -> str:
+    """Why it is not by zero."""
+    if spread(measurements(s.robot)[0]) is None:
+        return "its denominator is kept above 10⁻¹² m²."
+    return (
+        "its denominator cannot vanish, for the pivots stand far enough apart. The code has both sums multiplied out, "
+        "with the pivots measured from their mean: B<sub>i</sub> × w<sub>i</sub> and |B<sub>i</sub>|² then lose their "
+        "products of sines."
+    )
 
 
 def _sum(p: Poly) -> str:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.prune import prune
 
 _ODD = (Op.NEG, Op.ATAN, Op.SIN)
 _EXTREMES = (Op.MIN, Op.MAX)
@@ -46,8 +47,8 @@ class _Signs:
         for i, node in enumerate(self.function.nodes):
             found = self._node(node)
             self.made.append(found if self.uses[i] == 1 else _Signed(self._whole(found)))
-        results = tuple(self._whole(self.made[r]) for r in self.function.results)
-        return replace(self.function, nodes=tuple(self.tape.nodes), results=results)
+        nodes, results = prune(self.tape.nodes, [self._whole(self.made[r]) for r in self.function.results])
+        return replace(self.function, nodes=nodes, results=results)
 
     def _whole(self, value: _Signed) -> int:
         """The node of a value with its signs, those by parity last."""

@@ -1,0 +1,36 @@
+"""Parts of sums that are known before the rest share with rows of the same level."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.ir.common import build
+from wmrgen.ir.build import Builder
+from wmrgen.ir.nodes import Function, Op
+from wmrgen.ir.passes import forms
+from wmrgen.ir.verify import verify_function
+
+
+def additions(function: Function) -> int:
+    return sum(node.op in (Op.ADD, Op.SUB) for node in function.nodes)
+
+
+def two_sums() -> Function:
+    """s = a + b + c + d and (a - c + b - d) + s t."""
+
+    def body(b: Builder, x: dict[str, int]) -> dict[str, int]:
+        total = b.sum(x[k] for k in "abcd")
+        difference = b.sub(b.add(b.sub(x["a"], x["c"]), x["b"]), x["d"])
+        return {"s": total, "m": b.add(difference, b.mul(total, x["t"]))}
+
+    return build("abcdt", body)
+
+
+def test_part_of_a_sum_shares(monkeypatch: pytest.MonkeyPatch) -> None:
+    """a + b and c + d serve both: five additions for seven."""
+    function = two_sums()
+    shared = forms.share_linear_forms(function)
+    verify_function(function, shared, "early parts")
+    assert (additions(function), additions(shared)) == (7, 5)
+    monkeypatch.setattr(forms, "_early", lambda *given: frozenset())
+    assert additions(forms.share_linear_forms(function)) > 5

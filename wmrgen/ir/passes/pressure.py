@@ -12,7 +12,8 @@ from dataclasses import dataclass, field, replace
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.passes.schedule import registers, renumbered
 
-ENOUGH = 13  # values that an FPU's 16 registers which a function may use freely hold beside a few constants
+ENOUGH = 15  # an FPU has 16 registers that a function may use freely; one is for constants
+_WORTH = 0.9  # of the values alive; less is not seen through the order that a compiler chooses
 _MANY = 128  # nodes; of more, only those that several need are tried as the next
 Rank = Callable[["Step"], tuple[int, ...]]
 
@@ -41,16 +42,12 @@ def _low(step: Step) -> tuple[int, ...]:
 
 
 def relieved(function: Function) -> Function:
-    """``function``, or in another order when it has more values alive than registers hold."""
-    fewest = alive(function)
-    if fewest[0] <= ENOUGH:
+    """``function``, or another order of it that has clearly fewer values alive where registers do not hold them."""
+    most = alive(function)[0]
+    if most <= ENOUGH:
         return function
-    best = function
-    for made in (nearest(function, _far), nearest(function, _low, held=True)):
-        found = alive(made)
-        if found < fewest:
-            best, fewest = made, found
-    return best
+    best = min((nearest(function, _far), nearest(function, _low, held=True)), key=alive)
+    return best if alive(best)[0] <= most * _WORTH else function
 
 
 def alive(function: Function) -> tuple[int, int]:

@@ -11,7 +11,7 @@ from wmrgen.ir.outline.grow import best
 from wmrgen.ir.outline.pattern import Pattern
 from wmrgen.ir.outline.sizes import Sizes
 from wmrgen.ir.outline.undo import calls, inline
-from wmrgen.ir.passes.schedule import nearest_first
+from wmrgen.ir.passes.pressure import nearest
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +41,7 @@ def _numbered(functions: Sequence[Function], parts: Sequence[Function], name: st
 
     def renamed(function: Function) -> Function:
         nodes = (replace(n, name=names[n.name or ""]) if n.op is Op.CALL else n for n in function.nodes)
-        return nearest_first(
-            replace(function, name=names.get(function.name, function.name), nodes=tuple(nodes))
-        )
+        return nearest(replace(function, name=names.get(function.name, function.name), nodes=tuple(nodes)))
 
     return Outlined(tuple(map(renamed, functions)), tuple(map(renamed, parts)))
 

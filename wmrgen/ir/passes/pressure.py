@@ -1,0 +1,178 @@
+"""Orders that keep fewer values alive than depth first, for code that shares much.
+
+Depth first is best for trees. Where wheels share sums, the next thing to compute is better the one that leaves the
+fewest values alive: list scheduling, with all that a value still needs as one step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.passes.schedule import registers, renumbered
+
+ENOUGH = 15  # an FPU has 16 registers that a function may use freely; one is for constants
+_WORTH = 0.9  # of the values alive; less is not seen through the order that a compiler chooses
+_MANY = 128  # nodes; of more, only those that several need are tried as the next
+Rank = Callable[["Step"], tuple[int, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Computing one value next. ``alive``: values more than before, ``most``: at most meanwhile.
+
+    ``touched``: bit mask of the nodes that this depends on.
+    """
+
+    alive: int
+    most: int
+    nodes: tuple[int, ...]
+    touched: int
+
+
+def _far(step: Step) -> tuple[int, ...]:
+    """Fewest values left alive, then the most work done."""
+    return step.alive, -len(step.nodes), step.most
+
+
+def _low(step: Step) -> tuple[int, ...]:
+    """Fewest values left alive, then fewest on the way."""
+    return step.alive, step.most, len(step.nodes)
+
+
+def relieved(function: Function) -> Function:
+    """``function``, or another order of it that has clearly fewer values alive where registers do not hold them."""
+    most = alive(function)[0]
+    if most <= ENOUGH:
+        return function
+    best = min((nearest(function, _far), nearest(function, _low, held=True)), key=alive)
+    return best if alive(best)[0] <= most * _WORTH else function
+
+
+def alive(function: Function) -> tuple[int, int]:
+    """How many values are alive at most, and their number summed over all nodes. Constants are not counted."""
+    end = len(function.nodes)
+    last = {arg: i for i, node in enumerate(function.nodes) for arg in node.args}
+    last |= dict.fromkeys(function.results, end)
+    first: dict[int, int] = {}
+    for i, node in enumerate(function.nodes):
+        for arg in node.args:
+            first.setdefault(arg, i)
+    change = [0] * (end + 1)
+    for i, node in enumerate(function.nodes):
+        if node.value is None and i in last:
+            change[i if node.args else first.get(i, i)] += 1  # an input is read where it is first needed
+            change[last[i]] -= 1
+    now = most = total = 0
+    for step in change:
+        now += step
+        most, total = max(most, now), total + now
+    return most, total
+
+
+def nearest(function: Function, rank: Rank = _far, held: bool = False) -> Function:
+    """``function`` in the order of the steps that ``rank`` puts first.
+
+    ``held``: results stay alive to the end; else they are stored at once.
+    """
+    state = _State(function, held)
+    order = [i for i, node in enumerate(function.nodes) if node.value is not None]
+    steps = {i: state.step(i) for i in state.targets()}
+    while steps:
+        chosen = min((rank(step), i) for i, step in steps.items())[1]
+        order += steps[chosen].nodes
+        changed = state.do(steps[chosen].nodes)
+        steps = {
+            i: state.step(i) if step.touched & changed else step
+            for i, step in steps.items()
+            if not state.done[i]
+        }
+    place = {i: k for k, i in enumerate(order)}
+    nodes = tuple(renumbered(function.nodes[i], place) for i in order)
+    named = tuple((name, place[k]) for name, k in function.named if k in place)
+    return replace(function, nodes=nodes, results=tuple(place[r] for r in function.results), named=named)
+
+
+@dataclass
+class _State:
+    """What is computed, and how many nodes still need each. Inputs are read when they are first needed."""
+
+    function: Function
+    held: bool
+    left: list[int] = field(init=False)
+    done: bytearray = field(init=False)
+    together: Mapping[int, list[int]] = field(init=False)  # a call and all its results
+
+    def __post_init__(self) -> None:
+        nodes = self.nodes = self.function.nodes
+        self.left = [0] * len(nodes)
+        for node in nodes:
+            for arg in set(node.args):
+                self.left[arg] += 1
+        self.needs = registers(nodes)
+        self.done = bytearray(node.value is not None for node in nodes)
+        self.together = _together(nodes)
+        self.masks = [sum(1 << a for a in {i, *node.args}) for i, node in enumerate(nodes)]
+        self.results = set(self.function.results)
+        for i in self.results if self.held else ():
+            self.left[i] += 1
+
+    def targets(self) -> list[int]:
+        """Nodes to try: results, and those that several need; all of short functions."""
+        every = len(self.nodes) <= _MANY
+        chosen = (
+            i for i, n in enumerate(self.left) if (every and self.nodes[i].args) or n > 1 or i in self.results
+        )
+        return [i for i in chosen if i not in self.together and not self.done[i]]
+
+    def do(self, nodes: Sequence[int]) -> int:
+        """Bit mask of what this changes."""
+        changed = 0
+        for i in nodes:
+            self.done[i] = 1
+            changed |= self.masks[i]
+            for arg in set(self.nodes[i].args):
+                self.left[arg] -= 1
+        return changed
+
+    def step(self, target: int) -> Step:
+        """``target`` and all that it still needs."""
+        order = self._needed(target)
+        alive = most = 0
+        left: dict[int, int] = {}
+        touched = 0
+        for i in order:
+            touched |= self.masks[i]
+            alive += self.left[i] > 0 and i not in self.together
+            for arg in set(self.nodes[i].args):
+                left[arg] = left.get(arg, self.left[arg]) - 1
+                alive -= left[arg] == 0 and self.nodes[arg].value is None and arg not in self.together
+            most = max(most, alive)
+        return Step(alive, most, tuple(order), touched)
+
+    def _needed(self, target: int) -> list[int]:
+        order: list[int] = []
+        seen: set[int] = set()
+        stack = [target]
+        while stack:
+            i = stack[-1]
+            waiting = {a for a in self.nodes[i].args if not self.done[a] and a not in seen}
+            if i in seen:
+                stack.pop()
+            elif waiting:
+                stack += sorted(waiting, key=lambda a: (self.needs[a], -a))
+            else:
+                stack.pop()
+                found = [i, *self.together.get(i, ())]
+                order += found
+                seen.update(found)
+        return order
+
+
+def _together(nodes: Sequence[Node]) -> dict[int, list[int]]:
+    found: dict[int, list[int]] = {}
+    for i, node in enumerate(nodes):
+        if node.op is Op.PART:
+            found.setdefault(node.args[0], []).append(i)
+    return found

@@ -41,13 +41,15 @@ def shares(function: Function, bound: FunctionBound, inputs: Points) -> dict[str
     return result
 
 
-def climbed(ranges: Ranges, score: Score, start: Points, generations: int, kept: int = 150) -> Points:
+def climbed(
+    ranges: Ranges, score: Score, start: Points, generations: int, children: int = 2000, kept: int = 150
+) -> Points:
     """The best points after so many generations, the best of all first."""
     best = _best(start, score(start), kept)
     for generation in range(generations):
-        children = bred(ranges, best[0], 2000, generation)
-        both = {n: np.concatenate([best[0][n], children[n]]) for n in children}
-        best = _best(both, np.concatenate([best[1], score(children)]), kept)
+        made = bred(ranges, best[0], children, generation)
+        both = {n: np.concatenate([best[0][n], made[n]]) for n in made}
+        best = _best(both, np.concatenate([best[1], score(made)]), kept)
     return best[0]
 
 
@@ -72,9 +74,8 @@ def worst(
     starts = [draw(ranges, 20000, 1)]
     if not directions(function.nodes):
         row = [o.name for o in bound.outputs].index(output)
-        starts.append(
-            climbed(ranges, lambda p: possible(function, p)[row], draw(ranges, 1000, 5), generations // 3)
-        )
+        first = draw(ranges, 600, 5)
+        starts.append(climbed(ranges, lambda p: possible(function, p)[row], first, generations // 3, 600, 60))
     found = [share(climbed(ranges, share, start, generations)).max() for start in starts]
     if output == "slip" and function.name == "forward_slip" and inverse is not None:
         moves, known = inverse

@@ -17,7 +17,8 @@ from wmrgen.proofs.precision import Format, Library
 from wmrgen.proofs.records import Claim, Outcome
 
 PARTS = {1: 192, 2: 20}  # of each of so many angles, before the worst are divided
-ROUNDS = 3
+ROUNDS = {1: 0, 2: 2}  # in which the worst are divided
+MORE = 4  # rounds while something is not shown
 MOST = 160  # boxes divided in one round
 NEAR = 0.4  # boxes whose error is more than this share of the largest are divided
 GAIN = 0.8  # another round follows where the last one brought an error below this share of what it was
@@ -76,7 +77,9 @@ def refined(
 
     with np.errstate(all="ignore"):
         leaves, _ = looked(grid)
-        for _ in range(ROUNDS):
+        for done in range(MORE):
+            if done >= ROUNDS[len(angles)] and not leaves.bad.any():
+                break
             before = leaves.error.max(axis=1)
             pick = _worst(leaves)
             children, _ = looked(_halved(leaves.taken(pick).boxes, angles))

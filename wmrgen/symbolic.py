@@ -165,6 +165,11 @@ def root(a: Expr) -> Expr:
     return sympy.Pow(a, sympy.S.Half, evaluate=False)
 
 
+def inverse_root(a: Expr) -> Expr:
+    """One over the square root, as it stands."""
+    return sympy.Pow(a, -sympy.S.Half, evaluate=False)
+
+
 def square(a: Expr) -> Expr:
     """a**2 as it stands."""
     return sympy.Pow(a, 2, evaluate=False)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.c.harness import gallery
 from tests.processor import boards
-from tests.processor.tools import need
+from tests.tools import need
 
 ROBOTS = [m for m in gallery() if m.name in ("lekiwi", "clearpath_do100", "wpilib_swervebot", "nomad_xr4000")]
 BOARDS = pytest.mark.parametrize(("processor", "board"), [("m4f", "mps2-an386"), ("m0", "microbit")])

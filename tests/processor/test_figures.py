@@ -15,7 +15,7 @@ from benchmarks.figures import BEGIN, END, README
 from benchmarks.flavours import MATHS
 from benchmarks.jobs import JOBS, Job, derivations
 from benchmarks.processor import GENERATORS, Bench, inputs
-from tests.processor.tools import need
+from tests.tools import need
 from wmrgen.ir.arithmetic import FLOAT32
 
 NEEDS_INLINE = pytest.mark.skipif("inline" not in MATHS, reason="this wmrgen has no --math inline")

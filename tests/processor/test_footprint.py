@@ -8,7 +8,7 @@ from benchmarks.emulator.gcc import PROCESSORS
 from benchmarks.flavours import DEFAULT
 from benchmarks.footprint import SHOWN, Footprint, measure
 from tests.c.harness import gallery
-from tests.processor.tools import need
+from tests.tools import need
 
 
 @pytest.mark.slow

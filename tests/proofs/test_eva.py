@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tests.processor.tools import need
 from tests.proofs.gallery import NAMES, proved
 from tests.proofs.small import BAD, function, guarded, module
+from tests.tools import need
 from wmrgen.backends.c99.eva import HARNESS, alarms, command, harness, shown
 from wmrgen.cli.prove import eva
 from wmrgen.compiler import run_tool

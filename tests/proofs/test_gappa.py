@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tests.processor.tools import need
 from tests.proofs.gallery import proved
+from tests.tools import need
 from wmrgen.compiler import run_tool
 from wmrgen.proofs.gappa import FILE, found, script
 from wmrgen.proofs.precision import LIBM

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import GALLERY
-from tests.rules.tools import missing
 from tests.selftest.every import FEW
+from tests.tools import missing
 from wmrgen import derive, load
 from wmrgen.backends.c99 import emit
 from wmrgen.backends.meta import Meta

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT
+from tests.rules.checkers import CALLER, Finding, clang_tidy, cppcheck, gcc_analyzer, write
 from tests.rules.deviations import DEVIATIONS, MISRA, TIDY, Deviation, kept, table
-from tests.rules.tools import CALLER, Finding, clang_tidy, cppcheck, gcc_analyzer, write
 from tests.selftest.every import FEW, NAMES
 
 ONE = "ackermann_car"

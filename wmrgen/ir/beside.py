@@ -6,11 +6,13 @@ A constant that is off by a thousandth moves the wall across such a point.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from wmrgen.ir.nodes import Function, Op, Port
+from wmrgen.ir.prune import prune
 from wmrgen.ir.rounding import to_float64
 from wmrgen.ir.sample import values_of
 
@@ -29,35 +31,38 @@ def beside(
     if not len(rows) or not any(n.op in (Op.SELECT, Op.MIN, Op.MAX, Op.RINT) for n in function.nodes):
         return
 
-    def at(points: Array) -> list[Array]:
+    def at(points: Array, run: Function) -> list[Array]:
         columns = {port.name: points[:, k] for k, port in enumerate(ports)}
-        return [
-            np.broadcast_to(v, len(points)) for v in values_of(function, {**given, **columns}, np.float64)
-        ]
+        return values_of(run, {**given, **columns}, np.float64)
 
-    found = at(rows)
+    found = at(rows, function)
     goals: list[Wall] = []
     ends: list[tuple[int, int]] = []
     for node, goal in _goals(function, found):
-        below, above = np.flatnonzero(found[node] < goal), np.flatnonzero(found[node] > goal)
+        column = np.broadcast_to(found[node], len(rows))
+        below, above = np.flatnonzero(column < goal), np.flatnonzero(column > goal)
         if len(below) and len(above) and len(goals) < _MOST * _PAIRS:
             for k in range(_PAIRS):  # on some segments the value jumps over the wall
                 goals.append((node, goal))
                 ends.append((int(below[k % len(below)]), int(above[-1 - k % len(above)])))
     if not goals:
         return
+    needed = tuple(dict.fromkeys(node for node, _ in goals))
+    nodes, results = prune(function.nodes, needed)
+    short = replace(function, nodes=nodes, results=results)
+    place = dict(zip(needed, results, strict=True))
     low, high = (rows[[pair[side] for pair in ends]] for side in (0, 1))
     wanted = np.array([goal for _, goal in goals])
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        values = at(middle)
-        under = np.array([values[node][k] for k, (node, _) in enumerate(goals)]) < wanted
+        values = at(middle, short)
+        under = np.array([values[place[node]][k] for k, (node, _) in enumerate(goals)]) < wanted
         low, high = np.where(under[:, None], middle, low), np.where(under[:, None], high, middle)
     points = low.astype(np.float32).astype(np.float64)
-    values = at(points)
+    values = at(points, short)
     met: set[Wall] = set()
     for k, (node, goal) in enumerate(goals):
-        if (node, goal) not in met and abs(values[node][k] - goal) <= _ROOM * abs(goal):
+        if (node, goal) not in met and abs(values[place[node]][k] - goal) <= _ROOM * abs(goal):
             met.add((node, goal))
             yield BESIDE, points[k]
 
@@ -80,7 +85,7 @@ def _walls(function: Function, found: Sequence[Array]) -> list[tuple[int, float,
                     walls[other, wall, False] = None
         elif node.op is Op.RINT:
             inner = node.args[0]
-            far = np.sort(found[inner])
+            far = np.sort(np.atleast_1d(found[inner]))
             for end in (far[1], far[-2]) if len(far) > 3 else ():
                 walls[inner, float(np.trunc(end) + np.copysign(0.5, -end)), True] = None
     return [wall for wall in walls if wall[1]]

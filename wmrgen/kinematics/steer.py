@@ -25,11 +25,11 @@ from wmrgen.symbolic import (
     alternating,
     angle_of,
     arctangent,
+    inverse_root,
     kept_between,
     maximum,
     nearest,
     number,
-    root,
     select,
     signal,
     square,
@@ -137,7 +137,7 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))
-    scale = names.define(f"{w.name}_scale", 1 / root(add(sympy.S.One, square(slope))))
+    scale = names.define(f"{w.name}_scale", inverse_root(add(sympy.S.One, square(slope))))
     return Target(steer, times(add(u, times(v, slope)), scale), times(subtract(v, times(u, slope)), scale))
 
 

@@ -2,37 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
 import subprocess
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-import pytest
-
 from tests.selftest.every import files_of
+from tests.tools import missing, tool
 
 Finding = tuple[str, str, str]
-BIN = Path(sys.executable).parent
 TIDY_CHECKS = "-*,bugprone-*,cert-*,clang-analyzer-*,misc-*"
 CALLER = "caller.c"
-
-
-def tool(name: str) -> str:
-    """Path of a tool: beside Python, else on PATH. Fails in CI, skips elsewhere, where there is none."""
-    found = shutil.which(name, path=str(BIN)) or shutil.which(name)
-    if found is None:
-        missing(f"{name} is not installed")
-    return str(found)
-
-
-def missing(what: str) -> None:
-    """Something that CI installs is not here."""
-    if os.environ.get("CI_DEEP"):
-        pytest.fail(what)
-    pytest.skip(what)
 
 
 def write(folder: Path, robot: str) -> list[str]:

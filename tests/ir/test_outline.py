@@ -15,7 +15,7 @@ from wmrgen.ir.inline import hand_through
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.nodes import Function, Module, Op
-from wmrgen.ir.outline import FPU, SOFT, Outlined, outline
+from wmrgen.ir.outline import Outlined, outline, sizes
 from wmrgen.ir.outline.sizes import LEAST_OPERATIONS, MOST_PARAMETERS, MOST_RESULTS
 from wmrgen.ir.outline.undo import calls, inline
 
@@ -28,7 +28,7 @@ def small(robot: str, target: str = "m4f", math: str = "inline") -> tuple[tuple[
     """The functions of a robot before and after."""
     module = hand_through(next(m for m in (*MODULES, *gallery()) if m.name == robot))
     functions = expand(module, "float", math, target, small=True).functions
-    return functions, outline(functions, f"{robot}_part", SOFT if target == "m0" else FPU)
+    return functions, outline(functions, f"{robot}_part", sizes(target))
 
 
 def values(function: Function) -> tuple[int, ...]:

@@ -17,9 +17,9 @@ from wmrgen.backends.meta import Meta
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import expand, integer, rounds
-from wmrgen.ir.kernels.choice import AVR, DEFAULT, M0
+from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Port
-from wmrgen.ir.outline import FPU, SOFT, outline
+from wmrgen.ir.outline import outline, sizes
 from wmrgen.ir.trace import traced
 from wmrgen.render import render
 
@@ -58,7 +58,7 @@ def unit(
     module = traced(expand(module, scalar, math, target, small), formulas)
     rounding, own = rounds(module), tuple[Part, ...]()
     if small:
-        found = outline(module.functions, f"{module.name}_part", SOFT if target in (M0, AVR) else FPU)
+        found = outline(module.functions, f"{module.name}_part", sizes(target))
         own = parts(found.functions, found.parts, module.name, scalar)
         module = replace(module, functions=found.functions)
     steps, prepared = prepare_steps(module, scalar, costs)

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.kernels import trigonometry
-from wmrgen.ir.kernels.choice import AVR, DEFAULT, HOST, INLINE, LIBM, M0, M4F
+from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.constants import RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.integer import SOFT
@@ -20,8 +20,6 @@ from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Module, Node, Op
-from wmrgen.ir.passes.pressure import relieved
-from wmrgen.ir.passes.schedule import LIBRARY
 
 _TWO = Exact(2)
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
@@ -66,7 +64,6 @@ class _Expansion:
         self.integer = self.inline and target == M0
         self.paired = self._pairs() if self.inline and not self.integer and not small else set()
         self.small = small
-        self.registers = target in (M4F, HOST)  # of an FPU: values that need none must be stored
         self.sharp = sharp_sums(function) if single else frozenset()
 
     def run(self) -> Function:
@@ -76,8 +73,7 @@ class _Expansion:
         made = replace(self.function, nodes=tuple(self.tape.nodes), results=results)
         made = fuse(made) if self.fused else made
         made = replace(made, nodes=tuple(_soft(n) for n in made.nodes)) if self.integer else made
-        made = ordered(made)
-        return relieved(made) if self.registers and not LIBRARY & {node.op for node in made.nodes} else made
+        return ordered(made)
 
     def _node(self, i: int, node: Node) -> int:
         tape, args = self.tape, tuple(self.made[a] for a in node.args)

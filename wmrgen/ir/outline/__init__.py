@@ -8,6 +8,6 @@ operations on the same values, so no bit changes.
 from __future__ import annotations
 
 from wmrgen.ir.outline.outline import Outlined, outline
-from wmrgen.ir.outline.sizes import FPU, SOFT
+from wmrgen.ir.outline.sizes import sizes
 
-__all__ = ["FPU", "SOFT", "Outlined", "outline"]
+__all__ = ["Outlined", "outline", "sizes"]

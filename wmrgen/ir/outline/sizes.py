@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wmrgen.ir.kernels.choice import AVR, M0
 from wmrgen.ir.nodes import Node, Op
 
 LEAST_OPERATIONS = 3  # of a part
@@ -40,3 +41,9 @@ class Sizes:
 
 FPU = Sizes(operation=5, constant=6, move=3, call=4, frame=8)
 SOFT = Sizes(operation=10, constant=6, move=4, call=4, frame=12)
+BYTES = Sizes(operation=14, constant=8, move=8, call=4, frame=40)  # eight bits: a float is moved byte by byte
+
+
+def sizes(target: str) -> Sizes:
+    """What operations take on a processor of ``target``."""
+    return {M0: SOFT, AVR: BYTES}.get(target, FPU)

@@ -1,4 +1,4 @@
-"""Orders that keep fewer values alive than depth first, for code that shares much.
+"""An order that keeps fewer values alive than depth first, for code that shares much.
 
 Depth first is best for trees. Where wheels share sums, the next thing to compute is better the one that leaves the
 fewest values alive: list scheduling, with all that a value still needs as one step.
@@ -6,16 +6,13 @@ fewest values alive: list scheduling, with all that a value still needs as one s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.passes.schedule import registers, renumbered
 
-ENOUGH = 15  # an FPU has 16 registers that a function may use freely; one is for constants
-_WORTH = 0.9  # of the values alive; less is not seen through the order that a compiler chooses
 _MANY = 128  # nodes; of more, only those that several need are tried as the next
-Rank = Callable[["Step"], tuple[int, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,56 +28,18 @@ class Step:
     touched: int
 
 
-def _far(step: Step) -> tuple[int, ...]:
+def _rank(step: Step) -> tuple[int, ...]:
     """Fewest values left alive, then the most work done."""
     return step.alive, -len(step.nodes), step.most
 
 
-def _low(step: Step) -> tuple[int, ...]:
-    """Fewest values left alive, then fewest on the way."""
-    return step.alive, step.most, len(step.nodes)
-
-
-def relieved(function: Function) -> Function:
-    """``function``, or another order of it that has clearly fewer values alive where registers do not hold them."""
-    most = alive(function)[0]
-    if most <= ENOUGH:
-        return function
-    best = min((nearest(function, _far), nearest(function, _low, held=True)), key=alive)
-    return best if alive(best)[0] <= most * _WORTH else function
-
-
-def alive(function: Function) -> tuple[int, int]:
-    """How many values are alive at most, and their number summed over all nodes. Constants are not counted."""
-    end = len(function.nodes)
-    last = {arg: i for i, node in enumerate(function.nodes) for arg in node.args}
-    last |= dict.fromkeys(function.results, end)
-    first: dict[int, int] = {}
-    for i, node in enumerate(function.nodes):
-        for arg in node.args:
-            first.setdefault(arg, i)
-    change = [0] * (end + 1)
-    for i, node in enumerate(function.nodes):
-        if node.value is None and i in last:
-            change[i if node.args else first.get(i, i)] += 1  # an input is read where it is first needed
-            change[last[i]] -= 1
-    now = most = total = 0
-    for step in change:
-        now += step
-        most, total = max(most, now), total + now
-    return most, total
-
-
-def nearest(function: Function, rank: Rank = _far, held: bool = False) -> Function:
-    """``function`` in the order of the steps that ``rank`` puts first.
-
-    ``held``: results stay alive to the end; else they are stored at once.
-    """
-    state = _State(function, held)
+def nearest(function: Function) -> Function:
+    """``function`` in an order that leaves few values alive; results are stored at once."""
+    state = _State(function)
     order = [i for i, node in enumerate(function.nodes) if node.value is not None]
     steps = {i: state.step(i) for i in state.targets()}
     while steps:
-        chosen = min((rank(step), i) for i, step in steps.items())[1]
+        chosen = min((_rank(step), i) for i, step in steps.items())[1]
         order += steps[chosen].nodes
         changed = state.do(steps[chosen].nodes)
         steps = {
@@ -99,7 +58,6 @@ class _State:
     """What is computed, and how many nodes still need each. Inputs are read when they are first needed."""
 
     function: Function
-    held: bool
     left: list[int] = field(init=False)
     done: bytearray = field(init=False)
     together: Mapping[int, list[int]] = field(init=False)  # a call and all its results
@@ -115,8 +73,6 @@ class _State:
         self.together = _together(nodes)
         self.masks = [sum(1 << a for a in {i, *node.args}) for i, node in enumerate(nodes)]
         self.results = set(self.function.results)
-        for i in self.results if self.held else ():
-            self.left[i] += 1
 
     def targets(self) -> list[int]:
         """Nodes to try: results, and those that several need; all of short functions."""

@@ -12,9 +12,10 @@ from benchmarks.emulator import gcc
 from benchmarks.emulator.gcc import PROCESSORS, Processor
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import INCLUDE
-from benchmarks.flavours import DEFAULT, meta
 from benchmarks.jobs import JOBS, derivations
 from wmrgen.backends.c99 import sources
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Module
 
 SHOWN = ("m0+", "m4f", "m33", "rv32", "avr")
@@ -35,7 +36,7 @@ class Footprint:
 def measure(
     modules: Sequence[Module],
     processor: Processor,
-    math: str = DEFAULT,
+    math: str = DEFAULT.math,
     flags: Sequence[str] = gcc.FLAGS,
     size: bool = False,
 ) -> dict[str, Footprint]:
@@ -44,7 +45,7 @@ def measure(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
-            header, source = sources(module, meta(math, target=processor.target, size=size))
+            header, source = sources(module, Meta(math=math, target=processor.target, size=size))
             (folder / f"{module.name}.h").write_text(header)
             (folder / f"{module.name}.c").write_text(source)
         files = [f"{module.name}.c" for module in modules]
@@ -84,7 +85,7 @@ def table() -> Iterator[str]:
     modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in JOBS)]
     measured = [measure(modules, processor) for processor in there]
     versions = ", ".join(dict.fromkeys(processor.version for processor in there))
-    yield f"Bytes of code / of stack, `{gcc.FLAGS[0]}`, {DEFAULT}: {versions}."
+    yield f"Bytes of code / of stack, `{gcc.FLAGS[0]}`, {DEFAULT.math}: {versions}."
     yield ""
     yield from rows(there, measured)
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.emulator.gcc import PROCESSORS
-from benchmarks.flavours import DEFAULT
 from benchmarks.footprint import SHOWN, heading, measure, rows, total
 from benchmarks.jobs import JOBS, derivations
 from benchmarks.processor import Bench
+from wmrgen.ir.kernels.choice import DEFAULT
 
 
 def table() -> Iterator[str]:
@@ -42,6 +42,6 @@ def table() -> Iterator[str]:
         for way in (False, True):
             folder = Path(name) / str(way)
             folder.mkdir()
-            benches.append(Bench(folder, DEFAULT, size=way))
+            benches.append(Bench(folder, DEFAULT.math, size=way))
         for job in JOBS:
             yield f"| {job.layout} | {job.function} | {' | '.join(str(b.count(job)) for b in benches)} |"

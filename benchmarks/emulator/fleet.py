@@ -11,11 +11,11 @@ from pathlib import Path
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.machine import Machine, Run, Trap
 from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
-from benchmarks.flavours import meta
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import Unit, unit
 from wmrgen.backends.c99.step import Step
 from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.meta import Meta
 from wmrgen.ir.arithmetic import Arithmetic
 from wmrgen.ir.nodes import Module
 
@@ -36,7 +36,7 @@ def answers(arithmetic: Arithmetic) -> Libm:
 
 def default_sources(module: Module) -> tuple[str, str]:
     """Header and source as ``wmrgen derive`` writes them, banner aside."""
-    return sources(module, meta())
+    return sources(module, Meta())
 
 
 def write_sources(folder: Path, modules: Sequence[Module], made: Sources = default_sources) -> None:

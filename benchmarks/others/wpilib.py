@@ -10,9 +10,10 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks.flavours import MATHS, meta
 from benchmarks.jobs import derivations
 from wmrgen.backends.c99 import sources
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.kernels.choice import MATHS
 
 ROBOTS = {"differential": "textbook_differential", "mecanum": "clearpath_do100", "swerve": "wpilib_swervebot"}
 CALLS = 500
@@ -55,7 +56,7 @@ def build(folder: Path) -> list[Path]:
     programs = []
     for math in MATHS:
         for robot in ROBOTS.values():
-            header, source = sources(derivations()[robot].c_module, meta(math, target="host"))
+            header, source = sources(derivations()[robot].c_module, Meta(math=math, target="host"))
             (folder / f"{robot}.h").write_text(header)
             (folder / f"{robot}.c").write_text(source)
         if not programs:  # the structs are the same for each

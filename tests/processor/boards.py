@@ -9,12 +9,14 @@ from pathlib import Path
 
 from benchmarks.emulator import gcc
 from benchmarks.emulator.fleet import LIBM
-from benchmarks.flavours import meta, printed
 from tests.processor.fleets import host, inputs
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import unit
 from wmrgen.backends.c99.step import Step
+from wmrgen.backends.meta import Meta
 from wmrgen.ir.interpret import evaluate_module
+from wmrgen.ir.kernels import expand
+from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Module
 
 # A Cortex-M from its vector table on: FPU on, main, then the debugger's call that ends the emulator.
@@ -78,7 +80,9 @@ def _word(value: float) -> int:
 
 def _calls_libm(module: Module, step: Step, target: str) -> bool:
     """Whether the interpreter would need the board's libm."""
-    function = printed(module, target=target).function(step.name.removeprefix(f"{module.name}_"))
+    function = expand(module, "float", DEFAULT.math, target).function(
+        step.name.removeprefix(f"{module.name}_")
+    )
     return any(f"{node.op.value}f" in set(LIBM) - {"sqrtf"} for node in function.nodes)
 
 
@@ -86,7 +90,7 @@ def _check(module: Module, step: Step, target: str, count: int) -> str:
     """``static int check_<function>(void)``: how many outputs have other bits than the interpreter's."""
     name = step.name.removeprefix(f"{module.name}_")
     cases = list(inputs(module, module.function(name), count))[: 1 + count]
-    computed = printed(module, target=target)
+    computed = expand(module, "float", DEFAULT.math, target)
     wanted = [evaluate_module(computed, name, case, host().arithmetic) for case in cases]
     (given, _), (made, _) = step.arguments
     lines = [
@@ -114,7 +118,7 @@ def write(folder: Path, modules: Sequence[Module], target: str, count: int) -> l
     parts += ["static uint32_t word(float x) { union { float x; uint32_t u; } v = {x}; return v.u; }"]
     calls, files = [], ["check.c"]
     for module in modules:
-        header, source = sources(module, meta(target=target))
+        header, source = sources(module, Meta(target=target))
         (folder / f"{module.name}.h").write_text(header)
         (folder / f"{module.name}.c").write_text(source)
         files.append(f"{module.name}.c")

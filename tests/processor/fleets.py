@@ -10,12 +10,13 @@ from pathlib import Path
 
 from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.zig import Target
-from benchmarks.flavours import meta, printed
 from tests.backends.modules import MODULES
 from tests.backends.samples import input_names, samples
 from tests.c.harness import Libm, gallery, libm
 from wmrgen.backends.c99 import sources
+from wmrgen.backends.meta import Meta
 from wmrgen.ir.interpret import evaluate_module
+from wmrgen.ir.kernels import expand
 from wmrgen.ir.nodes import Function, Module
 
 EDGES = (
@@ -58,7 +59,7 @@ def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str, si
         folder,
         modules,
         known,
-        lambda m: sources(m, meta(math, target=target.name, size=size)),
+        lambda m: sources(m, Meta(math=math, target=target.name, size=size)),
         target,
         counts=False,
     )
@@ -68,7 +69,7 @@ def mismatches(made: Fleet, math: str, count: int) -> tuple[int, list[str]]:
     """How many calls were made of every function of every robot, and each output that has other bits."""
     calls, wrong = 0, []
     for module in made.modules:
-        computed = printed(module, math, target=made.target.name)
+        computed = expand(module, "float", math, made.target.name)
         for step in made.steps(module.name):
             name = step.name.removeprefix(f"{module.name}_")
             for case in inputs(module, module.function(name), count):

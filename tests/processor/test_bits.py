@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from benchmarks.emulator.zig import M0, M4F, Target
-from benchmarks.flavours import DEFAULT, MATHS
 from tests.processor.conftest import Built
 from tests.processor.fleets import every, fleet, mismatches
+from wmrgen.ir.kernels.choice import DEFAULT, MATHS
 
 
 def test_cortex_m4f(built: Built) -> None:
     """Every function of every robot, on a few inputs."""
-    calls, wrong = mismatches(built(M4F, DEFAULT), DEFAULT, 2)
+    calls, wrong = mismatches(built(M4F, DEFAULT.math), DEFAULT.math, 2)
     assert wrong == []
     assert calls > 700
 
@@ -28,9 +28,9 @@ def test_with_size(tmp_path: Path) -> None:
     """The bits of the usual C, whose operations `mismatches` interprets."""
     few = [module for module in every() if module.name in ("wpilib_swervebot", "ackermann_car", "lekiwi")]
     for target in (M4F, M0):
-        made = fleet(target, tmp_path, few, DEFAULT, size=True)
+        made = fleet(target, tmp_path, few, DEFAULT.math, size=True)
         assert any("_part" in name for name in made.image.symbols)
-        calls, wrong = mismatches(made, DEFAULT, 4)
+        calls, wrong = mismatches(made, DEFAULT.math, 4)
         assert wrong == []
         assert calls > 60
 

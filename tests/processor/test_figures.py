@@ -12,13 +12,12 @@ from benchmarks import figures
 from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.inputs import nominal
 from benchmarks.figures import BEGIN, END, README
-from benchmarks.flavours import MATHS
 from benchmarks.jobs import JOBS, Job, derivations
 from benchmarks.processor import GENERATORS, Bench, inputs
 from tests.tools import need
 from wmrgen.ir.arithmetic import FLOAT32
+from wmrgen.ir.kernels.choice import MATHS
 
-NEEDS_INLINE = pytest.mark.skipif("inline" not in MATHS, reason="this wmrgen has no --math inline")
 RETURN = 1  # the instruction that returns, which the limits leave out
 
 
@@ -51,7 +50,6 @@ def test_markers_that_do_not_fit_are_told(text: str) -> None:
         figures.between(text)
 
 
-@NEEDS_INLINE
 @pytest.mark.parametrize("job", [j for j in JOBS if j.function == "forward" or "castor" in j.layout], ids=str)
 def test_every_input_needs_the_same(job: Job, tmp_path: Path) -> None:
     """Forward kinematics, and inverse kinematics of castors: no branch."""
@@ -69,7 +67,6 @@ def benches(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Bench]:
 
 
 @pytest.mark.slow
-@NEEDS_INLINE
 def test_no_more_instructions_than_the_limits(benches: dict[str, Bench]) -> None:
     """What libm needs depends on its arguments: there the hand-written code on the same inputs counts too."""
     over = []
@@ -100,7 +97,6 @@ def test_other_generators_compute_the_same(job: Job, benches: dict[str, Bench]) 
 
 
 @pytest.mark.slow
-@NEEDS_INLINE
 @pytest.mark.parametrize("job", [job for job in JOBS if job.trigonometry], ids=str)
 def test_casadi_needs_40_times_as_many(job: Job, benches: dict[str, Bench]) -> None:
     """Where there are angles: its float code calls double sines."""

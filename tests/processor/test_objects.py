@@ -11,10 +11,11 @@ import pytest
 from benchmarks.emulator.fleet import EVERY, write_sources
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import M0, M4F, Target, compile_objects
-from benchmarks.flavours import DEFAULT, MATHS, meta
 from tests.c.harness import gallery
 from tests.processor.conftest import Built
 from wmrgen.backends.c99 import sources
+from wmrgen.backends.meta import Meta
+from wmrgen.ir.kernels.choice import DEFAULT, MATHS
 from wmrgen.ir.nodes import Module
 
 TARGETS = pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
@@ -31,7 +32,11 @@ def undefined(
     folder: Path, modules: Sequence[Module], target: Target, scalar: str = "float"
 ) -> frozenset[str]:
     """What the object of ``modules`` references."""
-    write_sources(folder, modules, lambda module: sources(module, meta(DEFAULT, scalar, target.name)))
+    write_sources(
+        folder,
+        modules,
+        lambda module: sources(module, Meta(scalar=scalar, math=DEFAULT.math, target=target.name)),
+    )
     (made,) = compile_objects(folder, (EVERY,), target)
     return Image(made).undefined
 
@@ -46,12 +51,12 @@ def check(found: frozenset[str], target: Target, math: str) -> None:
 
 def test_no_double_routine_on_cortex_m4f(built: Built) -> None:
     """The whole gallery. Where there is an FPU, kernels of its own leave nothing to call."""
-    check(Image(built(M4F, DEFAULT).objects[EVERY]).undefined, M4F, DEFAULT)
+    check(Image(built(M4F, DEFAULT.math).objects[EVERY]).undefined, M4F, DEFAULT.math)
 
 
 def test_no_double_routine_on_cortex_m0(tmp_path: Path) -> None:
     """Robots of each kind; the whole gallery below."""
-    check(undefined(tmp_path, [m for m in gallery() if m.name in KINDS], M0), M0, DEFAULT)
+    check(undefined(tmp_path, [m for m in gallery() if m.name in KINDS], M0), M0, DEFAULT.math)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from wmrgen.errors import UsageError
 
 SCALARS = ("float", "double")
-INLINE, LIBM = MATHS = ("inline", "libm")
+LIBM, INLINE = MATHS = ("libm", "inline")
 _YES = "yes"
 M4F, M0, AVR, HOST = TARGETS = ("m4f", "m0", "avr", "host")
 

@@ -16,8 +16,8 @@ from wmrgen.proofs.interval import Array, Interval
 from wmrgen.proofs.precision import Format, Library
 from wmrgen.proofs.records import Claim, Outcome
 
-PARTS = {1: 192, 2: 20}  # of each of so many angles, before the worst are divided
-ROUNDS = {1: 0, 2: 2}  # in which the worst are divided
+PARTS = {1: 192, 2: 24}  # of each of so many angles, before the worst are divided
+ROUNDS = {1: 0, 2: 1}  # in which the worst are divided
 MORE = 4  # rounds while something is not shown
 MOST = 160  # boxes divided in one round
 NEAR = 0.4  # boxes whose error is more than this share of the largest are divided

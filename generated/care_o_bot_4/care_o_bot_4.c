@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_896b28bea4942d4d)
+#if !defined(CARE_O_BOT_4_PAIR_f954afa884640d80)
 #error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,61 +41,74 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_SIGNED)
+#define WMRGEN_SIGNED
+/* a, or -a where the sign bit of b is set. */
+static inline float wmrgen_signed(float a, float b)
+{
+    union {
+        float value;
+        uint32_t bits;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
+    x.value = a;
+    y.value = b;
+    x.bits ^= y.bits & 0x80000000U;
+    return x.value;
+}
+#endif
+
 void care_o_bot_4_inverse(const care_o_bot_4_inverse_in *in, care_o_bot_4_inverse_out *out)
 {
     const float t0 = fmaf((-1.335144e-09f), in->omega, fmaf((-0.21515f), in->omega, in->vx)); /* fl: a */
     const float t1 = fmaf(1.282692e-09f, in->omega, fmaf(0.12422f, in->omega, in->vy)); /* fl: b, fr: b */
-    const float t2 = -t1;
-    const float t3 = (t0 < 0.0f) ? t2 : t1;
-    const float t4 = t1 * t1;
-    const float t5 = sqrtf(fmaf(t0, t0, t4)); /* fl: sqrt(a^2 + b^2) */
-    const float t6 = t5 + fabsf(t0); /* fl total */
-    const float t7 = (t6 < 1e-20f) ? 1e-20f : t6;
-    const float t8 = t3 / t7; /* fl: tan(heading / 2) */
-    const float t9 = t8 * t8;
-    const float t10 = fmaf(t9, fmaf(t9, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t11 = fmaf(t9, fmaf(t9, t10, (-0.0762479f)), 0.10709304f);
-    const float t12 = fmaf(t9, fmaf(t9, t11, (-0.14225537f)), 0.1999624f);
-    const float t13 = fmaf(t8 * t9, fmaf(t9, t12, (-0.33333313f)), t8);
-    const float t14 = (1e-20f < t5) ? (2.0f * t13) : in->fl.steer; /* fl: heading */
-    const float t15 = fmaf(0.31830987f, t14 - in->fl.steer, 12582912.0f);
-    const float t16 = (t0 < 0.0f) ? -t5 : t5; /* fl: speed */
-    const float t17 = fmaf(2.565384e-09f, in->omega, fmaf(0.24844f, in->omega, -in->vy));
-    const float t18 = fmaf((-2.565384e-09f), in->omega, fmaf((-0.24844f), in->omega, in->vy)); /* b: b */
-    const float t19 = (in->vx < 0.0f) ? t17 : t18;
-    const float t20 = sqrtf(fmaf(in->vx, in->vx, t18 * t18)); /* b: sqrt(a^2 + b^2) */
-    const float t21 = t20 + fabsf(in->vx); /* b total */
-    const float t22 = (1e-20f < t21) ? t21 : 1e-20f;
-    const float t23 = t19 / t22; /* b: tan(heading / 2) */
-    const float t24 = t23 * t23;
-    const float t25 = fmaf(t24, fmaf(t24, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t26 = fmaf(t24, fmaf(t24, t25, (-0.0762479f)), 0.10709304f);
-    const float t27 = fmaf(t24, fmaf(t24, t26, (-0.14225537f)), 0.1999624f);
-    const float t28 = fmaf(t23 * t24, fmaf(t24, t27, (-0.33333313f)), t23);
-    const float t29 = (1e-20f < t20) ? (2.0f * t28) : in->b.steer; /* b: heading */
-    const float t30 = fmaf(0.31830987f, t29 - in->b.steer, 12582912.0f);
-    const float t31 = (in->vx < 0.0f) ? -t20 : t20; /* b: speed */
-    const float t32 = fmaf(1.335144e-09f, in->omega, fmaf(0.21515f, in->omega, in->vx)); /* fr: a */
-    const float t33 = (t32 < 0.0f) ? t2 : t1;
-    const float t34 = sqrtf(fmaf(t32, t32, t4)); /* fr: sqrt(a^2 + b^2) */
-    const float t35 = t34 + fabsf(t32); /* fr total */
-    const float t36 = (1e-20f < t35) ? t35 : 1e-20f;
-    const float t37 = t33 / t36; /* fr: tan(heading / 2) */
-    const float t38 = t37 * t37;
-    const float t39 = fmaf(t38, fmaf(t38, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t40 = fmaf(t38, fmaf(t38, t39, (-0.0762479f)), 0.10709304f);
-    const float t41 = fmaf(t38, fmaf(t38, t40, (-0.14225537f)), 0.1999624f);
-    const float t42 = fmaf(t37 * t38, fmaf(t38, t41, (-0.33333313f)), t37);
-    const float t43 = (1e-20f < t34) ? (2.0f * t42) : in->fr.steer; /* fr: heading */
-    const float t44 = fmaf(0.31830987f, t43 - in->fr.steer, 12582912.0f);
-    const float t45 = (t32 < 0.0f) ? -t34 : t34; /* fr: speed */
+    const float t2 = t1 * t1;
+    const float t3 = sqrtf(fmaf(t0, t0, t2)); /* fl: sqrt(a^2 + b^2) */
+    const float t4 = (1e-20f < t3) ? (t3 + fabsf(t0)) : 1e-20f;
+    const float t5 = t1 / t4;
+    const float t6 = t5 * t5;
+    const float t7 = fmaf(t6, fmaf(t6, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t8 = fmaf(t6, fmaf(t6, t7, (-0.0762479f)), 0.10709304f);
+    const float t9 = fmaf(t6, fmaf(t6, t8, (-0.14225537f)), 0.1999624f);
+    const float t10 = fmaf(t5 * t6, fmaf(t6, t9, (-0.33333313f)), t5);
+    const float t11 = (1e-20f < t3) ? (wmrgen_signed(2.0f, t0) * t10) : in->fl.steer; /* fl: heading */
+    const float t12 = fmaf(0.31830987f, t11 - in->fl.steer, 12582912.0f);
+    const float t13 = wmrgen_flip(wmrgen_signed(13.333333f, t0) * t3, t12);
+    const float t14 = fmaf((-2.565384e-09f), in->omega, fmaf((-0.24844f), in->omega, in->vy)); /* b: b */
+    const float t15 = sqrtf(fmaf(in->vx, in->vx, t14 * t14)); /* b: sqrt(a^2 + b^2) */
+    const float t16 = (1e-20f < t15) ? (t15 + fabsf(in->vx)) : 1e-20f;
+    const float t17 = t14 / t16;
+    const float t18 = t17 * t17;
+    const float t19 = fmaf(t18, fmaf(t18, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t20 = fmaf(t18, fmaf(t18, t19, (-0.0762479f)), 0.10709304f);
+    const float t21 = fmaf(t18, fmaf(t18, t20, (-0.14225537f)), 0.1999624f);
+    const float t22 = fmaf(t17 * t18, fmaf(t18, t21, (-0.33333313f)), t17);
+    const float t23 = (1e-20f < t15) ? (wmrgen_signed(2.0f, in->vx) * t22) : in->b.steer; /* b: heading */
+    const float t24 = fmaf(0.31830987f, t23 - in->b.steer, 12582912.0f);
+    const float t25 = wmrgen_flip(wmrgen_signed(13.333333f, in->vx) * t15, t24);
+    const float t26 = fmaf(1.335144e-09f, in->omega, fmaf(0.21515f, in->omega, in->vx)); /* fr: a */
+    const float t27 = sqrtf(fmaf(t26, t26, t2)); /* fr: sqrt(a^2 + b^2) */
+    const float t28 = (1e-20f < t27) ? (t27 + fabsf(t26)) : 1e-20f;
+    const float t29 = t1 / t28;
+    const float t30 = t29 * t29;
+    const float t31 = fmaf(t30, fmaf(t30, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t32 = fmaf(t30, fmaf(t30, t31, (-0.0762479f)), 0.10709304f);
+    const float t33 = fmaf(t30, fmaf(t30, t32, (-0.14225537f)), 0.1999624f);
+    const float t34 = fmaf(t29 * t30, fmaf(t30, t33, (-0.33333313f)), t29);
+    const float t35 = (1e-20f < t27) ? (wmrgen_signed(2.0f, t26) * t34) : in->fr.steer; /* fr: heading */
+    const float t36 = fmaf(0.31830987f, t35 - in->fr.steer, 12582912.0f);
+    const float t37 = wmrgen_flip(wmrgen_signed(13.333333f, t26) * t27, t36);
 
-    out->fl.spin = 13.333333f * wmrgen_flip(t16, t15);
-    out->fl.steer = fmaf((-3.1415927f), t15 - 12582912.0f, t14);
-    out->b.spin = 13.333333f * wmrgen_flip(t31, t30);
-    out->b.steer = fmaf((-3.1415927f), t30 - 12582912.0f, t29);
-    out->fr.spin = 13.333333f * wmrgen_flip(t45, t44);
-    out->fr.steer = fmaf((-3.1415927f), t44 - 12582912.0f, t43);
+    out->fl.spin = t13;
+    out->fl.steer = fmaf((-3.1415927f), t12 - 12582912.0f, t11);
+    out->b.spin = t25;
+    out->b.steer = fmaf((-3.1415927f), t24 - 12582912.0f, t23);
+    out->fr.spin = t37;
+    out->fr.steer = fmaf((-3.1415927f), t36 - 12582912.0f, t35);
 }
 
 void care_o_bot_4_inverse_slip(

@@ -28,7 +28,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "5c61b71f43cb5c0812289bfe385fcaaa"
-#define CARE_O_BOT_4_PAIR_896b28bea4942d4d 1
+#define CARE_O_BOT_4_PAIR_f954afa884640d80 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_089a465691fb80fc)
+#if !defined(JPL_OSR_PAIR_f70e6ee7dda49291)
 #error "jpl_osr.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,87 +41,98 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_SIGNED)
+#define WMRGEN_SIGNED
+/* a, or -a where the sign bit of b is set. */
+static inline float wmrgen_signed(float a, float b)
+{
+    union {
+        float value;
+        uint32_t bits;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
+    x.value = a;
+    y.value = b;
+    x.bits ^= y.bits & 0x80000000U;
+    return x.value;
+}
+#endif
+
 void jpl_osr_inverse(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out)
 {
     const float t0 = 0.177f * in->omega;
     const float t1 = in->vx - t0; /* left_front: a, left_back: a */
-    const float t2 = (-0.274f) * in->omega;
-    const float t3 = 0.274f * in->omega;
-    const float t4 = (t1 < 0.0f) ? t2 : t3;
-    const float t5 = t1 * t1;
-    const float t6 = in->omega * in->omega;
-    const float t7 = 0.075076f * t6;
-    const float t8 = sqrtf(t5 + t7); /* left_front: sqrt(a^2 + b^2) */
-    const float t9 = fabsf(t1);
-    const float t10 = t8 + t9; /* left front total */
-    const float t11 = (t10 < 1e-20f) ? 1e-20f : t10;
-    const float t12 = t4 / t11; /* left_front: tan(heading / 2) */
-    const float t13 = t12 * t12;
-    const float t14 = fmaf(t13, fmaf(t13, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t15 = fmaf(t13, fmaf(t13, t14, (-0.0762479f)), 0.10709304f);
-    const float t16 = fmaf(t13, fmaf(t13, t15, (-0.14225537f)), 0.1999624f);
-    const float t17 = fmaf(t12 * t13, fmaf(t13, t16, (-0.33333313f)), t12);
-    const float t18 = (1e-20f < t8) ? (2.0f * t17) : in->left_front.steer; /* left_front: heading */
-    const float t19 = fmaf(0.31830987f, t18 - in->left_front.steer, 12582912.0f);
-    const float t20 = (t1 < 0.0f) ? -t8 : t8; /* left_front: speed */
-    const float t21 = in->vx + t0; /* right_front: a, right_back: a */
-    const float t22 = (t21 < 0.0f) ? t2 : t3;
-    const float t23 = t21 * t21;
-    const float t24 = sqrtf(t7 + t23); /* right_front: sqrt(a^2 + b^2) */
-    const float t25 = fabsf(t21);
-    const float t26 = t24 + t25; /* right front total */
-    const float t27 = (1e-20f < t26) ? t26 : 1e-20f;
-    const float t28 = t22 / t27; /* right_front: tan(heading / 2) */
-    const float t29 = t28 * t28;
-    const float t30 = fmaf(t29, fmaf(t29, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t31 = fmaf(t29, fmaf(t29, t30, (-0.0762479f)), 0.10709304f);
-    const float t32 = fmaf(t29, fmaf(t29, t31, (-0.14225537f)), 0.1999624f);
-    const float t33 = fmaf(t28 * t29, fmaf(t29, t32, (-0.33333313f)), t28);
-    const float t34 = (1e-20f < t24) ? (2.0f * t33) : in->right_front.steer; /* right_front: heading */
-    const float t35 = fmaf(0.31830987f, t34 - in->right_front.steer, 12582912.0f);
-    const float t36 = (t21 < 0.0f) ? -t24 : t24; /* right_front: speed */
-    const float t37 = 0.31f * in->omega;
-    const float t38 = (-0.31f) * in->omega;
-    const float t39 = (t1 < 0.0f) ? t37 : t38;
-    const float t40 = 0.0961f * t6;
-    const float t41 = sqrtf(t5 + t40); /* left_back: sqrt(a^2 + b^2) */
-    const float t42 = t9 + t41; /* left back total */
-    const float t43 = (1e-20f < t42) ? t42 : 1e-20f;
-    const float t44 = t39 / t43; /* left_back: tan(heading / 2) */
-    const float t45 = t44 * t44;
-    const float t46 = fmaf(t45, fmaf(t45, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t47 = fmaf(t45, fmaf(t45, t46, (-0.0762479f)), 0.10709304f);
-    const float t48 = fmaf(t45, fmaf(t45, t47, (-0.14225537f)), 0.1999624f);
-    const float t49 = fmaf(t44 * t45, fmaf(t45, t48, (-0.33333313f)), t44);
-    const float t50 = (1e-20f < t41) ? (2.0f * t49) : in->left_back.steer; /* left_back: heading */
-    const float t51 = fmaf(0.31830987f, t50 - in->left_back.steer, 12582912.0f);
-    const float t52 = (t1 < 0.0f) ? -t41 : t41; /* left_back: speed */
-    const float t53 = (t21 < 0.0f) ? t37 : t38;
-    const float t54 = sqrtf(t23 + t40); /* right_back: sqrt(a^2 + b^2) */
-    const float t55 = t25 + t54; /* right back total */
-    const float t56 = (1e-20f < t55) ? t55 : 1e-20f;
-    const float t57 = t53 / t56; /* right_back: tan(heading / 2) */
-    const float t58 = t57 * t57;
-    const float t59 = fmaf(t58, fmaf(t58, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t60 = fmaf(t58, fmaf(t58, t59, (-0.0762479f)), 0.10709304f);
-    const float t61 = fmaf(t58, fmaf(t58, t60, (-0.14225537f)), 0.1999624f);
-    const float t62 = fmaf(t57 * t58, fmaf(t58, t61, (-0.33333313f)), t57);
-    const float t63 = (1e-20f < t54) ? (2.0f * t62) : in->right_back.steer; /* right_back: heading */
-    const float t64 = fmaf(0.31830987f, t63 - in->right_back.steer, 12582912.0f);
-    const float t65 = (t21 < 0.0f) ? -t54 : t54; /* right_back: speed */
-    const float t66 = 13.333333f * in->vx;
-    const float t67 = 3.3733332f * in->omega;
+    const float t2 = t1 * t1;
+    const float t3 = in->omega * in->omega;
+    const float t4 = 0.075076f * t3;
+    const float t5 = sqrtf(t2 + t4); /* left_front: sqrt(a^2 + b^2) */
+    const float t6 = fabsf(t1);
+    const float t7 = (1e-20f < t5) ? (t5 + t6) : 1e-20f;
+    const float t8 = 0.274f * in->omega;
+    const float t9 = t8 / t7;
+    const float t10 = t9 * t9;
+    const float t11 = fmaf(t10, fmaf(t10, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t12 = fmaf(t10, fmaf(t10, t11, (-0.0762479f)), 0.10709304f);
+    const float t13 = fmaf(t10, fmaf(t10, t12, (-0.14225537f)), 0.1999624f);
+    const float t14 = fmaf(t9 * t10, fmaf(t10, t13, (-0.33333313f)), t9);
+    const float t15 = wmrgen_signed(2.0f, t1);
+    const float t16 = (1e-20f < t5) ? (t15 * t14) : in->left_front.steer; /* left_front: heading */
+    const float t17 = fmaf(0.31830987f, t16 - in->left_front.steer, 12582912.0f);
+    const float t18 = wmrgen_signed(13.333333f, t1);
+    const float t19 = in->vx + t0; /* right_front: a, right_back: a */
+    const float t20 = t19 * t19;
+    const float t21 = sqrtf(t4 + t20); /* right_front: sqrt(a^2 + b^2) */
+    const float t22 = fabsf(t19);
+    const float t23 = (1e-20f < t21) ? (t21 + t22) : 1e-20f;
+    const float t24 = t8 / t23;
+    const float t25 = t24 * t24;
+    const float t26 = fmaf(t25, fmaf(t25, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t27 = fmaf(t25, fmaf(t25, t26, (-0.0762479f)), 0.10709304f);
+    const float t28 = fmaf(t25, fmaf(t25, t27, (-0.14225537f)), 0.1999624f);
+    const float t29 = fmaf(t24 * t25, fmaf(t25, t28, (-0.33333313f)), t24);
+    const float t30 = wmrgen_signed(2.0f, t19);
+    const float t31 = (1e-20f < t21) ? (t30 * t29) : in->right_front.steer; /* right_front: heading */
+    const float t32 = fmaf(0.31830987f, t31 - in->right_front.steer, 12582912.0f);
+    const float t33 = wmrgen_signed(13.333333f, t19);
+    const float t34 = 0.0961f * t3;
+    const float t35 = sqrtf(t2 + t34); /* left_back: sqrt(a^2 + b^2) */
+    const float t36 = (1e-20f < t35) ? (t6 + t35) : 1e-20f;
+    const float t37 = (-0.31f) * in->omega;
+    const float t38 = t37 / t36;
+    const float t39 = t38 * t38;
+    const float t40 = fmaf(t39, fmaf(t39, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t41 = fmaf(t39, fmaf(t39, t40, (-0.0762479f)), 0.10709304f);
+    const float t42 = fmaf(t39, fmaf(t39, t41, (-0.14225537f)), 0.1999624f);
+    const float t43 = fmaf(t38 * t39, fmaf(t39, t42, (-0.33333313f)), t38);
+    const float t44 = (1e-20f < t35) ? (t15 * t43) : in->left_back.steer; /* left_back: heading */
+    const float t45 = fmaf(0.31830987f, t44 - in->left_back.steer, 12582912.0f);
+    const float t46 = sqrtf(t20 + t34); /* right_back: sqrt(a^2 + b^2) */
+    const float t47 = (1e-20f < t46) ? (t22 + t46) : 1e-20f;
+    const float t48 = t37 / t47;
+    const float t49 = t48 * t48;
+    const float t50 = fmaf(t49, fmaf(t49, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t51 = fmaf(t49, fmaf(t49, t50, (-0.0762479f)), 0.10709304f);
+    const float t52 = fmaf(t49, fmaf(t49, t51, (-0.14225537f)), 0.1999624f);
+    const float t53 = fmaf(t48 * t49, fmaf(t49, t52, (-0.33333313f)), t48);
+    const float t54 = (1e-20f < t46) ? (t30 * t53) : in->right_back.steer; /* right_back: heading */
+    const float t55 = fmaf(0.31830987f, t54 - in->right_back.steer, 12582912.0f);
+    const float t56 = 13.333333f * in->vx;
+    const float t57 = 3.3733332f * in->omega;
 
-    out->left_front.spin = 13.333333f * wmrgen_flip(t20, t19);
-    out->left_front.steer = fmaf((-3.1415927f), t19 - 12582912.0f, t18);
-    out->right_front.spin = 13.333333f * wmrgen_flip(t36, t35);
-    out->right_front.steer = fmaf((-3.1415927f), t35 - 12582912.0f, t34);
-    out->left_back.spin = 13.333333f * wmrgen_flip(t52, t51);
-    out->left_back.steer = fmaf((-3.1415927f), t51 - 12582912.0f, t50);
-    out->right_back.spin = 13.333333f * wmrgen_flip(t65, t64);
-    out->right_back.steer = fmaf((-3.1415927f), t64 - 12582912.0f, t63);
-    out->left_middle.spin = t66 - t67;
-    out->right_middle.spin = t67 + t66;
+    out->left_front.spin = wmrgen_flip(t18 * t5, t17);
+    out->left_front.steer = fmaf((-3.1415927f), t17 - 12582912.0f, t16);
+    out->right_front.spin = wmrgen_flip(t33 * t21, t32);
+    out->right_front.steer = fmaf((-3.1415927f), t32 - 12582912.0f, t31);
+    out->left_back.spin = wmrgen_flip(t18 * t35, t45);
+    out->left_back.steer = fmaf((-3.1415927f), t45 - 12582912.0f, t44);
+    out->right_back.spin = wmrgen_flip(t33 * t46, t55);
+    out->right_back.steer = fmaf((-3.1415927f), t55 - 12582912.0f, t54);
+    out->left_middle.spin = t56 - t57;
+    out->right_middle.spin = t57 + t56;
 }
 
 void jpl_osr_inverse_slip(const jpl_osr_inverse_slip_in *in, jpl_osr_inverse_slip_out *out)

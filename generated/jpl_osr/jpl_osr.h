@@ -31,7 +31,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "9503deddfa66873eccc61adabc2542b8"
-#define JPL_OSR_PAIR_089a465691fb80fc 1
+#define JPL_OSR_PAIR_f70e6ee7dda49291 1
 
 #ifdef __cplusplus
 extern "C" {

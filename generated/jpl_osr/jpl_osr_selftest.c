@@ -16,7 +16,7 @@
  */
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_089a465691fb80fc)
+#if !defined(JPL_OSR_PAIR_f70e6ee7dda49291)
 #error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 

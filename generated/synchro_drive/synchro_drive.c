@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_6a608fcc2284ad6a)
+#if !defined(SYNCHRO_DRIVE_PAIR_e5d25f6d65d5bbae)
 #error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,30 +41,48 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_SIGNED)
+#define WMRGEN_SIGNED
+/* a, or -a where the sign bit of b is set. */
+static inline float wmrgen_signed(float a, float b)
+{
+    union {
+        float value;
+        uint32_t bits;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
+    x.value = a;
+    y.value = b;
+    x.bits ^= y.bits & 0x80000000U;
+    return x.value;
+}
+#endif
+
 void synchro_drive_inverse(const synchro_drive_inverse_in *in, synchro_drive_inverse_out *out)
 {
-    const float t0 = (in->vx < 0.0f) ? -in->vy : in->vy;
-    const float t1 = sqrtf(fmaf(in->vx, in->vx, in->vy * in->vy)); /* w1: sqrt(a^2 + b^2) */
-    const float t2 = t1 + fabsf(in->vx); /* w1 total */
-    const float t3 = (t2 < 1e-20f) ? 1e-20f : t2;
-    const float t4 = t0 / t3; /* w1: tan(heading / 2) */
-    const float t5 = t4 * t4;
-    const float t6 = fmaf(t5, fmaf(t5, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t7 = fmaf(t5, fmaf(t5, t6, (-0.0762479f)), 0.10709304f);
-    const float t8 = fmaf(t5, fmaf(t5, t7, (-0.14225537f)), 0.1999624f);
-    const float t9 = fmaf(t4 * t5, fmaf(t5, t8, (-0.33333313f)), t4);
-    const float t10 = (1e-20f < t1) ? (2.0f * t9) : in->w1.steer; /* w1: heading */
-    const float t11 = fmaf(0.31830987f, t10 - in->w1.steer, 12582912.0f);
-    const float t12 = (in->vx < 0.0f) ? -t1 : t1; /* w1: speed */
-    const float t13 = 10.0f * wmrgen_flip(t12, t11);
-    const float t14 = fmaf((-3.1415927f), t11 - 12582912.0f, t10);
+    const float t0 = sqrtf(fmaf(in->vx, in->vx, in->vy * in->vy)); /* w1: sqrt(a^2 + b^2) */
+    const float t1 = (1e-20f < t0) ? (t0 + fabsf(in->vx)) : 1e-20f;
+    const float t2 = in->vy / t1;
+    const float t3 = t2 * t2;
+    const float t4 = fmaf(t3, fmaf(t3, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t5 = fmaf(t3, fmaf(t3, t4, (-0.0762479f)), 0.10709304f);
+    const float t6 = fmaf(t3, fmaf(t3, t5, (-0.14225537f)), 0.1999624f);
+    const float t7 = fmaf(t2 * t3, fmaf(t3, t6, (-0.33333313f)), t2);
+    const float t8 = (1e-20f < t0) ? (wmrgen_signed(2.0f, in->vx) * t7) : in->w1.steer; /* w1: heading */
+    const float t9 = fmaf(0.31830987f, t8 - in->w1.steer, 12582912.0f);
+    const float t10 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t0, t9);
+    const float t11 = fmaf((-3.1415927f), t9 - 12582912.0f, t8);
 
-    out->w1.spin = t13;
-    out->w1.steer = t14;
-    out->w2.spin = t13;
-    out->w2.steer = t14;
-    out->w3.spin = t13;
-    out->w3.steer = t14;
+    out->w1.spin = t10;
+    out->w1.steer = t11;
+    out->w2.spin = t10;
+    out->w2.steer = t11;
+    out->w3.spin = t10;
+    out->w3.steer = t11;
 }
 
 void synchro_drive_inverse_slip(

@@ -28,7 +28,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "cd75b86f0791ccb50c702d511c4393ce"
-#define SYNCHRO_DRIVE_PAIR_6a608fcc2284ad6a 1
+#define SYNCHRO_DRIVE_PAIR_e5d25f6d65d5bbae 1
 
 #ifdef __cplusplus
 extern "C" {

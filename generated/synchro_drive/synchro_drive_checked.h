@@ -18,7 +18,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_6a608fcc2284ad6a)
+#if !defined(SYNCHRO_DRIVE_PAIR_e5d25f6d65d5bbae)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

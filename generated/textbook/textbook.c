@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_39cca6862286a2a3)
+#if !defined(TEXTBOOK_PAIR_2ebcf699519445cb)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -38,6 +38,17 @@ static inline float wmrgen_flip(float a, float n)
     y.value = n;
     x.bits ^= y.bits << 31U;
     return x.value;
+}
+#endif
+
+#if !defined(WMRGEN_WITHIN)
+#define WMRGEN_WITHIN
+/* a where it is at most m in magnitude, else m with the sign of a; m for what is no number. */
+static inline float wmrgen_within(float a, float m)
+{
+    const float below = (a < m) ? a : m;
+
+    return (below < -m) ? -m : below;
 }
 #endif
 
@@ -1205,44 +1216,43 @@ void textbook_castor_swivel(const textbook_castor_swivel_in *in, textbook_castor
     const float t24 = (1e-12f < t23) ? in->d : 1.0f;
     const float t25 = in->t * sqrtf(fmaf(in->vx, in->vx, in->vy * in->vy));
     const float t26 = (1e-12f < t23) ? -(t25 / t24) : 0.0f;
-    const float t27 = (t26 < (-40.0f)) ? (-40.0f) : t26;
-    const float t28 = (t27 < 40.0f) ? t27 : 40.0f;
-    const float t29 = fmaf(0.0011160715f, t28 * fmaf(0.0010416667f, t28, 1.0f), 1.0f);
-    const float t30 = fmaf(0.0013020834f, t28 * fmaf(0.0012019231f, t28 * t29, 1.0f), 1.0f);
-    const float t31 = fmaf(0.0015625f, t28 * fmaf(0.0014204546f, t28 * t30, 1.0f), 1.0f);
-    const float t32 = fmaf(0.001953125f, t28 * fmaf(0.0017361111f, t28 * t31, 1.0f), 1.0f);
-    const float t33 = fmaf(0.0026041667f, t28 * fmaf(0.002232143f, t28 * t32, 1.0f), 1.0f);
-    const float t34 = fmaf(0.00390625f, t28 * fmaf(0.003125f, t28 * t33, 1.0f), 1.0f);
-    const float t35 = fmaf(0.0078125f, t28 * fmaf(0.0052083335f, t28 * t34, 1.0f), 1.0f);
-    const float t36 = sqrtf(fmaf(0.015625f, t28 * t35, 1.0f));
+    const float t27 = wmrgen_within(t26, 40.0f);
+    const float t28 = fmaf(0.0011160715f, t27 * fmaf(0.0010416667f, t27, 1.0f), 1.0f);
+    const float t29 = fmaf(0.0013020834f, t27 * fmaf(0.0012019231f, t27 * t28, 1.0f), 1.0f);
+    const float t30 = fmaf(0.0015625f, t27 * fmaf(0.0014204546f, t27 * t29, 1.0f), 1.0f);
+    const float t31 = fmaf(0.001953125f, t27 * fmaf(0.0017361111f, t27 * t30, 1.0f), 1.0f);
+    const float t32 = fmaf(0.0026041667f, t27 * fmaf(0.002232143f, t27 * t31, 1.0f), 1.0f);
+    const float t33 = fmaf(0.00390625f, t27 * fmaf(0.003125f, t27 * t32, 1.0f), 1.0f);
+    const float t34 = fmaf(0.0078125f, t27 * fmaf(0.0052083335f, t27 * t33, 1.0f), 1.0f);
+    const float t35 = sqrtf(fmaf(0.015625f, t27 * t34, 1.0f));
+    const float t36 = t35 * t35;
     const float t37 = t36 * t36;
     const float t38 = t37 * t37;
     const float t39 = t38 * t38;
     const float t40 = t39 * t39;
     const float t41 = t40 * t40;
     const float t42 = t41 * t41;
-    const float t43 = t42 * t42;
-    const float t44 = fmaf(t18, fmaf(t18, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t45 = fmaf(t18, fmaf(t18, t44, 0.041666657f), (-0.5f));
-    const float t46 = t21 * fmaf(t18, t45, 1.0f);
-    const float t47 = fmaf(t46, t46, t43 * (t22 * t22));
-    const float t48 = fabsf(t47);
-    const float t49 = t22 * ((t43 - 1.0f) * t46);
-    const float t50 = fabsf(t49);
-    const float t51 = (t48 < t50) ? t48 : t50;
-    const float t52 = (t48 < t50) ? t50 : t48;
-    const float t53 = (0.0f < t52) ? t52 : 1.0f;
-    const float t54 = t51 / t53;
-    const float t55 = t54 * t54;
-    const float t56 = fmaf(t55, fmaf(t55, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t57 = fmaf(t55, fmaf(t55, t56, (-0.0762479f)), 0.10709304f);
-    const float t58 = fmaf(t55, fmaf(t55, t57, (-0.14225537f)), 0.1999624f);
-    const float t59 = fmaf(t54 * t55, fmaf(t55, t58, (-0.33333313f)), t54);
-    const float t60 = (t48 < t50) ? (1.5707964f - t59) : t59;
-    const float t61 = (t47 < 0.0f) ? (3.1415927f - t60) : t60;
-    const float t62 = (t49 < 0.0f) ? -t61 : t61;
+    const float t43 = fmaf(t18, fmaf(t18, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
+    const float t44 = fmaf(t18, fmaf(t18, t43, 0.041666657f), (-0.5f));
+    const float t45 = t21 * fmaf(t18, t44, 1.0f);
+    const float t46 = fmaf(t45, t45, t42 * (t22 * t22));
+    const float t47 = fabsf(t46);
+    const float t48 = t22 * ((t42 - 1.0f) * t45);
+    const float t49 = fabsf(t48);
+    const float t50 = (t47 < t49) ? t47 : t49;
+    const float t51 = (t47 < t49) ? t49 : t47;
+    const float t52 = (0.0f < t51) ? t51 : 1.0f;
+    const float t53 = t50 / t52;
+    const float t54 = t53 * t53;
+    const float t55 = fmaf(t54, fmaf(t54, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t56 = fmaf(t54, fmaf(t54, t55, (-0.0762479f)), 0.10709304f);
+    const float t57 = fmaf(t54, fmaf(t54, t56, (-0.14225537f)), 0.1999624f);
+    const float t58 = fmaf(t53 * t54, fmaf(t54, t57, (-0.33333313f)), t53);
+    const float t59 = (t47 < t49) ? (1.5707964f - t58) : t58;
+    const float t60 = (t46 < 0.0f) ? (3.1415927f - t59) : t59;
+    const float t61 = (t48 < 0.0f) ? -t60 : t60;
 
-    out->beta = in->beta + (2.0f * t62);
+    out->beta = in->beta + (2.0f * t61);
 }
 
 void textbook_castor_alignment(
@@ -1680,7 +1690,7 @@ void textbook_car_bounds(const textbook_car_bounds_in *in, textbook_car_bounds_o
     const float t16 = 1.0f / t15;
     const float t17 = (1e-12f < t14) ? (fabsf(in->v) * t13 * t16) : 0.0f;
     const float t18 = fmaf(in->u1_max, in->u1_max, -(in->v * in->v));
-    const float t19 = (0.0f < t18) ? t18 : 0.0f;
+    const float t19 = (t18 < 0.0f) ? 0.0f : t18;
     const float t20 = (1e-12f < t14) ? (t16 * sqrtf(t19)) : 0.0f;
     const float t21 = (t17 < t20) ? t17 : t20;
 

@@ -21,7 +21,7 @@
 #define WMRGEN_TEXTBOOK_H
 
 #define TEXTBOOK_MODEL_HASH "10220f5eafbc33b7ce1612b39fc4535a"
-#define TEXTBOOK_PAIR_39cca6862286a2a3 1
+#define TEXTBOOK_PAIR_2ebcf699519445cb 1
 
 #ifdef __cplusplus
 extern "C" {

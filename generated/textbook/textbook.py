@@ -2071,17 +2071,16 @@ def swedish_wheel(vx, vy, omega, l, alpha, beta, gamma, r, r_sw):
     _t5 = r * np.cos(gamma)
     _t6 = np.abs(_t5)
     _t7 = np.where(1e-12 < _t6, _t5, 1.0)
-    _t8 = (vx * _t2 - vy * _t3 - np.cos(_t0) * _t4) / _t7
-    _t9 = np.where(1e-12 < _t6, _t8, 0.0)
-    _t10 = _t2 * vy + (np.sin(gamma) * (r * _t9) + vx * _t3)
-    _t11 = np.abs(r_sw)
-    _t12 = np.where(1e-12 < _t11, r_sw, 1.0)
-    _t13 = np.where(1e-12 < _t11, (_t4 * np.sin(_t0) + _t10) / _t12, 0.0)
+    _t8 = np.where(1e-12 < _t6, (vx * _t2 - vy * _t3 - np.cos(_t0) * _t4) / _t7, 0.0)
+    _t9 = _t2 * vy + (np.sin(gamma) * (r * _t8) + vx * _t3)
+    _t10 = np.abs(r_sw)
+    _t11 = np.where(1e-12 < _t10, r_sw, 1.0)
+    _t12 = np.where(1e-12 < _t10, (_t4 * np.sin(_t0) + _t9) / _t11, 0.0)
     return _shaped(
         [vx, vy, omega, l, alpha, beta, gamma, r, r_sw],
         {
-            "spin": _t9,
-            "roller": _t13,
+            "spin": _t8,
+            "roller": _t12,
         },
     )
 

@@ -16,7 +16,7 @@
  */
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_39cca6862286a2a3)
+#if !defined(TEXTBOOK_PAIR_2ebcf699519445cb)
 #error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_963d32d20fdb1a81)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_c20f4d5c52575f34)
 #error "textbook_omni_steer.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,27 +41,46 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_SIGNED)
+#define WMRGEN_SIGNED
+/* a, or -a where the sign bit of b is set. */
+static inline float wmrgen_signed(float a, float b)
+{
+    union {
+        float value;
+        uint32_t bits;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
+    x.value = a;
+    y.value = b;
+    x.bits ^= y.bits & 0x80000000U;
+    return x.value;
+}
+#endif
+
 void textbook_omni_steer_inverse(
     const textbook_omni_steer_inverse_in *in,
     textbook_omni_steer_inverse_out *out)
 {
     const float t0 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vy)); /* front: b */
-    const float t1 = (in->vx < 0.0f) ? -t0 : t0;
-    const float t2 = sqrtf(fmaf(in->vx, in->vx, t0 * t0)); /* front: sqrt(a^2 + b^2) */
-    const float t3 = t2 + fabsf(in->vx); /* front total */
-    const float t4 = (t3 < 1e-20f) ? 1e-20f : t3;
-    const float t5 = t1 / t4; /* front: tan(heading / 2) */
-    const float t6 = t5 * t5;
-    const float t7 = fmaf(t6, fmaf(t6, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t8 = fmaf(t6, fmaf(t6, t7, (-0.0762479f)), 0.10709304f);
-    const float t9 = fmaf(t6, fmaf(t6, t8, (-0.14225537f)), 0.1999624f);
-    const float t10 = fmaf(t5 * t6, fmaf(t6, t9, (-0.33333313f)), t5);
-    const float t11 = (1e-20f < t2) ? (2.0f * t10) : in->front.steer; /* front: heading */
-    const float t12 = fmaf(0.31830987f, t11 - in->front.steer, 12582912.0f);
-    const float t13 = (in->vx < 0.0f) ? -t2 : t2; /* front: speed */
+    const float t1 = sqrtf(fmaf(in->vx, in->vx, t0 * t0)); /* front: sqrt(a^2 + b^2) */
+    const float t2 = (1e-20f < t1) ? (t1 + fabsf(in->vx)) : 1e-20f;
+    const float t3 = t0 / t2;
+    const float t4 = t3 * t3;
+    const float t5 = fmaf(t4, fmaf(t4, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t6 = fmaf(t4, fmaf(t4, t5, (-0.0762479f)), 0.10709304f);
+    const float t7 = fmaf(t4, fmaf(t4, t6, (-0.14225537f)), 0.1999624f);
+    const float t8 = fmaf(t3 * t4, fmaf(t4, t7, (-0.33333313f)), t3);
+    const float t9 = (1e-20f < t1) ? (wmrgen_signed(2.0f, in->vx) * t8) : in->front.steer; /* front: heading */
+    const float t10 = fmaf(0.31830987f, t9 - in->front.steer, 12582912.0f);
+    const float t11 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t1, t10);
 
-    out->front.spin = 10.0f * wmrgen_flip(t13, t12);
-    out->front.steer = fmaf((-3.1415927f), t12 - 12582912.0f, t11);
+    out->front.spin = t11;
+    out->front.steer = fmaf((-3.1415927f), t10 - 12582912.0f, t9);
 }
 
 void textbook_omni_steer_inverse_slip(

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_5aedd4926d8c09de)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_d970190c895a7003)
 #error "textbook_two_steer.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,47 +41,63 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_SIGNED)
+#define WMRGEN_SIGNED
+/* a, or -a where the sign bit of b is set. */
+static inline float wmrgen_signed(float a, float b)
+{
+    union {
+        float value;
+        uint32_t bits;
+    } x;
+    union {
+        float value;
+        uint32_t bits;
+    } y;
+
+    x.value = a;
+    y.value = b;
+    x.bits ^= y.bits & 0x80000000U;
+    return x.value;
+}
+#endif
+
 void textbook_two_steer_inverse(
     const textbook_two_steer_inverse_in *in,
     textbook_two_steer_inverse_out *out)
 {
-    const float t0 = fmaf(1.4901161e-09f, in->omega, fmaf((-0.1f), in->omega, in->vx)); /* front: a, rear: a */
-    const float t1 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vy)); /* front: b */
-    const float t2 = (t0 < 0.0f) ? -t1 : t1;
-    const float t3 = t0 * t0;
-    const float t4 = sqrtf(fmaf(t1, t1, t3)); /* front: sqrt(a^2 + b^2) */
-    const float t5 = fabsf(t0);
-    const float t6 = t4 + t5; /* front total */
-    const float t7 = (t6 < 1e-20f) ? 1e-20f : t6;
-    const float t8 = t2 / t7; /* front: tan(heading / 2) */
-    const float t9 = t8 * t8;
-    const float t10 = fmaf(t9, fmaf(t9, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t11 = fmaf(t9, fmaf(t9, t10, (-0.0762479f)), 0.10709304f);
-    const float t12 = fmaf(t9, fmaf(t9, t11, (-0.14225537f)), 0.1999624f);
-    const float t13 = fmaf(t8 * t9, fmaf(t9, t12, (-0.33333313f)), t8);
-    const float t14 = (1e-20f < t4) ? (2.0f * t13) : in->front.steer; /* front: heading */
-    const float t15 = fmaf(0.31830987f, t14 - in->front.steer, 12582912.0f);
-    const float t16 = (t0 < 0.0f) ? -t4 : t4; /* front: speed */
-    const float t17 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, -in->vy));
-    const float t18 = fmaf(1.1920929e-08f, in->omega, fmaf((-0.3f), in->omega, in->vy)); /* rear: b */
-    const float t19 = (t0 < 0.0f) ? t17 : t18;
-    const float t20 = sqrtf(fmaf(t18, t18, t3)); /* rear: sqrt(a^2 + b^2) */
-    const float t21 = t5 + t20; /* rear total */
-    const float t22 = (1e-20f < t21) ? t21 : 1e-20f;
-    const float t23 = t19 / t22; /* rear: tan(heading / 2) */
-    const float t24 = t23 * t23;
-    const float t25 = fmaf(t24, fmaf(t24, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t26 = fmaf(t24, fmaf(t24, t25, (-0.0762479f)), 0.10709304f);
-    const float t27 = fmaf(t24, fmaf(t24, t26, (-0.14225537f)), 0.1999624f);
-    const float t28 = fmaf(t23 * t24, fmaf(t24, t27, (-0.33333313f)), t23);
-    const float t29 = (1e-20f < t20) ? (2.0f * t28) : in->rear.steer; /* rear: heading */
-    const float t30 = fmaf(0.31830987f, t29 - in->rear.steer, 12582912.0f);
-    const float t31 = (t0 < 0.0f) ? -t20 : t20; /* rear: speed */
+    const float t0 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vy)); /* front: b */
+    const float t1 = fmaf(1.4901161e-09f, in->omega, fmaf((-0.1f), in->omega, in->vx)); /* front: a, rear: a */
+    const float t2 = t1 * t1;
+    const float t3 = sqrtf(fmaf(t0, t0, t2)); /* front: sqrt(a^2 + b^2) */
+    const float t4 = fabsf(t1);
+    const float t5 = (1e-20f < t3) ? (t3 + t4) : 1e-20f;
+    const float t6 = t0 / t5;
+    const float t7 = t6 * t6;
+    const float t8 = fmaf(t7, fmaf(t7, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t9 = fmaf(t7, fmaf(t7, t8, (-0.0762479f)), 0.10709304f);
+    const float t10 = fmaf(t7, fmaf(t7, t9, (-0.14225537f)), 0.1999624f);
+    const float t11 = fmaf(t6 * t7, fmaf(t7, t10, (-0.33333313f)), t6);
+    const float t12 = wmrgen_signed(2.0f, t1);
+    const float t13 = (1e-20f < t3) ? (t12 * t11) : in->front.steer; /* front: heading */
+    const float t14 = fmaf(0.31830987f, t13 - in->front.steer, 12582912.0f);
+    const float t15 = wmrgen_signed(10.0f, t1);
+    const float t16 = fmaf(1.1920929e-08f, in->omega, fmaf((-0.3f), in->omega, in->vy)); /* rear: b */
+    const float t17 = sqrtf(fmaf(t16, t16, t2)); /* rear: sqrt(a^2 + b^2) */
+    const float t18 = (1e-20f < t17) ? (t4 + t17) : 1e-20f;
+    const float t19 = t16 / t18;
+    const float t20 = t19 * t19;
+    const float t21 = fmaf(t20, fmaf(t20, 0.002993259f, (-0.016716665f)), 0.04390253f);
+    const float t22 = fmaf(t20, fmaf(t20, t21, (-0.0762479f)), 0.10709304f);
+    const float t23 = fmaf(t20, fmaf(t20, t22, (-0.14225537f)), 0.1999624f);
+    const float t24 = fmaf(t19 * t20, fmaf(t20, t23, (-0.33333313f)), t19);
+    const float t25 = (1e-20f < t17) ? (t12 * t24) : in->rear.steer; /* rear: heading */
+    const float t26 = fmaf(0.31830987f, t25 - in->rear.steer, 12582912.0f);
 
-    out->front.spin = 10.0f * wmrgen_flip(t16, t15);
-    out->front.steer = fmaf((-3.1415927f), t15 - 12582912.0f, t14);
-    out->rear.spin = 10.0f * wmrgen_flip(t31, t30);
-    out->rear.steer = fmaf((-3.1415927f), t30 - 12582912.0f, t29);
+    out->front.spin = wmrgen_flip(t15 * t3, t14);
+    out->front.steer = fmaf((-3.1415927f), t14 - 12582912.0f, t13);
+    out->rear.spin = wmrgen_flip(t15 * t17, t26);
+    out->rear.steer = fmaf((-3.1415927f), t26 - 12582912.0f, t25);
 }
 
 void textbook_two_steer_inverse_slip(

@@ -16,7 +16,7 @@
  */
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_5aedd4926d8c09de)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_d970190c895a7003)
 #error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 

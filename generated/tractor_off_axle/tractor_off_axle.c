@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_1ed780bb2c6c75fb)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_d6178c4fe75e274d)
 #error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -59,7 +59,7 @@ void tractor_off_axle_inverse(
     const float t11 = fmaf(t5, fmaf(t5, t10, 0.041666657f), (-0.5f));
     const float t12 = t8 * fmaf(t5, t11, 1.0f);
     const float t13 = fmaf(6.0f, in->omega * t9, 20.0f * (in->vx * t12));
-    const float t14 = fmaf((-7.5f), in->omega * t12, fmaf(25.0f, in->vx * t9, -in->omega));
+    const float t14 = fmaf(25.0f, in->vx * t9, fmaf((-7.5f), in->omega * t12, -in->omega));
 
     out->left.spin = t0 - t1;
     out->right.spin = t1 + t0;

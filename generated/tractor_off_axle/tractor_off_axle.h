@@ -28,7 +28,7 @@
 #define WMRGEN_TRACTOR_OFF_AXLE_H
 
 #define TRACTOR_OFF_AXLE_MODEL_HASH "0070fd12925fb620178aadaf156a43f1"
-#define TRACTOR_OFF_AXLE_PAIR_1ed780bb2c6c75fb 1
+#define TRACTOR_OFF_AXLE_PAIR_d6178c4fe75e274d 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -46,7 +46,7 @@ def inverse(vx, vy, omega, tail_steer):
     _t1 = 2.4545454545454546 * omega
     _t2 = np.sin(tail_steer)
     _t3 = np.cos(tail_steer)
-    _t4 = 25.0 * (vx * _t2) - omega - 7.5 * (omega * _t3)
+    _t4 = 25.0 * (vx * _t2) + ((-7.5) * (omega * _t3) - omega)
     return _shaped(
         [vx, vy, omega, tail_steer],
         {
@@ -114,17 +114,16 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t3 = 0.5 * _t0
     _t4 = np.where(_t2 < 0.0025, 1.0, _t3)
     _t5 = 0.008333333333333333 - 4.96031746031746e-05 * _t1
-    _t6 = 1.0 - _t2 * (0.16666666666666666 - _t2 * _t5)
-    _t7 = np.where(_t2 < 0.0025, _t6, np.sin(_t4) / _t4)
-    _t8 = dt * _t7
-    _t9 = theta + _t3
-    _t10 = np.cos(_t9)
-    _t11 = np.sin(_t9)
+    _t6 = np.where(_t2 < 0.0025, 1.0 - _t2 * (0.16666666666666666 - _t2 * _t5), np.sin(_t4) / _t4)
+    _t7 = dt * _t6
+    _t8 = theta + _t3
+    _t9 = np.cos(_t8)
+    _t10 = np.sin(_t8)
     return _shaped(
         [x, y, theta, vx, vy, omega, dt],
         {
-            "x": x + (vx * _t10 - vy * _t11) * _t8,
-            "y": y + _t8 * (vx * _t11 + _t10 * vy),
+            "x": x + (vx * _t9 - vy * _t10) * _t7,
+            "y": y + _t7 * (vx * _t10 + _t9 * vy),
             "theta": theta + _t0,
         },
     )

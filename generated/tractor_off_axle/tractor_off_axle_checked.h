@@ -18,7 +18,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_1ed780bb2c6c75fb)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_d6178c4fe75e274d)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -151,6 +151,11 @@ class Circles:
         """Upper bound of the absolute value of a polynomial without its slack."""
         return sum(abs(c) * self.largest(m) for m, c in a.terms.items())
 
+    def around(self, node: Node) -> Interval | None:
+        """Bounds of a node before its own rounding; None where this shows nothing."""
+        found = self.made(node) if self.whole else None
+        return None if found is None else self.range(found)
+
     def range(self, found: Poly) -> Interval | None:
         """Bounds of a polynomial of degree 2 in sines and cosines; None of another."""
         atoms = sorted({k for m in found.terms for k in m})

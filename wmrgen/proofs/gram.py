@@ -20,6 +20,7 @@ from wmrgen.ir.nodes import Op
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs.circles import Circles, Monomial, Poly
 from wmrgen.proofs.interval import Array
+from wmrgen.proofs.norms import least_squares
 from wmrgen.proofs.patterns import largest_of
 
 if TYPE_CHECKING:
@@ -41,6 +42,12 @@ class _Part:
     angles: frozenset[int]  # of its linear terms: those of its wheel
 
 
+def cauchy(p: Pass, above: int, below: int) -> Array | None:
+    """Upper bound of |N / D| where it is known as one of least squares."""
+    found = least_squares(p, above, below)
+    return quotient(p, above, below) if found is None else found
+
+
 def quotient(p: Pass, above: int, below: int) -> Array | None:
     """Upper bound of |N / D| for the nodes ``above`` and ``below``; None where no G is found."""
     total = largest_of(p.nodes, below)
@@ -58,11 +65,12 @@ def quotient(p: Pass, above: int, below: int) -> Array | None:
     found = _gram(circles, parts, d)
     if found is None:
         return None
-    matrix, left = found
+    inverse, left = found
     least = np.maximum(p.range(below)[0], 0.0)
     with np.errstate(all="ignore"):
-        share = _longest(p, parts, matrix) * (1 + (left + d.slack) / least) / least
-        return np.asarray((np.sqrt(share) + (n.slack + lost) / least) * _GROW)
+        share = _longest(p, parts, inverse) * (1 + (left + d.slack) / least) / least
+        # The rounding of 1/D, where N is multiplied by it.
+        return np.asarray((np.sqrt(share) + (n.slack + lost) / least) * (1 + 4 * p.form.unit))
 
 
 def _parts(circles: Circles, n: Poly) -> tuple[list[_Part], float]:
@@ -119,7 +127,7 @@ def _turned(circles: Circles, part: _Part) -> _Part:
 
 
 def _gram(circles: Circles, parts: Sequence[_Part], d: Poly) -> tuple[NDArray[np.float64], float] | None:
-    """G with h G h = D up to what is returned beside it."""
+    """G^-1, where h G h = D up to what is returned beside it."""
     scale = np.array([max(map(abs, q.h.terms.values()), default=0.0) for q in parts])
     if not scale.all():
         return None
@@ -137,22 +145,23 @@ def _gram(circles: Circles, parts: Sequence[_Part], d: Poly) -> tuple[NDArray[np
     found = np.linalg.pinv(matrix.T @ matrix, rcond=1e-9, hermitian=True) @ (matrix.T @ wanted)
     rest = np.abs(matrix @ found - wanted) + _ROUND * (np.abs(matrix) @ np.abs(found) + np.abs(wanted))
     left = float(rest @ [circles.largest(m) for m in rows])
-    gram = np.zeros((len(parts), len(parts)))
+    scaled = np.zeros((len(parts), len(parts)))
     for (j, k), g, q in zip(pairs, found, made, strict=True):
-        gram[j, k] = gram[k, j] = g / (scale[j] * scale[k])
-        left += abs(gram[j, k]) * q.slack * (1 if j == k else 2)
-    values = np.linalg.eigvalsh(gram * np.outer(scale, scale))
-    agrees = left <= _AGREE * float(np.abs(wanted).max()) and values[0] > _POSITIVE * values[-1]
-    return (gram, left * _GROW) if agrees else None
+        scaled[j, k] = scaled[k, j] = g
+        left += abs(g) / (scale[j] * scale[k]) * q.slack * (1 if j == k else 2)
+    values = np.linalg.eigvalsh(scaled)
+    if left > _AGREE * float(np.abs(wanted).max()) or values[0] <= _POSITIVE * values[-1]:
+        return None
+    return np.asarray(np.linalg.inv(scaled) * np.outer(scale, scale), dtype=np.float64), left * _GROW
 
 
-def _longest(p: Pass, parts: Sequence[_Part], gram: NDArray[np.float64]) -> Array:
+def _longest(p: Pass, parts: Sequence[_Part], inverse: NDArray[np.float64]) -> Array:
     """Upper bound of x G^-1 x over the ranges of the parts' sums x."""
     sums = [
         sum((abs(c) * iv.magnitude(p.range(k)) for k, c in q.factors.items()), np.zeros(p.boxes))
         for q in parts
     ]
-    inverse, total = np.linalg.inv(gram), np.zeros(p.boxes)
+    total = np.zeros(p.boxes)
     for j, x in enumerate(sums):
         for k, y in enumerate(sums):
             total = total + abs(inverse[j, k]) * x * y

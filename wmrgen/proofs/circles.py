@@ -27,7 +27,7 @@ _MOST = 400  # terms of one polynomial
 _DEGREE = 4
 _GROW = 1 + 1e-9
 _ROUND = 1e-12  # of the coefficients, relative
-_UNIT = 1 + 1e-5  # of sines and cosines as computed, whose roundings stay below
+UNIT = 1 + 1e-5  # of sines and cosines as computed, whose roundings stay below
 _STEPS = 200  # multipliers tried
 
 
@@ -121,12 +121,14 @@ class Circles:
 
     def _add(self, terms: dict[Monomial, float], m: Monomial, c: float) -> None:
         """Adds c m, squares of sines replaced."""
-        for k, sine in enumerate(m[:-1]):
-            if m[k + 1] == sine and sine in self.partner:
-                rest, cosine = m[:k] + m[k + 2 :], self.partner[sine]
+        before = -1
+        for k, sine in enumerate(m):
+            if sine == before and sine in self.partner:
+                rest, cosine = m[: k - 1] + m[k + 1 :], self.partner[sine]
                 self._add(terms, rest, c)
                 self._add(terms, tuple(sorted((*rest, cosine, cosine))), -c)
                 return
+            before = sine
         terms[m] = terms.get(m, 0.0) + c
 
     @property
@@ -140,7 +142,7 @@ class Circles:
     def most(self, i: int) -> float:
         """The largest absolute value of a node; of a sine or cosine of any angle."""
         if i not in self.sizes:
-            self.sizes[i] = _UNIT if i in self.angle else float(iv.magnitude(self.p.range(i)).max())
+            self.sizes[i] = UNIT if i in self.angle else float(iv.magnitude(self.p.range(i)).max())
         return self.sizes[i]
 
     def largest(self, m: Monomial) -> float:
@@ -149,7 +151,13 @@ class Circles:
 
     def size(self, a: Poly) -> float:
         """Upper bound of the absolute value of a polynomial without its slack."""
-        return sum(abs(c) * self.largest(m) for m, c in a.terms.items())
+        total, sizes = 0.0, self.sizes
+        for m, c in a.terms.items():
+            each = abs(c)
+            for k in m:
+                each *= sizes[k] if k in sizes else self.most(k)
+            total += each
+        return total
 
     def around(self, node: Node) -> Interval | None:
         """Bounds of a node before its own rounding; None where this shows nothing."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Op
 from wmrgen.proofs import interval as iv
-from wmrgen.proofs.circles import Circles, Monomial, Poly
+from wmrgen.proofs.circles import UNIT, Circles, Monomial, Poly
 from wmrgen.proofs.interval import Array
 from wmrgen.proofs.norms import least_squares
 from wmrgen.proofs.patterns import largest_of
@@ -144,7 +144,7 @@ def _gram(circles: Circles, parts: Sequence[_Part], d: Poly) -> tuple[NDArray[np
         wanted[rows[m]] = c
     found = np.linalg.pinv(matrix.T @ matrix, rcond=1e-9, hermitian=True) @ (matrix.T @ wanted)
     rest = np.abs(matrix @ found - wanted) + _ROUND * (np.abs(matrix) @ np.abs(found) + np.abs(wanted))
-    left = float(rest @ [circles.largest(m) for m in rows])
+    left = float(rest.sum()) * UNIT ** max(map(len, rows))
     scaled = np.zeros((len(parts), len(parts)))
     for (j, k), g, q in zip(pairs, found, made, strict=True):
         scaled[j, k] = scaled[k, j] = g

@@ -26,9 +26,10 @@ from wmrgen.proofs import affine as af
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.affine import Affine
+from wmrgen.proofs.circles import Circles
 from wmrgen.proofs.directions import Direction, Shares, directions
 from wmrgen.proofs.interval import Array, Interval
-from wmrgen.proofs.patterns import Term
+from wmrgen.proofs.patterns import Term, largest_of
 from wmrgen.proofs.precision import SMALL_ANGLE, Format, Library
 from wmrgen.proofs.records import Analysis, Angle, Value
 from wmrgen.proofs.slopes import Slope
@@ -76,6 +77,9 @@ class Pass:
         self.shares: dict[int, Shares] = {}
         self.sources: dict[int, int] = {}
         self.forms: list[Affine] = []
+        self.circles = Circles(self)
+        below = {node.args[1] for node in self.nodes if node.op is Op.DIV}
+        self.divisors = {largest_of(self.nodes, k) for k in below}
         self.uses = _contracted(self.nodes)
         self.rows: dict[int, dict[int, int]] = {i: {} for i in self.uses}
         row = 0

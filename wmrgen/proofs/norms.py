@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs.interval import Array, Interval
-from wmrgen.proofs.patterns import terms_below_root
+from wmrgen.proofs.patterns import largest_of, terms_below_root
 
 if TYPE_CHECKING:
     from wmrgen.proofs.analysis import Pass
@@ -102,12 +102,9 @@ def _arm(nodes: Sequence[Node], node: Node) -> tuple[int, int] | None:
 def least_squares(p: Pass, above: int, below: int) -> Array | None:
     """Upper bound of |N / D|, N = a . b and D = a . a or, where that is less, a constant. None for other shapes."""
     nodes = p.nodes
-    total = below
-    if nodes[below].op in (Op.SELECT, Op.MAX, Op.MIN):
-        choices = [k for k in nodes[below].args[-2:] if nodes[k].value is None]
-        if len(choices) != 1:
-            return None
-        total = choices[0]
+    total = largest_of(nodes, below)
+    if total is None:
+        return None
     squares = {t.base: float(t.factor) for t in terms_below_root(nodes, total) if t.squared}
     if len(squares) < 2:
         return None

@@ -100,6 +100,15 @@ def extremum(nodes: Sequence[Node], node: Node) -> tuple[Op, int, int] | None:
     return None
 
 
+def largest_of(nodes: Sequence[Node], i: int) -> int | None:
+    """Node ``i``, or x where it is the larger of x and a constant."""
+    if nodes[i].op not in (Op.SELECT, Op.MAX, Op.MIN):
+        return i
+    found = extremum(nodes, nodes[i])
+    choices = [k for k in found[1:] if nodes[k].value is None] if found and found[0] is Op.MAX else []
+    return choices[0] if len(choices) == 1 else None
+
+
 def _same(nodes: Sequence[Node], a: int, b: int) -> bool:
     return a == b or (nodes[a].value is not None and nodes[a].value == nodes[b].value)
 

@@ -9,8 +9,9 @@ from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.analysis import Pass, Rule
+from wmrgen.proofs.gram import cauchy
 from wmrgen.proofs.interval import Array, Interval
-from wmrgen.proofs.norms import least_squares, length, lengths
+from wmrgen.proofs.norms import length, lengths
 from wmrgen.proofs.patterns import (
     Term,
     extremum,
@@ -56,6 +57,8 @@ def _sum(p: Pass, i: int, node: Node) -> Value:
             room = (max(t.roundings for t in squares) + 2) * p.form.unit
             low, high = size[0] ** 2 * (1 - room), size[1] ** 2 * (1 + room)
             value = iv.meet(value, iv.widened((low, high), np.full(p.boxes, 2 * len(squares) * p.form.tiny)))
+    inside = p.circles.around(node) if i in p.divisors else None
+    value = value if inside is None else iv.meet(value, inside)
     turn = nearest_turn(p.nodes, node)
     if turn is not None:
         step, x, present, steps = turn
@@ -101,7 +104,7 @@ def _by_inverse(p: Pass, node: Node) -> Value | None:
         if quotient.op is Op.DIV and p.nodes[quotient.args[0]].value == ONE and not p.shared(above, inverse):
             below = quotient.args[1]
             value = iv.times(p.range(above), p.range(inverse))
-            most = least_squares(p, above, below)
+            most = cauchy(p, above, below)
             if most is not None:
                 value = iv.meet(value, (-most, most))
             value = p.cut(value, Op.DIV, above, below, p.range(inverse))
@@ -143,7 +146,7 @@ def _div(p: Pass, i: int, node: Node) -> Value:
     inverse, most = iv.reciprocal(below), np.nextafter(1.0 / away, np.inf)
     inverse = np.where(holds, -most, inverse[0]), np.where(holds, most, inverse[1])
     value = iv.times(p.range(a), inverse)
-    most_of_all = least_squares(p, a, b)
+    most_of_all = cauchy(p, a, b)
     if most_of_all is not None:
         value = iv.meet(value, (-most_of_all, most_of_all))
     value = p.cut(value, Op.DIV, a, b, inverse)

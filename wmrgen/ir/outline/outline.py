@@ -12,6 +12,7 @@ from wmrgen.ir.outline.pattern import Pattern
 from wmrgen.ir.outline.sizes import Sizes
 from wmrgen.ir.outline.undo import calls, inline
 from wmrgen.ir.passes.pressure import nearest
+from wmrgen.ir.prune import places, prune
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +31,40 @@ def outline(functions: Sequence[Function], name: str, sizes: Sizes) -> Outlined:
         made = _replaced(graph, found, part.name, made)
         inner = calls(part.nodes)
         taken = {p.name: p for p in parts if p.name in inner}
-        parts = [*(p for p in parts if p.name not in inner), inline(part, taken)]
+        part, made = _lean(inline(part, taken), made)
+        parts = [*(p for p in parts if p.name not in inner), part]
         count += 1
     return _numbered(made, parts, name)
+
+
+def _lean(part: Function, functions: Sequence[Function]) -> tuple[Function, list[Function]]:
+    """``part`` without what no result needs, and calls of it without the arguments that were only for that.
+
+    A part put in the place of a call may have more results than the call had uses for.
+    """
+    part = _pruned(part)
+    kept = sorted(_number(node) for node in part.nodes if node.op is Op.INPUT)
+    names = {k: f"x{i}" for i, k in enumerate(kept)}
+    body = tuple(replace(n, name=names[_number(n)]) if n.op is Op.INPUT else n for n in part.nodes)
+
+    def over(node: Node) -> Node:
+        called = node.op is Op.CALL and node.name == part.name
+        return replace(node, args=tuple(node.args[k] for k in kept)) if called else node
+
+    changed = [_pruned(replace(f, nodes=tuple(map(over, f.nodes)))) for f in functions]
+    return replace(part, nodes=body), changed
+
+
+def _number(node: Node) -> int:
+    """Which parameter of a part."""
+    return int((node.name or "x0")[1:])
+
+
+def _pruned(function: Function) -> Function:
+    nodes, results = prune(function.nodes, function.results)
+    place = places(function.nodes, function.results)
+    named = tuple((name, place[k]) for name, k in function.named if k in place)
+    return replace(function, nodes=nodes, results=results, named=named)
 
 
 def _numbered(functions: Sequence[Function], parts: Sequence[Function], name: str) -> Outlined:

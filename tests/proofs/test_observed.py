@@ -17,7 +17,7 @@ FAST = [
     "f1tenth",
     "bicycle",
 ]
-GENERATIONS = 40
+GENERATIONS = (24, 40)  # the longer search only where the shorter one finds too little
 
 
 @pytest.mark.parametrize("name", FAST)
@@ -39,11 +39,13 @@ def test_bounds_hold_where_errors_are_largest(name: str) -> None:
         assert bound.proved, f"{function.name}: {bound.alarms}"
         for o in bound.outputs:
             if bound.inputs and o.error and not (function.name == "forward" and "forward_slip" in pairs):
-                share = worst(function, bound, o.name, pairs.get("inverse"), GENERATIONS)
-                assert share <= 1, f"{function.name}: {o.name}"
-                if share:
-                    loose = loosest(o.name)
-                    assert 1 / share <= loose, f"{function.name}: {o.name}, {1 / share:.1f}"
+                loose = loosest(o.name)
+                for generations in GENERATIONS:
+                    share = worst(function, bound, o.name, pairs.get("inverse"), generations)
+                    assert share <= 1, f"{function.name}: {o.name}"
+                    if share * loose >= 1:
+                        break
+                assert share == 0 or share * loose >= 1, f"{function.name}: {o.name}, {1 / share:.1f}"
 
 
 def loosest(output: str) -> float:

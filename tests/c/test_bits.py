@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 NO_LEAKS = {"ASAN_OPTIONS": "detect_leaks=0"}
 LEVELS = ("-O0", "-O2", "-Os")
 
-OTHERS = (LIBM, "m0", "avr", "host", "m4f size")
+OTHERS = (LIBM, "m0", "avr", "host")
 SMALL = ("libm size", "avr size", "host size")
 
 
@@ -57,7 +57,7 @@ def test_other_choices(robots: tuple[Program, Path], tmp_path: Path, choice: str
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("choice", (*OTHERS, "m0 size"))
+@pytest.mark.parametrize("choice", (*OTHERS, "m4f size", "m0 size"))
 def test_other_choices_of_all(robots: tuple[Program, Path], tmp_path: Path, choice: str) -> None:
     assert others(choice, robots[0].modules, tmp_path) == []
 

@@ -53,6 +53,7 @@ def check(functions: tuple[Function, ...], made: Outlined) -> None:
         assert (before.name, before.inputs, before.outputs) == (after.name, after.inputs, after.outputs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", FEW)
 def test_every_result_is_the_same_expression(robot: str) -> None:
     check(*small(robot))

@@ -56,6 +56,7 @@ def of(robot: str) -> Module:
     return wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{robot}.yaml")).c_module
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", SHOWN)
 def test_size_is_never_larger(key: str) -> None:
     """A robot's file, and the swerve to at most three quarters."""

@@ -76,6 +76,7 @@ def test_clang_tidy_of_the_gallery(robot: str, tmp_path: Path) -> None:
     assert beyond(TIDY, tidy(tmp_path, write(tmp_path, robot))) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", [ONE, "lekiwi"])
 def test_nothing_beyond_the_deviations_with_size(robot: str, tmp_path: Path) -> None:
     sources = write(tmp_path, robot, size=True)

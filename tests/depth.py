@@ -22,11 +22,11 @@ def everyday(values: Iterable[object], kept: Iterable[object]) -> list[object]:
     return [v if v in chosen else pytest.param(v, marks=pytest.mark.slow) for v in values]
 
 
-_FEW, _SHARE = 8, 3
+_FEW, _SHARE = 8, 4
 
 
 def thin_out(items: Sequence[pytest.Item]) -> None:
-    """Of a test with many parameters every third case stays everyday; the others are marked slow."""
+    """Of a test with many parameters every fourth case stays everyday; the others are marked slow."""
     many = Counter(_test(item) for item in items)
     seen: Counter[str] = Counter()
     for item in items:

@@ -8,38 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Function, Node, Op
-from wmrgen.ir.rounding import to_float64
+from wmrgen.ir.sample import values_of
 
 Array = NDArray[np.float64]
-_PLAIN = {
-    Op.ADD: np.add, Op.SUB: np.subtract, Op.MUL: np.multiply, Op.DIV: np.divide, Op.NEG: np.negative, Op.ABS: np.abs,
-    Op.SQRT: np.sqrt, Op.MIN: np.minimum, Op.MAX: np.maximum, Op.SIN: np.sin, Op.COS: np.cos, Op.ATAN: np.arctan,
-    Op.ATAN2: np.arctan2, Op.RINT: np.rint,
-}  # fmt: skip
 
 
 def magnitudes(function: Function, cases: Sequence[Mapping[str, float]]) -> list[Array]:
     """For each result the sum of what it adds up, without signs, per case. A sine or cosine counts 1."""
-    values: list[Array] = []
+    given = {}
+    for p in function.inputs:
+        default = None if p.default is None else float(p.default)
+        given[p.name] = np.array([case.get(p.name, default) for case in cases], dtype=np.float64)
+    values = values_of(function, given, np.float64)
     sizes: list[Array] = []
-    defaults = {p.name: to_float64(p.default) for p in function.inputs if p.default is not None}
     with np.errstate(all="ignore"):
-        for node in function.nodes:
-            args = [values[k] for k in node.args]
-            if node.value is not None:
-                value = np.full(len(cases), to_float64(node.value))
-            elif node.op is Op.INPUT:
-                name = node.name or ""
-                value = np.array([case.get(name, defaults.get(name)) for case in cases], dtype=np.float64)
-            elif node.op is Op.SELECT:
-                value = np.where(args[0] < args[1], args[2], args[3])
-            elif node.op is Op.FLIP:
-                value = np.where(args[1] % 2 == 1, -args[0], args[0])
-            else:
-                value = _PLAIN[node.op](*args)
-            values.append(value)
-            sizes.append(_size(node, value, [sizes[k] for k in node.args], args))
-    return [sizes[k] for k in function.results]
+        for node, value in zip(function.nodes, values, strict=True):
+            sizes.append(_size(node, value, [sizes[k] for k in node.args], [values[k] for k in node.args]))
+    return [np.broadcast_to(sizes[k], len(cases)) for k in function.results]
 
 
 def _size(node: Node, value: Array, known: list[Array], args: list[Array]) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 import pytest
 
 from benchmarks.jobs import derivations
@@ -32,11 +34,11 @@ def test_the_wheels_of_a_swerve_are_done_one_after_the_other() -> None:
     """Depth first keeps values of all wheels."""
     for name, most in (("wpilib_swervebot", 12), ("swerve8", 20)):
         deep = schedule(robot(name).function("forward"))
-        assert alive(nearest(deep))[0] <= most < alive(deep)[0]
+        assert alive(nearest(deep)) <= most < alive(deep)
 
 
-def alive(function: Function) -> tuple[int, int]:
-    """How many values are alive at most, and their number summed over all nodes. Constants are not counted."""
+def alive(function: Function) -> int:
+    """How many values are alive at most. Constants are not counted."""
     end = len(function.nodes)
     last = {arg: i for i, node in enumerate(function.nodes) for arg in node.args}
     last |= dict.fromkeys(function.results, end)
@@ -49,11 +51,7 @@ def alive(function: Function) -> tuple[int, int]:
         if node.value is None and i in last:
             change[i if node.args else first.get(i, i)] += 1  # an input is read where it is first needed
             change[last[i]] -= 1
-    now = most = total = 0
-    for step in change:
-        now += step
-        most, total = max(most, now), total + now
-    return most, total
+    return max(accumulate(change))
 
 
 def pairs(count: int) -> Function:
@@ -79,12 +77,12 @@ def test_values_alive_are_counted() -> None:
     both = Function(
         "f", (), (x, y, c, Node(Op.ADD, (0, 1)), Node(Op.MUL, (0, 1)), Node(Op.MUL, (2, 4))), (), (3, 5)
     )
-    assert alive(both)[0] == 3
-    assert alive(Function("f", (), (x, c, Node(Op.ADD, (0, 1))), (), (2,)))[0] == 1
+    assert alive(both) == 3
+    assert alive(Function("f", (), (x, c, Node(Op.ADD, (0, 1))), (), (2,))) == 1
 
 
 def test_both_totals_grow_together() -> None:
     """Depth first finishes one total and keeps every sum for the other."""
-    deep, near = (alive(way(pairs(20)))[0] for way in (schedule, nearest))
+    deep, near = (alive(way(pairs(20))) for way in (schedule, nearest))
     assert deep >= 20
     assert near <= 5

@@ -128,9 +128,8 @@ class _Printer:
         if index in self.several:
             held = style.held(node.name or "")
             self.statements.append(f"{held} = {text.text};")
-            for k in self.several[
-                index
-            ]:  # at once: the next call of the same function takes the holder again
+            # At once: the next call of the same function takes the holder again.
+            for k in self.several[index]:
                 self.parts[k] = self._named(style.part.format(held, self.function.nodes[k].name), None)
         elif self.uses[index] > 1 or text.binding == _CHOICE or len(text.text) > self._longest(index):
             return _Text(self._named(text.text, note), _ATOM)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from wmrgen.ir.nodes import Node
+from wmrgen.ir.nodes import Function, Node
 
 
 def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
@@ -23,9 +24,24 @@ def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
 def prune(nodes: Sequence[Node], results: Sequence[int]) -> tuple[tuple[Node, ...], tuple[int, ...]]:
     """The nodes that ``results`` need, renumbered in their order, and the renumbered results."""
     place = places(nodes, results)
+    return _moved(nodes, place), tuple(place[result] for result in results)
+
+
+def pruned(function: Function) -> Function:
+    """``function`` with the nodes that its results need, and the names of these."""
+    place = places(function.nodes, function.results)
+    return replace(
+        function,
+        nodes=_moved(function.nodes, place),
+        results=tuple(place[result] for result in function.results),
+        named=tuple((name, place[k]) for name, k in function.named if k in place),
+    )
+
+
+def _moved(nodes: Sequence[Node], place: dict[int, int]) -> tuple[Node, ...]:
     kept: list[Node] = []
     for i in place:
         node = nodes[i]
         args = tuple(place[arg] for arg in node.args)
         kept.append(node if args == node.args else Node(node.op, args, node.value, node.name))
-    return tuple(kept), tuple(place[result] for result in results)
+    return tuple(kept)

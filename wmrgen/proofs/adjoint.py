@@ -17,7 +17,7 @@ from wmrgen.proofs import interval as iv
 from wmrgen.proofs import multiples as mu
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.analysis import Pass
-from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.interval import GROW, Array, Interval
 from wmrgen.proofs.multiples import Multiple
 from wmrgen.proofs.patterns import Term
 from wmrgen.proofs.precision import Format, Library
@@ -26,7 +26,6 @@ from wmrgen.proofs.slopes import Slope
 
 Partial: TypeAlias = Multiple | int  # 1 or -1 of sums
 
-_GROW = 1 + 1e-9
 _MOST = 4  # inputs of which multiples are kept
 
 
@@ -86,7 +85,7 @@ class Adjoint(Pass):
     def lengthened(self, terms: Sequence[Term]) -> tuple[Slope, Array]:
         errors = self.errors([t.base for t in terms])
         factors = np.array([[float(t.factor)] for t in terms])
-        return None, np.asarray(np.sqrt((factors * errors * errors).sum(axis=0)) * _GROW)
+        return None, np.asarray(np.sqrt((factors * errors * errors).sum(axis=0)) * GROW)
 
     def cut(self, value: Interval, op: Op, a: int, b: int, inverse: Interval | None = None) -> Interval:
         value = super().cut(value, op, a, b, inverse)
@@ -152,7 +151,7 @@ class Adjoint(Pass):
                     by = mu.times(found, partial, self.scales)
                 self._reached(derivative, apart, k, by)
             derivative[i] = None
-        return np.nan_to_num(total * _GROW, nan=np.inf, posinf=np.inf)
+        return np.nan_to_num(total * GROW, nan=np.inf, posinf=np.inf)
 
     def _reached(
         self, derivative: list[Multiple | None], apart: dict[int, Array], k: int, by: Multiple

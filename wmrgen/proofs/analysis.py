@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +78,6 @@ class Pass:
         self.shares: dict[int, Shares] = {}
         self.sources: dict[int, int] = {}
         self.forms: list[Affine] = []
-        self.circles = Circles(self)
         below = {node.args[1] for node in self.nodes if node.op is Op.DIV}
         self.divisors = {largest_of(self.nodes, k) for k in below}
         self.uses = _contracted(self.nodes)
@@ -101,6 +101,11 @@ class Pass:
                 sums = all(self.nodes[k].op in (Op.ADD, Op.SUB) and uses[k] == 1 for k in (x, y))
                 if sums and x != y:
                     self.sources[y] = self.sources[x]
+
+    @cached_property
+    def circles(self) -> Circles:
+        """What divisors are as polynomials of sines and cosines."""
+        return Circles(self)
 
     def run(self) -> Analysis:
         from wmrgen.proofs.rules import RULES
@@ -267,7 +272,7 @@ class Pass:
                     slope, kept = sl.without(slope, row), sl.added(kept, row, size, self.boxes)
             squares.append((float(t.factor), kept))
             total = total + float(t.factor) * sl.weighed(slope, self.result.noise, self.boxes) ** 2
-        return sl.norm(squares), np.asarray(np.sqrt(total) * (1 + 1e-9))
+        return sl.norm(squares), np.asarray(np.sqrt(total) * iv.GROW)
 
     def _kept(self, x: int, y: int) -> Slope:
         """The slope of x without the rows that `product_slope` moves."""

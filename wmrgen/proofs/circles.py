@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
-from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.interval import GROW, Array, Interval
 
 if TYPE_CHECKING:
     from wmrgen.proofs.analysis import Pass
@@ -25,9 +25,8 @@ Monomial: TypeAlias = tuple[int, ...]  # node numbers, in order
 
 _MOST = 400  # terms of one polynomial
 _DEGREE = 4
-_GROW = 1 + 1e-9
-_ROUND = 1e-12  # of the coefficients, relative
-UNIT = 1 + 1e-5  # of sines and cosines as computed, whose roundings stay below
+ROUND = 1e-12  # of the coefficients, relative
+UNIT = 1 + 1e-5  # of sines and cosines as computed, whose roundings and whose products' stay below
 _STEPS = 200  # multipliers tried
 
 
@@ -85,7 +84,7 @@ class Circles:
     def made(self, node: Node) -> Poly | None:
         """The sum or product of the polynomials of a node's arguments; None of what is neither or too long."""
         if node.value is not None:
-            return Poly({(): float(node.value)}, abs(float(node.value)) * _ROUND)
+            return Poly({(): float(node.value)}, abs(float(node.value)) * ROUND)
         if node.op not in (Op.ADD, Op.SUB, Op.NEG, Op.MUL):
             return None
         parts = [self.of(k) for k in node.args]
@@ -101,7 +100,7 @@ class Circles:
 
     def _clean(self, found: Poly) -> Poly:
         """Without terms that only the rounding of coefficients leaves."""
-        least = _ROUND / 100 * max(map(abs, found.terms.values()), default=0.0)
+        least = ROUND / 100 * max(map(abs, found.terms.values()), default=0.0)
         small = sum(abs(c) * self.largest(m) for m, c in found.terms.items() if abs(c) <= least)
         return Poly({m: c for m, c in found.terms.items() if abs(c) > least}, found.slack + small)
 
@@ -117,7 +116,7 @@ class Circles:
                 self._add(terms, tuple(sorted(m + n)), c * d)
         # Squares of sines are replaced so often in one monomial, each within what square and square may be off.
         often = 2 ** ((a.degree + b.degree) // 2) - 1
-        return Poly(terms, self.size(a) * self.size(b) * (2 * often * self.off + _ROUND))
+        return Poly(terms, self.size(a) * self.size(b) * (2 * often * self.off + ROUND))
 
     def _add(self, terms: dict[Monomial, float], m: Monomial, c: float) -> None:
         """Adds c m, squares of sines replaced."""
@@ -136,7 +135,7 @@ class Circles:
         """How far the square of a sine or cosine may be off."""
         if self._off is None:
             noise = max(float(self.p.result.noise[self.p.sources[k]].max()) for k in self.angle)
-            self._off = 2 * noise + noise * noise + _ROUND
+            self._off = 2 * noise + noise * noise + ROUND
         return self._off
 
     def most(self, i: int) -> float:
@@ -204,5 +203,5 @@ def _least(square: Array, line: Array, still: float, circle: NDArray[np.int64], 
     each = own[:, None] + more
     # The eigenvalues are known within far less than a share 1e-12 of the largest.
     rest = (turned[:, None] / (values[:, None] + more - size * 1e-12)).sum(axis=0) / 4
-    bounds = still - each.sum(axis=0) - np.abs(each).sum(axis=0) * off - rest * _GROW
-    return float(bounds.max() - (abs(still) + size * count) * (_GROW - 1))
+    bounds = still - each.sum(axis=0) - np.abs(each).sum(axis=0) * off - rest * GROW
+    return float(bounds.max() - (abs(still) + size * count) * (GROW - 1))

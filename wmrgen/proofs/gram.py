@@ -18,16 +18,14 @@ from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Op
 from wmrgen.proofs import interval as iv
-from wmrgen.proofs.circles import UNIT, Circles, Monomial, Poly
-from wmrgen.proofs.interval import Array
+from wmrgen.proofs.circles import ROUND, UNIT, Circles, Monomial, Poly
+from wmrgen.proofs.interval import GROW, Array
 from wmrgen.proofs.norms import least_squares
 from wmrgen.proofs.patterns import largest_of
 
 if TYPE_CHECKING:
     from wmrgen.proofs.analysis import Pass
 
-_GROW = 1 + 1e-9
-_ROUND = 1e-12  # of coefficients, relative
 _AGREE = 1e-3  # of the divisor: what may be left of D - h G h
 _MOST = 20  # parts
 _POSITIVE = 1e-6  # the least eigenvalue of G over the largest
@@ -92,7 +90,7 @@ def _parts(circles: Circles, n: Poly) -> tuple[list[_Part], float]:
             ratio = _ratio(h, first)
             if ratio is not None:
                 factors[x] = ratio
-                lost += 2 * _ROUND * circles.most(x) * len(h) * max(map(abs, h.values()))
+                lost += 2 * ROUND * circles.most(x) * len(h) * max(map(abs, h.values()))
                 break
         else:
             groups.append((h, {x: 1.0}))
@@ -108,7 +106,7 @@ def _ratio(h: Mapping[Monomial, float], first: Mapping[Monomial, float]) -> floa
     top = max(first, key=lambda m: abs(first[m]))
     if h.keys() != first.keys():
         return None
-    ratio, room = h[top] / first[top], _ROUND * abs(h[top])
+    ratio, room = h[top] / first[top], ROUND * abs(h[top])
     return ratio if all(abs(c - ratio * first[m]) <= room for m, c in h.items()) else None
 
 
@@ -143,7 +141,7 @@ def _gram(circles: Circles, parts: Sequence[_Part], d: Poly) -> tuple[NDArray[np
     for m, c in d.terms.items():
         wanted[rows[m]] = c
     found = np.linalg.pinv(matrix.T @ matrix, rcond=1e-9, hermitian=True) @ (matrix.T @ wanted)
-    rest = np.abs(matrix @ found - wanted) + _ROUND * (np.abs(matrix) @ np.abs(found) + np.abs(wanted))
+    rest = np.abs(matrix @ found - wanted) + ROUND * (np.abs(matrix) @ np.abs(found) + np.abs(wanted))
     left = float(rest.sum()) * UNIT ** max(map(len, rows))
     scaled = np.zeros((len(parts), len(parts)))
     for (j, k), g, q in zip(pairs, found, made, strict=True):
@@ -152,7 +150,7 @@ def _gram(circles: Circles, parts: Sequence[_Part], d: Poly) -> tuple[NDArray[np
     values = np.linalg.eigvalsh(scaled)
     if left > _AGREE * float(np.abs(wanted).max()) or values[0] <= _POSITIVE * values[-1]:
         return None
-    return np.asarray(np.linalg.inv(scaled) * np.outer(scale, scale), dtype=np.float64), left * _GROW
+    return np.asarray(np.linalg.inv(scaled) * np.outer(scale, scale), dtype=np.float64), left * GROW
 
 
 def _longest(p: Pass, parts: Sequence[_Part], inverse: NDArray[np.float64]) -> Array:
@@ -165,4 +163,4 @@ def _longest(p: Pass, parts: Sequence[_Part], inverse: NDArray[np.float64]) -> A
     for j, x in enumerate(sums):
         for k, y in enumerate(sums):
             total = total + abs(inverse[j, k]) * x * y
-    return np.asarray(total * _GROW)
+    return np.asarray(total * GROW)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 Interval: TypeAlias = tuple[Array, Array]
 
+GROW = 1 + 1e-9  # covers the rounding of sums of bounds
 _WIDE = 1e-15  # sines, cosines and arctangents of NumPy are off by less
 _HALF_PI = np.pi / 2
 _SLACK = 1e-9  # a turning point this close to an end counts as inside

@@ -13,19 +13,17 @@ from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
-from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.circles import UNIT
+from wmrgen.proofs.interval import GROW, Array, Interval
 from wmrgen.proofs.patterns import largest_of, terms_below_root
 
 if TYPE_CHECKING:
     from wmrgen.proofs.analysis import Pass
 
-_GROW = 1 + 1e-9
-_CIRCLE = 1 + 1e-5  # sines and cosines as computed, whose roundings and whose products' stay below
-
 
 def length(p: Pass, parts: Sequence[tuple[float, int]]) -> Array:
     """Upper bound of sqrt(sum f x x) over the parts (f, node), per box."""
-    plain = np.sqrt(sum((f * iv.magnitude(p.range(k)) ** 2 for f, k in parts), np.zeros(p.boxes))) * _GROW
+    plain = np.sqrt(sum((f * iv.magnitude(p.range(k)) ** 2 for f, k in parts), np.zeros(p.boxes))) * GROW
     shared = _shared(p, parts)
     return np.asarray(plain if shared is None else np.minimum(plain, shared[1]))
 
@@ -51,7 +49,7 @@ def _shared(p: Pass, parts: Sequence[tuple[float, int]]) -> Interval | None:
         slack = slack + f * form.slack**2
     about = float(np.linalg.norm(middle))
     reach = _stretch(p, atoms, matrix) + np.sqrt(slack)
-    room = (about + reach) * (_GROW - 1)
+    room = (about + reach) * (GROW - 1)
     return np.maximum(about - reach - room, 0.0), about + reach + room
 
 
@@ -67,7 +65,7 @@ def _stretch(p: Pass, atoms: Sequence[int], matrix: NDArray[np.float64]) -> Arra
             total = total + (weight * size) ** 2
         else:
             matrix[:, columns] = 0.0
-    return np.asarray(float(np.linalg.norm(matrix, 2)) * np.sqrt(total) * _GROW)
+    return np.asarray(float(np.linalg.norm(matrix, 2)) * np.sqrt(total) * GROW)
 
 
 def _alike(p: Pass, parts: Sequence[tuple[float, int]], atoms: Sequence[int]) -> bool:
@@ -84,7 +82,7 @@ def _sizes(p: Pass, atoms: Sequence[int]) -> list[tuple[list[int], Array]]:
     found = []
     for (arm, angle), places in groups.items():
         size = np.ones(p.boxes) if arm < 0 else iv.magnitude(p.range(arm))
-        found.append((places, size if angle == -2 else size * _CIRCLE))
+        found.append((places, size if angle == -2 else size * UNIT))
     return found
 
 
@@ -122,7 +120,7 @@ def least_squares(p: Pass, above: int, below: int) -> Array | None:
     least = np.maximum(p.range(below)[0], 0.0)
     noise = sum((p.result.noise[p.sources[k]] for k in inner if k in p.sources), np.zeros(p.boxes))
     with np.errstate(all="ignore"):
-        return np.asarray((length(p, parts) / np.sqrt(least) * (1 + 1e-4) + noise / least) * _GROW)
+        return np.asarray((length(p, parts) / np.sqrt(least) * (1 + 1e-4) + noise / least) * GROW)
 
 
 def _products(nodes: Sequence[Node], root: int) -> tuple[list[int], list[int]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.proofs import slopes as sl
-from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.interval import GROW, Array, Interval
 from wmrgen.proofs.slopes import Slope
 
 
@@ -88,7 +88,7 @@ class Analysis:
             if angle.row < slope[0].shape[0]:
                 size = np.maximum(-slope[0][angle.row], slope[1][angle.row])
                 over = over + np.where(size > 0, size * angle.factor * angle.rho, 0.0)
-        return sl.weighed(slope, plain, self.boxes), over * (1 + 1e-9)
+        return sl.weighed(slope, plain, self.boxes), over * GROW
 
     def lengths(self, i: int) -> Array:
         """The largest rho of the vectors on whose directions node ``i`` depends, per box; 0 without any."""

@@ -9,11 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.proofs import interval as iv
-from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.interval import GROW, Array, Interval
 
 Slope: TypeAlias = Interval | None  # arrays of (rows so far) x boxes
-
-_GROW = 1 + 1e-9  # covers the rounding of sums of bounds
 
 
 def _grown(slope: Slope, rows: int, boxes: int) -> Interval:
@@ -97,7 +95,7 @@ def norm(squares: Sequence[tuple[float, Slope]]) -> Slope:
     total = np.zeros((max(s.shape[0] for _, s in sizes), sizes[0][1].shape[1]))
     for factor, size in sizes:
         total[: size.shape[0]] += factor * size * size
-    most = np.sqrt(total) * _GROW
+    most = np.sqrt(total) * GROW
     return -most, most
 
 
@@ -107,7 +105,7 @@ def weighed(slope: Slope, noise: Array, boxes: int) -> Array:
         return np.zeros(boxes)
     size = iv.magnitude(slope)
     amount = noise[: size.shape[0]]
-    return np.asarray(np.where(amount > 0, size * amount, 0.0).sum(axis=0) * _GROW)
+    return np.asarray(np.where(amount > 0, size * amount, 0.0).sum(axis=0) * GROW)
 
 
 def without(slope: Slope, row: int) -> Slope:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from wmrgen.backends.c99.comment import comment_lines
 from wmrgen.backends.c99.companions import companions
 from wmrgen.backends.c99.notes import arithmetic_notes
-from wmrgen.backends.c99.parts import Part, parts
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
@@ -19,9 +19,11 @@ from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import expand, integer, rounds
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Port
-from wmrgen.ir.outline import outline, sizes
 from wmrgen.ir.trace import traced
 from wmrgen.render import render
+
+if TYPE_CHECKING:
+    from wmrgen.backends.c99.parts import Part
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +58,11 @@ def unit(
     module = hand_through(module)
     costs = {f.name: count(f) for f in (*module.functions, *((module.prepare,) if module.prepare else ()))}
     module = traced(expand(module, scalar, math, target, small), formulas)
-    rounding, own = rounds(module), tuple[Part, ...]()
+    rounding, own = rounds(module), tuple["Part", ...]()
     if small:
+        from wmrgen.backends.c99.parts import parts  # of --size alone
+        from wmrgen.ir.outline import outline, sizes
+
         found = outline(module.functions, f"{module.name}_part", sizes(target))
         own = parts(found.functions, found.parts, module.name, scalar)
         module = replace(module, functions=found.functions)

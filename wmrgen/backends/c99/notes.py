@@ -52,10 +52,8 @@ def _kernels(target: str, used: set[Op], size: bool) -> str:
         )
     if used & {Op.ATAN, Op.ATAN2}:
         parts.append(f"an arctangent of up to 1 within {errors.arctangent} ulp")
-    how = (
-        "in integers, without tables"
-        if target == M0
-        else ("without branches or tables" if size else "without branches, tables or calls")
-    )
+    how = "without branches or tables" if size else "without branches, tables or calls"
+    if target == M0:
+        how = "in integers, without tables"
     tried = f"Every float of these ranges was tried: {'; '.join(parts)} of the true value."
     return f"Sines and arctangents are polynomials {how}. {tried}"

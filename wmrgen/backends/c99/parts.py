@@ -10,6 +10,7 @@ from wmrgen.backends.c99.comment import WIDTH, block_comment
 from wmrgen.backends.c99.style import style
 from wmrgen.backends.expression import body
 from wmrgen.ir.nodes import Function, Op
+from wmrgen.ir.outline.undo import calls
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +30,8 @@ def parts(
     """``made``: what `wmrgen.ir.outline` made of ``functions``, those that are called before those that call."""
     callers: dict[str, Counter[str]] = {}
     for function in (*functions, *made):
-        for node in function.nodes:
-            if node.op is Op.CALL:
-                callers.setdefault(node.name or "", Counter())[function.name.removeprefix(f"{robot}_")] += 1
+        for part, count in calls(function.nodes).items():
+            callers.setdefault(part, Counter())[function.name.removeprefix(f"{robot}_")] += count
     return tuple(_part(part, callers[part.name], scalar) for part in made)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.outline.undo import calls
-from wmrgen.ir.prune import places, prune
+from wmrgen.ir.prune import pruned
 
 _COMMUTE = frozenset({Op.ADD, Op.MUL, Op.FMA})  # FMA in its first two arguments
 _DEPTH = 3  # levels of arguments by which the order of two that commute is settled
@@ -25,12 +25,10 @@ class Graph:
         self.results: list[tuple[int, ...]] = []
         self.names: list[tuple[tuple[str, int], ...]] = []  # intermediate results, per function
         for function in functions:
-            nodes, results = prune(function.nodes, function.results)
-            place = places(function.nodes, function.results)
-            start = len(self.nodes)
-            self.nodes += [Node(n.op, tuple(start + a for a in n.args), n.value, n.name) for n in nodes]
-            self.names.append(tuple((name, start + place[k]) for name, k in function.named if k in place))
-            self.results.append(tuple(start + r for r in results))
+            short, start = pruned(function), len(self.nodes)
+            self.nodes += [Node(n.op, tuple(start + a for a in n.args), n.value, n.name) for n in short.nodes]
+            self.names.append(tuple((name, start + k) for name, k in short.named))
+            self.results.append(tuple(start + r for r in short.results))
         self.shapes = self._seen()
         for i, node in enumerate(self.nodes):
             if node.op in _COMMUTE:

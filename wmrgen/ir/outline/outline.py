@@ -12,7 +12,7 @@ from wmrgen.ir.outline.pattern import Pattern
 from wmrgen.ir.outline.sizes import Sizes
 from wmrgen.ir.outline.undo import calls, inline
 from wmrgen.ir.passes.pressure import nearest
-from wmrgen.ir.prune import places, prune
+from wmrgen.ir.prune import pruned
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ def _lean(part: Function, functions: Sequence[Function]) -> tuple[Function, list
 
     A part put in the place of a call may have more results than the call had uses for.
     """
-    part = _pruned(part)
+    part = pruned(part)
     kept = sorted(_number(node) for node in part.nodes if node.op is Op.INPUT)
     names = {k: f"x{i}" for i, k in enumerate(kept)}
     body = tuple(replace(n, name=names[_number(n)]) if n.op is Op.INPUT else n for n in part.nodes)
@@ -51,20 +51,13 @@ def _lean(part: Function, functions: Sequence[Function]) -> tuple[Function, list
         called = node.op is Op.CALL and node.name == part.name
         return replace(node, args=tuple(node.args[k] for k in kept)) if called else node
 
-    changed = [_pruned(replace(f, nodes=tuple(map(over, f.nodes)))) for f in functions]
+    changed = [pruned(replace(f, nodes=tuple(map(over, f.nodes)))) for f in functions]
     return replace(part, nodes=body), changed
 
 
 def _number(node: Node) -> int:
     """Which parameter of a part."""
     return int((node.name or "x0")[1:])
-
-
-def _pruned(function: Function) -> Function:
-    nodes, results = prune(function.nodes, function.results)
-    place = places(function.nodes, function.results)
-    named = tuple((name, place[k]) for name, k in function.named if k in place)
-    return replace(function, nodes=nodes, results=results, named=named)
 
 
 def _numbered(functions: Sequence[Function], parts: Sequence[Function], name: str) -> Outlined:

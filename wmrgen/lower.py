@@ -36,12 +36,14 @@ class _Lowering:
         self.memo: dict[Expr, int] = {}
         self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
         self.locals = dict(formula.locals)
+        self.parameters: set[str] = set()
+        self.geometric: list[bool] = []  # of the first nodes: whether they depend on no input but geometry
         self.rules: dict[type, Callable[[Expr], int]] = {
             sympy.Add: self._add, sympy.Mul: self._mul, sympy.Pow: self._pow, sympy.sin: self._sin,
             sympy.cos: self._cos, sympy.tan: self._tan, sympy.atan2: self._atan2, sympy.Abs: self._abs,
             sympy.atan: self._atan, Nearest: self._nearest,
             sympy.Max: self._max, sympy.Min: self._min, sympy.Piecewise: self._select,
-            Input: self._input, Parameter: self._input, Local: self._local,
+            Input: self._input, Parameter: self._parameter, Local: self._local,
         }  # fmt: skip
 
     def node(self, expr: Expr) -> int:
@@ -61,6 +63,10 @@ class _Lowering:
 
     def _input(self, expr: Expr) -> int:
         return self.builder.input(self.names[expr.name])
+
+    def _parameter(self, expr: Expr) -> int:
+        self.parameters.add(self.names[expr.name])
+        return self._input(expr)
 
     def _local(self, expr: Expr) -> int:
         return self.node(self.locals[expr])
@@ -105,21 +111,12 @@ class _Lowering:
         return b.select(b.abs(a), b.const(_TINY), b.const(1), a)
 
     def _geometric(self, a: int) -> bool:
-        parameters = {p for p in self.names if p in {s.name for s in self._parameters()}}
-        stack, seen = [a], set()
-        while stack:
-            k = stack.pop()
-            if k in seen:
-                continue
-            seen.add(k)
-            node = self.builder.nodes[k]
-            if node.name is not None and node.name not in parameters:
-                return False
-            stack.extend(node.args)
-        return True
-
-    def _parameters(self) -> list[Parameter]:
-        return [e for e in self.memo if isinstance(e, Parameter)]
+        known = self.geometric
+        for node in self.builder.nodes[len(known) : a + 1]:
+            known.append(
+                all(known[k] for k in node.args) if node.name is None else node.name in self.parameters
+            )
+        return known[a]
 
     def _sin(self, expr: Expr) -> int:
         return self.builder.sin(self.node(expr.args[0]))

@@ -39,6 +39,8 @@ def pruned(function: Function) -> Function:
 
 
 def _moved(nodes: Sequence[Node], place: dict[int, int]) -> tuple[Node, ...]:
+    if len(place) == len(nodes):
+        return tuple(nodes)
     kept: list[Node] = []
     for i in place:
         node = nodes[i]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from fractions import Fraction
+from functools import lru_cache
 from math import inf, ldexp
 
 from wmrgen.exact.number import Exact
@@ -30,6 +31,7 @@ def round_rational(value: Fraction, precision: int, lowest: int, highest: int) -
     return -size if value < 0 else size
 
 
+@lru_cache(maxsize=4096)  # the same constants are met in every pass
 def _round(value: Exact, precision: int, lowest: int, highest: int) -> float:
     if value.is_rational:
         return round_rational(value.parts[0], precision, lowest, highest)

@@ -67,15 +67,25 @@ def times(a: Multiple, b: Multiple, scales: Interval) -> Multiple:
     """a b; of two that have multiples, ``b`` counts with its range."""
     if rows(a) > 1 and rows(b) > 1:
         b = plain(hull(b, scales))
-    p, q, r, s = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
-    return _outward(  # 0 times infinity is 0
-        np.fmin(np.fmin(p, q), np.fmin(r, s)), np.fmax(np.fmax(p, q), np.fmax(r, s))
-    )
+    p, q = a[0] * b[0], a[0] * b[1]  # arrays are used again: those of many boxes are dear to allocate
+    lo, hi = np.fmin(p, q), np.fmax(p, q, out=p)  # 0 times infinity is 0
+    r, s = np.multiply(a[1], b[0], out=q), a[1] * b[1]
+    low = np.fmin(r, s)
+    return _outward(np.fmin(lo, low, out=lo), np.fmax(hi, np.fmax(r, s, out=r), out=hi))
 
 
 def _outward(lo: Array, hi: Array) -> Multiple:
-    """Wider on either side by more than a rounding: cheaper than the next number, and never subnormal."""
-    return lo - (np.abs(lo) * _UNIT + _LEAST), hi + (np.abs(hi) * _UNIT + _LEAST)
+    """Both, wider by more than a rounding: cheaper than the next number, and never subnormal."""
+    room = np.abs(lo)
+    lo -= _room(room)
+    hi += _room(np.abs(hi, out=room))
+    return lo, hi
+
+
+def _room(size: Array) -> Array:
+    size *= _UNIT
+    size += _LEAST
+    return size
 
 
 def size(a: Multiple, scales: Interval) -> Array:

@@ -68,7 +68,7 @@ class Paper:
             centre[0] + half[0] + 1,
             centre[1] + half[1] + 1,
         )
-        hits = sum(500 + overlap(box, other) for other in self.boxes if overlap(box, other) > 0)
+        hits = sum(500 + common for other in self.boxes if (common := overlap(box, other)) > 0)
         size = (box[2] - box[0]) * (box[3] - box[1])
         outside = size - overlap(box, self.area)
         crossed = sum(14.0 for a, b in self.segments if lines and _crosses(a, b, box))

@@ -26,10 +26,11 @@ def schedule(function: Function) -> Function:
             if i in place:
                 stack.pop()
                 continue
-            args = sorted(set(nodes[i].args), key=lambda arg: (-needs[arg], nodes[i].args.index(arg)))
-            waiting = [arg for arg in args if arg not in place]
-            if waiting:
-                stack += reversed(waiting)
+            waiting = {arg for arg in nodes[i].args if arg not in place}
+            if len(waiting) > 1:
+                stack += sorted(waiting, key=lambda arg: (needs[arg], -nodes[i].args.index(arg)))
+            elif waiting:
+                stack += waiting
             else:
                 place[i] = len(order)
                 order.append(stack.pop())

@@ -12,6 +12,7 @@ from hypothesis import Phase, given, settings
 
 from tests.backends.modules import MODULES
 from tests.c.harness import COMPILERS, STRICT, Program, gallery, libm, ulps32
+from tests.depth import everyday
 from tests.laws.layouts import Layout, layouts
 from tests.oracle.harness import Model, robot_text
 from wmrgen.compiler import compile_program, run_program
@@ -22,7 +23,7 @@ from wmrgen.ir.nodes import ARITY, Function, Module, Node, Op, Port, Role
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 NO_LEAKS = {"ASAN_OPTIONS": "detect_leaks=0"}
-LEVELS = ("-O0", "-O2", "-Os")
+BUILDS = [(compiler, level) for compiler in COMPILERS for level in ("-O0", "-O2", "-Os")]
 
 OTHERS = (LIBM, "m0", "avr", "host")
 SMALL = ("libm size", "avr size", "host size")
@@ -36,10 +37,9 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> tuple[Program, Path]:
     return program, folder
 
 
-@pytest.mark.parametrize("level", LEVELS)
-@pytest.mark.parametrize("compiler", COMPILERS)
-def test_float(robots: tuple[Program, Path], compiler: str, level: str) -> None:
-    program, folder = robots
+@pytest.mark.parametrize("build", everyday(BUILDS, [*BUILDS[1:2], *BUILDS[-1:]]), ids=" ".join)
+def test_float(robots: tuple[Program, Path], build: tuple[str, str]) -> None:
+    (program, folder), (compiler, level) = robots, build
     assert program.mismatches(folder, compiler, (*STRICT, level)) == []
 
 

@@ -9,16 +9,18 @@ import pytest
 
 from tests.backends.modules import MODULES
 from tests.backends.samples import samples
-from tests.c.harness import gallery
+from tests.c.harness import robot_module
+from tests.conftest import GALLERY
 from wmrgen.ir.arithmetic import FLOAT32
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.nodes import Function, Op
 from wmrgen.ir.outline import Outlined, outline, sizes
 from wmrgen.ir.outline.sizes import LEAST_OPERATIONS, MOST_PARAMETERS, MOST_RESULTS
 from wmrgen.ir.outline.undo import calls, inline
 
+BY_HAND = {module.name: module for module in MODULES}
 FEW = ("wpilib_swervebot", "kelly_4ws", "nomad_xr4000", "ackermann_car", "lekiwi")
 COMMUTE = (Op.ADD, Op.MUL, Op.FMA)
 
@@ -26,7 +28,7 @@ COMMUTE = (Op.ADD, Op.MUL, Op.FMA)
 @cache
 def small(robot: str, target: str = "m4f", math: str = "inline") -> tuple[tuple[Function, ...], Outlined]:
     """The functions of a robot before and after."""
-    module = hand_through(next(m for m in (*MODULES, *gallery()) if m.name == robot))
+    module = hand_through(BY_HAND.get(robot) or robot_module(robot))
     functions = expand(module, "float", math, target, small=True).functions
     return functions, outline(functions, f"{robot}_part", sizes(target))
 
@@ -61,9 +63,9 @@ def test_every_result_is_the_same_expression(robot: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("target", ["m4f", "m0", "avr", "host"])
-@pytest.mark.parametrize("module", (*MODULES, *gallery()), ids=lambda m: m.name)
-def test_every_result_of_every_robot(module: Module, target: str) -> None:
-    check(*small(module.name, target))
+@pytest.mark.parametrize("robot", [*BY_HAND, *(path.stem for path in GALLERY)])
+def test_every_result_of_every_robot(robot: str, target: str) -> None:
+    check(*small(robot, target))
 
 
 @pytest.mark.parametrize("robot", FEW)
@@ -89,7 +91,7 @@ def test_a_swerve_has_one_part_per_wheel_and_way() -> None:
 
 @pytest.mark.parametrize("robot", FEW)
 def test_waves_with_their_own_sign_give_the_same_bits(robot: str) -> None:
-    module = next(m for m in gallery() if m.name == robot)
+    module = robot_module(robot)
     usual, own = (expand(module, "float", "inline", "m4f", small=way) for way in (False, True))
     for function in module.functions:
         for case in samples(module, function, 12):

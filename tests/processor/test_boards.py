@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import gallery
+from tests.c.harness import robot_module
 from tests.processor import boards
 from tests.tools import need
 
-ROBOTS = [m for m in gallery() if m.name in ("lekiwi", "clearpath_do100", "wpilib_swervebot", "nomad_xr4000")]
+ROBOTS = ("clearpath_do100", "lekiwi", "nomad_xr4000", "wpilib_swervebot")
 BOARDS = pytest.mark.parametrize(("processor", "board"), [("m4f", "mps2-an386"), ("m0", "microbit")])
 
 
@@ -38,26 +38,26 @@ def spoil(folder: Path) -> None:
 @pytest.mark.slow
 @BOARDS
 def test_cortex_m(processor: str, board: str, tmp_path: Path) -> None:
-    files = boards.write(tmp_path, ROBOTS, processor, 20)
+    files = boards.write(tmp_path, [robot_module(name) for name in ROBOTS], processor, 20)
     assert "the same" in on_qemu(tmp_path, files, processor, board)
 
 
 @pytest.mark.slow
 @BOARDS
 def test_a_wrong_bit_is_seen_on_cortex_m(processor: str, board: str, tmp_path: Path) -> None:
-    files = boards.write(tmp_path, ROBOTS[:1], processor, 2)
+    files = boards.write(tmp_path, [robot_module(ROBOTS[0])], processor, 2)
     spoil(tmp_path)
     assert "different" in on_qemu(tmp_path, files, processor, board)
 
 
 @pytest.mark.slow
 def test_atmega(tmp_path: Path) -> None:
-    files = boards.write(tmp_path, [m for m in ROBOTS if m.name == "lekiwi"], "avr", 4)
+    files = boards.write(tmp_path, [robot_module("lekiwi")], "avr", 4)
     assert "the same" in on_simavr(tmp_path, files)
 
 
 @pytest.mark.slow
 def test_a_wrong_bit_is_seen_on_atmega(tmp_path: Path) -> None:
-    files = boards.write(tmp_path, [m for m in ROBOTS if m.name == "lekiwi"], "avr", 2)
+    files = boards.write(tmp_path, [robot_module("lekiwi")], "avr", 2)
     spoil(tmp_path)
     assert "different" in on_simavr(tmp_path, files)

@@ -10,13 +10,13 @@ import pytest
 
 from benchmarks import budgets
 from benchmarks.budgets import Budget, check, growth, measure, update
-from tests.c.harness import gallery
+from tests.c.harness import robot_module
 from wmrgen.artifacts import BUDGET, differences, write_tree
 
 
 @pytest.fixture(scope="module")
 def measured() -> dict[str, Budget]:
-    return measure([m for m in gallery() if m.name in ("lekiwi", "kuka_youbot", "bicycle")])
+    return measure([robot_module(name) for name in ("lekiwi", "kuka_youbot", "bicycle")])
 
 
 def test_what_is_measured(measured: dict[str, Budget]) -> None:
@@ -29,7 +29,7 @@ def test_what_is_measured(measured: dict[str, Budget]) -> None:
 
 
 def test_the_same_every_time(measured: dict[str, Budget]) -> None:
-    again = measure([m for m in gallery() if m.name in measured])
+    again = measure([robot_module(name) for name in measured])
     assert json.dumps(again) == json.dumps(measured)
 
 

@@ -9,7 +9,7 @@ import pytest
 import wmrgen
 from benchmarks.emulator.gcc import PROCESSORS
 from benchmarks.footprint import SHOWN, Footprint, measure
-from tests.c.harness import gallery
+from tests.c.harness import gallery, robot_module
 from tests.conftest import ROOT
 from tests.tools import need
 from wmrgen.ir.nodes import Module
@@ -29,7 +29,7 @@ def test_the_gallery_compiles_and_its_stack_is_known(key: str) -> None:
 def test_small_robots_need_no_stack() -> None:
     need(PROCESSORS["m4f"].compiler)
     names = ("textbook_differential", "clearpath_do100", "lekiwi")
-    found = measure([m for m in gallery() if m.name in names], PROCESSORS["m4f"])
+    found = measure([robot_module(name) for name in names], PROCESSORS["m4f"])
     for name in names:
         for function in ("inverse", "forward"):
             assert found[f"{name}_{function}"].stack == 0

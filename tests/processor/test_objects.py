@@ -11,7 +11,7 @@ import pytest
 from benchmarks.emulator.fleet import EVERY, write_sources
 from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import M0, M4F, Target, compile_objects
-from tests.c.harness import gallery
+from tests.c.harness import robot_module
 from tests.processor.conftest import Built
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.meta import Meta
@@ -56,7 +56,7 @@ def test_no_double_routine_on_cortex_m4f(built: Built) -> None:
 
 def test_no_double_routine_on_cortex_m0(tmp_path: Path) -> None:
     """Robots of each kind; the whole gallery below."""
-    check(undefined(tmp_path, [m for m in gallery() if m.name in KINDS], M0), M0, DEFAULT.math)
+    check(undefined(tmp_path, [robot_module(name) for name in KINDS], M0), M0, DEFAULT.math)
 
 
 @pytest.mark.slow
@@ -69,6 +69,6 @@ def test_no_double_routine(target: Target, math: str, built: Built) -> None:
 
 @TARGETS
 def test_the_double_build_would_be_found(target: Target, tmp_path: Path) -> None:
-    found = undefined(tmp_path, gallery()[:1], target, "double")
+    found = undefined(tmp_path, [robot_module("ackermann_car")], target, "double")
     assert {"__aeabi_dmul", "__aeabi_dadd", "sin"} <= found
     assert {name for name in found if re.fullmatch(DOUBLE, name)} == found - {"__aeabi_memcpy"}

@@ -108,6 +108,7 @@ def test_written_and_checked(wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytes
     assert "generated/errata.md: " in done.out and "generated/textbook/textbook.c: missing" in done.out
 
 
+@pytest.mark.slow
 def test_a_linked_page_is_refused(wmrgen_cli: Cli, tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()

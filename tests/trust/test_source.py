@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "wmrgen"
 SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(PACKAGE.rglob("*.py"))}
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in SOURCES.items()}
 
 FORBIDDEN_CALLS = {
     "eval", "exec", "compile", "__import__", "sympify", "S", "parse_expr", "parse_latex", "parse_mathematica",
@@ -55,12 +55,17 @@ WRITING = {
 }
 
 
-def calls(tree: ast.AST) -> Iterator[ast.Call]:
-    return (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+@cache
+def tree(module: str) -> ast.Module:
+    return ast.parse(SOURCES[module].read_text(encoding="utf-8"))
 
 
-def imported(tree: ast.AST) -> Iterator[str]:
-    for node in ast.walk(tree):
+def calls(root: ast.AST) -> Iterator[ast.Call]:
+    return (node for node in ast.walk(root) if isinstance(node, ast.Call))
+
+
+def imported(root: ast.AST) -> Iterator[str]:
+    for node in ast.walk(root):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -74,7 +79,7 @@ def name_of(function: ast.expr) -> str:
 
 @pytest.mark.parametrize("module", SOURCES)
 def test_nothing_turns_text_into_code(module: str) -> None:
-    for node in ast.walk(TREES[module]):
+    for node in ast.walk(tree(module)):
         if isinstance(node, ast.Call):
             assert name_of(node.func) not in FORBIDDEN_CALLS, f"{module}:{node.lineno}"
         if isinstance(node, ast.Attribute):
@@ -83,7 +88,7 @@ def test_nothing_turns_text_into_code(module: str) -> None:
             assert not (of_yaml and node.attr in ("load", "safe_load", "Loader", "CLoader")), (
                 f"{module}:{node.lineno}"
             )
-    for name in imported(TREES[module]):
+    for name in imported(tree(module)):
         assert name.split(".")[0] not in FORBIDDEN_MODULES, f"{module} imports {name}"
         assert name.rsplit(".", 1)[-1] not in FORBIDDEN_CALLS, f"{module} imports {name}"
 
@@ -91,7 +96,7 @@ def test_nothing_turns_text_into_code(module: str) -> None:
 @pytest.mark.parametrize("module", SOURCES)
 def test_no_text_is_given_to_sympy(module: str) -> None:
     """Only Symbol and Function take a name; every other sympy call takes no literal text at all."""
-    for call in calls(TREES[module]):
+    for call in calls(tree(module)):
         if isinstance(call.func, ast.Attribute) and name_of(call.func.value) in ("sympy", "sp"):
             if call.func.attr in ("Symbol", "Dummy", "Function"):
                 continue
@@ -103,7 +108,7 @@ def test_no_text_is_given_to_sympy(module: str) -> None:
 
 @pytest.mark.parametrize("library", HOMES)
 def test_one_module_each(library: str) -> None:
-    users = {m for m, tree in TREES.items() if any(name.split(".")[0] == library for name in imported(tree))}
+    users = {m for m in SOURCES if any(name.split(".")[0] == library for name in imported(tree(m)))}
     homes = HOMES[library]
     strangers = {u for u in users if u not in homes and not any(u.startswith(f"{h}/") for h in homes)}
     assert not strangers
@@ -111,7 +116,7 @@ def test_one_module_each(library: str) -> None:
 
 @pytest.mark.parametrize("module", SOURCES)
 def test_only_artifacts_writes_and_only_the_console_prints(module: str) -> None:
-    for call in calls(TREES[module]):
+    for call in calls(tree(module)):
         place = f"{module}:{call.lineno}"
         if module not in WRITERS:
             assert name_of(call.func) != "open" or not _for_writing(call), place
@@ -120,7 +125,7 @@ def test_only_artifacts_writes_and_only_the_console_prints(module: str) -> None:
                 assert call.func.attr != "open" or not _for_writing(call), place
         assert name_of(call.func) != "print", place
     if module != "cli/console":
-        for node in ast.walk(TREES[module]):
+        for node in ast.walk(tree(module)):
             if isinstance(node, ast.Attribute) and name_of(node.value) == "sys":
                 assert node.attr not in ("stdout", "stderr"), f"{module}:{node.lineno}"
 

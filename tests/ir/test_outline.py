@@ -11,6 +11,7 @@ from tests.backends.modules import MODULES
 from tests.backends.samples import samples
 from tests.c.harness import robot_module
 from tests.conftest import GALLERY
+from tests.depth import everyday
 from wmrgen.ir.arithmetic import FLOAT32
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.interpret import evaluate_module
@@ -68,7 +69,7 @@ def test_every_result_of_every_robot(robot: str, target: str) -> None:
     check(*small(robot, target))
 
 
-@pytest.mark.parametrize("robot", FEW)
+@pytest.mark.parametrize("robot", everyday(FEW, FEW[:2]))
 def test_a_part_is_worth_its_calls(robot: str) -> None:
     _, made = small(robot)
     count = calls([node for f in (*made.functions, *made.parts) for node in f.nodes])

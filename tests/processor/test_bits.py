@@ -24,6 +24,7 @@ def test_cortex_m4f(built: Built) -> None:
     assert calls > 700
 
 
+@pytest.mark.slow
 def test_with_size(tmp_path: Path) -> None:
     """The bits of the usual C, whose operations `mismatches` interprets."""
     few = [module for module in every() if module.name in ("wpilib_swervebot", "ackermann_car", "lekiwi")]

@@ -103,6 +103,7 @@ def test_a_changed_equation_no_longer_holds(r: Record) -> None:
     assert judge(replace(r, printed=made)).verdict == "undecided"
 
 
+@pytest.mark.slow
 def test_counterexamples_stand_on_the_page() -> None:
     page = errata().decode()
     assert "α rises to 1.75382 > π/2" in page  # Siegwart (3.65), k = (0.5, 10.5, −6), from (1.55, 3.1)

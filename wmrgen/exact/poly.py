@@ -135,10 +135,12 @@ class Poly:
     def scale(self, k: Number) -> Poly:
         """k * self for a number k."""
         e = Exact.of(k)
-        return self if e == 1 else Poly({m: c * e for m, c in self.terms.items()})
+        return self if e == ONE else Poly({m: c * e for m, c in self.terms.items()})
 
     def __mul__(self, other: Poly | Number) -> Poly:
         o = Poly.of(other)
+        if not (self.terms and o.terms):
+            return o if self.terms else self
         a, b = self.constant, o.constant
         if b is not None:
             return self.scale(b)

@@ -34,7 +34,7 @@ def round_rational(value: Fraction, precision: int, lowest: int, highest: int) -
 @lru_cache(maxsize=4096)  # the same constants are met in every pass
 def _round(value: Exact, precision: int, lowest: int, highest: int) -> float:
     if value.is_rational:
-        return round_rational(value.parts[0], precision, lowest, highest)
+        return round_rational(value.rational(), precision, lowest, highest)
     digits = 40
     while True:  # ends: an irrational number is no tie, so close enough bounds round alike
         middle = value.rational(digits)

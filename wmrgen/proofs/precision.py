@@ -117,7 +117,7 @@ def constant(value: Exact, name: str) -> tuple[float, float, float, bool]:
     nearest = to_float64(value)
     low, high = min(printed, nearest), max(printed, nearest)
     if value.is_rational:
-        difference = abs(Fraction(printed) - value.parts[0])
+        difference = abs(Fraction(printed) - value.rational())
         error = float(difference) * (1 + 2.0**-50) if difference else 0.0
     else:
         error = (abs(printed - nearest) + abs(nearest) * 2.0**-52) * (1 + 2.0**-50)

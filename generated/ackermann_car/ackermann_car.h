@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -53,7 +54,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "5a9c70f055f63eb2b4b02cd9a160a059"
-#define ACKERMANN_CAR_PAIR_83b9bdb277ec130f 1
+#define ACKERMANN_CAR_PAIR_9340c1611a5b139e 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -89,7 +90,9 @@ typedef ackermann_car_inverse_in ackermann_car_inverse_slip_in;
 
 /* Output of ackermann_car_inverse_slip(). */
 typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
+    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
+     * held steering */
+    float slip;
 } ackermann_car_inverse_slip_out;
 
 /* Input of ackermann_car_forward().
@@ -137,31 +140,34 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } ackermann_car_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 8 additions, 13 multiplications, 4 divisions, 2 square roots, 2 arctangents, 14
- * comparisons, 3 sign operations. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 8 additions, 13 multiplications, 4 divisions, 2 square roots, 2
+ * arctangents, 14 comparisons, 3 sign operations. */
 void ackermann_car_inverse(const ackermann_car_inverse_in *in, ackermann_car_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 8 additions, 13 multiplications, 4 divisions, 3 square roots, 8 comparisons, 3
- * sign operations. */
+ * Operations of the formula: 8 additions, 13 multiplications, 4 divisions, 3 square roots, 8
+ * comparisons, 3 sign operations. */
 void ackermann_car_inverse_slip(
     const ackermann_car_inverse_slip_in *in,
     ackermann_car_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 23 additions, 40 multiplications, 1 division, 4 sines and cosines, 1 comparison. */
+ * Operations of the formula: 23 additions, 40 multiplications, 1 division, 4 sines and cosines,
+ * 1 comparison. */
 void ackermann_car_forward(const ackermann_car_forward_in *in, ackermann_car_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 35 additions, 55 multiplications, 1 division, 1 square root, 4 sines and cosines,
- * 1 comparison. */
+ * Operations of the formula: 35 additions, 55 multiplications, 1 division, 1 square root, 4
+ * sines and cosines, 1 comparison. */
 void ackermann_car_forward_slip(
     const ackermann_car_forward_slip_in *in,
     ackermann_car_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void ackermann_car_odometry(const ackermann_car_odometry_in *in, ackermann_car_odometry_out *out);
 
 #ifdef __cplusplus

@@ -24,7 +24,7 @@ def _shaped(arguments, results):
 
 
 def inverse(vx, vy, omega, front_left_steer, front_right_steer):
-    """twist of P in the robot frame to joint commands
+    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill
 
     Arguments:
         vx [m/s] velocity of P forward, robot frame
@@ -39,7 +39,7 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer):
         front_left.steer [rad] steering angle, counter-clockwise from the zero of the robot file
         front_right.spin [rad/s] wheel speed about its axle, positive rolls along the rolling direction
         front_right.steer [rad] steering angle, counter-clockwise from the zero of the robot file
-        slip [m/s] sliding that the ground must give: RMS over the constraining wheels
+        slip [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over held steering
     """
     vx = np.asarray(vx, dtype=np.float64)
     vy = np.asarray(vy, dtype=np.float64)

@@ -8,17 +8,19 @@
  * The functions of ackermann_car.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns ACKERMANN_CAR_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * ackermann_car.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_ACKERMANN_CAR_CHECKED_H
 #define WMRGEN_ACKERMANN_CAR_CHECKED_H
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_83b9bdb277ec130f)
+#if !defined(ACKERMANN_CAR_PAIR_9340c1611a5b139e)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

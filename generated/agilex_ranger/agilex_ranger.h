@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -52,7 +53,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "dab1c8f9e4730d5e8ce4c24278a961a5"
-#define AGILEX_RANGER_PAIR_30ae9e24b6215f69 1
+#define AGILEX_RANGER_PAIR_2bbb06f47c370477 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -96,7 +97,9 @@ typedef agilex_ranger_inverse_in agilex_ranger_inverse_slip_in;
 
 /* Output of agilex_ranger_inverse_slip(). */
 typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
+    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
+     * held steering */
+    float slip;
 } agilex_ranger_inverse_slip_out;
 
 /* Input of agilex_ranger_forward().
@@ -156,30 +159,33 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } agilex_ranger_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 33 additions, 30 multiplications, 4 divisions, 4 square roots, 4 sines and
- * cosines, 4 arctangents, 52 comparisons, 11 sign operations, 4 roundings. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 33 additions, 30 multiplications, 4 divisions, 4 square roots, 4
+ * sines and cosines, 4 arctangents, 52 comparisons, 11 sign operations, 4 roundings. */
 void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 36 additions, 31 multiplications, 4 divisions, 5 square roots, 4 sines and
- * cosines, 4 arctangents, 52 comparisons, 11 sign operations, 4 roundings. */
+ * Operations of the formula: 36 additions, 31 multiplications, 4 divisions, 5 square roots, 4
+ * sines and cosines, 4 arctangents, 52 comparisons, 11 sign operations, 4 roundings. */
 void agilex_ranger_inverse_slip(
     const agilex_ranger_inverse_slip_in *in,
     agilex_ranger_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 9 additions, 12 multiplications, 8 sines and cosines. */
+ * Operations of the formula: 9 additions, 12 multiplications, 8 sines and cosines. */
 void agilex_ranger_forward(const agilex_ranger_forward_in *in, agilex_ranger_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 28 additions, 30 multiplications, 1 square root, 8 sines and cosines. */
+ * Operations of the formula: 28 additions, 30 multiplications, 1 square root, 8 sines and
+ * cosines. */
 void agilex_ranger_forward_slip(
     const agilex_ranger_forward_slip_in *in,
     agilex_ranger_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void agilex_ranger_odometry(const agilex_ranger_odometry_in *in, agilex_ranger_odometry_out *out);
 
 #ifdef __cplusplus

@@ -8,17 +8,19 @@
  * The functions of agilex_ranger.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns AGILEX_RANGER_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * agilex_ranger.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_AGILEX_RANGER_CHECKED_H
 #define WMRGEN_AGILEX_RANGER_CHECKED_H
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_30ae9e24b6215f69)
+#if !defined(AGILEX_RANGER_PAIR_2bbb06f47c370477)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

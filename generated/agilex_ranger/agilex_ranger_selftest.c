@@ -16,7 +16,7 @@
  */
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_30ae9e24b6215f69)
+#if !defined(AGILEX_RANGER_PAIR_2bbb06f47c370477)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_8a4f6b88c2748894)
+#if !defined(ANDINO_PAIR_3d824cc421e62c7c)
 #error "andino.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

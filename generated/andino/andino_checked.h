@@ -7,18 +7,20 @@
  *
  * The functions of andino.h for inputs that nobody vouches for: a sensor that failed, a command
  * from a network. Each returns ANDINO_OK and the outputs of the function, to the last bit, or a
- * status and safe outputs: joint rates, twists and slips 0, steering angles and poses held where
- * they were, steering inside its limits. Parameters are not checked.
+ * status and safe outputs: joint rates, twists and slips 0, steering angles and poses as they were
+ * (0 where that is no number either: look at the status before a motor follows), steering inside
+ * its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which andino.h
+ * states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_ANDINO_CHECKED_H
 #define WMRGEN_ANDINO_CHECKED_H
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_8a4f6b88c2748894)
+#if !defined(ANDINO_PAIR_3d824cc421e62c7c)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

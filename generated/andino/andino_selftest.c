@@ -16,7 +16,7 @@
  */
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_8a4f6b88c2748894)
+#if !defined(ANDINO_PAIR_3d824cc421e62c7c)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

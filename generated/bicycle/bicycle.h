@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -48,7 +49,7 @@
 #define WMRGEN_BICYCLE_H
 
 #define BICYCLE_MODEL_HASH "0571fb3a35493dbae6572cb03c77fabe"
-#define BICYCLE_PAIR_b2f79369bc7551d1 1
+#define BICYCLE_PAIR_142e72c39d42e4fc 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -78,7 +79,9 @@ typedef bicycle_inverse_in bicycle_inverse_slip_in;
 
 /* Output of bicycle_inverse_slip(). */
 typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
+    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
+     * held steering */
+    float slip;
 } bicycle_inverse_slip_out;
 
 /* Input of bicycle_forward(). */
@@ -124,27 +127,30 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } bicycle_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 7 additions, 12 multiplications, 1 division, 1 square root, 1 sine or cosine, 1
- * arctangent, 13 comparisons, 3 sign operations, 1 rounding. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 7 additions, 12 multiplications, 1 division, 1 square root, 1 sine
+ * or cosine, 1 arctangent, 13 comparisons, 3 sign operations, 1 rounding. */
 void bicycle_inverse(const bicycle_inverse_in *in, bicycle_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 8 additions, 12 multiplications, 1 division, 2 square roots, 1 sine or cosine, 1
- * arctangent, 13 comparisons, 4 sign operations, 1 rounding. */
+ * Operations of the formula: 8 additions, 12 multiplications, 1 division, 2 square roots, 1 sine
+ * or cosine, 1 arctangent, 13 comparisons, 4 sign operations, 1 rounding. */
 void bicycle_inverse_slip(const bicycle_inverse_slip_in *in, bicycle_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 15 additions, 43 multiplications, 3 divisions, 2 sines and cosines, 9 comparisons. */
+ * Operations of the formula: 15 additions, 43 multiplications, 3 divisions, 2 sines and cosines,
+ * 9 comparisons. */
 void bicycle_forward(const bicycle_forward_in *in, bicycle_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 20 additions, 49 multiplications, 3 divisions, 1 square root, 2 sines and cosines,
- * 9 comparisons. */
+ * Operations of the formula: 20 additions, 49 multiplications, 3 divisions, 1 square root, 2
+ * sines and cosines, 9 comparisons. */
 void bicycle_forward_slip(const bicycle_forward_slip_in *in, bicycle_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void bicycle_odometry(const bicycle_odometry_in *in, bicycle_odometry_out *out);
 
 #ifdef __cplusplus

@@ -16,7 +16,7 @@
  */
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_b2f79369bc7551d1)
+#if !defined(BICYCLE_PAIR_142e72c39d42e4fc)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

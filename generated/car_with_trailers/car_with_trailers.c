@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_c68880b9cd7f1f7b)
+#if !defined(CAR_WITH_TRAILERS_PAIR_ce3cfe3c43396e55)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -78,10 +78,10 @@ void car_with_trailers_inverse(
     car_with_trailers_inverse_out *out)
 {
     const float t0 = 0.4f * in->omega;
-    const float t1 = in->vx - t0; /* front_left: u */
-    const float t2 = in->vx + t0; /* front_right: u */
+    const float t1 = in->vx - t0; /* front_left: p */
+    const float t2 = in->vx + t0; /* front_right: p */
     const float t3 = 1.4f * in->omega;
-    const float t4 = wmrgen_within(t3 / wmrgen_beyond(t1, 1e-20f), 0.83909965f); /* front_left: tan(heading / 2) */
+    const float t4 = wmrgen_within(t3 / wmrgen_beyond(t1, 1e-20f), 0.83909965f); /* front_left: t */
     const float t5 = t4 * t4;
     const float t6 = 9.090909f * (fmaf(t3, t4, t1) / sqrtf(t5 + 1.0f));
     const float t7 = fmaf(t5, fmaf(t5, 0.002993259f, (-0.016716665f)), 0.04390253f);
@@ -89,7 +89,7 @@ void car_with_trailers_inverse(
     const float t9 = fmaf(t5, fmaf(t5, t8, (-0.14225537f)), 0.1999624f);
     const float t10 = fabsf(t3);
     const float t11 = ((fabsf(t1) + t10) < 2e-20f) ? wmrgen_within(in->front_left.steer, 0.6981317f) : fmaf(t4 * t5, fmaf(t5, t9, (-0.33333313f)), t4);
-    const float t12 = wmrgen_within(t3 / wmrgen_beyond(t2, 1e-20f), 0.83909965f); /* front_right: tan(heading / 2) */
+    const float t12 = wmrgen_within(t3 / wmrgen_beyond(t2, 1e-20f), 0.83909965f); /* front_right: t */
     const float t13 = t12 * t12;
     const float t14 = 9.090909f * (fmaf(t3, t12, t2) / sqrtf(t13 + 1.0f));
     const float t15 = fmaf(t13, fmaf(t13, 0.002993259f, (-0.016716665f)), 0.04390253f);
@@ -110,12 +110,12 @@ void car_with_trailers_inverse_slip(
     car_with_trailers_inverse_slip_out *out)
 {
     const float t0 = 0.4f * in->omega;
-    const float t1 = in->vx - t0; /* front_left: u */
+    const float t1 = in->vx - t0; /* front_left: p */
     const float t2 = 1.4f * in->omega;
-    const float t3 = wmrgen_within(t2 / wmrgen_beyond(t1, 1e-20f), 0.83909965f); /* front_left: tan(heading / 2) */
+    const float t3 = wmrgen_within(t2 / wmrgen_beyond(t1, 1e-20f), 0.83909965f); /* front_left: t */
     const float t4 = fmaf(-t1, t3, t2) / sqrtf(fmaf(t3, t3, 1.0f));
-    const float t5 = in->vx + t0; /* front_right: u */
-    const float t6 = wmrgen_within(t2 / wmrgen_beyond(t5, 1e-20f), 0.83909965f); /* front_right: tan(heading / 2) */
+    const float t5 = in->vx + t0; /* front_right: p */
+    const float t6 = wmrgen_within(t2 / wmrgen_beyond(t5, 1e-20f), 0.83909965f); /* front_right: t */
     const float t7 = fmaf(-t5, t6, t2) / sqrtf(fmaf(t6, t6, 1.0f));
     const float t8 = fabsf(in->vy);
     const float t9 = sqrtf(fmaf(t8, t8, 0.5f * fmaf(t4, t4, t7 * t7)));
@@ -137,8 +137,8 @@ void car_with_trailers_forward(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front right ry */
-    const float t11 = fmaf(1.4f, t10, -(0.4f * t7)); /* front right rw */
+    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front_right: row of H, vy */
+    const float t11 = fmaf(1.4f, t10, -(0.4f * t7)); /* front_right: row of H, omega */
     const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
     const float t13 = t12 - 12582912.0f;
     const float t14 = fmaf(t13, 8.742278e-08f, fmaf(-t13, 3.1415927f, in->front_left.steer));
@@ -149,8 +149,8 @@ void car_with_trailers_forward(
     const float t19 = t18 * t17;
     const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front left ry */
-    const float t23 = fmaf(0.4f, t19, 1.4f * t22); /* front left rw */
+    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front_left: row of H, vy */
+    const float t23 = fmaf(0.4f, t19, 1.4f * t22); /* front_left: row of H, omega */
     const float t24 = fmaf(t19, t23, t7 * t11);
     const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
     const float t26 = fmaf(t22, t19, t10 * t7);
@@ -165,8 +165,8 @@ void car_with_trailers_forward(
     const float t35 = 1.0f / t34;
     const float t36 = 0.044f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
     const float t37 = 0.11f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
-    const float t38 = fmaf(t37, t30, t36 * fmaf(t26, t24, -(t25 * t32))); /* p1 */
-    const float t39 = fmaf(t37, t28, t36 * fmaf(t27, t32, -(t26 * t26))); /* p2 */
+    const float t38 = fmaf(t37, t30, t36 * fmaf(t26, t24, -(t25 * t32))); /* (adj(HtH) Htz)[1] */
+    const float t39 = fmaf(t37, t28, t36 * fmaf(t27, t32, -(t26 * t26))); /* (adj(HtH) Htz)[2] */
 
     out->vx = fmaf(t31, t37, t28 * t36) * t35;
     out->vy = t35 * t38;
@@ -187,8 +187,8 @@ void car_with_trailers_forward_slip(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front right ry */
-    const float t11 = fmaf(1.4f, t10, -(0.4f * t7)); /* front right rw */
+    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front_right: row of H, vy */
+    const float t11 = fmaf(1.4f, t10, -(0.4f * t7)); /* front_right: row of H, omega */
     const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
     const float t13 = t12 - 12582912.0f;
     const float t14 = fmaf(t13, 8.742278e-08f, fmaf(-t13, 3.1415927f, in->front_left.steer));
@@ -199,8 +199,8 @@ void car_with_trailers_forward_slip(
     const float t19 = t18 * t17;
     const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front left ry */
-    const float t23 = fmaf(0.4f, t19, 1.4f * t22); /* front left rw */
+    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front_left: row of H, vy */
+    const float t23 = fmaf(0.4f, t19, 1.4f * t22); /* front_left: row of H, omega */
     const float t24 = fmaf(t19, t23, t7 * t11);
     const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
     const float t26 = fmaf(t22, t19, t10 * t7);
@@ -216,9 +216,9 @@ void car_with_trailers_forward_slip(
     const float t36 = 0.044f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
     const float t37 = 0.11f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
     const float t38 = fmaf(t31, t37, t28 * t36) * t35; /* vx */
-    const float t39 = fmaf(t37, t30, t36 * fmaf(t26, t24, -(t25 * t32))); /* p1 */
+    const float t39 = fmaf(t37, t30, t36 * fmaf(t26, t24, -(t25 * t32))); /* (adj(HtH) Htz)[1] */
     const float t40 = t35 * t39; /* vy */
-    const float t41 = fmaf(t37, t28, t36 * fmaf(t27, t32, -(t26 * t26))); /* p2 */
+    const float t41 = fmaf(t37, t28, t36 * fmaf(t27, t32, -(t26 * t26))); /* (adj(HtH) Htz)[2] */
     const float t42 = t35 * t41; /* omega */
     const float t43 = (-0.4f) * t42;
     const float t44 = fmaf(0.11f, in->rear_left.spin, -t38) - t43; /* residual 0 */

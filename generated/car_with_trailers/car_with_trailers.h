@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -55,7 +56,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "c5e1a71efc6d59800366d28cc02fd07f"
-#define CAR_WITH_TRAILERS_PAIR_c68880b9cd7f1f7b 1
+#define CAR_WITH_TRAILERS_PAIR_ce3cfe3c43396e55 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -91,7 +92,9 @@ typedef car_with_trailers_inverse_in car_with_trailers_inverse_slip_in;
 
 /* Output of car_with_trailers_inverse_slip(). */
 typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
+    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
+     * held steering */
+    float slip;
 } car_with_trailers_inverse_slip_out;
 
 /* Input of car_with_trailers_forward().
@@ -194,50 +197,53 @@ typedef struct {
     } trailer2;
 } car_with_trailers_trailer_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 8 additions, 13 multiplications, 4 divisions, 2 square roots, 2 arctangents, 14
- * comparisons, 3 sign operations. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 8 additions, 13 multiplications, 4 divisions, 2 square roots, 2
+ * arctangents, 14 comparisons, 3 sign operations. */
 void car_with_trailers_inverse(
     const car_with_trailers_inverse_in *in,
     car_with_trailers_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 8 additions, 13 multiplications, 4 divisions, 3 square roots, 8 comparisons, 3
- * sign operations. */
+ * Operations of the formula: 8 additions, 13 multiplications, 4 divisions, 3 square roots, 8
+ * comparisons, 3 sign operations. */
 void car_with_trailers_inverse_slip(
     const car_with_trailers_inverse_slip_in *in,
     car_with_trailers_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 23 additions, 40 multiplications, 1 division, 4 sines and cosines, 1 comparison. */
+ * Operations of the formula: 23 additions, 40 multiplications, 1 division, 4 sines and cosines,
+ * 1 comparison. */
 void car_with_trailers_forward(
     const car_with_trailers_forward_in *in,
     car_with_trailers_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 35 additions, 55 multiplications, 1 division, 1 square root, 4 sines and cosines,
- * 1 comparison. */
+ * Operations of the formula: 35 additions, 55 multiplications, 1 division, 1 square root, 4
+ * sines and cosines, 1 comparison. */
 void car_with_trailers_forward_slip(
     const car_with_trailers_forward_slip_in *in,
     car_with_trailers_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void car_with_trailers_odometry(
     const car_with_trailers_odometry_in *in,
     car_with_trailers_odometry_out *out);
 
 /* Posture model in rear.speed, front.steer_rate.
- * Operations: 5 multiplications, 1 division, 4 sines and cosines, 2 comparisons, 1 sign
- * operation. */
+ * Operations of the formula: 5 multiplications, 1 division, 4 sines and cosines, 2 comparisons,
+ * 1 sign operation. */
 void car_with_trailers_posture(
     const car_with_trailers_posture_in *in,
     car_with_trailers_posture_out *out);
 
 /* Rates of a body with trailers (one is jack-knifed where its speed is 0): posture model in
  * rear.speed, front.steer_rate.
- * Operations: 2 additions, 11 multiplications, 1 division, 8 sines and cosines, 2 comparisons, 1
- * sign operation. */
+ * Operations of the formula: 2 additions, 11 multiplications, 1 division, 8 sines and cosines, 2
+ * comparisons, 1 sign operation. */
 void car_with_trailers_trailer(
     const car_with_trailers_trailer_in *in,
     car_with_trailers_trailer_out *out);

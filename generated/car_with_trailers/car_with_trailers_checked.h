@@ -8,17 +8,19 @@
  * The functions of car_with_trailers.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns CAR_WITH_TRAILERS_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * car_with_trailers.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_CAR_WITH_TRAILERS_CHECKED_H
 #define WMRGEN_CAR_WITH_TRAILERS_CHECKED_H
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_c68880b9cd7f1f7b)
+#if !defined(CAR_WITH_TRAILERS_PAIR_ce3cfe3c43396e55)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_c68880b9cd7f1f7b)
+#if !defined(CAR_WITH_TRAILERS_PAIR_ce3cfe3c43396e55)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -28,7 +29,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "5c61b71f43cb5c0812289bfe385fcaaa"
-#define CARE_O_BOT_4_PAIR_f954afa884640d80 1
+#define CARE_O_BOT_4_PAIR_d1683bcdc598abd2 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -123,29 +124,32 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } care_o_bot_4_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 17 additions, 23 multiplications, 3 divisions, 3 square roots, 3 arctangents, 12
- * comparisons, 10 sign operations, 3 roundings. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 17 additions, 23 multiplications, 3 divisions, 3 square roots, 3
+ * arctangents, 12 comparisons, 10 sign operations, 3 roundings. */
 void care_o_bot_4_inverse(const care_o_bot_4_inverse_in *in, care_o_bot_4_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void care_o_bot_4_inverse_slip(
     const care_o_bot_4_inverse_slip_in *in,
     care_o_bot_4_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 7 additions, 11 multiplications, 6 sines and cosines. */
+ * Operations of the formula: 7 additions, 11 multiplications, 6 sines and cosines. */
 void care_o_bot_4_forward(const care_o_bot_4_forward_in *in, care_o_bot_4_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 22 additions, 26 multiplications, 1 square root, 6 sines and cosines. */
+ * Operations of the formula: 22 additions, 26 multiplications, 1 square root, 6 sines and
+ * cosines. */
 void care_o_bot_4_forward_slip(
     const care_o_bot_4_forward_slip_in *in,
     care_o_bot_4_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void care_o_bot_4_odometry(const care_o_bot_4_odometry_in *in, care_o_bot_4_odometry_out *out);
 
 #ifdef __cplusplus

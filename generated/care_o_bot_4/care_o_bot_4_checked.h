@@ -7,18 +7,20 @@
  *
  * The functions of care_o_bot_4.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns CARE_O_BOT_4_OK and the outputs of the function, to the last
- * bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and poses
- * held where they were, steering inside its limits. Parameters are not checked.
+ * bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and poses as
+ * they were (0 where that is no number either: look at the status before a motor follows), steering
+ * inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * care_o_bot_4.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_CARE_O_BOT_4_CHECKED_H
 #define WMRGEN_CARE_O_BOT_4_CHECKED_H
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_f954afa884640d80)
+#if !defined(CARE_O_BOT_4_PAIR_d1683bcdc598abd2)
 #error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
 #endif
 

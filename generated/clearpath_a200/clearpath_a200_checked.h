@@ -8,17 +8,19 @@
  * The functions of clearpath_a200.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns CLEARPATH_A200_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * clearpath_a200.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_CLEARPATH_A200_CHECKED_H
 #define WMRGEN_CLEARPATH_A200_CHECKED_H
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_3d2333ffb8c51995)
+#if !defined(CLEARPATH_A200_PAIR_041a909a9820c52c)
 #error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -49,7 +51,7 @@
 #define WMRGEN_CLEARPATH_DO100_H
 
 #define CLEARPATH_DO100_MODEL_HASH "cb101cb3e07a73180f1119901572003e"
-#define CLEARPATH_DO100_PAIR_578f2bcfc5d02278 1
+#define CLEARPATH_DO100_PAIR_c425bd1858a6c807 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -123,31 +125,32 @@ typedef struct {
 } clearpath_do100_odometry_out;
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 6 additions, 3 multiplications. */
+ * Operations of the formula: 6 additions, 3 multiplications. */
 void clearpath_do100_inverse(
     const clearpath_do100_inverse_in *in,
     clearpath_do100_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void clearpath_do100_inverse_slip(
     const clearpath_do100_inverse_slip_in *in,
     clearpath_do100_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 7 additions, 3 multiplications. */
+ * Operations of the formula: 7 additions, 3 multiplications. */
 void clearpath_do100_forward(
     const clearpath_do100_forward_in *in,
     clearpath_do100_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 8 additions, 4 multiplications, 1 sign operation. */
+ * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
 void clearpath_do100_forward_slip(
     const clearpath_do100_forward_slip_in *in,
     clearpath_do100_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void clearpath_do100_odometry(
     const clearpath_do100_odometry_in *in,
     clearpath_do100_odometry_out *out);

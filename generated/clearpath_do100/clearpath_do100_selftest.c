@@ -16,7 +16,7 @@
  */
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_578f2bcfc5d02278)
+#if !defined(CLEARPATH_DO100_PAIR_c425bd1858a6c807)
 #error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -50,7 +52,7 @@
 #define WMRGEN_CLEARPATH_R100_H
 
 #define CLEARPATH_R100_MODEL_HASH "9f58f434ef91d139e7187745500868dd"
-#define CLEARPATH_R100_PAIR_adee6afcac904937 1
+#define CLEARPATH_R100_PAIR_d01a983ce116829a 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -142,39 +144,40 @@ void clearpath_r100_params_default(clearpath_r100_params *params);
 
 /* Values that depend on the tunable parameters alone. Call once, and again after every change of
  * a parameter.
- * Operations: 4 multiplications, 1 division, 1 comparison, 1 sign operation. */
+ * Operations of the formula: 4 multiplications, 1 division, 1 comparison, 1 sign operation. */
 void clearpath_r100_prepare(const clearpath_r100_params *params, clearpath_r100_prepared *prepared);
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 6 additions, 3 multiplications. */
+ * Operations of the formula: 6 additions, 3 multiplications. */
 void clearpath_r100_inverse(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_inverse_in *in,
     clearpath_r100_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void clearpath_r100_inverse_slip(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_inverse_slip_in *in,
     clearpath_r100_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 7 additions, 3 multiplications. */
+ * Operations of the formula: 7 additions, 3 multiplications. */
 void clearpath_r100_forward(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_forward_in *in,
     clearpath_r100_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 8 additions, 4 multiplications, 1 sign operation. */
+ * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
 void clearpath_r100_forward_slip(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_forward_slip_in *in,
     clearpath_r100_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void clearpath_r100_odometry(
     const clearpath_r100_odometry_in *in,
     clearpath_r100_odometry_out *out);

@@ -16,7 +16,7 @@
  */
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_adee6afcac904937)
+#if !defined(CLEARPATH_R100_PAIR_d01a983ce116829a)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_f7c8ba697b5abda0)
+#if !defined(F1TENTH_PAIR_76fdc06144f917f2)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -75,8 +75,8 @@ static inline float wmrgen_beyond(float a, float m)
 
 void f1tenth_inverse(const f1tenth_inverse_in *in, f1tenth_inverse_out *out)
 {
-    const float t0 = 0.3302f * in->omega; /* front v */
-    const float t1 = wmrgen_within(t0 / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: tan(heading / 2) */
+    const float t0 = 0.3302f * in->omega; /* front: q */
+    const float t1 = wmrgen_within(t0 / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
     const float t2 = t1 * t1;
     const float t3 = 20.0f * (fmaf(t0, t1, in->vx) / sqrtf(t2 + 1.0f));
     const float t4 = fmaf(t2, fmaf(t2, 0.002993259f, (-0.016716665f)), 0.04390253f);
@@ -91,8 +91,8 @@ void f1tenth_inverse(const f1tenth_inverse_in *in, f1tenth_inverse_out *out)
 
 void f1tenth_inverse_slip(const f1tenth_inverse_slip_in *in, f1tenth_inverse_slip_out *out)
 {
-    const float t0 = 0.3302f * in->omega; /* front v */
-    const float t1 = wmrgen_within(t0 / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: tan(heading / 2) */
+    const float t0 = 0.3302f * in->omega; /* front: q */
+    const float t1 = wmrgen_within(t0 / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
     const float t2 = fmaf(-in->vx, t1, t0) / sqrtf(fmaf(t1, t1, 1.0f));
     const float t3 = fabsf(fmaf((-0.17145f), in->omega, in->vy));
 
@@ -108,7 +108,7 @@ void f1tenth_forward(const f1tenth_forward_in *in, f1tenth_forward_out *out)
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f); /* front ry */
+    const float t7 = t6 * fmaf(t3, t5, 1.0f); /* front: row of H, vy */
     const float t8 = t7 * t7;
     const float t9 = t8 + 1.0f; /* HtH[1][1] */
     const float t10 = fmaf(0.025201563f, t8, 0.029395102f); /* HtH[2][2] */
@@ -166,7 +166,7 @@ void f1tenth_forward_slip(const f1tenth_forward_slip_in *in, f1tenth_forward_sli
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f); /* front ry */
+    const float t7 = t6 * fmaf(t3, t5, 1.0f); /* front: row of H, vy */
     const float t8 = t7 * t7;
     const float t9 = t8 + 1.0f; /* HtH[1][1] */
     const float t10 = fmaf(0.025201563f, t8, 0.029395102f); /* HtH[2][2] */

@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -48,7 +49,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "0bb17fa60398846cd1ab9d1d87fd8c8f"
-#define F1TENTH_PAIR_f7c8ba697b5abda0 1
+#define F1TENTH_PAIR_76fdc06144f917f2 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -78,7 +79,9 @@ typedef f1tenth_inverse_in f1tenth_inverse_slip_in;
 
 /* Output of f1tenth_inverse_slip(). */
 typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
+    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
+     * held steering */
+    float slip;
 } f1tenth_inverse_slip_out;
 
 /* Input of f1tenth_forward(). */
@@ -124,27 +127,30 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } f1tenth_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 3 additions, 7 multiplications, 2 divisions, 1 square root, 1 arctangent, 7
- * comparisons, 2 sign operations. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 3 additions, 7 multiplications, 2 divisions, 1 square root, 1
+ * arctangent, 7 comparisons, 2 sign operations. */
 void f1tenth_inverse(const f1tenth_inverse_in *in, f1tenth_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 4 additions, 8 multiplications, 2 divisions, 2 square roots, 4 comparisons, 2 sign
- * operations. */
+ * Operations of the formula: 4 additions, 8 multiplications, 2 divisions, 2 square roots, 4
+ * comparisons, 2 sign operations. */
 void f1tenth_inverse_slip(const f1tenth_inverse_slip_in *in, f1tenth_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 21 additions, 49 multiplications, 3 divisions, 2 sines and cosines, 9 comparisons. */
+ * Operations of the formula: 21 additions, 49 multiplications, 3 divisions, 2 sines and cosines,
+ * 9 comparisons. */
 void f1tenth_forward(const f1tenth_forward_in *in, f1tenth_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 27 additions, 56 multiplications, 3 divisions, 1 square root, 2 sines and cosines,
- * 9 comparisons. */
+ * Operations of the formula: 27 additions, 56 multiplications, 3 divisions, 1 square root, 2
+ * sines and cosines, 9 comparisons. */
 void f1tenth_forward_slip(const f1tenth_forward_slip_in *in, f1tenth_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void f1tenth_odometry(const f1tenth_odometry_in *in, f1tenth_odometry_out *out);
 
 #ifdef __cplusplus

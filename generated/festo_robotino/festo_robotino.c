@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_69f8ed4baf653813)
+#if !defined(FESTO_ROBOTINO_PAIR_70020d53b41ccfc5)
 #error "festo_robotino.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -31,7 +32,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "9503deddfa66873eccc61adabc2542b8"
-#define JPL_OSR_PAIR_f70e6ee7dda49291 1
+#define JPL_OSR_PAIR_44bb40f035dc31c9 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -139,25 +140,28 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } jpl_osr_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 20 additions, 32 multiplications, 4 divisions, 4 square roots, 4 arctangents, 16
- * comparisons, 10 sign operations, 4 roundings. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 20 additions, 32 multiplications, 4 divisions, 4 square roots, 4
+ * arctangents, 16 comparisons, 10 sign operations, 4 roundings. */
 void jpl_osr_inverse(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 1 sign operation. */
+ * Operations of the formula: 1 sign operation. */
 void jpl_osr_inverse_slip(const jpl_osr_inverse_slip_in *in, jpl_osr_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 14 additions, 16 multiplications, 8 sines and cosines. */
+ * Operations of the formula: 14 additions, 16 multiplications, 8 sines and cosines. */
 void jpl_osr_forward(const jpl_osr_forward_in *in, jpl_osr_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 40 additions, 42 multiplications, 1 square root, 8 sines and cosines. */
+ * Operations of the formula: 40 additions, 42 multiplications, 1 square root, 8 sines and
+ * cosines. */
 void jpl_osr_forward_slip(const jpl_osr_forward_slip_in *in, jpl_osr_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void jpl_osr_odometry(const jpl_osr_odometry_in *in, jpl_osr_odometry_out *out);
 
 #ifdef __cplusplus

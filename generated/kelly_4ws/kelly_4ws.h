@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -29,7 +30,7 @@
 #define WMRGEN_KELLY_4WS_H
 
 #define KELLY_4WS_MODEL_HASH "5043ae1e961e3f552e157f635afe1e3e"
-#define KELLY_4WS_PAIR_9bb31b255fbbf4db 1
+#define KELLY_4WS_PAIR_ddd0286170dea591 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -138,25 +139,28 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } kelly_4ws_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 25 additions, 27 multiplications, 4 divisions, 4 square roots, 4 arctangents, 16
- * comparisons, 11 sign operations, 4 roundings. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 25 additions, 27 multiplications, 4 divisions, 4 square roots, 4
+ * arctangents, 16 comparisons, 11 sign operations, 4 roundings. */
 void kelly_4ws_inverse(const kelly_4ws_inverse_in *in, kelly_4ws_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void kelly_4ws_inverse_slip(const kelly_4ws_inverse_slip_in *in, kelly_4ws_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 37 additions, 32 multiplications, 1 division, 8 sines and cosines. */
+ * Operations of the formula: 37 additions, 32 multiplications, 1 division, 8 sines and cosines. */
 void kelly_4ws_forward(const kelly_4ws_forward_in *in, kelly_4ws_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 64 additions, 52 multiplications, 1 division, 1 square root, 8 sines and cosines. */
+ * Operations of the formula: 64 additions, 52 multiplications, 1 division, 1 square root, 8
+ * sines and cosines. */
 void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void kelly_4ws_odometry(const kelly_4ws_odometry_in *in, kelly_4ws_odometry_out *out);
 
 #ifdef __cplusplus

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_503fb579fe1d1ba0)
+#if !defined(KUKA_YOUBOT_PAIR_b006fe15ef191145)
 #error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

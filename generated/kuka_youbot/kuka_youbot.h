@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -48,7 +50,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "c4c0ab6420747c8ae193c530a4c61ec5"
-#define KUKA_YOUBOT_PAIR_503fb579fe1d1ba0 1
+#define KUKA_YOUBOT_PAIR_b006fe15ef191145 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -140,39 +142,40 @@ void kuka_youbot_params_default(kuka_youbot_params *params);
 
 /* Values that depend on the tunable parameters alone. Call once, and again after every change of
  * a parameter.
- * Operations: 4 multiplications, 1 division, 1 comparison, 1 sign operation. */
+ * Operations of the formula: 4 multiplications, 1 division, 1 comparison, 1 sign operation. */
 void kuka_youbot_prepare(const kuka_youbot_params *params, kuka_youbot_prepared *prepared);
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 6 additions, 3 multiplications. */
+ * Operations of the formula: 6 additions, 3 multiplications. */
 void kuka_youbot_inverse(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_inverse_in *in,
     kuka_youbot_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void kuka_youbot_inverse_slip(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_inverse_slip_in *in,
     kuka_youbot_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 7 additions, 3 multiplications. */
+ * Operations of the formula: 7 additions, 3 multiplications. */
 void kuka_youbot_forward(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_forward_in *in,
     kuka_youbot_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 8 additions, 4 multiplications, 1 sign operation. */
+ * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
 void kuka_youbot_forward_slip(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_forward_slip_in *in,
     kuka_youbot_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void kuka_youbot_odometry(const kuka_youbot_odometry_in *in, kuka_youbot_odometry_out *out);
 
 #ifdef __cplusplus

@@ -16,7 +16,7 @@
  */
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_6dbb34aac7fece6a)
+#if !defined(LEKIWI_PAIR_8c512b71a86c5b2f)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

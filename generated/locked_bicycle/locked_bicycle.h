@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -26,7 +28,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "c64665c267857648198b6abeafb60bf7"
-#define LOCKED_BICYCLE_PAIR_89a471965ff4274f 1
+#define LOCKED_BICYCLE_PAIR_dfec993f11038099 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -96,27 +98,28 @@ typedef struct {
 } locked_bicycle_odometry_out;
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 1 multiplication. */
+ * Operations of the formula: 1 multiplication. */
 void locked_bicycle_inverse(const locked_bicycle_inverse_in *in, locked_bicycle_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 3 additions, 4 multiplications, 1 square root. */
+ * Operations of the formula: 3 additions, 4 multiplications, 1 square root. */
 void locked_bicycle_inverse_slip(
     const locked_bicycle_inverse_slip_in *in,
     locked_bicycle_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 1 addition, 1 multiplication. */
+ * Operations of the formula: 1 addition, 1 multiplication. */
 void locked_bicycle_forward(const locked_bicycle_forward_in *in, locked_bicycle_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 2 additions, 2 multiplications, 1 sign operation. */
+ * Operations of the formula: 2 additions, 2 multiplications, 1 sign operation. */
 void locked_bicycle_forward_slip(
     const locked_bicycle_forward_slip_in *in,
     locked_bicycle_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void locked_bicycle_odometry(
     const locked_bicycle_odometry_in *in,
     locked_bicycle_odometry_out *out);

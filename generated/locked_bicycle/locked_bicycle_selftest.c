@@ -16,7 +16,7 @@
  */
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_89a471965ff4274f)
+#if !defined(LOCKED_BICYCLE_PAIR_dfec993f11038099)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 

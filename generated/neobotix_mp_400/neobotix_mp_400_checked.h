@@ -8,17 +8,19 @@
  * The functions of neobotix_mp_400.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns NEOBOTIX_MP_400_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * neobotix_mp_400.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_NEOBOTIX_MP_400_CHECKED_H
 #define WMRGEN_NEOBOTIX_MP_400_CHECKED_H
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_07a7429306ec64f3)
+#if !defined(NEOBOTIX_MP_400_PAIR_92c612b97c9db99d)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -8,17 +8,19 @@
  * The functions of neobotix_mpo_700.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns NEOBOTIX_MPO_700_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * neobotix_mpo_700.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_NEOBOTIX_MPO_700_CHECKED_H
 #define WMRGEN_NEOBOTIX_MPO_700_CHECKED_H
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_78e76a58e3937627)
+#if !defined(NEOBOTIX_MPO_700_PAIR_ad62e448bba29e53)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_78e76a58e3937627)
+#if !defined(NEOBOTIX_MPO_700_PAIR_ad62e448bba29e53)
 #error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -7,18 +7,20 @@
  *
  * The functions of nexus_4wd.h for inputs that nobody vouches for: a sensor that failed, a command
  * from a network. Each returns NEXUS_4WD_OK and the outputs of the function, to the last bit, or a
- * status and safe outputs: joint rates, twists and slips 0, steering angles and poses held where
- * they were, steering inside its limits. Parameters are not checked.
+ * status and safe outputs: joint rates, twists and slips 0, steering angles and poses as they were
+ * (0 where that is no number either: look at the status before a motor follows), steering inside
+ * its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * nexus_4wd.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_NEXUS_4WD_CHECKED_H
 #define WMRGEN_NEXUS_4WD_CHECKED_H
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_5f9fe547f1123ed0)
+#if !defined(NEXUS_4WD_PAIR_ddc6ab2eb2869cd1)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -52,7 +54,7 @@
 #define WMRGEN_NOMAD_XR4000_H
 
 #define NOMAD_XR4000_MODEL_HASH "88b7d7e8a1010e05e1cb201559e82219"
-#define NOMAD_XR4000_PAIR_c38eed930201b0a8 1
+#define NOMAD_XR4000_PAIR_9a1ac4b1ac01a77b 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -162,27 +164,29 @@ typedef struct {
 } nomad_xr4000_odometry_out;
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 16 additions, 23 multiplications, 8 sines and cosines. */
+ * Operations of the formula: 16 additions, 23 multiplications, 8 sines and cosines. */
 void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void nomad_xr4000_inverse_slip(
     const nomad_xr4000_inverse_slip_in *in,
     nomad_xr4000_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 37 additions, 31 multiplications, 1 division, 8 sines and cosines. */
+ * Operations of the formula: 37 additions, 31 multiplications, 1 division, 8 sines and cosines. */
 void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 64 additions, 56 multiplications, 1 division, 1 square root, 8 sines and cosines. */
+ * Operations of the formula: 64 additions, 56 multiplications, 1 division, 1 square root, 8
+ * sines and cosines. */
 void nomad_xr4000_forward_slip(
     const nomad_xr4000_forward_slip_in *in,
     nomad_xr4000_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void nomad_xr4000_odometry(const nomad_xr4000_odometry_in *in, nomad_xr4000_odometry_out *out);
 
 #ifdef __cplusplus

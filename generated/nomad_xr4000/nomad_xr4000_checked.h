@@ -7,18 +7,20 @@
  *
  * The functions of nomad_xr4000.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns NOMAD_XR4000_OK and the outputs of the function, to the last
- * bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and poses
- * held where they were, steering inside its limits. Parameters are not checked.
+ * bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and poses as
+ * they were (0 where that is no number either: look at the status before a motor follows), steering
+ * inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * nomad_xr4000.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_NOMAD_XR4000_CHECKED_H
 #define WMRGEN_NOMAD_XR4000_CHECKED_H
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_c38eed930201b0a8)
+#if !defined(NOMAD_XR4000_PAIR_9a1ac4b1ac01a77b)
 #error "nomad_xr4000_checked.h and nomad_xr4000.h were not generated together: copy both"
 #endif
 

@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -49,7 +51,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "5b9bc76df66756a8569952a124872ad7"
-#define PIONEER3DX_PAIR_33e5ac7c745a09ba 1
+#define PIONEER3DX_PAIR_c05ef7132088cdd3 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -143,39 +145,40 @@ void pioneer3dx_params_default(pioneer3dx_params *params);
 
 /* Values that depend on the tunable parameters alone. Call once, and again after every change of
  * a parameter.
- * Operations: 4 multiplications, 2 divisions, 2 comparisons, 2 sign operations. */
+ * Operations of the formula: 4 multiplications, 2 divisions, 2 comparisons, 2 sign operations. */
 void pioneer3dx_prepare(const pioneer3dx_params *params, pioneer3dx_prepared *prepared);
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 5 additions, 10 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 5 additions, 10 multiplications, 2 sines and cosines. */
 void pioneer3dx_inverse(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_inverse_in *in,
     pioneer3dx_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 1 sign operation. */
+ * Operations of the formula: 1 sign operation. */
 void pioneer3dx_inverse_slip(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_inverse_slip_in *in,
     pioneer3dx_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 2 additions, 2 multiplications. */
+ * Operations of the formula: 2 additions, 2 multiplications. */
 void pioneer3dx_forward(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_forward_in *in,
     pioneer3dx_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 2 additions, 2 multiplications. */
+ * Operations of the formula: 2 additions, 2 multiplications. */
 void pioneer3dx_forward_slip(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_forward_slip_in *in,
     pioneer3dx_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void pioneer3dx_odometry(const pioneer3dx_odometry_in *in, pioneer3dx_odometry_out *out);
 
 #ifdef __cplusplus

@@ -7,18 +7,20 @@
  *
  * The functions of pioneer3dx.h for inputs that nobody vouches for: a sensor that failed, a command
  * from a network. Each returns PIONEER3DX_OK and the outputs of the function, to the last bit, or a
- * status and safe outputs: joint rates, twists and slips 0, steering angles and poses held where
- * they were, steering inside its limits. Parameters are not checked.
+ * status and safe outputs: joint rates, twists and slips 0, steering angles and poses as they were
+ * (0 where that is no number either: look at the status before a motor follows), steering inside
+ * its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * pioneer3dx.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_PIONEER3DX_CHECKED_H
 #define WMRGEN_PIONEER3DX_CHECKED_H
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_33e5ac7c745a09ba)
+#if !defined(PIONEER3DX_PAIR_c05ef7132088cdd3)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_33e5ac7c745a09ba)
+#if !defined(PIONEER3DX_PAIR_c05ef7132088cdd3)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

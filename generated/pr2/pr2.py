@@ -28,7 +28,7 @@ def _shaped(arguments, results):
 
 
 def inverse(vx, vy, omega, fl_l_steer, fl_r_steer, fr_l_steer, fr_r_steer, bl_l_steer, bl_r_steer, br_l_steer, br_r_steer):
-    """twist of P in the robot frame to joint commands
+    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill
 
     Arguments:
         vx [m/s] velocity of P forward, robot frame

@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -30,7 +32,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "af9dc6415a911b061b5ef54f64d48fb5"
-#define SSL_PARSIAN_PAIR_67e49c2f14098361 1
+#define SSL_PARSIAN_PAIR_9e708760b06ef4c9 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -104,27 +106,28 @@ typedef struct {
 } ssl_parsian_odometry_out;
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 6 additions, 5 multiplications. */
+ * Operations of the formula: 6 additions, 5 multiplications. */
 void ssl_parsian_inverse(const ssl_parsian_inverse_in *in, ssl_parsian_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void ssl_parsian_inverse_slip(
     const ssl_parsian_inverse_slip_in *in,
     ssl_parsian_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 7 additions, 5 multiplications. */
+ * Operations of the formula: 7 additions, 5 multiplications. */
 void ssl_parsian_forward(const ssl_parsian_forward_in *in, ssl_parsian_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 8 additions, 7 multiplications, 1 sign operation. */
+ * Operations of the formula: 8 additions, 7 multiplications, 1 sign operation. */
 void ssl_parsian_forward_slip(
     const ssl_parsian_forward_slip_in *in,
     ssl_parsian_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void ssl_parsian_odometry(const ssl_parsian_odometry_in *in, ssl_parsian_odometry_out *out);
 
 #ifdef __cplusplus

@@ -16,7 +16,7 @@
  */
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_67e49c2f14098361)
+#if !defined(SSL_PARSIAN_PAIR_9e708760b06ef4c9)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_e5d25f6d65d5bbae)
+#if !defined(SYNCHRO_DRIVE_PAIR_900f3d71e60268af)
 #error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
 #endif
 

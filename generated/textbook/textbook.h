@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  */
@@ -21,7 +22,7 @@
 #define WMRGEN_TEXTBOOK_H
 
 #define TEXTBOOK_MODEL_HASH "10220f5eafbc33b7ce1612b39fc4535a"
-#define TEXTBOOK_PAIR_2ebcf699519445cb 1
+#define TEXTBOOK_PAIR_557bdb8fd8123d03 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -1628,346 +1629,360 @@ typedef struct {
 } textbook_car_bounds_out;
 
 /* Rotation from world to robot coordinates, Siegwart (3.2).
- * Operations: 2 sines and cosines, 1 sign operation. */
+ * Operations of the formula: 2 sines and cosines, 1 sign operation. */
 void textbook_rotation_world_to_robot(
     const textbook_rotation_world_to_robot_in *in,
     textbook_rotation_world_to_robot_out *out);
 
 /* Rotation from robot to world coordinates, Siegwart (3.10), Tzafestas (2.17).
- * Operations: 2 sines and cosines, 1 sign operation. */
+ * Operations of the formula: 2 sines and cosines, 1 sign operation. */
 void textbook_rotation_robot_to_world(
     const textbook_rotation_robot_to_world_in *in,
     textbook_rotation_robot_to_world_out *out);
 
 /* Twist in the robot frame of a velocity in the world frame, Siegwart (3.5).
- * Operations: 2 additions, 4 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 2 additions, 4 multiplications, 2 sines and cosines. */
 void textbook_world_to_robot(
     const textbook_world_to_robot_in *in,
     textbook_world_to_robot_out *out);
 
 /* Velocity in the world frame of a twist in the robot frame, Siegwart (3.10), Tzafestas (2.83).
- * Operations: 2 additions, 4 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 2 additions, 4 multiplications, 2 sines and cosines. */
 void textbook_robot_to_world(
     const textbook_robot_to_world_in *in,
     textbook_robot_to_world_out *out);
 
 /* A vector of the plane turned counter-clockwise, Tzafestas (2.17).
- * Operations: 2 additions, 4 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 2 additions, 4 multiplications, 2 sines and cosines. */
 void textbook_rotate(const textbook_rotate_in *in, textbook_rotate_out *out);
 
 /* Pose b, given in the frame of pose a, in the frame of a itself, Tzafestas (2.12).
- * Operations: 5 additions, 4 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 5 additions, 4 multiplications, 2 sines and cosines. */
 void textbook_pose_compose(const textbook_pose_compose_in *in, textbook_pose_compose_out *out);
 
 /* Pose of the outer frame seen from the pose, Tzafestas (2.14) in the plane.
- * Operations: 2 additions, 4 multiplications, 2 sines and cosines, 2 sign operations. */
+ * Operations of the formula: 2 additions, 4 multiplications, 2 sines and cosines, 2 sign
+ * operations. */
 void textbook_pose_inverse(const textbook_pose_inverse_in *in, textbook_pose_inverse_out *out);
 
 /* Right-handed rotation about the x axis, Tzafestas (2.15a).
- * Operations: 2 sines and cosines, 1 sign operation. */
+ * Operations of the formula: 2 sines and cosines, 1 sign operation. */
 void textbook_rotation_x(const textbook_rotation_x_in *in, textbook_rotation_x_out *out);
 
 /* Right-handed rotation about the y axis, Tzafestas (2.15b), corrected.
- * Operations: 2 sines and cosines, 1 sign operation. */
+ * Operations of the formula: 2 sines and cosines, 1 sign operation. */
 void textbook_rotation_y(const textbook_rotation_y_in *in, textbook_rotation_y_out *out);
 
 /* Right-handed rotation about the z axis, Tzafestas (2.15c).
- * Operations: 2 sines and cosines, 1 sign operation. */
+ * Operations of the formula: 2 sines and cosines, 1 sign operation. */
 void textbook_rotation_z(const textbook_rotation_z_in *in, textbook_rotation_z_out *out);
 
 /* A point of a frame in the outer frame, Tzafestas (2.11).
- * Operations: 9 additions, 9 multiplications. */
+ * Operations of the formula: 9 additions, 9 multiplications. */
 void textbook_transform_apply(
     const textbook_transform_apply_in *in,
     textbook_transform_apply_out *out);
 
 /* Transform a followed by b in the frame of a, Tzafestas (2.12).
- * Operations: 27 additions, 36 multiplications. */
+ * Operations of the formula: 27 additions, 36 multiplications. */
 void textbook_transform_compose(
     const textbook_transform_compose_in *in,
     textbook_transform_compose_out *out);
 
 /* Inverse of a homogeneous transform, Tzafestas (2.14).
- * Operations: 6 additions, 9 multiplications, 3 sign operations. */
+ * Operations of the formula: 6 additions, 9 multiplications, 3 sign operations. */
 void textbook_transform_inverse(
     const textbook_transform_inverse_in *in,
     textbook_transform_inverse_out *out);
 
 /* Inverse of a 2 x 2 matrix, Tzafestas (2.6).
- * Operations: 1 addition, 6 multiplications, 1 division, 2 comparisons, 3 sign operations. */
+ * Operations of the formula: 1 addition, 6 multiplications, 1 division, 2 comparisons, 3 sign
+ * operations. */
 void textbook_inverse_2x2(const textbook_inverse_2x2_in *in, textbook_inverse_2x2_out *out);
 
 /* Inverse of a 3 x 3 matrix, Tzafestas (2.6).
- * Operations: 11 additions, 30 multiplications, 1 division, 2 comparisons, 1 sign operation. */
+ * Operations of the formula: 11 additions, 30 multiplications, 1 division, 2 comparisons, 1 sign
+ * operation. */
 void textbook_inverse_3x3(const textbook_inverse_3x3_in *in, textbook_inverse_3x3_out *out);
 
 /* Left inverse of a 3 x 2 matrix, Tzafestas (2.8a).
- * Operations: 14 additions, 29 multiplications, 1 division, 2 comparisons, 1 sign operation. */
+ * Operations of the formula: 14 additions, 29 multiplications, 1 division, 2 comparisons, 1 sign
+ * operation. */
 void textbook_inverse_3x2(const textbook_inverse_3x2_in *in, textbook_inverse_3x2_out *out);
 
 /* Left inverse of a 4 x 2 matrix, Tzafestas (2.8a).
- * Operations: 19 additions, 38 multiplications, 1 division, 2 comparisons, 1 sign operation. */
+ * Operations of the formula: 19 additions, 38 multiplications, 1 division, 2 comparisons, 1 sign
+ * operation. */
 void textbook_inverse_4x2(const textbook_inverse_4x2_in *in, textbook_inverse_4x2_out *out);
 
 /* Left inverse of a 4 x 3 matrix, Tzafestas (2.8a).
- * Operations: 50 additions, 95 multiplications, 1 division, 2 comparisons, 1 sign operation. */
+ * Operations of the formula: 50 additions, 95 multiplications, 1 division, 2 comparisons, 1 sign
+ * operation. */
 void textbook_inverse_4x3(const textbook_inverse_4x3_in *in, textbook_inverse_4x3_out *out);
 
 /* Right inverse of a 2 x 3 matrix, Tzafestas (2.8b).
- * Operations: 14 additions, 29 multiplications, 1 division, 2 comparisons, 1 sign operation. */
+ * Operations of the formula: 14 additions, 29 multiplications, 1 division, 2 comparisons, 1 sign
+ * operation. */
 void textbook_inverse_2x3(const textbook_inverse_2x3_in *in, textbook_inverse_2x3_out *out);
 
 /* Right inverse of a 2 x 4 matrix, Tzafestas (2.8b).
- * Operations: 19 additions, 38 multiplications, 1 division, 2 comparisons, 1 sign operation. */
+ * Operations of the formula: 19 additions, 38 multiplications, 1 division, 2 comparisons, 1 sign
+ * operation. */
 void textbook_inverse_2x4(const textbook_inverse_2x4_in *in, textbook_inverse_2x4_out *out);
 
 /* Right inverse of a 3 x 4 matrix, Tzafestas (2.8b).
- * Operations: 50 additions, 95 multiplications, 1 division, 2 comparisons, 1 sign operation. */
+ * Operations of the formula: 50 additions, 95 multiplications, 1 division, 2 comparisons, 1 sign
+ * operation. */
 void textbook_inverse_3x4(const textbook_inverse_3x4_in *in, textbook_inverse_3x4_out *out);
 
 /* Rate of a vector for a fixed observer, Kelly 4.1.2.3.
- * Operations: 6 additions, 6 multiplications. */
+ * Operations of the formula: 6 additions, 6 multiplications. */
 void textbook_transport_theorem(
     const textbook_transport_theorem_in *in,
     textbook_transport_theorem_out *out);
 
 /* Position for the other of two observers in uniform motion, Kelly 4.1.2.2.
- * Operations: 6 additions, 3 multiplications. */
+ * Operations of the formula: 6 additions, 3 multiplications. */
 void textbook_galilean(const textbook_galilean_in *in, textbook_galilean_out *out);
 
 /* Velocity of what moves in a moving frame, Kelly 4.1.2.4, (4.23).
- * Operations: 9 additions, 6 multiplications. */
+ * Operations of the formula: 9 additions, 6 multiplications. */
 void textbook_moving_frame_velocity(
     const textbook_moving_frame_velocity_in *in,
     textbook_moving_frame_velocity_out *out);
 
 /* Acceleration of what moves in a moving frame, Kelly 4.1.2.5.
- * Operations: 24 additions, 27 multiplications. */
+ * Operations of the formula: 24 additions, 27 multiplications. */
 void textbook_moving_frame_acceleration(
     const textbook_moving_frame_acceleration_in *in,
     textbook_moving_frame_acceleration_out *out);
 
 /* The matrix of u x, Kelly 4.1.4.1.
- * Operations: 3 sign operations. */
+ * Operations of the formula: 3 sign operations. */
 void textbook_skew_matrix(const textbook_skew_matrix_in *in, textbook_skew_matrix_out *out);
 
 /* H(r) = [I, -[r]x], Kelly (4.24).
- * Operations: 3 sign operations. */
+ * Operations of the formula: 3 sign operations. */
 void textbook_h_matrix(const textbook_h_matrix_in *in, textbook_h_matrix_out *out);
 
 /* Omega = [[omega]x [omega]x, 2 [omega]x], Kelly (4.25), corrected.
- * Operations: 3 additions, 12 multiplications, 3 sign operations. */
+ * Operations of the formula: 3 additions, 12 multiplications, 3 sign operations. */
 void textbook_omega_matrix(const textbook_omega_matrix_in *in, textbook_omega_matrix_out *out);
 
 /* Velocity of a point through a chain of two frames, Kelly (4.27).
- * Operations: 18 additions, 12 multiplications. */
+ * Operations of the formula: 18 additions, 12 multiplications. */
 void textbook_two_step_velocity(
     const textbook_two_step_velocity_in *in,
     textbook_two_step_velocity_out *out);
 
 /* Acceleration of a point through two frames, Kelly (4.29).
- * Operations: 49 additions, 42 multiplications. */
+ * Operations of the formula: 49 additions, 42 multiplications. */
 void textbook_two_step_acceleration(
     const textbook_two_step_acceleration_in *in,
     textbook_two_step_acceleration_out *out);
 
 /* Velocity of the contact of an articulated wheel, Kelly (4.30).
- * Operations: 18 additions, 12 multiplications. */
+ * Operations of the formula: 18 additions, 12 multiplications. */
 void textbook_articulated_wheel_velocity(
     const textbook_articulated_wheel_velocity_in *in,
     textbook_articulated_wheel_velocity_out *out);
 
 /* Acceleration of the contact of an articulated wheel, Kelly (4.31).
- * Operations: 50 additions, 42 multiplications. */
+ * Operations of the formula: 50 additions, 42 multiplications. */
 void textbook_articulated_wheel_acceleration(
     const textbook_articulated_wheel_acceleration_in *in,
     textbook_articulated_wheel_acceleration_out *out);
 
 /* Velocity of a contact of the vehicle in space, Kelly (4.40).
- * Operations: 6 additions, 6 multiplications. */
+ * Operations of the formula: 6 additions, 6 multiplications. */
 void textbook_wheel_velocity(
     const textbook_wheel_velocity_in *in,
     textbook_wheel_velocity_out *out);
 
 /* Velocity of the contact of an offset steered wheel, Kelly (4.39).
- * Operations: 12 additions, 12 multiplications. */
+ * Operations of the formula: 12 additions, 12 multiplications. */
 void textbook_offset_wheel_velocity(
     const textbook_offset_wheel_velocity_in *in,
     textbook_offset_wheel_velocity_out *out);
 
 /* Specific force at the centre of gravity from that at a sensor, Kelly 4.1.3.
- * Operations: 22 additions, 21 multiplications. */
+ * Operations of the formula: 22 additions, 21 multiplications. */
 void textbook_specific_force(
     const textbook_specific_force_in *in,
     textbook_specific_force_out *out);
 
 /* Velocity of a disk that rolls without slipping, Tzafestas (2.24), Kelly 4.2.1.3.
- * Operations: 3 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 3 multiplications, 2 sines and cosines. */
 void textbook_rolling_disk(const textbook_rolling_disk_in *in, textbook_rolling_disk_out *out);
 
 /* Sideways speed of a disk, 0 while it rolls, Tzafestas (2.25), Kelly 4.2.1.4, AA274.
- * Operations: 1 addition, 2 multiplications, 2 sines and cosines, 1 sign operation. */
+ * Operations of the formula: 1 addition, 2 multiplications, 2 sines and cosines, 1 sign
+ * operation. */
 void textbook_disk_constraint(
     const textbook_disk_constraint_in *in,
     textbook_disk_constraint_out *out);
 
 /* Rates of the unicycle, Tzafestas (2.28), AA274.
- * Operations: 2 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 2 multiplications, 2 sines and cosines. */
 void textbook_unicycle(const textbook_unicycle_in *in, textbook_unicycle_out *out);
 
 /* Velocity that a steered wheel senses, Kelly 4.2.2.2.1.
- * Operations: 3 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 3 multiplications, 2 sines and cosines. */
 void textbook_steer_sense(const textbook_steer_sense_in *in, textbook_steer_sense_out *out);
 
 /* What the wheels of a differential drive contribute, Siegwart (3.7), (3.8).
- * Operations: 2 additions, 6 multiplications, 1 division, 3 comparisons, 2 sign operations. */
+ * Operations of the formula: 2 additions, 6 multiplications, 1 division, 3 comparisons, 2 sign
+ * operations. */
 void textbook_wheel_contributions(
     const textbook_wheel_contributions_in *in,
     textbook_wheel_contributions_out *out);
 
 /* Wheel and roller rates of a Swedish wheel, Siegwart (3.19), (3.20) corrected.
- * Operations: 7 additions, 10 multiplications, 2 divisions, 6 sines and cosines, 4 comparisons,
- * 2 sign operations. */
+ * Operations of the formula: 7 additions, 10 multiplications, 2 divisions, 6 sines and cosines,
+ * 4 comparisons, 2 sign operations. */
 void textbook_swedish_wheel(const textbook_swedish_wheel_in *in, textbook_swedish_wheel_out *out);
 
 /* Jacobian of one mecanum wheel and its determinant, Tzafestas (2.79).
- * Operations: 1 addition, 6 multiplications, 5 sines and cosines, 4 sign operations. */
+ * Operations of the formula: 1 addition, 6 multiplications, 5 sines and cosines, 4 sign
+ * operations. */
 void textbook_mecanum_wheel(const textbook_mecanum_wheel_in *in, textbook_mecanum_wheel_out *out);
 
 /* Wheel and roller rate of a twist, Tzafestas (2.79) inverted.
- * Operations: 5 additions, 8 multiplications, 2 divisions, 5 sines and cosines, 4 comparisons, 6
- * sign operations. */
+ * Operations of the formula: 5 additions, 8 multiplications, 2 divisions, 5 sines and cosines, 4
+ * comparisons, 6 sign operations. */
 void textbook_mecanum_wheel_inverse(
     const textbook_mecanum_wheel_inverse_in *in,
     textbook_mecanum_wheel_inverse_out *out);
 
 /* Length and width of the rollers of a mecanum wheel, Tzafestas (2.86)-(2.91).
- * Operations: 4 multiplications, 2 divisions, 3 sines and cosines, 4 comparisons, 2 sign
- * operations. */
+ * Operations of the formula: 4 multiplications, 2 divisions, 3 sines and cosines, 4 comparisons,
+ * 2 sign operations. */
 void textbook_mecanum_roller(
     const textbook_mecanum_roller_in *in,
     textbook_mecanum_roller_out *out);
 
 /* Drive speed, roller speed and velocity augmentation of a wheel, Tzafestas (2.71).
- * Operations: 1 addition, 2 multiplications, 1 division, 2 sines and cosines, 2 comparisons, 2
- * sign operations. */
+ * Operations of the formula: 1 addition, 2 multiplications, 1 division, 2 sines and cosines, 2
+ * comparisons, 2 sign operations. */
 void textbook_omni_wheel(const textbook_omni_wheel_in *in, textbook_omni_wheel_out *out);
 
 /* Angle of a towed castor after a time, Siegwart (3.18) integrated.
- * Operations: 22 additions, 46 multiplications, 1 division, 2 square roots, 2 sines and cosines,
- * 2 arctangents, 4 comparisons, 2 sign operations. */
+ * Operations of the formula: 22 additions, 46 multiplications, 1 division, 2 square roots, 2
+ * sines and cosines, 2 arctangents, 4 comparisons, 2 sign operations. */
 void textbook_castor_swivel(const textbook_castor_swivel_in *in, textbook_castor_swivel_out *out);
 
 /* Where a towed castor comes to rest, Siegwart (3.18).
- * Operations: 2 additions, 5 multiplications, 2 divisions, 1 square root, 2 sines and cosines, 3
- * arctangents, 5 comparisons, 6 sign operations. */
+ * Operations of the formula: 2 additions, 5 multiplications, 2 divisions, 1 square root, 2 sines
+ * and cosines, 3 arctangents, 5 comparisons, 6 sign operations. */
 void textbook_castor_alignment(
     const textbook_castor_alignment_in *in,
     textbook_castor_alignment_out *out);
 
 /* Rates of the (2,3) chain, Tzafestas (2.58).
- * Operations: 1 multiplication. */
+ * Operations of the formula: 1 multiplication. */
 void textbook_chain_3(const textbook_chain_3_in *in, textbook_chain_3_out *out);
 
 /* Rates of the (2,4) chain, Tzafestas (2.58).
- * Operations: 2 multiplications. */
+ * Operations of the formula: 2 multiplications. */
 void textbook_chain_4(const textbook_chain_4_in *in, textbook_chain_4_out *out);
 
 /* Rates of the (2,5) chain, Tzafestas (2.58).
- * Operations: 3 multiplications. */
+ * Operations of the formula: 3 multiplications. */
 void textbook_chain_5(const textbook_chain_5_in *in, textbook_chain_5_out *out);
 
 /* Rates of the (2,6) chain, Tzafestas (2.58).
- * Operations: 4 multiplications. */
+ * Operations of the formula: 4 multiplications. */
 void textbook_chain_6(const textbook_chain_6_in *in, textbook_chain_6_out *out);
 
 /* Rates of Brockett's integrator, Tzafestas (2.59).
- * Operations: 1 addition, 2 multiplications. */
+ * Operations of the formula: 1 addition, 2 multiplications. */
 void textbook_brockett(const textbook_brockett_in *in, textbook_brockett_out *out);
 
 /* Brockett's integrator driven by accelerations, Tzafestas (2.60), corrected.
- * Operations: 1 addition, 2 multiplications. */
+ * Operations of the formula: 1 addition, 2 multiplications. */
 void textbook_brockett_double(
     const textbook_brockett_double_in *in,
     textbook_brockett_double_out *out);
 
 /* State and inputs of the unicycle as a (2,3) chain, Tzafestas (2.62), (2.63).
- * Operations: 3 additions, 5 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 3 additions, 5 multiplications, 2 sines and cosines. */
 void textbook_unicycle_to_chain(
     const textbook_unicycle_to_chain_in *in,
     textbook_unicycle_to_chain_out *out);
 
 /* A (2,3) chain as Brockett's integrator, Tzafestas (2.64).
- * Operations: 1 addition, 2 multiplications. */
+ * Operations of the formula: 1 addition, 2 multiplications. */
 void textbook_chain_to_brockett(
     const textbook_chain_to_brockett_in *in,
     textbook_chain_to_brockett_out *out);
 
 /* Brockett's integrator as a (2,3) chain, Tzafestas (2.64) solved.
- * Operations: 1 addition, 2 multiplications. */
+ * Operations of the formula: 1 addition, 2 multiplications. */
 void textbook_brockett_to_chain(
     const textbook_brockett_to_chain_in *in,
     textbook_brockett_to_chain_out *out);
 
 /* Polar coordinates of the goal at the origin, Siegwart (3.50)-(3.52).
- * Operations: 4 additions, 6 multiplications, 1 square root, 2 sines and cosines, 1 arctangent,
- * 2 sign operations. */
+ * Operations of the formula: 4 additions, 6 multiplications, 1 square root, 2 sines and cosines,
+ * 1 arctangent, 2 sign operations. */
 void textbook_polar_coordinates(
     const textbook_polar_coordinates_in *in,
     textbook_polar_coordinates_out *out);
 
 /* Pose of the robot from polar coordinates, Siegwart (3.50)-(3.52) solved.
- * Operations: 1 addition, 2 multiplications, 2 sines and cosines, 2 sign operations. */
+ * Operations of the formula: 1 addition, 2 multiplications, 2 sines and cosines, 2 sign
+ * operations. */
 void textbook_polar_pose(const textbook_polar_pose_in *in, textbook_polar_pose_out *out);
 
 /* Rates of the polar coordinates, driving forward, Siegwart (3.53).
- * Operations: 1 addition, 2 multiplications, 1 division, 2 sines and cosines, 2 comparisons, 3
- * sign operations. */
+ * Operations of the formula: 1 addition, 2 multiplications, 1 division, 2 sines and cosines, 2
+ * comparisons, 3 sign operations. */
 void textbook_polar_rates(const textbook_polar_rates_in *in, textbook_polar_rates_out *out);
 
 /* Rates of the polar coordinates, driving backwards, Siegwart (3.55), corrected.
- * Operations: 1 addition, 2 multiplications, 1 division, 2 sines and cosines, 2 comparisons, 2
- * sign operations. */
+ * Operations of the formula: 1 addition, 2 multiplications, 1 division, 2 sines and cosines, 2
+ * comparisons, 2 sign operations. */
 void textbook_polar_rates_reverse(
     const textbook_polar_rates_reverse_in *in,
     textbook_polar_rates_reverse_out *out);
 
 /* Closed loop of the polar feedback law, Siegwart (3.58).
- * Operations: 2 additions, 5 multiplications, 2 sines and cosines, 2 sign operations. */
+ * Operations of the formula: 2 additions, 5 multiplications, 2 sines and cosines, 2 sign
+ * operations. */
 void textbook_polar_closed_loop(
     const textbook_polar_closed_loop_in *in,
     textbook_polar_closed_loop_out *out);
 
 /* Linearised closed loop of the polar law at the goal, Siegwart (3.60)-(3.63).
- * Operations: 2 additions, 3 multiplications, 4 sign operations. */
+ * Operations of the formula: 2 additions, 3 multiplications, 4 sign operations. */
 void textbook_polar_linearisation(
     const textbook_polar_linearisation_in *in,
     textbook_polar_linearisation_out *out);
 
 /* Do gains stabilise the polar law, Siegwart (3.61)-(3.65), (3.65) corrected.
- * Operations: 4 additions, 3 multiplications, 4 comparisons, 1 sign operation. */
+ * Operations of the formula: 4 additions, 3 multiplications, 4 comparisons, 1 sign operation. */
 void textbook_polar_gains(const textbook_polar_gains_in *in, textbook_polar_gains_out *out);
 
 /* Turning radius of a car or tricycle, Tzafestas (2.48).
- * Operations: 1 multiplication, 2 divisions, 2 sines and cosines, 4 comparisons, 2 sign
- * operations. */
+ * Operations of the formula: 1 multiplication, 2 divisions, 2 sines and cosines, 4 comparisons,
+ * 2 sign operations. */
 void textbook_turning_radius(
     const textbook_turning_radius_in *in,
     textbook_turning_radius_out *out);
 
 /* Steering towards a goal on an arc, Tzafestas (2.57a-c).
- * Operations: 7 multiplications, 3 divisions, 1 sine or cosine, 1 arctangent, 7 comparisons, 3
- * sign operations. */
+ * Operations of the formula: 7 multiplications, 3 divisions, 1 sine or cosine, 1 arctangent, 7
+ * comparisons, 3 sign operations. */
 void textbook_pursuit(const textbook_pursuit_in *in, textbook_pursuit_out *out);
 
 /* Unicycle inputs of a front-driven car, AA274.
- * Operations: 2 multiplications, 1 division, 2 sines and cosines, 2 comparisons, 1 sign
- * operation. */
+ * Operations of the formula: 2 multiplications, 1 division, 2 sines and cosines, 2 comparisons,
+ * 1 sign operation. */
 void textbook_car_reduction(const textbook_car_reduction_in *in, textbook_car_reduction_out *out);
 
 /* Bounds of speed and turning rate of a car, AA274.
- * Operations: 1 addition, 6 multiplications, 2 divisions, 1 square root, 2 sines and cosines, 7
- * comparisons, 3 sign operations. */
+ * Operations of the formula: 1 addition, 6 multiplications, 2 divisions, 1 square root, 2 sines
+ * and cosines, 7 comparisons, 3 sign operations. */
 void textbook_car_bounds(const textbook_car_bounds_in *in, textbook_car_bounds_out *out);
 
 #ifdef __cplusplus

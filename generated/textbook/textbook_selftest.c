@@ -16,7 +16,7 @@
  */
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_2ebcf699519445cb)
+#if !defined(TEXTBOOK_PAIR_557bdb8fd8123d03)
 #error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 

@@ -8,18 +8,19 @@
  * The functions of textbook_differential.h for inputs that nobody vouches for: a sensor that
  * failed, a command from a network. Each returns TEXTBOOK_DIFFERENTIAL_OK and the outputs of the
  * function, to the last bit, or a status and safe outputs: joint rates, twists and slips 0,
- * steering angles and poses held where they were, steering inside its limits. Parameters are not
- * checked.
+ * steering angles and poses as they were (0 where that is no number either: look at the status
+ * before a motor follows), steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * textbook_differential.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_TEXTBOOK_DIFFERENTIAL_CHECKED_H
 #define WMRGEN_TEXTBOOK_DIFFERENTIAL_CHECKED_H
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_90799deb8d1b4432)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_9494f2617894f074)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 

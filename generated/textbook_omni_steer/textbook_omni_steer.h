@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -28,7 +29,7 @@
 #define WMRGEN_TEXTBOOK_OMNI_STEER_H
 
 #define TEXTBOOK_OMNI_STEER_MODEL_HASH "d92b94f388bc94f899fa325004f1bf52"
-#define TEXTBOOK_OMNI_STEER_PAIR_c20f4d5c52575f34 1
+#define TEXTBOOK_OMNI_STEER_PAIR_72596e4008337fb9 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -103,33 +104,35 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } textbook_omni_steer_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 5 additions, 8 multiplications, 1 division, 1 square root, 1 arctangent, 4
- * comparisons, 4 sign operations, 1 rounding. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 5 additions, 8 multiplications, 1 division, 1 square root, 1
+ * arctangent, 4 comparisons, 4 sign operations, 1 rounding. */
 void textbook_omni_steer_inverse(
     const textbook_omni_steer_inverse_in *in,
     textbook_omni_steer_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void textbook_omni_steer_inverse_slip(
     const textbook_omni_steer_inverse_slip_in *in,
     textbook_omni_steer_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 5 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 5 multiplications, 2 sines and cosines. */
 void textbook_omni_steer_forward(
     const textbook_omni_steer_forward_in *in,
     textbook_omni_steer_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 5 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 5 multiplications, 2 sines and cosines. */
 void textbook_omni_steer_forward_slip(
     const textbook_omni_steer_forward_slip_in *in,
     textbook_omni_steer_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void textbook_omni_steer_odometry(
     const textbook_omni_steer_odometry_in *in,
     textbook_omni_steer_odometry_out *out);

@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -50,7 +51,7 @@
 #define WMRGEN_TEXTBOOK_TRICYCLE_H
 
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "ad0908ddefbf436cccc825da85c4b2d4"
-#define TEXTBOOK_TRICYCLE_PAIR_c3d2faeddf3e2438 1
+#define TEXTBOOK_TRICYCLE_PAIR_858e3a92352b4852 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -81,7 +82,9 @@ typedef textbook_tricycle_inverse_in textbook_tricycle_inverse_slip_in;
 
 /* Output of textbook_tricycle_inverse_slip(). */
 typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
+    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
+     * held steering */
+    float slip;
 } textbook_tricycle_inverse_slip_out;
 
 /* Input of textbook_tricycle_forward().
@@ -131,34 +134,37 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } textbook_tricycle_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 9 additions, 13 multiplications, 1 division, 1 square root, 1 sine or cosine, 1
- * arctangent, 13 comparisons, 3 sign operations, 1 rounding. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 1 square root, 1 sine
+ * or cosine, 1 arctangent, 13 comparisons, 3 sign operations, 1 rounding. */
 void textbook_tricycle_inverse(
     const textbook_tricycle_inverse_in *in,
     textbook_tricycle_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 8 additions, 12 multiplications, 1 division, 2 square roots, 1 sine or cosine, 1
- * arctangent, 13 comparisons, 4 sign operations, 1 rounding. */
+ * Operations of the formula: 8 additions, 12 multiplications, 1 division, 2 square roots, 1 sine
+ * or cosine, 1 arctangent, 13 comparisons, 4 sign operations, 1 rounding. */
 void textbook_tricycle_inverse_slip(
     const textbook_tricycle_inverse_slip_in *in,
     textbook_tricycle_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 5 additions, 7 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 5 additions, 7 multiplications, 2 sines and cosines. */
 void textbook_tricycle_forward(
     const textbook_tricycle_forward_in *in,
     textbook_tricycle_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 16 additions, 19 multiplications, 1 square root, 2 sines and cosines. */
+ * Operations of the formula: 16 additions, 19 multiplications, 1 square root, 2 sines and
+ * cosines. */
 void textbook_tricycle_forward_slip(
     const textbook_tricycle_forward_slip_in *in,
     textbook_tricycle_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void textbook_tricycle_odometry(
     const textbook_tricycle_odometry_in *in,
     textbook_tricycle_odometry_out *out);

@@ -8,17 +8,19 @@
  * The functions of textbook_tricycle.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns TEXTBOOK_TRICYCLE_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * textbook_tricycle.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_TEXTBOOK_TRICYCLE_CHECKED_H
 #define WMRGEN_TEXTBOOK_TRICYCLE_CHECKED_H
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_c3d2faeddf3e2438)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_858e3a92352b4852)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -9,11 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad); an arctangent of up
- * to 1 within 1.19 ulp of the true value.
+ * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -28,7 +29,7 @@
 #define WMRGEN_TEXTBOOK_TWO_STEER_H
 
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "76b9afb95dcb083bb42ab803309bef41"
-#define TEXTBOOK_TWO_STEER_PAIR_d970190c895a7003 1
+#define TEXTBOOK_TWO_STEER_PAIR_2d4e4045edcfd5b9 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -114,33 +115,36 @@ typedef struct {
     float theta; /* [rad] heading of the robot, counter-clockwise from world x */
 } textbook_two_steer_odometry_out;
 
-/* Twist of P in the robot frame to joint commands.
- * Operations: 12 additions, 15 multiplications, 2 divisions, 2 square roots, 2 arctangents, 8
- * comparisons, 6 sign operations, 2 roundings. */
+/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 12 additions, 15 multiplications, 2 divisions, 2 square roots, 2
+ * arctangents, 8 comparisons, 6 sign operations, 2 roundings. */
 void textbook_two_steer_inverse(
     const textbook_two_steer_inverse_in *in,
     textbook_two_steer_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void textbook_two_steer_inverse_slip(
     const textbook_two_steer_inverse_slip_in *in,
     textbook_two_steer_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 4 additions, 8 multiplications, 4 sines and cosines. */
+ * Operations of the formula: 4 additions, 8 multiplications, 4 sines and cosines. */
 void textbook_two_steer_forward(
     const textbook_two_steer_forward_in *in,
     textbook_two_steer_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 5 additions, 9 multiplications, 4 sines and cosines, 1 sign operation. */
+ * Operations of the formula: 5 additions, 9 multiplications, 4 sines and cosines, 1 sign
+ * operation. */
 void textbook_two_steer_forward_slip(
     const textbook_two_steer_forward_slip_in *in,
     textbook_two_steer_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void textbook_two_steer_odometry(
     const textbook_two_steer_odometry_in *in,
     textbook_two_steer_odometry_out *out);

@@ -23,7 +23,7 @@ def _shaped(arguments, results):
 
 
 def inverse(vx, vy, omega, front_steer, rear_steer):
-    """twist of P in the robot frame to joint commands
+    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill
 
     Arguments:
         vx [m/s] velocity of P forward, robot frame

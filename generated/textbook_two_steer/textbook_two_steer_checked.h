@@ -8,17 +8,19 @@
  * The functions of textbook_two_steer.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns TEXTBOOK_TWO_STEER_OK and the outputs of the function, to
  * the last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * textbook_two_steer.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_TEXTBOOK_TWO_STEER_CHECKED_H
 #define WMRGEN_TEXTBOOK_TWO_STEER_CHECKED_H
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_d970190c895a7003)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_2d4e4045edcfd5b9)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

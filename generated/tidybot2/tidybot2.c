@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_95cd33a9010c1751)
+#if !defined(TIDYBOT2_PAIR_2b960c0d3921c8cb)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

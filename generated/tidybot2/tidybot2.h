@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -33,7 +35,7 @@
 #define WMRGEN_TIDYBOT2_H
 
 #define TIDYBOT2_MODEL_HASH "ecabeb091bce5db73b7f1965e693b0c9"
-#define TIDYBOT2_PAIR_95cd33a9010c1751 1
+#define TIDYBOT2_PAIR_2b960c0d3921c8cb 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -143,23 +145,25 @@ typedef struct {
 } tidybot2_odometry_out;
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 20 additions, 28 multiplications, 8 sines and cosines. */
+ * Operations of the formula: 20 additions, 28 multiplications, 8 sines and cosines. */
 void tidybot2_inverse(const tidybot2_inverse_in *in, tidybot2_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: no operations. */
+ * Operations of the formula: none. */
 void tidybot2_inverse_slip(const tidybot2_inverse_slip_in *in, tidybot2_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 55 additions, 46 multiplications, 1 division, 8 sines and cosines. */
+ * Operations of the formula: 55 additions, 46 multiplications, 1 division, 8 sines and cosines. */
 void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 90 additions, 80 multiplications, 1 division, 1 square root, 8 sines and cosines. */
+ * Operations of the formula: 90 additions, 80 multiplications, 1 division, 1 square root, 8
+ * sines and cosines. */
 void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void tidybot2_odometry(const tidybot2_odometry_in *in, tidybot2_odometry_out *out);
 
 #ifdef __cplusplus

@@ -16,7 +16,7 @@
  */
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_95cd33a9010c1751)
+#if !defined(TIDYBOT2_PAIR_2b960c0d3921c8cb)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

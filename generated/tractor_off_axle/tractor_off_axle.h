@@ -9,10 +9,12 @@
  * Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
- * 1e9 in magnitude give finite results; beyond, squares may overflow.
+ * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
+ * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
+ * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
  * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 (angles, and omega dt, must not exceed 12000 rad) of the true value.
+ * rad within 2.36 * 2**-24 of the true value.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -28,7 +30,7 @@
 #define WMRGEN_TRACTOR_OFF_AXLE_H
 
 #define TRACTOR_OFF_AXLE_MODEL_HASH "0070fd12925fb620178aadaf156a43f1"
-#define TRACTOR_OFF_AXLE_PAIR_d6178c4fe75e274d 1
+#define TRACTOR_OFF_AXLE_PAIR_13d7793955b43f1e 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -126,38 +128,39 @@ typedef struct {
 } tractor_off_axle_trailer_out;
 
 /* Twist of P in the robot frame to joint commands.
- * Operations: 5 additions, 10 multiplications, 2 sines and cosines. */
+ * Operations of the formula: 5 additions, 10 multiplications, 2 sines and cosines. */
 void tractor_off_axle_inverse(
     const tractor_off_axle_inverse_in *in,
     tractor_off_axle_inverse_out *out);
 
 /* Sliding that the ground must give when this twist is driven.
- * Operations: 1 sign operation. */
+ * Operations of the formula: 1 sign operation. */
 void tractor_off_axle_inverse_slip(
     const tractor_off_axle_inverse_slip_in *in,
     tractor_off_axle_inverse_slip_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 2 additions, 2 multiplications. */
+ * Operations of the formula: 2 additions, 2 multiplications. */
 void tractor_off_axle_forward(
     const tractor_off_axle_forward_in *in,
     tractor_off_axle_forward_out *out);
 
 /* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations: 2 additions, 2 multiplications. */
+ * Operations of the formula: 2 additions, 2 multiplications. */
 void tractor_off_axle_forward_slip(
     const tractor_off_axle_forward_slip_in *in,
     tractor_off_axle_forward_slip_out *out);
 
 /* Pose after driving a constant twist for dt.
- * Operations: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2 comparisons. */
+ * Operations of the formula: 9 additions, 14 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons. */
 void tractor_off_axle_odometry(
     const tractor_off_axle_odometry_in *in,
     tractor_off_axle_odometry_out *out);
 
 /* Rates of a body with trailers (one is jack-knifed where its speed is 0): posture model in
  * left.spin, right.spin.
- * Operations: 5 additions, 11 multiplications, 4 sines and cosines. */
+ * Operations of the formula: 5 additions, 11 multiplications, 4 sines and cosines. */
 void tractor_off_axle_trailer(
     const tractor_off_axle_trailer_in *in,
     tractor_off_axle_trailer_out *out);

@@ -16,7 +16,7 @@
  */
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_d6178c4fe75e274d)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_13d7793955b43f1e)
 #error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -8,17 +8,19 @@
  * The functions of turtlebot3_burger.h for inputs that nobody vouches for: a sensor that failed, a
  * command from a network. Each returns TURTLEBOT3_BURGER_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
- * poses held where they were, steering inside its limits. Parameters are not checked.
+ * poses as they were (0 where that is no number either: look at the status before a motor follows),
+ * steering inside its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which
+ * turtlebot3_burger.h states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_TURTLEBOT3_BURGER_CHECKED_H
 #define WMRGEN_TURTLEBOT3_BURGER_CHECKED_H
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_30cd1351919ed10a)
+#if !defined(TURTLEBOT3_BURGER_PAIR_5ba608519b88fe1b)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_30cd1351919ed10a)
+#if !defined(TURTLEBOT3_BURGER_PAIR_5ba608519b88fe1b)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

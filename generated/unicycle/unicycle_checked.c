@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(UNICYCLE_PAIR_d241bb31ab2aa02b)
+#if !defined(UNICYCLE_PAIR_f91f921928a9104a)
 #error "unicycle_checked.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

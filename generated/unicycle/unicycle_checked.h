@@ -7,18 +7,20 @@
  *
  * The functions of unicycle.h for inputs that nobody vouches for: a sensor that failed, a command
  * from a network. Each returns UNICYCLE_OK and the outputs of the function, to the last bit, or a
- * status and safe outputs: joint rates, twists and slips 0, steering angles and poses held where
- * they were, steering inside its limits. Parameters are not checked.
+ * status and safe outputs: joint rates, twists and slips 0, steering angles and poses as they were
+ * (0 where that is no number either: look at the status before a motor follows), steering inside
+ * its limits. Parameters are not checked.
  * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
  * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.
+ * has to be of a size that gives finite results. That is wider than the ranges for which unicycle.h
+ * states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_UNICYCLE_CHECKED_H
 #define WMRGEN_UNICYCLE_CHECKED_H
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_d241bb31ab2aa02b)
+#if !defined(UNICYCLE_PAIR_f91f921928a9104a)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

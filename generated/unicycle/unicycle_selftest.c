@@ -16,7 +16,7 @@
  */
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_d241bb31ab2aa02b)
+#if !defined(UNICYCLE_PAIR_f91f921928a9104a)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

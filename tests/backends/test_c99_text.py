@@ -104,7 +104,7 @@ def test_what_a_header_states() -> None:
         "wmrgen 0.1.0",
         "sympy 1.14.0",
         "MIT-0",
-        "Operations:",
+        "Operations of the formula:",
     ):
         assert fact in header
     assert "00ff" * 8 in source

@@ -15,4 +15,4 @@ def test_counts_and_their_text() -> None:
     assert str(cost) == "1 addition, 2 multiplications, 1 square root, 1 sign operation"
     assert cost.flops == 3
     assert (cost + cost).flops == 6
-    assert str(Cost()) == "no operations"
+    assert str(Cost()) == "none"

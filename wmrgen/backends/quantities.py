@@ -6,8 +6,9 @@ import re
 
 # The quantities of sections 6 to 8 of the report. A wheel's name may stand in front.
 _OF_A_WHEEL = {
-    "x": "a", "y": "b", "along": "u", "across": "w", "u": "u", "turn": "Delta",
+    "x": "a", "y": "b", "along": "u", "across": "w", "turn": "Delta",
     "size": "sqrt(a^2 + b^2)", "speed": "speed", "heading": "heading", "slope": "tan(heading / 2)",
+    "p": "p", "q": "q", "tangent": "t", "rx": "row of H, vx", "ry": "row of H, vy", "rw": "row of H, omega",
     "nearest": "nearer angle", "other": "angle half a turn on", "target": "angle inside the limits",
     "bx": "contact point, x", "by": "contact point, y", "wx": "its velocity, x", "wy": "its velocity, y",
     "bx0": "contact point from the mean, x", "by0": "contact point from the mean, y",
@@ -17,6 +18,7 @@ _ALONE = {
     "chord": "dt sinc(h)", "middle": "theta + h", "vx_fit": "vx", "vy_fit": "vy", "omega_fit": "omega",
     "det": "det(HtH)",
 }  # fmt: skip
+_ROW = {"b": "Htz", "p": "(adj(HtH) Htz)", "error_": "residual"}
 _ENTRY = {"n": "HtH", "adj": "adj(HtH)"}
 
 
@@ -27,9 +29,9 @@ def quantity(name: str) -> str:
     entry = re.fullmatch(r"(n|adj)([0-2])([0-2])", name)
     if entry:
         return f"{_ENTRY[entry[1]]}[{entry[2]}][{entry[3]}]"
-    row = re.fullmatch(r"(b|error_)(\d+)", name)
+    row = re.fullmatch(r"(b|p|error_)(\d+)", name)
     if row:
-        return f"Htz[{row[2]}]" if row[1] == "b" else f"residual {row[2]}"
+        return f"{_ROW[row[1]]} {row[2]}" if row[1] == "error_" else f"{_ROW[row[1]]}[{row[2]}]"
     wheel, _, last = name.rpartition("_")
     if wheel and last in _OF_A_WHEEL:
         return f"{wheel}: {_OF_A_WHEEL[last]}"

@@ -46,7 +46,9 @@ def run(paths: Sequence[Path], out: Path) -> int:
     if found:
         console.note("run `wmrgen derive` on the robot files (make generate), or remove what has none")
     elif not code:
-        console.result(f"{len(robots)} robots: everything under {out.as_posix()}/ is up to date")
+        console.result(
+            f"{len(robots)} robot{'s' * (len(robots) != 1)}: everything under {out.as_posix()}/ is up to date"
+        )
     return code or (StaleError.exit_code if found else 0)
 
 

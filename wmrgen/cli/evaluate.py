@@ -74,7 +74,9 @@ def known(robot: str, name: str) -> str:
     from wmrgen.program import functions
 
     if name not in functions():
-        raise UsageError(f"{robot} has no function {name!r}; it has: {' '.join(functions())}")
+        raise UsageError(
+            f"{robot} has no function {name!r}; functions that a robot may have: {' '.join(functions())}"
+        )
     return name
 
 

@@ -97,7 +97,7 @@ def _chained(d: Derivation) -> str:
     from wmrgen.models.train import train
 
     size = train(d.robot, d.mobility).size
-    return f"(2,{size}) chain; `wmrgen model {d.robot.name}.yaml --form chained` writes it down"
+    return f"(2,{size}) chain; `wmrgen model ROBOT.yaml --form chained` writes it down"
 
 
 def _or_why(fact: Callable[[], str]) -> str:

@@ -76,7 +76,7 @@ def _backwards(c: Exact, s: Exact) -> bool:
     return c.sign < 0 or (not c and s.sign < 0)
 
 
-def _nominal(ref: Reference, robot: Robot) -> Array:
+def _nominal(robot: Robot) -> Array:
     """(x, y, c, s) with the tunable parameters at their nominal values."""
     fixed = [w.nominal for w in robot.wheels if w.type == "fixed"]
     if not fixed:
@@ -91,9 +91,7 @@ def _drives(robot: Robot, mobility: Mobility) -> bool:
     picked = mobility.admissible
     if not picked.linear or not len(picked.basis):
         return False
-    fixed = [w for w in robot.wheels if w.type == "fixed"]
-    ref = _centre(fixed) if fixed else Reference(Poly({}), Poly({}), Poly.of(1), Poly({}))
-    x, y, c, s = _nominal(ref, robot)
+    x, y, c, s = _nominal(robot)
     wanted = np.array([[c, s, 0.0], [y, -x, 1.0]])
     basis = np.linalg.qr(np.asarray(picked.basis, float).T)[0]
     return bool(np.abs(wanted.T - basis @ (basis.T @ wanted.T)).max() < _SMALL * max(1.0, abs(x), abs(y)))

@@ -39,7 +39,7 @@ class Cost:
         return Cost(*(a + b for a, b in zip(astuple(self), astuple(other), strict=True)))
 
     def __str__(self) -> str:
-        """``6 additions, 3 multiplications``; ``no operations``."""
+        """``6 additions, 3 multiplications``; ``none``."""
         names = (
             ("addition", "additions"), ("multiplication", "multiplications"), ("division", "divisions"),
             ("square root", "square roots"), ("sine or cosine", "sines and cosines"),
@@ -47,7 +47,7 @@ class Cost:
             ("sign operation", "sign operations"), ("rounding", "roundings"),
         )  # fmt: skip
         counted = zip(astuple(self), names, strict=True)
-        return ", ".join(f"{n} {name[n != 1]}" for n, name in counted if n) or "no operations"
+        return ", ".join(f"{n} {name[n != 1]}" for n, name in counted if n) or "none"
 
 
 def count(function: Function) -> Cost:

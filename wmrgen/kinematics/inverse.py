@@ -48,9 +48,10 @@ Steering = Callable[[Robot, Row, Locals], dict[int, Target]]  # driven twist -> 
 
 def inverse(robot: Robot, mobility: Mobility) -> Formula:
     """vx vy omega and the present steering angles to every joint's command."""
-    return joint_commands(
-        robot, mobility, nearest_steering, "inverse", "twist of P in the robot frame to joint commands"
-    )
+    text = "twist of P in the robot frame to joint commands"
+    if any(w.type == "steered" for w in robot.wheels):
+        text += "; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill"
+    return joint_commands(robot, mobility, nearest_steering, "inverse", text)
 
 
 def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: str, text: str) -> Formula:
@@ -75,7 +76,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
             outputs.append((joint_port(w, "steer_rate", Role.COMMAND), j.steer_rate))
     outputs.append(
         (
-            slip_port("sliding that the ground must give: RMS over the constraining wheels"),
+            slip_port(f"sliding that the ground must give: RMS over the constraining wheels{_held(targets)}"),
             _slip(projection, left_over, targets),
         )
     )
@@ -92,6 +93,10 @@ def _named_twist(projection: Projection, names: Locals) -> Row:
         for p, q, n in zip(projection.twist, plain, ("vx", "vy", "omega"), strict=True)
     ]
     return parts[0], parts[1], parts[2]
+
+
+def _held(targets: dict[int, Target]) -> str:
+    return ", plus that over held steering" if any(t.lateral is not None for t in targets.values()) else ""
 
 
 def _slip(projection: Projection, left_over: list[Poly], targets: dict[int, Target]) -> Expr:

@@ -130,10 +130,10 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     cosine, sine = circle_point(half.rational())
     most = number(sine / cosine)
     x, y = turned_by(w, velocity, middle)
-    u, v = short(names, f"{w.name}_u", x), short(names, f"{w.name}_v", y)
+    u, v = short(names, f"{w.name}_p", x), short(names, f"{w.name}_q", y)
     divisor = names.define(f"{w.name}_divisor", maximum(number(STILL), absolute(u)))
     slope = select(u, sympy.S.Zero, times(-1, v), v) / divisor
-    slope = names.define(f"{w.name}_slope", kept_between(times(-1, most), slope, most))
+    slope = names.define(f"{w.name}_tangent", kept_between(times(-1, most), slope, most))
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))

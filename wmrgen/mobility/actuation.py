@@ -17,7 +17,7 @@ def actuation(f: Findings) -> tuple[str, ...]:
     spins = [w for w in robot.wheels if "spin" in w.actuated]
     free = null_basis(unit_rows(f.at)) if f.at.size else np.eye(3)
     rows = [_rate_row(w, f) for w in spins]
-    rows += [_castor_row(w, f) for w in robot.wheels if w.type == "castor" and "steer" in w.actuated]
+    rows += [_castor_row(w) for w in robot.wheels if w.type == "castor" and "steer" in w.actuated]
     grip = int(np.linalg.matrix_rank(np.array(rows) @ free.T, tol=1e-9)) if rows and len(free) else 0
     motors = len({robot.spin_group[w.index] for w in spins}) + sum(
         r.type == "castor" and "steer" in r.actuated for r in robot.wheels
@@ -59,6 +59,6 @@ def _castor_slide(w: Wheel) -> Array:
     return np.array([-s, c, x * c + y * s + float(g.d)])
 
 
-def _castor_row(w: Wheel, f: Findings) -> Array:
+def _castor_row(w: Wheel) -> Array:
     """The twist row of a castor's steering rate."""
     return -_castor_slide(w) / float(w.nominal.d)

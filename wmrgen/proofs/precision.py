@@ -57,7 +57,6 @@ class Format:
 
 SINGLE = Format("float", 24, -149, 128)
 DOUBLE = Format("double", 53, -1074, 1024)
-FORMATS = {"float": SINGLE, "double": DOUBLE}
 
 
 @dataclass(frozen=True, slots=True)

@@ -57,9 +57,7 @@ def stability(robot: Robot, _: Mobility) -> Formula:
     f = (signal("fx"), signal("fy"), signal("fz"))
     normals = {e: _normal(places, e, c, names) for e in found}
     valid = {e: _condition(places, e, names) for e in found}
-    margins = {
-        e: _where(valid[e], _margin(f, normals[e]), sympy.pi, names, _name(places, e, "angle")) for e in found
-    }
+    margins = {e: _where(valid[e], _margin(f, normals[e]), sympy.pi, names, _name(e, "angle")) for e in found}
     outputs: list[tuple[Port, Expr]] = []
     for i, place in enumerate(places):
         own = [e for e in found if e.start == i]
@@ -89,7 +87,7 @@ def centre_of_gravity(robot: Robot, function: str) -> Vector:
     return x, y, z
 
 
-def _name(places: list[Spot], e: Edge, suffix: str) -> str:
+def _name(e: Edge, suffix: str) -> str:
     return f"edge{e.start}to{e.end}_{suffix}"
 
 
@@ -104,7 +102,7 @@ def _normal(places: list[Spot], e: Edge, c: Vector, names: Locals) -> Vector:
     p, q = places[e.start], places[e.end]
     arm = (subtract(c[0], p.x), subtract(c[1], p.y), c[2])
     m = cross(arm, (subtract(q.x, p.x), subtract(q.y, p.y), _ZERO))
-    x, y, z = (names.define(_name(places, e, f"m{k}"), entry) for k, entry in zip("xyz", m, strict=True))
+    x, y, z = (names.define(_name(e, f"m{k}"), entry) for k, entry in zip("xyz", m, strict=True))
     return x, y, z
 
 
@@ -122,7 +120,7 @@ def _condition(places: list[Spot], e: Edge, names: Locals) -> Expr | None:
         w = places[k]
         left = times(subtract(q.x, p.x), subtract(w.y, p.y))
         sides.append(subtract(left, times(subtract(q.y, p.y), subtract(w.x, p.x))))
-    return names.define(_name(places, e, "inside"), _fold(sides, minimum))
+    return names.define(_name(e, "inside"), _fold(sides, minimum))
 
 
 def _where(condition: Expr | None, value: Expr, otherwise: Expr, names: Locals, name: str) -> Expr:
@@ -154,8 +152,8 @@ def _ranges(
             high = select(_TINY, slope, times(rest, 1 / maximum(slope, _TINY)), NONE)
             down = times(-1, slope)
             low = select(_TINY, down, times(-1, rest, 1 / maximum(down, _TINY)), times(-1, NONE))
-            highs.append(_where(valid[e], high, NONE, names, _name(places, e, f"high{letter}")))
-            lows.append(_where(valid[e], low, times(-1, NONE), names, _name(places, e, f"low{letter}")))
+            highs.append(_where(valid[e], high, NONE, names, _name(e, f"high{letter}")))
+            lows.append(_where(valid[e], low, times(-1, NONE), names, _name(e, f"low{letter}")))
         text = f"f{letter} at which the robot tips over, the rest as given; 1e9: never"
         outputs += [
             (Port(f"f{letter}_min", Role.COMMAND, "m/s^2", text), _fold(lows, maximum)),

@@ -123,11 +123,11 @@ def read_functions(node: Node | None) -> tuple[str, ...]:
     found: list[str] = []
     for item in list_of(node, "functions", f"functions: [{OPTIONAL_FUNCTIONS[0]}]").items:
         scalar = scalar_of(item, "an item of functions")
+        if scalar.text in ("inverse", "forward", "odometry"):
+            raise scalar.error(f"{scalar.text} is generated for every robot", "", "Leave it out here.")
         if scalar.text not in OPTIONAL_FUNCTIONS:
             raise scalar.error(
-                f"there is no function {quoted(scalar.text)}",
-                f"Optional functions are: {' '.join(OPTIONAL_FUNCTIONS)}.",
-                suggestion(scalar.text, OPTIONAL_FUNCTIONS),
+                f"there is no function {quoted(scalar.text)}", "", suggestion(scalar.text, OPTIONAL_FUNCTIONS)
             )
         if scalar.text in found:
             raise scalar.error(f"{quoted(scalar.text)} stands twice in functions", "", "Delete one of them.")

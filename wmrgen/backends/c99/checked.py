@@ -15,11 +15,12 @@ from wmrgen.render import render
 ABOUT = (
     "The functions of {0}.h for inputs that nobody vouches for: a sensor that failed, a command from a network. "
     "Each returns {1}_OK and the outputs of the function, to the last bit, or a status and safe outputs: joint rates, "
-    "twists and slips 0, steering angles and poses held where they were, steering inside its limits. Parameters are "
-    "not checked.",
+    "twists and slips 0, steering angles and poses as they were (0 where that is no number either: look at the status "
+    "before a motor follows), steering inside its limits. Parameters are not checked.",
     "A commanded twist must keep the limits of the robot file; what is measured may lie "
     f"{OVERSHOOT:g} times as far from the middle of its limits, for a joint at its stop overshoots. An input without "
-    "limits has to be of a size that gives finite results. Angles are not wrapped here: wrap theta.",
+    "limits has to be of a size that gives finite results. That is wider than the ranges for which {0}.h states "
+    "bounds. Angles are not wrapped here: wrap theta.",
 )
 
 

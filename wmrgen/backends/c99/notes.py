@@ -14,13 +14,16 @@ _WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
 def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset[Op]) -> list[str]:
     """Paragraphs. ``functions`` before their kernels were put in, ``ops`` what is printed."""
     used = {node.op for function in functions for node in function.nodes}
+    inline = meta.scalar == "float" and meta.math == INLINE and meta.target != AVR
+    angles = " and angles (and omega dt) up to 12000 rad" if inline and used & _WAVES else ""
     notes = [
         f"Scalars are {meta.scalar}. No loops, recursion, heap or globals: every function may be called from "
         "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
         "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
-        f"{LARGEST_INPUT[meta.scalar]} in magnitude give finite results; beyond, squares may overflow."
+        f"{LARGEST_INPUT[meta.scalar]} in magnitude{angles} give finite results; beyond, squares may overflow. NaN is "
+        "not caught: some outputs may come out as numbers all the same, a steering angle at its limit for one. Check "
+        "inputs, or take the functions of the _checked files."
     ]
-    inline = meta.scalar == "float" and meta.math == INLINE and meta.target != AVR
     if inline and used & _WAVES:
         notes.append(_kernels(meta.target, used, meta.size))
     if meta.size:
@@ -48,7 +51,7 @@ def _kernels(target: str, used: set[Op], size: bool) -> str:
     if used & {Op.SIN, Op.COS}:
         parts.append(
             f"a sine of up to pi/2 is within {errors.sine} ulp, sines and cosines of angles up to 100 rad within "
-            f"{errors.circle} * 2**-24 (angles, and omega dt, must not exceed 12000 rad)"
+            f"{errors.circle} * 2**-24"
         )
     if used & {Op.ATAN, Op.ATAN2}:
         parts.append(f"an arctangent of up to 1 within {errors.arctangent} ulp")

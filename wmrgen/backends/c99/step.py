@@ -84,7 +84,7 @@ def _build(
         stores = [form.format(text) for form, text in zip(forms, code.results, strict=True)]
         lines += ([""] if lines else []) + stores
     arguments = (*inputs, output)
-    comment = tuple(block_comment([_sentence(function.text), f"Operations: {cost}."]))
+    comment = tuple(block_comment([_sentence(function.text), f"Operations of the formula: {cost}."]))
     return Step(
         name,
         own,

@@ -31,10 +31,10 @@ def picture(derivation: Derivation) -> str:
     placed = [place(w, shown.headings[w.name], view) for w in robot.wheels]
     axles = _axles(placed, shown, view)
     paper = Paper(view.area)
-    frame = _frame(robot, view, paper)
+    frame = _frame(view, paper)
     icr = _icr(shown, view, paper)
     scale = _scale_bar(view, height, paper)
-    labels = _names(placed, view, paper, axles)
+    labels = _names(placed, paper, axles)
     kinds = tuple(dict.fromkeys(w.type for w in robot.wheels))
     signs = Signs(kinds, bool(axles), bool(icr), any(w.turns for w in robot.wheels))
     keys, extra = legend(signs, WIDTH, height + 6)
@@ -122,7 +122,7 @@ def _chassis(placed: list[Placed]) -> list[str]:
     return [polygon(points, "chassis")] if len(points) > 2 else [line(points[0], points[1], "chassis")]
 
 
-def _frame(robot: Robot, view: View, paper: Paper) -> list[str]:
+def _frame(view: View, paper: Paper) -> list[str]:
     """P with the x and y axes of the robot frame."""
     p, size = view.origin, 46.0
     tip_x, tip_y = (p[0], p[1] - size), (p[0] - size, p[1])
@@ -166,7 +166,7 @@ def _around(a: Box, b: Box) -> Box:
     return min(a[0], b[0]), min(a[1], b[1]), max(a[2], b[2]), max(a[3], b[3])
 
 
-def _names(placed: list[Placed], view: View, paper: Paper, axles: list[tuple[Point, Point]]) -> list[str]:
+def _names(placed: list[Placed], paper: Paper, axles: list[tuple[Point, Point]]) -> list[str]:
     """Names of all wheels, clear of what is drawn."""
     for p in placed:
         paper.boxes.append(p.box())

@@ -12,7 +12,7 @@ from wmrgen.backends.report.wheelrows import TWIST
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.ir.cost import count
-from wmrgen.proofs.text import error, listed
+from wmrgen.proofs.text import described, error, listed
 
 if TYPE_CHECKING:
     from wmrgen.backends.meta import Meta
@@ -101,9 +101,8 @@ def _bounds(s: Subject) -> list[str]:
     )
     lines += [
         f"The limits are {listed(found.given)}. Inputs that have none: {listed(found.assumed)}. The error is that "
-        "against the exact formula, comparisons decided as the code decides them, with the C library's sin, cos and "
-        f"atan2 within {found.library.sin:g}, {found.library.cos:g} and {found.library.atan2:g} units in the last "
-        "place. h is the speed [m/s] of the pivot of the steered wheel, where it is defined at all.",
+        f"against the exact formula, comparisons decided as the code decides them ({described(found.library)}). h is "
+        "the speed [m/s] of the pivot of the steered wheel, where it is defined at all.",
         "",
     ]
     for f in found.functions:
@@ -141,7 +140,8 @@ def cost(s: Subject, meta: Meta, number: int) -> list[str]:
     lines = [
         f"## {number} What it costs, and what else is in this folder",
         "",
-        "Operations of one call of the generated C:",
+        "Operations of one call, a sine or an arctangent counted as one (the C writes them out as polynomials, and "
+        "many choices of a sign as bits):",
     ]
     lines += table(head, rows, "llr")
     if module.prepare:
@@ -157,7 +157,7 @@ def cost(s: Subject, meta: Meta, number: int) -> list[str]:
         f"* `{name}_selftest.c`: test vectors with exact results and a `main`, for the machine it is to run on",
         f"* `{name}.py`: the functions for NumPy, over arrays of samples",
         f"* `{name}_*.casadi`: the functions for CasADi, the posture model `dynamics` among them",
-        "* `model.json`: everything on this page, as data and with every digit",
+        "* `model.json`: what this page says, as data",
         "",
         "---",
         "",

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from math import degrees
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import TYPE_CHECKING
 
 from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, listed, math
+from wmrgen.backends.report.steering import alike, partners, steering
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
 from wmrgen.backends.report.tex import broken, poly, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
-from wmrgen.constraints import along, rolling_row, sliding_row, working_view
+from wmrgen.constraints import rolling_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.project import Projection, project
 from wmrgen.kinematics.steer import steer_limits
@@ -46,7 +46,7 @@ def inverse(s: Subject) -> list[str]:
         lines += ["A castor follows: its rolling row gives the wheel rate, its sliding row the swivel rate."]
         lines += aligned(line for w in castors for line in _castor(w, twist))
     if steered:
-        lines += _steered(s, steered, twist)
+        lines += steering(s, steered, twist)
     return [*lines, *_coupled(s, twist), *cut_note(s), *_slip(s, projection, twist)]
 
 
@@ -95,68 +95,6 @@ def _projection(projection: Projection) -> list[str]:
     ]
 
 
-def _steered(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
-    """One general solution, and each wheel's pivot velocity to put into it."""
-    shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
-    limited = [w for w in wheels if steer_limits(s.robot, w)]
-    lines = [
-        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as "
-        "it stands, at angle "
-        "ψ, that velocity has a component u along the wheel and w across it:",
-        *aligned([
-            r"a &= v_x - y\,\omega, & b &= v_y + x\,\omega",
-            r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
-        ]),
-        "where h is the wheel's heading at ψ = 0. Two headings roll, half a turn apart. The nearer "
-        "one is at most 90° away; "
-        "it is reached by driving backwards when u < 0:",
-        *math(
-            r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad",
-            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}},",
-            r"\qquad \pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
-        ),
-        "With a = b = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 holds the present one.",
-        "",
-        "The pivots' velocities:",
-        *aligned(_unique([_velocity(w, twist) for w in wheels], wheels)),
-    ]  # fmt: skip
-    return lines + (_limits(s, limited) if limited else [])
-
-
-def _velocity(w: Wheel, twist: Row) -> str:
-    g = working_view(w)
-    a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
-    return f"a &= {poly(a)}, & b &= {poly(b)}"
-
-
-def _unique(lines: list[str], wheels: list[Wheel]) -> list[str]:
-    found: dict[str, list[str]] = {}
-    for text, w in zip(lines, wheels, strict=True):
-        found.setdefault(text, []).append(names.wheel(w.name))
-    return [f"{text} && ({', '.join(who)})" for text, who in found.items()]
-
-
-def _limits(s: Subject, wheels: list[Wheel]) -> list[str]:
-    found: dict[str, list[str]] = {}
-    for w in wheels:
-        limit = steer_limits(s.robot, w)
-        if limit is not None:
-            found.setdefault(f"{_degrees(limit.low)} ≤ ψ ≤ {_degrees(limit.high)}", []).append(w.name)
-    ranges = "; ".join(f"{text} for {listed(who)}" for text, who in found.items())
-    return [
-        f"Steering is limited: {ranges}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken "
-        "if that is inside; if "
-        "neither is, the limit nearest to it. The rate then is that of the pivot's velocity along "
-        "the wheel so turned, "
-        "u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root.",
-        "",
-    ]
-
-
-def _degrees(angle: SupportsFloat) -> str:
-    return f"{round(degrees(float(angle)), 9) + 0.0:.6g}°".replace("-", "−")
-
-
 def _coupled(s: Subject, twist: Row) -> list[str]:
     """What couplings change."""
     lines, same = [], []
@@ -168,7 +106,7 @@ def _coupled(s: Subject, twist: Row) -> list[str]:
                 "solutions above.",
                 "",
             ]
-        elif _alike([s.letters.wheel(n) for n in members], twist):
+        elif alike([s.letters.wheel(n) for n in members], twist):
             same.append(listed(members))
         else:
             lines += [
@@ -180,11 +118,6 @@ def _coupled(s: Subject, twist: Row) -> list[str]:
     if same:
         lines += [f"{'; '.join(same)} share one angle, and the formula gives the same ψ⁺ for each.", ""]
     return lines
-
-
-def _alike(wheels: list[Wheel], twist: Row) -> bool:
-    """One velocity and one zero heading: each single solution is the common one."""
-    return len({(_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
 
 
 def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
@@ -202,9 +135,7 @@ def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
 
 def _held(s: Subject, w: Wheel, twist: Row) -> bool:
     """True when the wheel's command may differ from the heading that rolls."""
-    group = s.robot.steer_group
-    members = [v for v in s.letters.wheels if group[v.index] == group[w.index]]
-    return steer_limits(s.robot, w) is not None or not _alike(members, twist)
+    return steer_limits(s.robot, w) is not None or not alike(partners(s, w), twist)
 
 
 def _forbidden(projection: Projection) -> list[str]:

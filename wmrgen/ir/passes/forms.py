@@ -38,7 +38,7 @@ def share_linear_forms(function: Function) -> Function:
     if early:
         boundaries.insert(1, boundaries[0] | early)
     for kept in boundaries:
-        rows = _rows(function, shape, scalars, builder, kept, limit)
+        rows = _rows(function, shape, scalars, kept, limit)
         if rows is None or rows in tried:
             continue
         tried.append(rows)
@@ -112,7 +112,7 @@ def _early(
         depth.append(below + (bool(node.args) and not linear[i]))
         if linear[i] and node.op in _SUMS:
             found.update(a for a in node.args if linear[a] and nodes[a].op in _SUMS and depth[a] < below)
-    rows = _rows(function, shape, scalars, builder, kept | found, len(nodes)) or {}
+    rows = _rows(function, shape, scalars, kept | found, len(nodes)) or {}
     others = [row.keys() for i, row in rows.items() if i not in found]
     return frozenset(i for i in found & rows.keys() if any(len(rows[i].keys() & row) > 1 for row in others))
 
@@ -121,7 +121,6 @@ def _rows(
     function: Function,
     shape: _Shape,
     scalars: Scalars,
-    builder: Builder,
     kept: frozenset[int],
     limit: int,
 ) -> Rows | None:

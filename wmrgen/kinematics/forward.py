@@ -7,8 +7,11 @@ row only: what can be inverted now is not inverted on the robot.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import sympy
 
+from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.normal import pseudo_inverse
 from wmrgen.kinematics.records import (
@@ -37,7 +40,8 @@ def forward(robot: Robot) -> Formula:
     names = Locals()
     contacts, components = measurements(robot)
     if constant_normal(contacts, components):
-        twist, slip = _constant(contacts, components, names)
+        nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters if p.tunable}
+        twist, slip = _constant(contacts, components, names, nominal)
     elif not components:
         twist, slip = fit_rigid(contacts, names)
     else:
@@ -71,7 +75,7 @@ def _rows(contacts: list[Contact], components: list[Component]) -> list[tuple[Ro
 
 
 def _constant(
-    contacts: list[Contact], components: list[Component], names: Locals
+    contacts: list[Contact], components: list[Component], names: Locals, nominal: Mapping[str, Poly]
 ) -> tuple[tuple[Expr, Expr, Expr], Expr]:
     """xi = (H^T H)^+ H^T z with everything but z known now."""
     rows = _rows(contacts, components)
@@ -79,7 +83,7 @@ def _constant(
         return (sympy.S.Zero,) * 3, sympy.S.Zero
     normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
     moment = [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
-    inverse = pseudo_inverse(normal, _regular([r for r, _ in rows]))
+    inverse = pseudo_inverse(normal, _regular([r for r, _ in rows], nominal), nominal)
     twist = [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
@@ -92,13 +96,11 @@ def _constant(
     return _three(named), norm([z - dot(r, fitted) for r, z in rows])
 
 
-def _regular(rows: list[Row]) -> bool:
-    """True when the rows have rank 3, exactly and at the tolerance; tunable rows count as they stand."""
-    numbers = [[v for p in row if (v := p.constant) is not None] for row in rows]
-    complete = [row for row in numbers if len(row) == 3]
-    if len(complete) < len(rows):
-        return False
-    rank = decide(complete)
+def _regular(rows: list[Row], nominal: Mapping[str, Poly]) -> bool:
+    """True when the rows have rank 3, exactly and at the tolerance; tunable parameters count as they stand."""
+    numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in rows]
+    assert all(len(row) == 3 for row in numbers)
+    rank = decide(numbers)
     return rank.value == rank.exact == 3
 
 

@@ -1,28 +1,34 @@
 """The inverse of a constant normal matrix, at derivation time.
 
 Exact numbers are inverted exactly; with tunable geometry each connected block is inverted by cofactors, so
-that prepare() is left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse.
+that prepare() is left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse, of the
+rank that it has where tunable parameters are nominal.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from wmrgen.exact.evaluate import fix
 from wmrgen.exact.linalg import inverse3
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array
+from wmrgen.mobility.records import Array
 
 Matrix = list[list[Poly]]
 
 
-def pseudo_inverse(normal: Matrix, regular: bool) -> Matrix:
+def pseudo_inverse(normal: Matrix, regular: bool, nominal: Mapping[str, Poly]) -> Matrix:
     """The inverse of a symmetric positive semidefinite 3x3 matrix H^T H of constants.
 
-    ``regular``: H has rank 3 at the tolerance; otherwise the Moore-Penrose inverse is taken.
+    ``regular``: H has rank 3 at the tolerance; otherwise the Moore-Penrose inverse is taken. ``nominal``: values of
+    the tunable parameters.
     """
     result = [[Poly({}) for _ in range(3)] for _ in range(3)]
     for block in _blocks(normal):
         part = [[normal[i][j] for j in block] for i in block]
-        for i, row in zip(block, _invert(part, regular), strict=True):
+        for i, row in zip(block, _invert(part, regular, nominal), strict=True):
             for j, value in zip(block, row, strict=True):
                 result[i][j] = value
     return result
@@ -37,18 +43,43 @@ def _blocks(m: Matrix) -> list[list[int]]:
     return sorted(blocks)
 
 
-def _invert(part: Matrix, regular: bool) -> Matrix:
-    numbers = [[p.constant for p in row] for row in part]
-    if any(v is None for row in numbers for v in row):
-        return _cofactors(part)
-    exact = [[v for v in row if v is not None] for row in numbers]
+def _invert(part: Matrix, regular: bool, nominal: Mapping[str, Poly]) -> Matrix:
+    exact = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in part]
+    if any(p.constant is None for row in part for p in row):
+        return _cofactors(part) if regular else _tunable(part, exact)
     return [[Poly.of(v) for v in row] for row in (inverse3(exact) if regular else _exact(exact))]
+
+
+def _tunable(part: Matrix, nominal: list[list[Exact]]) -> Matrix:
+    """`_exact` for a block with tunable parameters, which has the values ``nominal``."""
+    size = len(part)
+    padded = _padded(nominal)
+    rank, _ = numeric_rank(padded)
+    if rank == size:
+        return _cofactors(part)
+    if not rank:
+        return [[Poly({}) for _ in part] for _ in part]
+    rows = [part[i] for i in independent(padded, rank)]
+    core = [[_sum(a, [_sum(row, b) for row in part]) for b in rows] for a in rows]
+    left = _cofactors(core)
+    turned = [[_sum(row, [r[j] for r in rows]) for j in range(size)] for row in left]
+    return [
+        [_sum([r[i] for r in rows], [row[j] for row in turned]) for j in range(size)] for i in range(size)
+    ]
+
+
+def _sum(a: list[Poly], b: list[Poly]) -> Poly:
+    return Poly.sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def _padded(m: list[list[Exact]]) -> Array:
+    return to_array([[*row, *[Exact(0)] * (3 - len(m))] for row in m])
 
 
 def _exact(m: list[list[Exact]]) -> list[list[Exact]]:
     """Moore-Penrose inverse over the field: B^T (B m B^T)^-1 B, the rows B spanning range(m) at tolerance."""
     size = len(m)
-    padded = to_array([[*row, *[Exact(0)] * (3 - size)] for row in m])
+    padded = _padded(m)
     rank, _ = numeric_rank(padded)
     if rank == size:
         return inverse3(m)

@@ -12,6 +12,7 @@ from wmrgen.exact.angles import cos_sin
 from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.layout.couplings import common_limits, groups
 from wmrgen.layout.expressions import PI, evaluate, to_poly
 from wmrgen.layout.extras import Extras
 from wmrgen.layout.records import Geometry, Interval, Parameter, Robot, Wheel
@@ -32,7 +33,8 @@ def build(spec: RobotSpec) -> Robot:
         _wheel(i, w, values, known, tunable if spec.snap else None, notes) for i, w in enumerate(spec.wheels)
     )
     _check_names(spec, parameters)
-    names = [w.name for w in wheels]
+    limits = _limits(spec.limits, values)
+    wheels = common_limits(spec, wheels, limits)
     extras = Extras(spec, values, known)
     return Robot(
         name=spec.name,
@@ -40,10 +42,10 @@ def build(spec: RobotSpec) -> Robot:
         source=spec.source,
         parameters=parameters,
         wheels=wheels,
-        steer_group=_groups(spec, "steer", names),
-        spin_group=_groups(spec, "spin", names),
+        steer_group=groups(spec, "steer"),
+        spin_group=groups(spec, "spin"),
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
-        limits=_limits(spec.limits, values),
+        limits=limits,
         notes=tuple(notes),
         virtual=extras.virtual(wheels),
         trailers=extras.trailers(),
@@ -201,17 +203,6 @@ def _check_names(spec: RobotSpec, parameters: tuple[Parameter, ...]) -> None:
     for p, read in zip(parameters, spec.parameters, strict=True):
         if p.name in joints or p.name in wheels:
             raise RobotFileError(f"parameter {p.name} has the name of a joint or wheel", read.value.mark)
-
-
-def _groups(spec: RobotSpec, joint: str, names: list[str]) -> tuple[int, ...]:
-    """Union of the coupled sets: per wheel the lowest index it is coupled to."""
-    leader = list(range(len(names)))
-    for coupling in spec.couplings:
-        if coupling.joint != joint:
-            continue
-        members = {leader[names.index(n)] for n in coupling.wheels}
-        leader = [min(members) if k in members else k for k in leader]
-    return tuple(leader)
 
 
 def _limits(limits: tuple[Limit, ...], values: Values) -> dict[str, Interval]:

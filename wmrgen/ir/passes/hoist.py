@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import count
 
 from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import geometry_only
@@ -10,14 +12,16 @@ from wmrgen.ir.nodes import Function, Module, Op, Port, Role
 
 
 def hoist(functions: tuple[Function, ...], name: str) -> Module:
-    """A module whose step functions read geometry only as outputs k0, k1, ... of `prepare`.
+    """A module whose step functions read geometry only as outputs k0, k1, ... of `prepare`, parameters' names left out.
 
     Equal values of different functions are prepared once. Without geometry inputs nothing changes.
     """
     builder = Builder()
     ports: dict[str, Port] = {}
     prepared: dict[int, Port] = {}  # node of prepare -> its output
-    steps = tuple(_hoist_one(function, builder, ports, prepared) for function in functions)
+    taken = {port.name for function in functions for port in function.inputs}
+    free = (k for i in count() if (k := f"k{i}") not in taken)
+    steps = tuple(_hoist_one(function, builder, ports, prepared, free) for function in functions)
     if not prepared:
         return Module(name, steps)
     text = "Values that depend on the tunable parameters alone."
@@ -29,7 +33,11 @@ def hoist(functions: tuple[Function, ...], name: str) -> Module:
 
 
 def _hoist_one(
-    function: Function, builder: Builder, ports: dict[str, Port], prepared: dict[int, Port]
+    function: Function,
+    builder: Builder,
+    ports: dict[str, Port],
+    prepared: dict[int, Port],
+    free: Iterator[str],
 ) -> Function:
     """``function`` over prepared inputs; its geometry goes to ``builder``, ``ports`` and ``prepared``."""
     geometry = [port for port in function.inputs if port.role is Role.GEOMETRY]
@@ -50,7 +58,7 @@ def _hoist_one(
             made.append(own.copy(node, ()) if not args else own.make(node.op, args))
             continue
         _move(function, i, moved, builder)
-        made.append(_reference(own, builder, moved[i], prepared, used) if i in wanted else -1)
+        made.append(_reference(own, builder, moved[i], prepared, used, free) if i in wanted else -1)
     results = [made[result] for result in function.results]
     inputs = tuple(port for port in function.inputs if port.role is not Role.GEOMETRY)
     return own.function(
@@ -77,14 +85,19 @@ def _move(function: Function, i: int, moved: dict[int, int], builder: Builder) -
 
 
 def _reference(
-    own: Builder, builder: Builder, node: int, prepared: dict[int, Port], used: dict[str, Port]
+    own: Builder,
+    builder: Builder,
+    node: int,
+    prepared: dict[int, Port],
+    used: dict[str, Port],
+    free: Iterator[str],
 ) -> int:
     """The input of the step function that stands for ``node`` of `prepare`."""
     constant = builder.value(node)
     if constant is not None:
         return own.const(constant)
     if node not in prepared:
-        prepared[node] = Port(f"k{len(prepared)}", Role.PREPARED, "", "")
+        prepared[node] = Port(next(free), Role.PREPARED, "", "")
     port = prepared[node]
     used[port.name] = port
     return own.input(port.name)

@@ -1,0 +1,58 @@
+"""What couplings make of single wheels: groups that turn as one, and limits that all their members keep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from wmrgen.errors import RobotFileError
+from wmrgen.layout.records import Interval, Wheel
+from wmrgen.spec.records import RobotSpec
+
+_LIMITED = {"steer": ("steer", "steer_rate"), "spin": ("spin",)}
+
+
+def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:
+    """Union of the coupled sets: per wheel the lowest index it is coupled to."""
+    names = [w.name for w in spec.wheels]
+    leader = list(range(len(names)))
+    for coupling in spec.couplings:
+        if coupling.joint != joint:
+            continue
+        members = {leader[names.index(n)] for n in coupling.wheels}
+        leader = [min(members) if k in members else k for k in leader]
+    return tuple(leader)
+
+
+def common_limits(
+    spec: RobotSpec, wheels: Sequence[Wheel], limits: Mapping[str, Interval]
+) -> tuple[Wheel, ...]:
+    """The wheels, coupled ones with the limits that all of their group keep. ``limits``: the robot's.
+
+    RobotFileError where they have no value in common.
+    """
+    found = list(wheels)
+    for joint, quantities in _LIMITED.items():
+        group = groups(spec, joint)
+        for leader in set(group):
+            members = [k for k, g in enumerate(group) if g == leader]
+            for quantity in quantities if len(members) > 1 else ():
+                own = [found[k].limits.get(quantity) or limits.get(quantity) for k in members]
+                known = [limit for limit in own if limit is not None]
+                if not known:
+                    continue
+                common = Interval(max(limit.low for limit in known), min(limit.high for limit in known))
+                if common.low > common.high:
+                    raise _nothing(spec, joint, quantity, [found[k].name for k in members])
+                for k, limit in zip(members, own, strict=True):
+                    if limit != common:
+                        found[k] = replace(found[k], limits={**found[k].limits, quantity: common})
+    return tuple(found)
+
+
+def _nothing(spec: RobotSpec, joint: str, quantity: str, names: Sequence[str]) -> RobotFileError:
+    mark = next(c.mark for c in spec.couplings if c.joint == joint and c.wheels[0] in names)
+    return RobotFileError(
+        f"the {quantity} limits of {' and '.join(names)} have no value in common", mark,
+        "Coupled wheels turn as one.", "Write limits that overlap.",
+    )  # fmt: skip

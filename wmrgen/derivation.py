@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,8 +26,6 @@ if TYPE_CHECKING:
     from wmrgen.program import Program
     from wmrgen.proofs.bounds import Bounds
     from wmrgen.symbolic import Expr
-
-TWIST = frozenset({"vx", "vy", "omega"})
 
 
 def load(path: str | Path) -> Robot:
@@ -235,59 +232,32 @@ class Derivation:
     @cached_property
     def raw_module(self) -> Module:
         """The functions as written, not optimised: what the exact backend evaluates."""
-        from wmrgen.ir.nodes import Module
-        from wmrgen.lower import lower
+        from wmrgen.modules import written
 
-        return Module(self.robot.name, tuple(lower(f) for f in self.program.formulas))
+        return written(self.program)
 
     @cached_property
     def _optimised(self) -> Module:
-        """Every function once; forward also without its residual, inverse also in two: joints, and slip alone."""
-        from wmrgen.ir.pipeline import optimise
-        from wmrgen.ir.select import keep_outputs
+        from wmrgen.modules import optimised
 
-        module = optimise(self.raw_module.functions, self.robot.name)
-        parts = []
-        for f in module.functions:
-            if f.name == "forward":
-                parts.append(keep_outputs(f, TWIST, "forward_twist"))
-            elif f.name == "inverse":
-                joints = frozenset(port.name for port in f.outputs if port.name != "slip")
-                parts.append(keep_outputs(f, joints, "inverse_joints"))
-                slip = keep_outputs(f, frozenset({"slip"}), "inverse_residual")
-                parts.append(
-                    replace(slip, text="sliding that the ground must give when this twist is driven")
-                )
-        return replace(module, functions=(*module.functions, *parts))
+        return optimised(self.raw_module)
 
     @cached_property
     def module(self) -> Module:
         """The functions with every output of the contract, optimised."""
-        return self._selection({f.name: f.name for f in self.program.formulas})
+        from wmrgen.ir.select import select
+
+        return select(self._optimised, {f.name: f.name for f in self.program.formulas})
 
     @cached_property
     def c_module(self) -> Module:
         """The functions for C: forward with and without the residual, inverse without slip, which has a function
         of its own, no posture model unless asked for."""
-        from wmrgen.program import IN_C
-        from wmrgen.program import asked as wanted
+        from wmrgen.modules import for_c
+        from wmrgen.program import asked
 
-        asked = wanted(self.robot) if self._functions is None else self._functions
-        names: dict[str, str] = {}
-        for f in self.program.formulas:
-            if f.name == "forward":
-                names |= {"forward_twist": "forward", "forward": "forward_slip"}
-            elif f.name == "inverse":
-                names |= {"inverse_joints": "inverse", "inverse_residual": "inverse_slip"}
-            elif f.name in IN_C or f.name in asked:
-                names[f.name] = f.name
-        return self._selection(names)
-
-    def _selection(self, names: dict[str, str]) -> Module:
-        """Some of the optimised functions under new names, with the part of prepare() that they need."""
-        from wmrgen.ir.select import select
-
-        return select(self._optimised, names)
+        wanted = asked(self.robot) if self._functions is None else self._functions
+        return for_c(self._optimised, (f.name for f in self.program.formulas), wanted)
 
     @cached_property
     def bounds(self) -> Bounds:

@@ -17,13 +17,12 @@ _HARD = ("-mthumb", "-mfloat-abi=hard")
 
 @dataclass(frozen=True)
 class Processor:
-    """What to compile with; ``target`` is wmrgen's word for it, ``package`` Debian's for the compiler."""
+    """What to compile with; ``target`` is wmrgen's word for it."""
 
     name: str
     compiler: str
     flags: tuple[str, ...]
     target: str
-    package: str
 
     @property
     def present(self) -> bool:
@@ -39,15 +38,14 @@ class Processor:
 
 
 PROCESSORS = {
-    "m0": Processor("Cortex-M0", _ARM, ("-mcpu=cortex-m0", "-mthumb"), "m0", "gcc-arm-none-eabi"),
-    "m0+": Processor("Cortex-M0+", _ARM, ("-mcpu=cortex-m0plus", "-mthumb"), "m0", "gcc-arm-none-eabi"),
-    "m4f": Processor("Cortex-M4F", _ARM, ("-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16", *_HARD), "m4f", "gcc-arm-none-eabi"),
-    "m33": Processor("Cortex-M33", _ARM, ("-mcpu=cortex-m33", "-mfpu=fpv5-sp-d16", *_HARD), "m4f", "gcc-arm-none-eabi"),
+    "m0": Processor("Cortex-M0", _ARM, ("-mcpu=cortex-m0", "-mthumb"), "m0"),
+    "m0+": Processor("Cortex-M0+", _ARM, ("-mcpu=cortex-m0plus", "-mthumb"), "m0"),
+    "m4f": Processor("Cortex-M4F", _ARM, ("-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16", *_HARD), "m4f"),
+    "m33": Processor("Cortex-M33", _ARM, ("-mcpu=cortex-m33", "-mfpu=fpv5-sp-d16", *_HARD), "m4f"),
     "rv32": Processor(
-        "RV32IMC", "riscv64-unknown-elf-gcc", ("-march=rv32imc", "-mabi=ilp32", "-ffreestanding"), "m0",
-        "gcc-riscv64-unknown-elf",
+        "RV32IMC", "riscv64-unknown-elf-gcc", ("-march=rv32imc", "-mabi=ilp32", "-ffreestanding"), "m0"
     ),
-    "avr": Processor("ATmega328P", "avr-gcc", ("-mmcu=atmega328p",), "avr", "gcc-avr avr-libc"),
+    "avr": Processor("ATmega328P", "avr-gcc", ("-mmcu=atmega328p",), "avr"),
 }  # fmt: skip
 
 

@@ -54,7 +54,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "5a9c70f055f63eb2b4b02cd9a160a059"
-#define ACKERMANN_CAR_PAIR_9340c1611a5b139e 1
+#define ACKERMANN_CAR_PAIR_b6edc6ffba7d037c 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -158,7 +158,7 @@ void ackermann_car_inverse_slip(
  * 1 comparison. */
 void ackermann_car_forward(const ackermann_car_forward_in *in, ackermann_car_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 35 additions, 55 multiplications, 1 division, 1 square root, 4
  * sines and cosines, 1 comparison. */
 void ackermann_car_forward_slip(

@@ -20,7 +20,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_9340c1611a5b139e)
+#if !defined(ACKERMANN_CAR_PAIR_b6edc6ffba7d037c)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

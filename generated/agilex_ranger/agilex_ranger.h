@@ -53,7 +53,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "dab1c8f9e4730d5e8ce4c24278a961a5"
-#define AGILEX_RANGER_PAIR_2bbb06f47c370477 1
+#define AGILEX_RANGER_PAIR_8dc068c9ada893d5 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -176,7 +176,7 @@ void agilex_ranger_inverse_slip(
  * Operations of the formula: 9 additions, 12 multiplications, 8 sines and cosines. */
 void agilex_ranger_forward(const agilex_ranger_forward_in *in, agilex_ranger_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 28 additions, 30 multiplications, 1 square root, 8 sines and
  * cosines. */
 void agilex_ranger_forward_slip(

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_3d824cc421e62c7c)
+#if !defined(ANDINO_PAIR_356b92ba9e8f83c7)
 #error "andino.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

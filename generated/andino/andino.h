@@ -30,7 +30,7 @@
 #define WMRGEN_ANDINO_H
 
 #define ANDINO_MODEL_HASH "ea37001b95df837fdd05df2235552647"
-#define ANDINO_PAIR_3d824cc421e62c7c 1
+#define ANDINO_PAIR_356b92ba9e8f83c7 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -117,7 +117,7 @@ void andino_inverse_slip(const andino_inverse_slip_in *in, andino_inverse_slip_o
  * Operations of the formula: 2 additions, 3 multiplications. */
 void andino_forward(const andino_forward_in *in, andino_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 3 multiplications. */
 void andino_forward_slip(const andino_forward_slip_in *in, andino_forward_slip_out *out);
 

@@ -20,7 +20,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_3d824cc421e62c7c)
+#if !defined(ANDINO_PAIR_356b92ba9e8f83c7)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

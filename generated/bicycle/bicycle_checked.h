@@ -20,7 +20,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_142e72c39d42e4fc)
+#if !defined(BICYCLE_PAIR_65ba348044d15000)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_ce3cfe3c43396e55)
+#if !defined(CAR_WITH_TRAILERS_PAIR_d918d925f44d0b9e)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

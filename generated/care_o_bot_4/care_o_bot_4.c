@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_d1683bcdc598abd2)
+#if !defined(CARE_O_BOT_4_PAIR_f04c674f9d3dad29)
 #error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

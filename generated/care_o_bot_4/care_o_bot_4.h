@@ -29,7 +29,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "5c61b71f43cb5c0812289bfe385fcaaa"
-#define CARE_O_BOT_4_PAIR_d1683bcdc598abd2 1
+#define CARE_O_BOT_4_PAIR_f04c674f9d3dad29 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -140,7 +140,7 @@ void care_o_bot_4_inverse_slip(
  * Operations of the formula: 7 additions, 11 multiplications, 6 sines and cosines. */
 void care_o_bot_4_forward(const care_o_bot_4_forward_in *in, care_o_bot_4_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 22 additions, 26 multiplications, 1 square root, 6 sines and
  * cosines. */
 void care_o_bot_4_forward_slip(

@@ -49,7 +49,7 @@
 #define WMRGEN_CLEARPATH_A200_H
 
 #define CLEARPATH_A200_MODEL_HASH "1df097f48a00d6c59ada0b538e85ee4b"
-#define CLEARPATH_A200_PAIR_041a909a9820c52c 1
+#define CLEARPATH_A200_PAIR_da419d27d273d4f9 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -136,7 +136,7 @@ void clearpath_a200_inverse_slip(
  * Operations of the formula: 4 additions, 2 multiplications. */
 void clearpath_a200_forward(const clearpath_a200_forward_in *in, clearpath_a200_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 14 additions, 13 multiplications, 1 square root. */
 void clearpath_a200_forward_slip(
     const clearpath_a200_forward_slip_in *in,

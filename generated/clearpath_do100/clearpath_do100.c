@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_c425bd1858a6c807)
+#if !defined(CLEARPATH_DO100_PAIR_8caa66ef481c271c)
 #error "clearpath_do100.c and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -51,7 +51,7 @@
 #define WMRGEN_CLEARPATH_DO100_H
 
 #define CLEARPATH_DO100_MODEL_HASH "cb101cb3e07a73180f1119901572003e"
-#define CLEARPATH_DO100_PAIR_c425bd1858a6c807 1
+#define CLEARPATH_DO100_PAIR_8caa66ef481c271c 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -142,7 +142,7 @@ void clearpath_do100_forward(
     const clearpath_do100_forward_in *in,
     clearpath_do100_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
 void clearpath_do100_forward_slip(
     const clearpath_do100_forward_slip_in *in,

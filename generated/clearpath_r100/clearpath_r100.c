@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_R100_PAIR_d01a983ce116829a)
+#if !defined(CLEARPATH_R100_PAIR_c29547bb72bac008)
 #error "clearpath_r100.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

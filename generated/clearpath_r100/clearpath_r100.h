@@ -52,7 +52,7 @@
 #define WMRGEN_CLEARPATH_R100_H
 
 #define CLEARPATH_R100_MODEL_HASH "9f58f434ef91d139e7187745500868dd"
-#define CLEARPATH_R100_PAIR_d01a983ce116829a 1
+#define CLEARPATH_R100_PAIR_c29547bb72bac008 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -168,7 +168,7 @@ void clearpath_r100_forward(
     const clearpath_r100_forward_in *in,
     clearpath_r100_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
 void clearpath_r100_forward_slip(
     const clearpath_r100_prepared *prepared,

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_76fdc06144f917f2)
+#if !defined(F1TENTH_PAIR_424c34809669d5f6)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -49,7 +49,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "0bb17fa60398846cd1ab9d1d87fd8c8f"
-#define F1TENTH_PAIR_76fdc06144f917f2 1
+#define F1TENTH_PAIR_424c34809669d5f6 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -143,7 +143,7 @@ void f1tenth_inverse_slip(const f1tenth_inverse_slip_in *in, f1tenth_inverse_sli
  * 9 comparisons. */
 void f1tenth_forward(const f1tenth_forward_in *in, f1tenth_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 27 additions, 56 multiplications, 3 divisions, 1 square root, 2
  * sines and cosines, 9 comparisons. */
 void f1tenth_forward_slip(const f1tenth_forward_slip_in *in, f1tenth_forward_slip_out *out);

@@ -20,7 +20,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_76fdc06144f917f2)
+#if !defined(F1TENTH_PAIR_424c34809669d5f6)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

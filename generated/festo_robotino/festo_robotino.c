@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_70020d53b41ccfc5)
+#if !defined(FESTO_ROBOTINO_PAIR_2812514d14fc1750)
 #error "festo_robotino.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

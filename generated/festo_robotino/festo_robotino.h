@@ -50,7 +50,7 @@
 #define WMRGEN_FESTO_ROBOTINO_H
 
 #define FESTO_ROBOTINO_MODEL_HASH "4fb3b62042cc2c214ab0bef03172ce35"
-#define FESTO_ROBOTINO_PAIR_70020d53b41ccfc5 1
+#define FESTO_ROBOTINO_PAIR_2812514d14fc1750 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -135,7 +135,7 @@ void festo_robotino_inverse_slip(
  * Operations of the formula: 4 additions, 4 multiplications. */
 void festo_robotino_forward(const festo_robotino_forward_in *in, festo_robotino_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 4 additions, 4 multiplications. */
 void festo_robotino_forward_slip(
     const festo_robotino_forward_slip_in *in,

@@ -20,7 +20,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_70020d53b41ccfc5)
+#if !defined(FESTO_ROBOTINO_PAIR_2812514d14fc1750)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

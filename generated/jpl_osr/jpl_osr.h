@@ -32,7 +32,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "9503deddfa66873eccc61adabc2542b8"
-#define JPL_OSR_PAIR_44bb40f035dc31c9 1
+#define JPL_OSR_PAIR_5fb5574d4c91e13b 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -154,7 +154,7 @@ void jpl_osr_inverse_slip(const jpl_osr_inverse_slip_in *in, jpl_osr_inverse_sli
  * Operations of the formula: 14 additions, 16 multiplications, 8 sines and cosines. */
 void jpl_osr_forward(const jpl_osr_forward_in *in, jpl_osr_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 40 additions, 42 multiplications, 1 square root, 8 sines and
  * cosines. */
 void jpl_osr_forward_slip(const jpl_osr_forward_slip_in *in, jpl_osr_forward_slip_out *out);

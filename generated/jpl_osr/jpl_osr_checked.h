@@ -20,7 +20,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_44bb40f035dc31c9)
+#if !defined(JPL_OSR_PAIR_5fb5574d4c91e13b)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_ddd0286170dea591)
+#if !defined(KELLY_4WS_PAIR_565e1dfe803c3122)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

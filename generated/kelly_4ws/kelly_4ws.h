@@ -30,7 +30,7 @@
 #define WMRGEN_KELLY_4WS_H
 
 #define KELLY_4WS_MODEL_HASH "5043ae1e961e3f552e157f635afe1e3e"
-#define KELLY_4WS_PAIR_ddd0286170dea591 1
+#define KELLY_4WS_PAIR_565e1dfe803c3122 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -153,7 +153,7 @@ void kelly_4ws_inverse_slip(const kelly_4ws_inverse_slip_in *in, kelly_4ws_inver
  * Operations of the formula: 37 additions, 32 multiplications, 1 division, 8 sines and cosines. */
 void kelly_4ws_forward(const kelly_4ws_forward_in *in, kelly_4ws_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 64 additions, 52 multiplications, 1 division, 1 square root, 8
  * sines and cosines. */
 void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forward_slip_out *out);

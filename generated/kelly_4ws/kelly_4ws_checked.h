@@ -20,7 +20,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_ddd0286170dea591)
+#if !defined(KELLY_4WS_PAIR_565e1dfe803c3122)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 

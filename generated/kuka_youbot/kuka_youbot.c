@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_b006fe15ef191145)
+#if !defined(KUKA_YOUBOT_PAIR_358638ded9d10a72)
 #error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -50,7 +50,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "c4c0ab6420747c8ae193c530a4c61ec5"
-#define KUKA_YOUBOT_PAIR_b006fe15ef191145 1
+#define KUKA_YOUBOT_PAIR_358638ded9d10a72 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -166,7 +166,7 @@ void kuka_youbot_forward(
     const kuka_youbot_forward_in *in,
     kuka_youbot_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
 void kuka_youbot_forward_slip(
     const kuka_youbot_prepared *prepared,

@@ -16,7 +16,7 @@
  */
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_b006fe15ef191145)
+#if !defined(KUKA_YOUBOT_PAIR_358638ded9d10a72)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LEKIWI_PAIR_8c512b71a86c5b2f)
+#if !defined(LEKIWI_PAIR_d67778c21ab66174)
 #error "lekiwi.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

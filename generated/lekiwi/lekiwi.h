@@ -50,7 +50,7 @@
 #define WMRGEN_LEKIWI_H
 
 #define LEKIWI_MODEL_HASH "c63acdb616024cc477c9562ef7664b07"
-#define LEKIWI_PAIR_8c512b71a86c5b2f 1
+#define LEKIWI_PAIR_d67778c21ab66174 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -133,7 +133,7 @@ void lekiwi_inverse_slip(const lekiwi_inverse_slip_in *in, lekiwi_inverse_slip_o
  * Operations of the formula: 4 additions, 4 multiplications. */
 void lekiwi_forward(const lekiwi_forward_in *in, lekiwi_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 4 additions, 4 multiplications. */
 void lekiwi_forward_slip(const lekiwi_forward_slip_in *in, lekiwi_forward_slip_out *out);
 

@@ -16,7 +16,7 @@
  */
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_8c512b71a86c5b2f)
+#if !defined(LEKIWI_PAIR_d67778c21ab66174)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_dfec993f11038099)
+#if !defined(LOCKED_BICYCLE_PAIR_7eba31331b5ed234)
 #error "locked_bicycle.c and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

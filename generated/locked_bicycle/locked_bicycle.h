@@ -28,7 +28,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "c64665c267857648198b6abeafb60bf7"
-#define LOCKED_BICYCLE_PAIR_dfec993f11038099 1
+#define LOCKED_BICYCLE_PAIR_7eba31331b5ed234 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -111,7 +111,7 @@ void locked_bicycle_inverse_slip(
  * Operations of the formula: 1 addition, 1 multiplication. */
 void locked_bicycle_forward(const locked_bicycle_forward_in *in, locked_bicycle_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 2 multiplications, 1 sign operation. */
 void locked_bicycle_forward_slip(
     const locked_bicycle_forward_slip_in *in,

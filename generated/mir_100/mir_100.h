@@ -57,7 +57,7 @@
 #define WMRGEN_MIR_100_H
 
 #define MIR_100_MODEL_HASH "1358d1688506122645eab249cc7d7cb6"
-#define MIR_100_PAIR_5d5d6cf7eb4079a7 1
+#define MIR_100_PAIR_e4b83790cbed1f99 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -160,7 +160,7 @@ void mir_100_inverse_slip(const mir_100_inverse_slip_in *in, mir_100_inverse_sli
  * Operations of the formula: 2 additions, 2 multiplications. */
 void mir_100_forward(const mir_100_forward_in *in, mir_100_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 2 multiplications. */
 void mir_100_forward_slip(const mir_100_forward_slip_in *in, mir_100_forward_slip_out *out);
 

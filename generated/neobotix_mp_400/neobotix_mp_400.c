@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_92c612b97c9db99d)
+#if !defined(NEOBOTIX_MP_400_PAIR_a3f112e1c032580d)
 #error "neobotix_mp_400.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

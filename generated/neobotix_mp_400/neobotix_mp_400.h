@@ -33,7 +33,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "5b6c11e62babe7ea1121df533b36d418"
-#define NEOBOTIX_MP_400_PAIR_92c612b97c9db99d 1
+#define NEOBOTIX_MP_400_PAIR_a3f112e1c032580d 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -142,7 +142,7 @@ void neobotix_mp_400_forward(
     const neobotix_mp_400_forward_in *in,
     neobotix_mp_400_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 2 multiplications. */
 void neobotix_mp_400_forward_slip(
     const neobotix_mp_400_forward_slip_in *in,

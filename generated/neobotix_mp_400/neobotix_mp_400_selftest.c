@@ -16,7 +16,7 @@
  */
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_92c612b97c9db99d)
+#if !defined(NEOBOTIX_MP_400_PAIR_a3f112e1c032580d)
 #error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_ad62e448bba29e53)
+#if !defined(NEOBOTIX_MPO_700_PAIR_fbde9ba4dd093fcf)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -31,7 +31,7 @@
 #define WMRGEN_NEOBOTIX_MPO_700_H
 
 #define NEOBOTIX_MPO_700_MODEL_HASH "8c20128f06beeda3e4e79292817c79a5"
-#define NEOBOTIX_MPO_700_PAIR_ad62e448bba29e53 1
+#define NEOBOTIX_MPO_700_PAIR_fbde9ba4dd093fcf 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -158,7 +158,7 @@ void neobotix_mpo_700_forward(
     const neobotix_mpo_700_forward_in *in,
     neobotix_mpo_700_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 64 additions, 59 multiplications, 1 division, 1 square root, 8
  * sines and cosines. */
 void neobotix_mpo_700_forward_slip(

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEXUS_4WD_PAIR_ddc6ab2eb2869cd1)
+#if !defined(NEXUS_4WD_PAIR_0231cf1ad3f275dc)
 #error "nexus_4wd.c and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -32,7 +32,7 @@
 #define WMRGEN_NEXUS_4WD_H
 
 #define NEXUS_4WD_MODEL_HASH "554517386b33097f083fe6bbff916652"
-#define NEXUS_4WD_PAIR_ddc6ab2eb2869cd1 1
+#define NEXUS_4WD_PAIR_0231cf1ad3f275dc 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -117,7 +117,7 @@ void nexus_4wd_inverse_slip(const nexus_4wd_inverse_slip_in *in, nexus_4wd_inver
  * Operations of the formula: 7 additions, 3 multiplications. */
 void nexus_4wd_forward(const nexus_4wd_forward_in *in, nexus_4wd_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
 void nexus_4wd_forward_slip(const nexus_4wd_forward_slip_in *in, nexus_4wd_forward_slip_out *out);
 

@@ -16,7 +16,7 @@
  */
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_ddc6ab2eb2869cd1)
+#if !defined(NEXUS_4WD_PAIR_0231cf1ad3f275dc)
 #error "nexus_4wd_selftest.c and nexus_4wd.h were not generated together: copy both"
 #endif
 

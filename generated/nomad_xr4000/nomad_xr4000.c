@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_9a1ac4b1ac01a77b)
+#if !defined(NOMAD_XR4000_PAIR_c8fb2ae51e67a6c4)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -54,7 +54,7 @@
 #define WMRGEN_NOMAD_XR4000_H
 
 #define NOMAD_XR4000_MODEL_HASH "88b7d7e8a1010e05e1cb201559e82219"
-#define NOMAD_XR4000_PAIR_9a1ac4b1ac01a77b 1
+#define NOMAD_XR4000_PAIR_c8fb2ae51e67a6c4 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -177,7 +177,7 @@ void nomad_xr4000_inverse_slip(
  * Operations of the formula: 37 additions, 31 multiplications, 1 division, 8 sines and cosines. */
 void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 64 additions, 56 multiplications, 1 division, 1 square root, 8
  * sines and cosines. */
 void nomad_xr4000_forward_slip(

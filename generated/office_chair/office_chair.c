@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_8276f3b9f6741165)
+#if !defined(OFFICE_CHAIR_PAIR_7b8dcb1758c5d26c)
 #error "office_chair.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

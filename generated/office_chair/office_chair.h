@@ -32,7 +32,7 @@
 #define WMRGEN_OFFICE_CHAIR_H
 
 #define OFFICE_CHAIR_MODEL_HASH "0343403b631c7fd6a8e83f382c96a136"
-#define OFFICE_CHAIR_PAIR_8276f3b9f6741165 1
+#define OFFICE_CHAIR_PAIR_7b8dcb1758c5d26c 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -131,7 +131,7 @@ void office_chair_inverse_slip(
  * Operations of the formula: none. */
 void office_chair_forward(office_chair_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: none. */
 void office_chair_forward_slip(office_chair_forward_slip_out *out);
 

@@ -16,7 +16,7 @@
  */
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_8276f3b9f6741165)
+#if !defined(OFFICE_CHAIR_PAIR_7b8dcb1758c5d26c)
 #error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
 #endif
 

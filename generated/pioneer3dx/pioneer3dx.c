@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_c05ef7132088cdd3)
+#if !defined(PIONEER3DX_PAIR_8431df27e396fc75)
 #error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

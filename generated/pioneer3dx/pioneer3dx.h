@@ -51,7 +51,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "5b9bc76df66756a8569952a124872ad7"
-#define PIONEER3DX_PAIR_c05ef7132088cdd3 1
+#define PIONEER3DX_PAIR_8431df27e396fc75 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -169,7 +169,7 @@ void pioneer3dx_forward(
     const pioneer3dx_forward_in *in,
     pioneer3dx_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 2 multiplications. */
 void pioneer3dx_forward_slip(
     const pioneer3dx_prepared *prepared,

@@ -16,7 +16,7 @@
  */
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_c05ef7132088cdd3)
+#if !defined(PIONEER3DX_PAIR_8431df27e396fc75)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_f9d08eac22f1d664)
+#if !defined(PR2_PAIR_e197c3ff2df49ac3)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -34,7 +34,7 @@
 #define WMRGEN_PR2_H
 
 #define PR2_MODEL_HASH "35b838662e576d79508197944a319d01"
-#define PR2_PAIR_f9d08eac22f1d664 1
+#define PR2_PAIR_e197c3ff2df49ac3 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -197,7 +197,7 @@ void pr2_inverse_slip(const pr2_inverse_slip_in *in, pr2_inverse_slip_out *out);
  * Operations of the formula: 65 additions, 46 multiplications, 1 division, 16 sines and cosines. */
 void pr2_forward(const pr2_forward_in *in, pr2_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 116 additions, 81 multiplications, 1 division, 1 square root, 16
  * sines and cosines. */
 void pr2_forward_slip(const pr2_forward_slip_in *in, pr2_forward_slip_out *out);

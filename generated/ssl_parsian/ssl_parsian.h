@@ -32,7 +32,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "af9dc6415a911b061b5ef54f64d48fb5"
-#define SSL_PARSIAN_PAIR_9e708760b06ef4c9 1
+#define SSL_PARSIAN_PAIR_4ff2202a528d1117 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -119,7 +119,7 @@ void ssl_parsian_inverse_slip(
  * Operations of the formula: 7 additions, 5 multiplications. */
 void ssl_parsian_forward(const ssl_parsian_forward_in *in, ssl_parsian_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 8 additions, 7 multiplications, 1 sign operation. */
 void ssl_parsian_forward_slip(
     const ssl_parsian_forward_slip_in *in,

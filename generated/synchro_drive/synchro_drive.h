@@ -29,7 +29,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "cd75b86f0791ccb50c702d511c4393ce"
-#define SYNCHRO_DRIVE_PAIR_900f3d71e60268af 1
+#define SYNCHRO_DRIVE_PAIR_4f917c6ac8f42f9b 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -140,7 +140,7 @@ void synchro_drive_inverse_slip(
  * Operations of the formula: 7 additions, 11 multiplications, 6 sines and cosines. */
 void synchro_drive_forward(const synchro_drive_forward_in *in, synchro_drive_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 22 additions, 26 multiplications, 1 square root, 6 sines and
  * cosines. */
 void synchro_drive_forward_slip(

@@ -20,7 +20,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_900f3d71e60268af)
+#if !defined(SYNCHRO_DRIVE_PAIR_4f917c6ac8f42f9b)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -29,7 +29,7 @@
 #define WMRGEN_TEXTBOOK_DIFFERENTIAL_H
 
 #define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "f3dd1e901083160bde123a1a8281171f"
-#define TEXTBOOK_DIFFERENTIAL_PAIR_9494f2617894f074 1
+#define TEXTBOOK_DIFFERENTIAL_PAIR_572bf0afab7bc243 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -116,7 +116,7 @@ void textbook_differential_forward(
     const textbook_differential_forward_in *in,
     textbook_differential_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 2 multiplications. */
 void textbook_differential_forward_slip(
     const textbook_differential_forward_slip_in *in,

@@ -16,7 +16,7 @@
  */
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_9494f2617894f074)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_572bf0afab7bc243)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 

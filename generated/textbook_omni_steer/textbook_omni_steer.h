@@ -29,7 +29,7 @@
 #define WMRGEN_TEXTBOOK_OMNI_STEER_H
 
 #define TEXTBOOK_OMNI_STEER_MODEL_HASH "d92b94f388bc94f899fa325004f1bf52"
-#define TEXTBOOK_OMNI_STEER_PAIR_72596e4008337fb9 1
+#define TEXTBOOK_OMNI_STEER_PAIR_ef0577e22ec740af 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -124,7 +124,7 @@ void textbook_omni_steer_forward(
     const textbook_omni_steer_forward_in *in,
     textbook_omni_steer_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 5 multiplications, 2 sines and cosines. */
 void textbook_omni_steer_forward_slip(
     const textbook_omni_steer_forward_slip_in *in,

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_2cbecc53f68298b0)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_f6e032210445b3f8)
 #error "textbook_omnidirectional.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

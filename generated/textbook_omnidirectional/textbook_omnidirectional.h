@@ -31,7 +31,7 @@
 #define WMRGEN_TEXTBOOK_OMNIDIRECTIONAL_H
 
 #define TEXTBOOK_OMNIDIRECTIONAL_MODEL_HASH "9be4a9f6eb24ef3b2949a89249dd0efa"
-#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_2cbecc53f68298b0 1
+#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_f6e032210445b3f8 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -120,7 +120,7 @@ void textbook_omnidirectional_forward(
     const textbook_omnidirectional_forward_in *in,
     textbook_omnidirectional_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 4 additions, 4 multiplications. */
 void textbook_omnidirectional_forward_slip(
     const textbook_omnidirectional_forward_slip_in *in,

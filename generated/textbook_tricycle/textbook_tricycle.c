@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_858e3a92352b4852)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_8d6f905202c7501b)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

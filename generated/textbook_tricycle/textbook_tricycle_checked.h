@@ -20,7 +20,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_858e3a92352b4852)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_8d6f905202c7501b)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_858e3a92352b4852)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_8d6f905202c7501b)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

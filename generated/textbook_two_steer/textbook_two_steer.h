@@ -29,7 +29,7 @@
 #define WMRGEN_TEXTBOOK_TWO_STEER_H
 
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "76b9afb95dcb083bb42ab803309bef41"
-#define TEXTBOOK_TWO_STEER_PAIR_2d4e4045edcfd5b9 1
+#define TEXTBOOK_TWO_STEER_PAIR_ab9476080ff2ccae 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -135,7 +135,7 @@ void textbook_two_steer_forward(
     const textbook_two_steer_forward_in *in,
     textbook_two_steer_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 5 additions, 9 multiplications, 4 sines and cosines, 1 sign
  * operation. */
 void textbook_two_steer_forward_slip(

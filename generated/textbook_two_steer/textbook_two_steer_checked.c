@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_2d4e4045edcfd5b9)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_ab9476080ff2ccae)
 #error "textbook_two_steer_checked.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

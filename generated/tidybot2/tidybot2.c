@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_2b960c0d3921c8cb)
+#if !defined(TIDYBOT2_PAIR_001ce62fa6232674)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

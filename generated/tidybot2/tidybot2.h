@@ -35,7 +35,7 @@
 #define WMRGEN_TIDYBOT2_H
 
 #define TIDYBOT2_MODEL_HASH "ecabeb091bce5db73b7f1965e693b0c9"
-#define TIDYBOT2_PAIR_2b960c0d3921c8cb 1
+#define TIDYBOT2_PAIR_001ce62fa6232674 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -156,7 +156,7 @@ void tidybot2_inverse_slip(const tidybot2_inverse_slip_in *in, tidybot2_inverse_
  * Operations of the formula: 55 additions, 46 multiplications, 1 division, 8 sines and cosines. */
 void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 90 additions, 80 multiplications, 1 division, 1 square root, 8
  * sines and cosines. */
 void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_slip_out *out);

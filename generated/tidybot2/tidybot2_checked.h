@@ -20,7 +20,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_2b960c0d3921c8cb)
+#if !defined(TIDYBOT2_PAIR_001ce62fa6232674)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_13d7793955b43f1e)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_ebf2b600b6ea6ba8)
 #error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

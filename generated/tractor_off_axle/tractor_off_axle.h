@@ -30,7 +30,7 @@
 #define WMRGEN_TRACTOR_OFF_AXLE_H
 
 #define TRACTOR_OFF_AXLE_MODEL_HASH "0070fd12925fb620178aadaf156a43f1"
-#define TRACTOR_OFF_AXLE_PAIR_13d7793955b43f1e 1
+#define TRACTOR_OFF_AXLE_PAIR_ebf2b600b6ea6ba8 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -145,7 +145,7 @@ void tractor_off_axle_forward(
     const tractor_off_axle_forward_in *in,
     tractor_off_axle_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 2 multiplications. */
 void tractor_off_axle_forward_slip(
     const tractor_off_axle_forward_slip_in *in,

@@ -16,7 +16,7 @@
  */
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_13d7793955b43f1e)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_ebf2b600b6ea6ba8)
 #error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_5ba608519b88fe1b)
+#if !defined(TURTLEBOT3_BURGER_PAIR_93b7e6e6167bd05f)
 #error "turtlebot3_burger.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

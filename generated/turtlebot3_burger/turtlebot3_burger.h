@@ -47,7 +47,7 @@
 #define WMRGEN_TURTLEBOT3_BURGER_H
 
 #define TURTLEBOT3_BURGER_MODEL_HASH "9d18d8a2761663e6f6e5e9af73689fb6"
-#define TURTLEBOT3_BURGER_PAIR_5ba608519b88fe1b 1
+#define TURTLEBOT3_BURGER_PAIR_93b7e6e6167bd05f 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -134,7 +134,7 @@ void turtlebot3_burger_forward(
     const turtlebot3_burger_forward_in *in,
     turtlebot3_burger_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 2 additions, 2 multiplications. */
 void turtlebot3_burger_forward_slip(
     const turtlebot3_burger_forward_slip_in *in,

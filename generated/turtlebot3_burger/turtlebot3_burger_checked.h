@@ -20,7 +20,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_5ba608519b88fe1b)
+#if !defined(TURTLEBOT3_BURGER_PAIR_93b7e6e6167bd05f)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(UNICYCLE_PAIR_f91f921928a9104a)
+#if !defined(UNICYCLE_PAIR_03c6ea8c90a6ae1d)
 #error "unicycle.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -27,7 +27,7 @@
 #define WMRGEN_UNICYCLE_H
 
 #define UNICYCLE_MODEL_HASH "90099c8a2656a337e8b65871c8606f9b"
-#define UNICYCLE_PAIR_f91f921928a9104a 1
+#define UNICYCLE_PAIR_03c6ea8c90a6ae1d 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -106,7 +106,7 @@ void unicycle_inverse_slip(const unicycle_inverse_slip_in *in, unicycle_inverse_
  * Operations of the formula: 1 multiplication. */
 void unicycle_forward(const unicycle_forward_in *in, unicycle_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 1 multiplication. */
 void unicycle_forward_slip(const unicycle_forward_slip_in *in, unicycle_forward_slip_out *out);
 

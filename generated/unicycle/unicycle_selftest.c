@@ -16,7 +16,7 @@
  */
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_f91f921928a9104a)
+#if !defined(UNICYCLE_PAIR_03c6ea8c90a6ae1d)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

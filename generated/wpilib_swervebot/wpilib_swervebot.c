@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_6422d5fcddcd2814)
+#if !defined(WPILIB_SWERVEBOT_PAIR_35768b979fdeb112)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -53,7 +53,7 @@
 #define WMRGEN_WPILIB_SWERVEBOT_H
 
 #define WPILIB_SWERVEBOT_MODEL_HASH "d1948344c1f7ec05809b812b6dc48bbf"
-#define WPILIB_SWERVEBOT_PAIR_6422d5fcddcd2814 1
+#define WPILIB_SWERVEBOT_PAIR_35768b979fdeb112 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -177,7 +177,7 @@ void wpilib_swervebot_forward(
     const wpilib_swervebot_forward_in *in,
     wpilib_swervebot_forward_out *out);
 
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
+/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
  * Operations of the formula: 28 additions, 28 multiplications, 1 square root, 8 sines and
  * cosines. */
 void wpilib_swervebot_forward_slip(

@@ -17,7 +17,7 @@ SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(
 # From left to right. The IR stands beside the stages: it knows none of them, and `lower` hands over to it.
 STAGES = (
     "spec layout constraints symbolic mobility kinematics models motion control space edges"
-    " program lower model derivation"
+    " program lower modules model derivation"
 ).split()
 TOOLS = {"errors", "exact", "ports"}
 MAY_IMPORT = {stage: {*TOOLS, *STAGES[:k]} for k, stage in enumerate(STAGES)} | {
@@ -33,6 +33,7 @@ MAY_IMPORT = {stage: {*TOOLS, *STAGES[:k]} for k, stage in enumerate(STAGES)} | 
 MAY_IMPORT["proofs"] = {*TOOLS, "ir", "layout"}
 MAY_IMPORT["program"] |= {"ir"}
 MAY_IMPORT["lower"] |= {"ir"}
+MAY_IMPORT["modules"] |= {"ir"}
 MAY_IMPORT["model"] |= {"ir"}
 MAY_IMPORT["derivation"] |= {"ir", "backends", "proofs"}
 MAY_IMPORT["model"] |= {"proofs"}

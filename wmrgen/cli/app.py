@@ -46,7 +46,9 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-Robots = Annotated[list[Path], typer.Argument(metavar="ROBOT.yaml", help="Robot files.", show_default=False)]
+Robots = Annotated[
+    list[Path], typer.Argument(metavar="ROBOT.yaml...", help="Robot files.", show_default=False)
+]
 Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where the robots' folders stand.")]
 ChosenMath = Annotated[
     Math | None,
@@ -110,7 +112,9 @@ def evaluate(
     values: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="NAME=VALUE", help="Inputs in SI units: 0.5, 1/3, pi/2, '45 deg/s'.", show_default=False
+            metavar="[NAME=VALUE]...",
+            help="Inputs in SI units: 0.5, 1/3, pi/2, '45 deg/s'.",
+            show_default=False,
         ),
     ] = None,
     backend: Annotated[Backend, typer.Option(help="What computes; c needs a C compiler.")] = Backend.exact,
@@ -149,7 +153,7 @@ def evaluate(
 def check(
     robots: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="ROBOT.yaml", help="Default: robots/*.yaml.", show_default=False),
+        typer.Argument(metavar="ROBOT.yaml...", help="Default: robots/*.yaml.", show_default=False),
     ] = None,
     out: Out = Path("generated"),
 ) -> int:
@@ -201,7 +205,7 @@ def motion(
     values: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="NAME=VALUE",
+            metavar="[NAME=VALUE]...",
             help="Speeds of wheels (left=4 or left.spin=4), steering angles, start pose x y theta.",
             show_default=False,
         ),
@@ -233,7 +237,7 @@ def icr(
     values: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="NAME=VALUE",
+            metavar="[NAME=VALUE]...",
             help="vx vy omega (and a point: point.x point.y), or <wheel>.steer, or icr.x icr.y.",
             show_default=False,
         ),
@@ -292,7 +296,7 @@ def gains(
     values: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[ROBOT.yaml] NAME=VALUE",
+            metavar="[ROBOT.yaml] [NAME=VALUE]...",
             help="k_rho k_alpha k_beta [1/s]; what is not given is the robot file's or the text's.",
             show_default=False,
         ),
@@ -316,7 +320,7 @@ def stability(
     values: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="NAME=VALUE",
+            metavar="[NAME=VALUE]...",
             help="Specific force a - g at the centre of gravity: fx fy fz; <wheel>.steer of castors.",
             show_default=False,
         ),

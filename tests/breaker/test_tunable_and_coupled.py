@@ -1,4 +1,4 @@
-"""Robots with tunable geometry of too small a rank, parameters called k0, and limits of coupled wheels."""
+"""What random robots showed: tunable geometry of too small a rank, parameters called k0, coupled limits and castors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 import wmrgen
 from tests.conftest import Outcome
 from wmrgen.derivation import Derivation
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
 
@@ -91,6 +91,17 @@ def test_coupled_wheels_keep_the_limits_of_all(limits: tuple[str, str], tmp_path
         found = robot.evaluate("inverse", {"vx": Exact(Fraction(1, 10)), "vy": Exact(vy)})
         assert float(found["a.steer"]) == float(found["b.steer"]) == pytest.approx(vy * math.pi / 4)
         assert float(found["slip"]) > 0.5
+
+
+def test_axles_of_coupled_castors_are_refused_in_words(tmp_path: Path) -> None:
+    wheels = (
+        "{name: f, type: fixed, x: 0.25, y: -0.8, heading: 90 deg, r: 0.1}\n"
+        "  - {name: g, type: fixed, x: 0.3, y: 0.3, heading: 0, r: 0.1}\n"
+        "  - {name: a, type: castor, x: 0.7, y: -0.4, heading: 0, r: 0.1, d: 0.04}\n"
+        "  - {name: b, type: castor, x: 0.2, y: 0.4, heading: 0, r: 0.1, d: 0.02}"
+    )
+    with pytest.raises(NotDerivableError, match="coupled castors"):
+        derived(tmp_path, wheels, "", COUPLED).formula("axles")
 
 
 def test_coupled_wheels_without_a_common_angle_are_refused(

@@ -96,6 +96,22 @@ def test_steering_limits(tmp_path: Path, limit: int) -> None:
     assert slid > 0 if limit < 130 else slid < 5
 
 
+@pytest.mark.parametrize("limit", [60, 75, 80, 85])
+def test_both_ways_as_far_outside(tmp_path: Path, limit: int) -> None:
+    """Straight to the side: no rounding sends modules that stand at one limit to the other."""
+    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    top, source = math.radians(limit), random.Random(7)
+    cases = []
+    for _ in range(60):
+        standing = [top + source.uniform(-0.02, 0.02) for _ in CORNERS]
+        cases.append({"vx": 0.0, "vy": source.uniform(0.2, 2), "omega": 0.0, **steers(standing)})
+    for scalar in ("double", "float"):
+        for got in evaluate_c(d.c_module, "inverse_together", cases, scalar):
+            assert all(got[f"{n}.steer"] == pytest.approx(top, abs=1e-6) for n in CORNERS)
+    for case in cases[:10]:
+        assert all(call(d, "inverse_together", case)[f"{n}.steer"] == pytest.approx(top) for n in CORNERS)
+
+
 def _reachable(twist: dict[str, float], top: float) -> bool:
     """All pivots' headings inside the limits, driving all forwards or all backwards."""
     headings = []

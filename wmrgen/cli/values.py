@@ -47,12 +47,21 @@ def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
         raise EnvironmentFailure(f"cannot read {file}: {error.strerror}") from error
     try:
         # Numbers stay text until our own grammar has read them: exact, and NaN is no number.
-        cases = json.loads(data, parse_float=str, parse_int=str, parse_constant=str)
+        cases = json.loads(data, parse_float=str, parse_int=str, parse_constant=str, object_pairs_hook=_once)
     except (ValueError, RecursionError) as error:
         raise UsageError(f"{file} is not JSON: {error}") from error
     if not isinstance(cases, list) or not all(isinstance(case, dict) for case in cases):
         raise UsageError(f'{file} must hold a list of objects: [{{"vx": 0.5}}, …]')
     return [_case(case, f"{file}, case {k}: ", ports) for k, case in enumerate(cases)]
+
+
+def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """An object of JSON whose names differ."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        twice = next(name for k, (name, _) in enumerate(pairs) if name in dict(pairs[:k]))
+        raise UsageError(f"{twice} is given twice")
+    return found
 
 
 def _case(case: Mapping[str, object], place: str, ports: Sequence[Port]) -> Case:

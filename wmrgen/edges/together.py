@@ -3,17 +3,19 @@
 `inverse` takes the nearer branch for each wheel on its own; near 90 degrees of swing neighbours then swing to
 opposite sides, and the robot yaws until they arrive. Here the wheels decide together: backwards where, as they
 stand, they would on the whole roll backwards (sum of u < 0, u the speed of the pivot along the wheel). Steering
-limits come first: the choice that leaves less of any angle outside them wins. A wheel whose pivot stands still
-holds its angle.
+limits come first: the choice that leaves less of any angle outside them, by more than `_TIE`, wins. A wheel
+whose pivot stands still holds its angle.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import sympy
 
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Row
 from wmrgen.kinematics.inverse import joint_commands, moves_as_one, steered_groups
 from wmrgen.kinematics.line import Velocity, pivot
@@ -40,6 +42,7 @@ from wmrgen.symbolic import (
 )
 
 _ZERO = sympy.S.Zero
+_TIE = Exact(Fraction(1, 10**4))  # rad: both ways lie as far outside the limits, whatever the rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +137,9 @@ def _direction(units: list[_Unit], names: Locals) -> Expr:
         for way in ("forwards", "backwards")
     }
     one = sympy.S.One
-    backwards_better = select(over["backwards"], over["forwards"], times(-1, one), along)
-    return select(over["forwards"], over["backwards"], one, backwards_better)
+    forwards, backwards = (add(over[way], number(_TIE)) for way in ("forwards", "backwards"))
+    backwards_better = select(backwards, over["forwards"], times(-1, one), along)
+    return select(forwards, over["backwards"], one, backwards_better)
 
 
 def _largest(values: list[Expr]) -> Expr:

@@ -57,7 +57,13 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
         twist = _two(fixed[0], steered, with_axle, names)
     else:
         picked = [mobility.basis_rows[k] for k in range(2)]
-        twist = _one(null_columns(picked)[0], with_axle, names)
+        column = null_columns(picked)[0]
+        turned = {g.name for p in column for g in p.generators if g.kind in ("cos", "sin")}
+        if turned - {w.name for w in steered}:
+            raise NotDerivableError(
+                f"{robot.name} has no axles function: its coupled castors leave a motion that depends on their angle"
+            )
+        twist = _one(column, with_axle, names)
     return _formula(robot, twist, steered, len(with_axle), names)
 
 

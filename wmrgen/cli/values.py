@@ -57,10 +57,11 @@ def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
 
 def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
     """An object of JSON whose names differ."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        twice = next(name for k, (name, _) in enumerate(pairs) if name in dict(pairs[:k]))
-        raise UsageError(f"{twice} is given twice")
+    found: dict[str, object] = {}
+    for name, value in pairs:
+        if name in found:
+            raise UsageError(f"{name} is given twice")
+        found[name] = value
     return found
 
 

@@ -55,13 +55,3 @@ def left_null_space(columns: Sequence[Sequence[Exact]]) -> list[Vector]:
         return []
     transposed = [list(c) for c in zip(*columns, strict=True)]
     return null_space(transposed, len(columns))
-
-
-def inverse3(m: Sequence[Sequence[Exact]]) -> list[list[Exact]]:
-    """The inverse of a regular 3x3 matrix. ZeroDivisionError when it is singular."""
-    size = len(m)
-    augmented = [[*row, *(ONE if i == j else ZERO for j in range(size))] for i, row in enumerate(m)]
-    reduced, pivots = reduce_rows(augmented)
-    if pivots[:size] != list(range(size)):
-        raise ZeroDivisionError("singular matrix")
-    return [row[size:] for row in reduced]

@@ -1,7 +1,7 @@
 """The inverse of a constant normal matrix, at derivation time.
 
-Exact numbers are inverted exactly; with tunable geometry each connected block is inverted by cofactors, so
-that prepare() is left with one reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse, of the
+Each connected block is inverted exactly, by cofactors, so that with tunable geometry prepare() is left with one
+reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse, of the
 rank that it has where tunable parameters are nominal.
 """
 
@@ -10,11 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.linalg import inverse3
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array
-from wmrgen.mobility.records import Array
 
 Matrix = list[list[Poly]]
 
@@ -44,69 +42,30 @@ def _blocks(m: Matrix) -> list[list[int]]:
 
 
 def _invert(part: Matrix, regular: bool, nominal: Mapping[str, Poly]) -> Matrix:
-    exact = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in part]
-    if any(p.constant is None for row in part for p in row):
-        return _cofactors(part) if regular else _tunable(part, exact)
-    return [[Poly.of(v) for v in row] for row in (inverse3(exact) if regular else _exact(exact))]
-
-
-def _tunable(part: Matrix, nominal: list[list[Exact]]) -> Matrix:
-    """`_exact` for a block with tunable parameters, which has the values ``nominal``."""
+    """B^T (B m B^T)^-1 B, the rows B spanning the range of m at the tolerance; plainly m^-1 where that is all."""
     size = len(part)
-    padded = _padded(nominal)
+    if regular:
+        return _cofactors(part)
+    numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in part]
+    padded = to_array([[*row, *[ZERO] * (3 - size)] for row in numbers])
     rank, _ = numeric_rank(padded)
     if rank == size:
         return _cofactors(part)
     if not rank:
         return [[Poly({}) for _ in part] for _ in part]
-    rows = [part[i] for i in independent(padded, rank)]
+    rows = [part[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
+    columns = [list(column) for column in zip(*rows, strict=True)]
     core = [[_sum(a, [_sum(row, b) for row in part]) for b in rows] for a in rows]
     left = _cofactors(core)
-    turned = [[_sum(row, [r[j] for r in rows]) for j in range(size)] for row in left]
-    return [
-        [_sum([r[i] for r in rows], [row[j] for row in turned]) for j in range(size)] for i in range(size)
-    ]
+    return [[_sum(a, [_sum(row, b) for row in left]) for b in columns] for a in columns]
 
 
 def _sum(a: list[Poly], b: list[Poly]) -> Poly:
     return Poly.sum(x * y for x, y in zip(a, b, strict=True))
 
 
-def _padded(m: list[list[Exact]]) -> Array:
-    return to_array([[*row, *[Exact(0)] * (3 - len(m))] for row in m])
-
-
-def _exact(m: list[list[Exact]]) -> list[list[Exact]]:
-    """Moore-Penrose inverse over the field: B^T (B m B^T)^-1 B, the rows B spanning range(m) at tolerance."""
-    size = len(m)
-    padded = _padded(m)
-    rank, _ = numeric_rank(padded)
-    if rank == size:
-        return inverse3(m)
-    if not rank:
-        return [[Exact(0)] * size for _ in range(size)]
-    rows = [m[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
-    core = [[_dot(a, _times(m, b)) for b in rows] for a in rows]  # B m B^T
-    left = inverse3(core)
-    return [
-        [
-            sum((rows[p][i] * left[p][q] * rows[q][j] for p in range(rank) for q in range(rank)), Exact(0))
-            for j in range(size)
-        ]
-        for i in range(size)
-    ]
-
-
-def _dot(a: list[Exact], b: list[Exact]) -> Exact:
-    return sum((x * y for x, y in zip(a, b, strict=True)), Exact(0))
-
-
-def _times(m: list[list[Exact]], v: list[Exact]) -> list[Exact]:
-    return [_dot(row, v) for row in m]
-
-
 def _cofactors(part: Matrix) -> Matrix:
-    """The inverse of a block that contains tunable parameters."""
+    """The inverse by cofactors, with one reciprocal."""
     if len(part) == 1:
         return [[part[0][0].inverse()]]
     if len(part) == 2:

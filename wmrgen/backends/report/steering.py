@@ -34,9 +34,9 @@ def steering(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
             r"a &= v_x - y\,\omega, & b &= v_y + x\,\omega",
             r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
         ]),
-        "where h is the wheel's heading at ψ = 0." + _NEARER * (len(narrow) < len(wheels)),
     ]  # fmt: skip
-    lines += _nearer(shift) if len(narrow) < len(wheels) else [""]
+    zero = "where h is the wheel's heading at ψ = 0."
+    lines += [zero, ""] if len(narrow) == len(wheels) else _nearer(zero, shift)
     lines += [
         "The pivots' velocities:",
         *aligned(_unique([velocity(w, twist) for w in wheels], wheels)),
@@ -45,15 +45,10 @@ def steering(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
     return [*lines, *_roomy(s, roomy), *_narrow(s, narrow, shift), *_shared(s, shared)]
 
 
-_NEARER = (
-    " Two headings roll, half a turn apart. The nearer "
-    "one is at most 90° away; "
-    "it is reached by driving backwards when u < 0:"
-)
-
-
-def _nearer(shift: str) -> list[str]:
+def _nearer(zero: str, shift: str) -> list[str]:
     return [
+        f"{zero} Two headings roll, half a turn apart. The nearer one is at most 90° away; "
+        "it is reached by driving backwards when u < 0:",
         *math(
             r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad",
             rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}},",

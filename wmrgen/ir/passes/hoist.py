@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import defaultdict
 from dataclasses import replace
 from itertools import count
 
@@ -18,10 +18,11 @@ def hoist(functions: tuple[Function, ...], name: str) -> Module:
     """
     builder = Builder()
     ports: dict[str, Port] = {}
-    prepared: dict[int, Port] = {}  # node of prepare -> its output
     taken = {port.name for function in functions for port in function.inputs}
     free = (k for i in count() if (k := f"k{i}") not in taken)
-    steps = tuple(_hoist_one(function, builder, ports, prepared, free) for function in functions)
+    # Node of prepare -> its output, which is made when first asked for.
+    prepared: dict[int, Port] = defaultdict(lambda: Port(next(free), Role.PREPARED, "", ""))
+    steps = tuple(_hoist_one(function, builder, ports, prepared) for function in functions)
     if not prepared:
         return Module(name, steps)
     text = "Values that depend on the tunable parameters alone."
@@ -33,11 +34,7 @@ def hoist(functions: tuple[Function, ...], name: str) -> Module:
 
 
 def _hoist_one(
-    function: Function,
-    builder: Builder,
-    ports: dict[str, Port],
-    prepared: dict[int, Port],
-    free: Iterator[str],
+    function: Function, builder: Builder, ports: dict[str, Port], prepared: dict[int, Port]
 ) -> Function:
     """``function`` over prepared inputs; its geometry goes to ``builder``, ``ports`` and ``prepared``."""
     geometry = [port for port in function.inputs if port.role is Role.GEOMETRY]
@@ -58,7 +55,7 @@ def _hoist_one(
             made.append(own.copy(node, ()) if not args else own.make(node.op, args))
             continue
         _move(function, i, moved, builder)
-        made.append(_reference(own, builder, moved[i], prepared, used, free) if i in wanted else -1)
+        made.append(_reference(own, builder, moved[i], prepared, used) if i in wanted else -1)
     results = [made[result] for result in function.results]
     inputs = tuple(port for port in function.inputs if port.role is not Role.GEOMETRY)
     return own.function(
@@ -85,19 +82,12 @@ def _move(function: Function, i: int, moved: dict[int, int], builder: Builder) -
 
 
 def _reference(
-    own: Builder,
-    builder: Builder,
-    node: int,
-    prepared: dict[int, Port],
-    used: dict[str, Port],
-    free: Iterator[str],
+    own: Builder, builder: Builder, node: int, prepared: dict[int, Port], used: dict[str, Port]
 ) -> int:
     """The input of the step function that stands for ``node`` of `prepare`."""
     constant = builder.value(node)
     if constant is not None:
         return own.const(constant)
-    if node not in prepared:
-        prepared[node] = Port(next(free), Role.PREPARED, "", "")
     port = prepared[node]
     used[port.name] = port
     return own.input(port.name)

@@ -78,7 +78,7 @@ def site(robot: Robot) -> Site:
     for wheel in robot.wheels:
         joints = (*(["spin"] if wheel.has_spin else []), *(["steer", "steer_rate"] if wheel.turns else []))
         for joint in joints:
-            limit = wheel.limits.get(joint) or robot.limits.get(joint)
+            limit = robot.limit(wheel, joint)
             if limit is not None:
                 limits[f"{wheel.name}.{joint}"] = limit
     pivots = tuple((w.name, float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)

@@ -24,7 +24,6 @@ from wmrgen.exact.angles import circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.kinematics.steer import steer_limits
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
@@ -162,7 +161,7 @@ def _sharpest(robot: Robot, w: Wheel, ref: Reference) -> Expr:
 
     A wheel at (x, y) from the axle centre points along (1 - k y, k x) on the circle of curvature k.
     """
-    limit = steer_limits(robot, w)
+    limit = robot.limit(w, "steer")
     if limit is None:
         raise _refusal(robot, f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle")
     g = w.nominal
@@ -199,7 +198,7 @@ def _tops(robot: Robot, steered: list[Wheel], ref: Reference, bend: Expr) -> lis
     if "vx" in robot.limits:
         found.append(number(_symmetric(robot, "vx", robot.limits["vx"].low, robot.limits["vx"].high)))
     for w in steered:
-        spin = w.limits.get("spin") or robot.limits.get("spin")
+        spin = robot.limit(w, "spin")
         if spin is None:
             continue
         rim = working_view(w).r * Poly.of(_symmetric(robot, "spin", spin.low, spin.high))

@@ -65,9 +65,9 @@ def _kept(rate: _Rate, scale: Expr) -> Expr:
 
 
 def _rates(robot: Robot) -> list[_Rate]:
-    rates = [_Rate(w, "spin", _limit(robot, w, "spin")) for w in robot.wheels if w.has_spin]
+    rates = [_Rate(w, "spin", robot.limit(w, "spin")) for w in robot.wheels if w.has_spin]
     rates += [
-        _Rate(w, "steer_rate", _limit(robot, w, "steer_rate")) for w in robot.wheels if w.type == "castor"
+        _Rate(w, "steer_rate", robot.limit(w, "steer_rate")) for w in robot.wheels if w.type == "castor"
     ]
     missing = [
         r.wheel.name for r in rates if r.joint == "spin" and "spin" in r.wheel.actuated and not r.limit
@@ -87,8 +87,3 @@ def _rates(robot: Robot) -> list[_Rate]:
                 "and no factor brings a rate of the other sign inside"
             )
     return rates
-
-
-def _limit(robot: Robot, wheel: Wheel, joint: str) -> Interval | None:
-    """The wheel's own limit, or the robot's."""
-    return wheel.limits.get(joint) or robot.limits.get(joint)

@@ -20,7 +20,7 @@ from wmrgen.exact.poly import Row
 from wmrgen.kinematics.inverse import joint_commands, moves_as_one, steered_groups
 from wmrgen.kinematics.line import Velocity, pivot
 from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.kinematics.steer import Target, seen_from, steer_limits, turned
+from wmrgen.kinematics.steer import Target, seen_from, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.symbolic import (
@@ -104,7 +104,7 @@ def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Uni
 
     return _Unit(
         lead, tuple(members), seen, add(*(u for u, _ in seen.values())), speed,
-        define("forwards", far, swing), define("backwards", swing, far), steer_limits(robot, lead),
+        define("forwards", far, swing), define("backwards", swing, far), robot.limit(lead, "steer"),
     )  # fmt: skip
 
 

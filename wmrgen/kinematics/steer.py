@@ -52,11 +52,6 @@ class Target:
     lateral: Expr | None = None
 
 
-def steer_limits(robot: Robot, wheel: Wheel) -> Interval | None:
-    """The wheel's own steering limits, or the robot's."""
-    return wheel.limits.get("steer") or robot.limits.get("steer")
-
-
 def seen_from(w: Wheel, velocity: Velocity, names: Locals, lead: Wheel | None = None) -> tuple[Expr, Expr]:
     """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``."""
     g = working_view(w)
@@ -71,7 +66,7 @@ def seen_from(w: Wheel, velocity: Velocity, names: Locals, lead: Wheel | None = 
 
 def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Target:
     """A wheel steered on its own."""
-    limits = steer_limits(robot, w)
+    limits = robot.limit(w, "steer")
     if limits is not None and limits.high - limits.low <= NARROW:
         return _narrow(w, limits, velocity, names)
     found = line(w, velocity, names)
@@ -155,7 +150,7 @@ def steer_group(
     difference = add(*(subtract(u**2, v**2) for u, v in seen.values()))
     now = signal(f"{lead.name}.steer")
     swing = names.define(f"{lead.name}_swing", angle_of(double, difference) / 2)
-    limits = steer_limits(robot, lead)
+    limits = robot.limit(lead, "steer")
     target: Expr = add(now, swing)
     if limits is not None:
         target = kept_between(number(limits.low), target, number(limits.high))

@@ -33,10 +33,8 @@ def build(spec: RobotSpec) -> Robot:
         _wheel(i, w, values, known, tunable if spec.snap else None, notes) for i, w in enumerate(spec.wheels)
     )
     _check_names(spec, parameters)
-    limits = _limits(spec.limits, values)
-    wheels = common_limits(spec, wheels, limits)
     extras = Extras(spec, values, known)
-    return Robot(
+    robot = Robot(
         name=spec.name,
         description=spec.description,
         source=spec.source,
@@ -45,7 +43,7 @@ def build(spec: RobotSpec) -> Robot:
         steer_group=groups(spec, "steer"),
         spin_group=groups(spec, "spin"),
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
-        limits=limits,
+        limits=_limits(spec.limits, values),
         notes=tuple(notes),
         virtual=extras.virtual(wheels),
         trailers=extras.trailers(),
@@ -54,6 +52,7 @@ def build(spec: RobotSpec) -> Robot:
         gains=extras.gains(),
         functions=spec.functions,
     )
+    return common_limits(spec, robot)
 
 
 def _parameters(spec: RobotSpec) -> tuple[tuple[Parameter, ...], dict[str, Poly]]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from wmrgen.errors import RobotFileError
-from wmrgen.layout.records import Interval, Wheel
+from wmrgen.layout.records import Interval, Robot
 from wmrgen.spec.records import RobotSpec
 
 _LIMITED = {"steer": ("steer", "steer_rate"), "spin": ("spin",)}
@@ -24,20 +24,18 @@ def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:
     return tuple(leader)
 
 
-def common_limits(
-    spec: RobotSpec, wheels: Sequence[Wheel], limits: Mapping[str, Interval]
-) -> tuple[Wheel, ...]:
-    """The wheels, coupled ones with the limits that all of their group keep. ``limits``: the robot's.
+def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
+    """``robot`` with coupled wheels that keep the limits of all of their group.
 
     RobotFileError where they have no value in common.
     """
-    found = list(wheels)
+    found = list(robot.wheels)
     for joint, quantities in _LIMITED.items():
-        group = groups(spec, joint)
+        group = robot.steer_group if joint == "steer" else robot.spin_group
         for leader in set(group):
             members = [k for k, g in enumerate(group) if g == leader]
             for quantity in quantities if len(members) > 1 else ():
-                own = [found[k].limits.get(quantity) or limits.get(quantity) for k in members]
+                own = [robot.limit(found[k], quantity) for k in members]
                 known = [limit for limit in own if limit is not None]
                 if not known:
                     continue
@@ -47,7 +45,7 @@ def common_limits(
                 for k, limit in zip(members, own, strict=True):
                     if limit != common:
                         found[k] = replace(found[k], limits={**found[k].limits, quantity: common})
-    return tuple(found)
+    return replace(robot, wheels=tuple(found))
 
 
 def _nothing(spec: RobotSpec, joint: str, quantity: str, names: Sequence[str]) -> RobotFileError:

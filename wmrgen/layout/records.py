@@ -162,6 +162,10 @@ class Robot:
         """The values of the parameters that are not tunable."""
         return {p.name: p.value for p in self.parameters if not p.tunable}
 
+    def limit(self, wheel: Wheel, quantity: str) -> Interval | None:
+        """The wheel's own limit of ``steer``, ``steer_rate`` or ``spin``, else the robot's."""
+        return wheel.limits.get(quantity) or self.limits.get(quantity)
+
     def wheel(self, name: str) -> Wheel:
         """The wheel called ``name``. KeyError when there is none."""
         return {w.name: w for w in self.wheels}[name]

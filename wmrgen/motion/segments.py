@@ -135,13 +135,9 @@ def _wait(
     if all(abs(s) <= STILL for s in swings.values()):
         return None
     wheels = [robot.wheel(name) for name in swings]
-    dt = max((_time(w, swings[w.name], _limit(robot, w)) for w in wheels), default=ZERO)
+    dt = max((_time(w, swings[w.name], robot.limit(w, "steer_rate")) for w in wheels), default=ZERO)
     spins = {w.name: _held(w, swings.get(w.name, ZERO), dt) for w in robot.wheels if "spin" in w.actuated}
     return Phase(k, "steer", dt, spins, _commanded(robot, target), (ZERO, ZERO, ZERO), pose)
-
-
-def _limit(robot: Robot, w: Wheel) -> Interval | None:
-    return w.limits.get("steer_rate") or robot.limits.get("steer_rate")
 
 
 def _time(w: Wheel, swing: Exact, limit: Interval | None) -> Exact:

@@ -82,7 +82,7 @@ def domain(robot: Robot) -> Domain:
     given = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name not in _JOINTS}
     for wheel in robot.wheels:
         for joint in _JOINTS:
-            limit = wheel.limits.get(joint) or robot.limits.get(joint)
+            limit = robot.limit(wheel, joint)
             if limit is not None:
                 given[f"{wheel.name}.{joint}"] = _floats(limit.low, limit.high)
     return Domain(robot, given)

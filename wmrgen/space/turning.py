@@ -14,7 +14,6 @@ from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.kinematics.line import pivot
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.smallest import FLOOR
-from wmrgen.kinematics.steer import steer_limits
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
@@ -74,7 +73,7 @@ def steered_turns(
         alike = all(s == seen[0] for s in seen)
         x, y = _jets(seen[0]) if alike else _doubled(seen)
         turn = _angle_rates(x, y, lead.name, names, sympy.S.One if alike else sympy.S.Half)
-        limits = steer_limits(robot, lead)
+        limits = robot.limit(lead, "steer")
         if limits is not None:
             turn = _held(names, lead, commands[f"{lead.name}.steer"], limits, turn)
         result.update({w.index: turn for w in members})

@@ -117,7 +117,7 @@ def _swing(robot: Robot, w: Wheel, t: Twist) -> float:
 
 
 def _inside(robot: Robot, w: Wheel, turn: float) -> bool:
-    limit = w.limits.get("steer") or robot.limits.get("steer")
+    limit = robot.limit(w, "steer")
     return limit is None or float(limit.low) - 1e-9 <= turn <= float(limit.high) + 1e-9
 
 

@@ -14,7 +14,6 @@ from wmrgen.backends.report.wheelrows import TWIST
 from wmrgen.constraints import rolling_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.project import Projection, project
-from wmrgen.kinematics.steer import steer_limits
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Wheel
@@ -135,7 +134,7 @@ def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
 
 def _held(s: Subject, w: Wheel, twist: Row) -> bool:
     """True when the wheel's command may differ from the heading that rolls."""
-    return steer_limits(s.robot, w) is not None or not alike(partners(s, w), twist)
+    return s.robot.limit(w, "steer") is not None or not alike(partners(s, w), twist)
 
 
 def _forbidden(projection: Projection) -> list[str]:

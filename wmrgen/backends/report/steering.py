@@ -12,7 +12,7 @@ from wmrgen.backends.report.tex import poly
 from wmrgen.constraints import along, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.steer import NARROW, steer_limits
+from wmrgen.kinematics.steer import NARROW
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Wheel
@@ -23,7 +23,7 @@ ONE, ZERO = Poly.of(1), Poly({})
 def steering(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
     """One general solution, each wheel's pivot velocity to put into it, and what limits change."""
     shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
-    limited = [w for w in wheels if steer_limits(s.robot, w)]
+    limited = [w for w in wheels if s.robot.limit(w, "steer")]
     shared = [w for w in limited if not alike(partners(s, w), twist)]
     narrow = [w for w in limited if w not in shared and _range(s, w) <= NARROW]
     lines = [
@@ -122,7 +122,7 @@ def _shared(s: Subject, wheels: list[Wheel]) -> list[str]:
 
 
 def _range(s: Subject, w: Wheel) -> Exact:
-    limit = steer_limits(s.robot, w)
+    limit = s.robot.limit(w, "steer")
     assert limit is not None
     return limit.high - limit.low
 
@@ -130,7 +130,7 @@ def _range(s: Subject, w: Wheel) -> Exact:
 def _ranges(s: Subject, wheels: list[Wheel]) -> str:
     found: dict[str, list[str]] = {}
     for w in wheels:
-        limit = steer_limits(s.robot, w)
+        limit = s.robot.limit(w, "steer")
         if limit is not None:
             found.setdefault(f"{_degrees(limit.low)} ≤ ψ ≤ {_degrees(limit.high)}", []).append(w.name)
     return "; ".join(f"{text} for {listed(who)}" for text, who in found.items())

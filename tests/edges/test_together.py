@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.depth import everyday
 from tests.edges.common import CORNERS, SWERVE, call, derived, robot_text, steers, twists
 from wmrgen.backends.c99 import evaluate_c
 from wmrgen.derivation import Derivation
@@ -96,7 +97,7 @@ def test_steering_limits(tmp_path: Path, limit: int) -> None:
     assert slid > 0 if limit < 130 else slid < 5
 
 
-@pytest.mark.parametrize("limit", [60, 75, 80, 85])
+@pytest.mark.parametrize("limit", everyday([60, 75, 80, 85], [80]))
 def test_both_ways_as_far_outside(tmp_path: Path, limit: int) -> None:
     """Straight to the side: no rounding sends modules that stand at one limit to the other."""
     d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from wmrgen.errors import RobotFileError
@@ -29,23 +29,28 @@ def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
 
     RobotFileError where they have no value in common.
     """
-    found = list(robot.wheels)
-    for joint, quantities in _LIMITED.items():
-        group = robot.steer_group if joint == "steer" else robot.spin_group
-        for leader in set(group):
+    wheels = list(robot.wheels)
+    for joint, quantity, members in _coupled(robot):
+        own = [robot.limit(wheels[k], quantity) for k in members]
+        known = [limit for limit in own if limit is not None]
+        if not known:
+            continue
+        common = Interval(max(limit.low for limit in known), min(limit.high for limit in known))
+        if common.low > common.high:
+            raise _nothing(spec, joint, quantity, [wheels[k].name for k in members])
+        for k, limit in zip(members, own, strict=True):
+            if limit != common:
+                wheels[k] = replace(wheels[k], limits={**wheels[k].limits, quantity: common})
+    return replace(robot, wheels=tuple(wheels))
+
+
+def _coupled(robot: Robot) -> Iterator[tuple[str, str, list[int]]]:
+    """Every limited quantity of every coupled group, with the joint that is coupled."""
+    for joint, group in (("steer", robot.steer_group), ("spin", robot.spin_group)):
+        for leader in sorted(set(group)):
             members = [k for k, g in enumerate(group) if g == leader]
-            for quantity in quantities if len(members) > 1 else ():
-                own = [robot.limit(found[k], quantity) for k in members]
-                known = [limit for limit in own if limit is not None]
-                if not known:
-                    continue
-                common = Interval(max(limit.low for limit in known), min(limit.high for limit in known))
-                if common.low > common.high:
-                    raise _nothing(spec, joint, quantity, [found[k].name for k in members])
-                for k, limit in zip(members, own, strict=True):
-                    if limit != common:
-                        found[k] = replace(found[k], limits={**found[k].limits, quantity: common})
-    return replace(robot, wheels=tuple(found))
+            if len(members) > 1:
+                yield from ((joint, quantity, members) for quantity in _LIMITED[joint])
 
 
 def _nothing(spec: RobotSpec, joint: str, quantity: str, names: Sequence[str]) -> RobotFileError:

@@ -7,8 +7,9 @@ the IR, node by node.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Node, Op
@@ -26,9 +27,8 @@ class Style:
     ``literal`` prints a constant as an atom (negative ones in parentheses). ``calls`` and ``choices`` are
     formats over the arguments by position; a choice always gets a statement of its own.
     ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name. ``grouped``: no
-    reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``holder``: statement that declares the
-    variable ``{1}`` for what function ``{0}`` hands back when that is several values, ``held`` its name for a function,
-    ``part`` value ``{1}`` of it.
+    reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``local``: statement that declares the
+    variable ``{0}``, for a result that a function writes and nothing else has a place for.
     """
 
     literal: Callable[[Exact], str]
@@ -37,9 +37,7 @@ class Style:
     declare: str
     temporary: str
     grouped: bool = False
-    holder: str = ""
-    held: Callable[[str], str] = str
-    part: str = ""
+    local: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,23 +97,43 @@ def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
 
 
 class _Printer:
-    """Statements, node by node."""
+    """Statements, node by node. Results with a place in ``stores`` are written there as soon as they are known."""
 
-    def __init__(self, function: Function, style: Style, access: Callable[[str], str]) -> None:
-        self.function, self.style, self.access = function, style, access
+    def __init__(
+        self,
+        function: Function,
+        access: Callable[[str], str],
+        style: Style,
+        notes: Mapping[int, str],
+        stores: Sequence[str],
+        several: Mapping[str, int],
+    ) -> None:
+        self.function, self.access, self.style, self.notes = function, access, style, notes
         self.uses = _uses(function, style)
         self.arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
-        self.several: dict[int, list[int]] = {}  # a call -> the nodes that are one of its results
+        self.several = several
+        # a place -> the result that will be written there
+        self.waiting = dict(zip(stores, function.results, strict=False))
+        self.taken: dict[int, dict[int, int]] = {}  # a call -> number of a result -> the node that takes it
         for k, node in enumerate(function.nodes):
             if node.op is Op.PART:
-                self.several.setdefault(node.args[0], []).append(k)
-        names = dict.fromkeys(function.nodes[i].name or "" for i in self.several)
-        self.statements = [style.holder.format(name, style.held(name)) for name in names]
+                self.taken.setdefault(node.args[0], {})[int(node.name or 0)] = k
+        self.locals: list[str] = []
+        self.statements: list[str] = []
         self.count = 0
         self.parts: dict[int, str] = {}
         self.texts: list[_Text] = []
 
-    def print(self, index: int, note: str | None) -> _Text:
+    def run(self) -> None:
+        """All nodes."""
+        for index in range(len(self.function.nodes)):
+            text = self._print(index)
+            self.texts.append(text)
+            for place in [place for place, result in self.waiting.items() if result == index]:
+                del self.waiting[place]
+                self.statements.append(f"{place} = {text.text};")
+
+    def _print(self, index: int) -> _Text:
         """The value of a node, and before it the statements that it takes."""
         node, style = self.function.nodes[index], self.style
         if node.value is not None:
@@ -124,16 +142,42 @@ class _Printer:
             return _Text(self.access(node.name or ""), _ATOM)
         if node.op is Op.PART:
             return _Text(self.parts[index], _ATOM)
-        text = _expression(node, [self.texts[a] for a in node.args], style)
-        if index in self.several:
-            held = style.held(node.name or "")
-            self.statements.append(f"{held} = {text.text};")
-            # At once: the next call of the same function takes the holder again.
-            for k in self.several[index]:
-                self.parts[k] = self._named(style.part.format(held, self.function.nodes[k].name), None)
-        elif self.uses[index] > 1 or text.binding == _CHOICE or len(text.text) > self._longest(index):
-            return _Text(self._named(text.text, note), _ATOM)
+        args = [self.texts[a] for a in node.args]
+        if index in self.taken:
+            self._call(index, [argument.text for argument in args])
+            return _Text("", _ATOM)  # its results have nodes of their own
+        text = _expression(node, args, style)
+        if self.uses[index] > 1 or text.binding == _CHOICE or len(text.text) > self._longest(index):
+            return _Text(self._named(text.text, self.notes.get(index)), _ATOM)
         return text
+
+    def _call(self, index: int, given: list[str]) -> None:
+        """A call that writes several results: each where it belongs, or where another will be written later.
+
+        So no call needs memory of its own for them.
+        """
+        name = self.function.nodes[index].name or ""
+        nodes = [self.taken[index].get(n) for n in range(self.several[name])]
+        own = {k: place for place, k in self.waiting.items() if k in nodes}
+        spare = (place for place in chain(list(self.waiting), self._locals()) if place not in own.values())
+        places = [own[k] if k in own else next(spare) for k in nodes]
+        self.statements.append(f"{name}({', '.join([*given, *map(_address, places)])});")
+        for k, place in zip(nodes, places, strict=True):
+            if k is None:
+                continue  # needed at other calls only
+            if k in own:
+                del self.waiting[place]
+            used_here = self.uses[k] > (k in own)
+            self.parts[k] = (
+                self._named(place, None) if used_here else place
+            )  # at once: the next call writes there
+
+    def _locals(self) -> Iterator[str]:
+        """Variables for what a call writes; the same for every call."""
+        for n in count():
+            if n == len(self.locals):
+                self.locals.append(f"y{n}")
+            yield self.locals[n]
 
     def _longest(self, index: int) -> int:
         return _LONGEST_ARM if index in self.arms else _LONGEST
@@ -145,25 +189,25 @@ class _Printer:
         return name
 
 
+def _address(place: str) -> str:
+    return place[1:] if place.startswith("*") else f"&{place}"
+
+
 def body(
     function: Function,
     access: Callable[[str], str],
     style: Style,
     notes: Mapping[int, str] | None = None,
     stores: Sequence[str] = (),
+    several: Mapping[str, int] | None = None,
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
-    ``notes``: node -> finished comment, printed behind the statement that names the node. ``stores``: statements that
-    hand over the results ``{0}``; with them, each is handed over as soon as it is known.
+    ``notes``: node -> finished comment, printed behind the statement that names the node. ``stores``: where each
+    result is written as soon as it is known. ``several``: functions that write so many results through pointers.
     """
-    printer = _Printer(function, style, access)
-    waiting: dict[int, list[str]] = {}
-    for result, store in zip(function.results, stores, strict=False):
-        waiting.setdefault(result, []).append(store)
-    for index in range(len(function.nodes)):
-        text = printer.print(index, (notes or {}).get(index))
-        printer.texts.append(text)
-        printer.statements += [store.format(text.text) for store in waiting.get(index, ())]
+    printer = _Printer(function, access, style, notes or {}, stores, several or {})
+    printer.run()
     ops = frozenset(node.op for node in function.nodes)
-    return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)
+    statements = [style.local.format(name) for name in printer.locals] + printer.statements
+    return Body(tuple(statements), tuple(printer.texts[r].text for r in function.results), ops)

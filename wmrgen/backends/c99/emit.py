@@ -68,7 +68,10 @@ def unit(
         module = replace(module, functions=found.functions)
     steps, prepared = prepare_steps(module, scalar, costs)
     inputs_of: dict[tuple[Port, ...], Struct] = {}
-    rest = (step(f, module.name, prepared, scalar, costs[f.name], inputs_of) for f in module.functions)
+    several = {part.name: part.results for part in own}
+    rest = (
+        step(f, module.name, prepared, scalar, costs[f.name], inputs_of, several) for f in module.functions
+    )
     return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None), rounding, own)
 
 

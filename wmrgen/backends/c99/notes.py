@@ -30,7 +30,7 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
         notes.append(
             "Written for the least flash (--size): what repeats stands once, in functions of the C file alone, which "
             "must not be inlined (WMRGEN_NOINLINE). Results are those of the usual C to the bit; calls cost time and "
-            "stack. A function writes *out while it reads *in: the two must not overlap."
+            "stack. A function keeps intermediate values in *out while it reads *in: the two must not overlap."
         )
     if Op.FMA in ops:
         notes.append(

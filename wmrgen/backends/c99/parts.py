@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from wmrgen.backends.c99.comment import WIDTH, block_comment
@@ -15,10 +15,11 @@ from wmrgen.ir.outline.undo import calls
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A static function, ready to print. ``struct``: of what it hands back; empty when that is one scalar."""
+    """A static function, ready to print. ``results``: how many it has; several are written through pointers."""
 
+    name: str
+    results: int
     comment: tuple[str, ...]
-    struct: tuple[str, ...]
     prototype: str
     lines: tuple[str, ...]
     ops: frozenset[Op]
@@ -32,27 +33,23 @@ def parts(
     for function in (*functions, *made):
         for part, count in calls(function.nodes).items():
             callers.setdefault(part, Counter())[function.name.removeprefix(f"{robot}_")] += count
-    return tuple(_part(part, callers[part.name], scalar) for part in made)
+    several = {part.name: len(part.results) for part in made}
+    return tuple(_part(part, callers[part.name], scalar, several) for part in made)
 
 
-def _part(part: Function, callers: Counter[str], scalar: str) -> Part:
-    code = body(part, str, style(scalar))
+def _part(part: Function, callers: Counter[str], scalar: str, several: Mapping[str, int]) -> Part:
+    places = [f"*y{n}" for n in range(len(part.results))] if len(part.results) > 1 else []
+    code = body(part, str, style(scalar), None, places, several)
     count = sum(node.op is Op.INPUT for node in part.nodes)
-    parameters = [f"{scalar} x{k}" for k in range(count)]
-    several = len(code.results) > 1
-    kind = f"{part.name}_out" if several else scalar
-    struct = ("typedef struct {", *(f"    {scalar} y{n};" for n in range(len(code.results))), f"}} {kind};")
-    last = (
-        [f"const {kind} y = {{{', '.join(code.results)}}};", "return y;"]
-        if several
-        else [f"return {code.results[0]};"]
-    )
+    parameters = [f"{scalar} x{k}" for k in range(count)] + [f"{scalar} {place}" for place in places]
+    last = () if places else (*([""] if code.statements else []), f"return {code.results[0]};")
     used = ", ".join(f"{name} ({count}x)" if count > 1 else name for name, count in callers.items())
     return Part(
+        part.name,
+        len(part.results),
         tuple(block_comment([f"Called by {used}."])),
-        struct if several else (),
-        _prototype(kind, part.name, parameters),
-        (*code.statements, *([""] if code.statements else []), *last),
+        _prototype("void" if places else scalar, part.name, parameters),
+        (*code.statements, *last),
         code.ops,
     )
 

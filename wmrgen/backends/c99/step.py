@@ -61,6 +61,7 @@ def _build(
     own: tuple[Struct, ...],
     scalar: str,
     cost: Cost,
+    several: Mapping[str, int] | None = None,
 ) -> Step:
     function = _pruned(function)
     reads = {key: f"{par}->{member}" for s, par in inputs for key, member in s.members.items()}
@@ -68,20 +69,21 @@ def _build(
     for label, k in function.named:
         notes[k] = f"{notes[k]}, {quantity(label)}" if k in notes else quantity(label)
     out_struct, out = output
-    forms = [f"{out}->{out_struct.members[port.name]} = {{0}};" for port in function.outputs]
+    places = [f"{out}->{out_struct.members[port.name]}" for port in function.outputs]
     small = any(node.op is Op.CALL for node in function.nodes)
     code = body(
         function,
         reads.__getitem__,
         style(scalar),
         {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE},
-        forms if small else (),
+        places if small else (),
+        several,
     )
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
     unread = [f"(void){par};" for s, par in inputs if not read & set(s.members)]
     lines = unread + list(code.statements)
     if not small:
-        stores = [form.format(text) for form, text in zip(forms, code.results, strict=True)]
+        stores = [f"{place} = {text};" for place, text in zip(places, code.results, strict=True)]
         lines += ([""] if lines else []) + stores
     arguments = (*inputs, output)
     comment = tuple(block_comment([_sentence(function.text), f"Operations of the formula: {cost}."]))
@@ -150,10 +152,12 @@ def step(
     scalar: str,
     cost: Cost,
     inputs_of: dict[tuple[Port, ...], Struct],
+    several: Mapping[str, int],
 ) -> Step | None:
     """``<robot>_<function>``; None for a function without outputs.
 
     ``inputs_of``: the input structs so far. What gives the slip of another function takes that one's input.
+    ``several``: the parts that it may call and how many results they have.
     """
     if not function.outputs:
         return None
@@ -172,4 +176,4 @@ def step(
             own.append(alias(f"{name}_in", same))
         inputs.append((own[-1], "in"))
     own.append(struct(f"{name}_out", function.outputs, scalar, f"Output of {name}()."))
-    return _build(function, name, tuple(inputs), (own[-1], "out"), tuple(own), scalar, cost)
+    return _build(function, name, tuple(inputs), (own[-1], "out"), tuple(own), scalar, cost, several)

@@ -24,11 +24,6 @@ INTEGER = {
 }  # fmt: skip
 
 
-def _held(function: str) -> str:
-    """The variable for what ``<robot>_part<n>`` hands back."""
-    return "of_" + function.rpartition("_")[2]
-
-
 @cache
 def style(scalar: str) -> Style:
     """``scalar``: ``float`` (libm names end in f) or ``double``."""
@@ -49,7 +44,5 @@ def style(scalar: str) -> Style:
         declare=f"const {scalar} {{0}} = {{1}};",
         temporary="t{0}",
         grouped=True,
-        holder="{0}_out {1};",
-        held=_held,
-        part="{0}.y{1}",
+        local=f"{scalar} {{0}};",
     )

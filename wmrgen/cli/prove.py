@@ -37,8 +37,7 @@ def run(path: Path, *, as_json: bool) -> int:
         found = derivation.bounds
         if found.missing:
             raise NotDerivableError(_needed(robot.name, found))
-        step(f"running {_TOOL} on {robot.name}")
-        told = eva(derivation, found)
+        told = eva(derivation, found, step)
     if as_json:
         console.result(json.dumps({"name": robot.name, **data(found), "eva": told}, indent=2))
     else:
@@ -58,8 +57,10 @@ def _needed(name: str, found: Bounds) -> str:
     )
 
 
-def eva(derivation: Derivation, found: Bounds) -> dict[str, Any]:
-    """What Eva says: its alarms (none is good); why it was not run."""
+def eva(
+    derivation: Derivation, found: Bounds, step: Callable[[str], None] = lambda _: None
+) -> dict[str, Any]:
+    """What Eva says: its alarms (none is good); why it was not run. ``step`` is told what is looked at."""
     from wmrgen.backends.c99.eva import alarms, command, harness
     from wmrgen.compiler import find_tool, run_tool
     from wmrgen.proofs.bounds import functions
@@ -76,6 +77,9 @@ def eva(derivation: Derivation, found: Bounds) -> dict[str, Any]:
         """Alarms of some functions. Smaller parts help only with sines that are known on them."""
         parts = {f.name: cases(f, ranges[f.name], SINGLE, finer) for f in of}
         files = harness(derivation.c_module, parts, waves=finer > 0)
+        count = sum(map(len, parts.values()))
+        what = f"{of[0].name}, {count} part{'s' * (count > 1)}" if len(of) == 1 else "all functions"
+        step(f"running {_TOOL} on {derivation.robot.name}: {what}")
         return alarms(run_tool(command(tool, derivation.robot.name, finer > 0), files))
 
     open_ = left(chosen, 0)

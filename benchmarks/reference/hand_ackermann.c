@@ -43,7 +43,8 @@ void ackermann_inverse_limited(const ackermann_car_inverse_in *in, ackermann_car
     out->front_right.spin = 3.33333333f * limited(right, y, in->front_right.steer, &out->front_right.steer);
 }
 
-/* Least squares over two rolling and four sliding rows, as wmrgen poses it, with the 3 x 3 inverse written out. */
+/* Least squares over two rolling and four sliding rows, as wmrgen poses it, with the 3 x 3 inverse written out. The
+ * determinant is at least 4.5; kept above 1 (in wmrgen's C above 2.25), so that a reader and an analyser see no division by zero. */
 void ackermann_forward(const ackermann_car_forward_in *in, ackermann_car_forward_out *out)
 {
     float c, s, d, t;
@@ -55,7 +56,7 @@ void ackermann_forward(const ackermann_car_forward_in *in, ackermann_car_forward
     const float p = MADD(yy, ww, -(yw * yw)), q = MADD(ww, xy, -(yw * xw)), r = MADD(yy, xw, -(yw * xy));
     const float a = 0.3f * (in->rear_left.spin + in->rear_right.spin);
     const float b = 0.225f * (in->rear_right.spin - in->rear_left.spin);
-    const float k = 1.0f / MADD(xx, p, -MADD(xy, q, xw * r));
+    const float det = MADD(xx, p, -MADD(xy, q, xw * r)), k = 1.0f / (det < 1.0f ? 1.0f : det);
     out->vx = k * MADD(a, p, b * r);
     out->vy = k * MADD(a, q, b * MADD(xy, xw, -(yw * xx)));
     out->omega = k * MADD(a, r, b * MADD(yy, xx, -(xy * xy)));

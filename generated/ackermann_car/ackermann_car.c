@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_b6edc6ffba7d037c)
+#if !defined(ACKERMANN_CAR_PAIR_5d4b0f36dfcced3c)
 #error "ackermann_car.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -133,7 +133,7 @@ void ackermann_car_forward(const ackermann_car_forward_in *in, ackermann_car_for
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front_right: row of H, vy */
+    const float t10 = fmaf(t6 * t3, t9, t6); /* front_right: row of H, vy */
     const float t11 = fmaf(2.5f, t10, -(0.75f * t7)); /* front_right: row of H, omega */
     const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
     const float t13 = t12 - 12582912.0f;
@@ -145,7 +145,7 @@ void ackermann_car_forward(const ackermann_car_forward_in *in, ackermann_car_for
     const float t19 = t18 * t17;
     const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front_left: row of H, vy */
+    const float t22 = fmaf(t18 * t15, t21, t18); /* front_left: row of H, vy */
     const float t23 = fmaf(0.75f, t19, 2.5f * t22); /* front_left: row of H, omega */
     const float t24 = fmaf(t19, t23, t7 * t11);
     const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
@@ -183,7 +183,7 @@ void ackermann_car_forward_slip(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front_right: row of H, vy */
+    const float t10 = fmaf(t6 * t3, t9, t6); /* front_right: row of H, vy */
     const float t11 = fmaf(2.5f, t10, -(0.75f * t7)); /* front_right: row of H, omega */
     const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
     const float t13 = t12 - 12582912.0f;
@@ -195,7 +195,7 @@ void ackermann_car_forward_slip(
     const float t19 = t18 * t17;
     const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front_left: row of H, vy */
+    const float t22 = fmaf(t18 * t15, t21, t18); /* front_left: row of H, vy */
     const float t23 = fmaf(0.75f, t19, 2.5f * t22); /* front_left: row of H, omega */
     const float t24 = fmaf(t19, t23, t7 * t11);
     const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
@@ -257,7 +257,7 @@ void ackermann_car_odometry(const ackermann_car_odometry_in *in, ackermann_car_o
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -54,7 +54,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "5a9c70f055f63eb2b4b02cd9a160a059"
-#define ACKERMANN_CAR_PAIR_b6edc6ffba7d037c 1
+#define ACKERMANN_CAR_PAIR_5d4b0f36dfcced3c 1
 
 #ifdef __cplusplus
 extern "C" {

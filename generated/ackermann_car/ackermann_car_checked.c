@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_b6edc6ffba7d037c)
+#if !defined(ACKERMANN_CAR_PAIR_5d4b0f36dfcced3c)
 #error "ackermann_car_checked.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -16,7 +16,7 @@
  */
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_b6edc6ffba7d037c)
+#if !defined(ACKERMANN_CAR_PAIR_5d4b0f36dfcced3c)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -53,7 +53,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "dab1c8f9e4730d5e8ce4c24278a961a5"
-#define AGILEX_RANGER_PAIR_8dc068c9ada893d5 1
+#define AGILEX_RANGER_PAIR_0331f4f8981d7377 1
 
 #ifdef __cplusplus
 extern "C" {

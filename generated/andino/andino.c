@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_356b92ba9e8f83c7)
+#if !defined(ANDINO_PAIR_e1d8282573306720)
 #error "andino.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -56,7 +56,7 @@ void andino_inverse(const andino_inverse_in *in, andino_inverse_out *out)
     const float t10 = (-0.0955f) * in->omega; /* caster b */
     const float t11 = fmaf(t5, fmaf(t5, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t12 = fmaf(t5, fmaf(t5, t11, 0.041666657f), (-0.5f));
-    const float t13 = t8 * fmaf(t5, t12, 1.0f);
+    const float t13 = fmaf(t8 * t5, t12, t8);
     const float t14 = fmaf(62.5f, fmaf(t13, t10, -(in->vx * t9)), -in->omega);
 
     out->right.spin = t0 + t1;
@@ -117,7 +117,7 @@ void andino_odometry(const andino_odometry_in *in, andino_odometry_out *out)
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -30,7 +30,7 @@
 #define WMRGEN_ANDINO_H
 
 #define ANDINO_MODEL_HASH "ea37001b95df837fdd05df2235552647"
-#define ANDINO_PAIR_356b92ba9e8f83c7 1
+#define ANDINO_PAIR_e1d8282573306720 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_356b92ba9e8f83c7)
+#if !defined(ANDINO_PAIR_e1d8282573306720)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

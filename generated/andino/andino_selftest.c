@@ -16,7 +16,7 @@
  */
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_356b92ba9e8f83c7)
+#if !defined(ANDINO_PAIR_e1d8282573306720)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_65ba348044d15000)
+#if !defined(BICYCLE_PAIR_e6ae37b5a8b641bf)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -154,7 +154,7 @@ void bicycle_forward(const bicycle_forward_in *in, bicycle_forward_out *out)
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front: row of H, vy */
+    const float t10 = fmaf(t6 * t3, t9, t6); /* front: row of H, vy */
     const float t11 = t7 * t10;
     const float t12 = t11 * t11;
     const float t13 = t7 * t7;
@@ -208,7 +208,7 @@ void bicycle_forward_slip(const bicycle_forward_slip_in *in, bicycle_forward_sli
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front: row of H, vy */
+    const float t10 = fmaf(t6 * t3, t9, t6); /* front: row of H, vy */
     const float t11 = t7 * t10;
     const float t12 = t11 * t11;
     const float t13 = t7 * t7;
@@ -282,7 +282,7 @@ void bicycle_odometry(const bicycle_odometry_in *in, bicycle_odometry_out *out)
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -49,7 +49,7 @@
 #define WMRGEN_BICYCLE_H
 
 #define BICYCLE_MODEL_HASH "0571fb3a35493dbae6572cb03c77fabe"
-#define BICYCLE_PAIR_65ba348044d15000 1
+#define BICYCLE_PAIR_e6ae37b5a8b641bf 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(BICYCLE_PAIR_65ba348044d15000)
+#if !defined(BICYCLE_PAIR_e6ae37b5a8b641bf)
 #error "bicycle_checked.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_65ba348044d15000)
+#if !defined(BICYCLE_PAIR_e6ae37b5a8b641bf)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_d918d925f44d0b9e)
+#if !defined(CAR_WITH_TRAILERS_PAIR_330637afb92e8680)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -137,7 +137,7 @@ void car_with_trailers_forward(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front_right: row of H, vy */
+    const float t10 = fmaf(t6 * t3, t9, t6); /* front_right: row of H, vy */
     const float t11 = fmaf(1.4f, t10, -(0.4f * t7)); /* front_right: row of H, omega */
     const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
     const float t13 = t12 - 12582912.0f;
@@ -149,7 +149,7 @@ void car_with_trailers_forward(
     const float t19 = t18 * t17;
     const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front_left: row of H, vy */
+    const float t22 = fmaf(t18 * t15, t21, t18); /* front_left: row of H, vy */
     const float t23 = fmaf(0.4f, t19, 1.4f * t22); /* front_left: row of H, omega */
     const float t24 = fmaf(t19, t23, t7 * t11);
     const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
@@ -187,7 +187,7 @@ void car_with_trailers_forward_slip(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f); /* front_right: row of H, vy */
+    const float t10 = fmaf(t6 * t3, t9, t6); /* front_right: row of H, vy */
     const float t11 = fmaf(1.4f, t10, -(0.4f * t7)); /* front_right: row of H, omega */
     const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
     const float t13 = t12 - 12582912.0f;
@@ -199,7 +199,7 @@ void car_with_trailers_forward_slip(
     const float t19 = t18 * t17;
     const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* front_left: row of H, vy */
+    const float t22 = fmaf(t18 * t15, t21, t18); /* front_left: row of H, vy */
     const float t23 = fmaf(0.4f, t19, 1.4f * t22); /* front_left: row of H, omega */
     const float t24 = fmaf(t19, t23, t7 * t11);
     const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
@@ -263,7 +263,7 @@ void car_with_trailers_odometry(
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 
@@ -292,7 +292,7 @@ void car_with_trailers_posture(
     const float t13 = fmaf(t12, fmaf(t12, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t14 = fmaf(t12, fmaf(t12, t13, 0.041666657f), (-0.5f));
     const float t15 = wmrgen_flip(1.0f, t9);
-    const float t16 = t15 * fmaf(t12, t14, 1.0f); /* divisor1 */
+    const float t16 = fmaf(t15 * t12, t14, t15); /* divisor1 */
     const float t17 = fabsf(t16);
     const float t18 = (t17 < 1e-09f) ? 1.0f : t16;
     const float t19 = (t17 < 1e-09f) ? 0.0f : (1.0f / t18);
@@ -326,7 +326,7 @@ void car_with_trailers_trailer(
     const float t13 = fmaf(t12, fmaf(t12, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t14 = fmaf(t12, fmaf(t12, t13, 0.041666657f), (-0.5f));
     const float t15 = wmrgen_flip(1.0f, t9);
-    const float t16 = t15 * fmaf(t12, t14, 1.0f); /* divisor1 */
+    const float t16 = fmaf(t15 * t12, t14, t15); /* divisor1 */
     const float t17 = fabsf(t16);
     const float t18 = (t17 < 1e-09f) ? 1.0f : t16;
     const float t19 = (t17 < 1e-09f) ? 0.0f : (1.0f / t18);

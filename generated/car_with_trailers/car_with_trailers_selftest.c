@@ -16,7 +16,7 @@
  */
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_d918d925f44d0b9e)
+#if !defined(CAR_WITH_TRAILERS_PAIR_330637afb92e8680)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

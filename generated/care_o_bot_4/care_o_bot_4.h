@@ -29,7 +29,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "5c61b71f43cb5c0812289bfe385fcaaa"
-#define CARE_O_BOT_4_PAIR_f04c674f9d3dad29 1
+#define CARE_O_BOT_4_PAIR_864da9f98b48800e 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -49,7 +49,7 @@
 #define WMRGEN_CLEARPATH_A200_H
 
 #define CLEARPATH_A200_MODEL_HASH "1df097f48a00d6c59ada0b538e85ee4b"
-#define CLEARPATH_A200_PAIR_da419d27d273d4f9 1
+#define CLEARPATH_A200_PAIR_be4bccfeedcdde55 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_da419d27d273d4f9)
+#if !defined(CLEARPATH_A200_PAIR_be4bccfeedcdde55)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_8caa66ef481c271c)
+#if !defined(CLEARPATH_DO100_PAIR_f45ee16c4d2fc1b4)
 #error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_c29547bb72bac008)
+#if !defined(CLEARPATH_R100_PAIR_a074bf02133be501)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 

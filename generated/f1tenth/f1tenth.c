@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_424c34809669d5f6)
+#if !defined(F1TENTH_PAIR_da15ba3fc73aa243)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -108,7 +108,7 @@ void f1tenth_forward(const f1tenth_forward_in *in, f1tenth_forward_out *out)
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f); /* front: row of H, vy */
+    const float t7 = fmaf(t6 * t3, t5, t6); /* front: row of H, vy */
     const float t8 = t7 * t7;
     const float t9 = t8 + 1.0f; /* HtH[1][1] */
     const float t10 = fmaf(0.025201563f, t8, 0.029395102f); /* HtH[2][2] */
@@ -166,7 +166,7 @@ void f1tenth_forward_slip(const f1tenth_forward_slip_in *in, f1tenth_forward_sli
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f); /* front: row of H, vy */
+    const float t7 = fmaf(t6 * t3, t5, t6); /* front: row of H, vy */
     const float t8 = t7 * t7;
     const float t9 = t8 + 1.0f; /* HtH[1][1] */
     const float t10 = fmaf(0.025201563f, t8, 0.029395102f); /* HtH[2][2] */
@@ -249,7 +249,7 @@ void f1tenth_odometry(const f1tenth_odometry_in *in, f1tenth_odometry_out *out)
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -49,7 +49,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "0bb17fa60398846cd1ab9d1d87fd8c8f"
-#define F1TENTH_PAIR_424c34809669d5f6 1
+#define F1TENTH_PAIR_da15ba3fc73aa243 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(F1TENTH_PAIR_424c34809669d5f6)
+#if !defined(F1TENTH_PAIR_da15ba3fc73aa243)
 #error "f1tenth_checked.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

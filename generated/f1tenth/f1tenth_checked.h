@@ -20,7 +20,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_424c34809669d5f6)
+#if !defined(F1TENTH_PAIR_da15ba3fc73aa243)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_424c34809669d5f6)
+#if !defined(F1TENTH_PAIR_da15ba3fc73aa243)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_2812514d14fc1750)
+#if !defined(FESTO_ROBOTINO_PAIR_c9a44ae46f3a7c2a)
 #error "festo_robotino.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -115,7 +115,7 @@ void festo_robotino_odometry(
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -50,7 +50,7 @@
 #define WMRGEN_FESTO_ROBOTINO_H
 
 #define FESTO_ROBOTINO_MODEL_HASH "4fb3b62042cc2c214ab0bef03172ce35"
-#define FESTO_ROBOTINO_PAIR_2812514d14fc1750 1
+#define FESTO_ROBOTINO_PAIR_c9a44ae46f3a7c2a 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_2812514d14fc1750)
+#if !defined(FESTO_ROBOTINO_PAIR_c9a44ae46f3a7c2a)
 #error "festo_robotino_checked.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -16,7 +16,7 @@
  */
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_2812514d14fc1750)
+#if !defined(FESTO_ROBOTINO_PAIR_c9a44ae46f3a7c2a)
 #error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_565e1dfe803c3122)
+#if !defined(KELLY_4WS_PAIR_6a29287fc443bda4)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -184,17 +184,17 @@ void kelly_4ws_forward(const kelly_4ws_forward_in *in, kelly_4ws_forward_out *ou
     const float t42 = t38 + t41; /* sum: its velocity, y */
     const float t43 = fmaf(t28, fmaf(t28, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t44 = fmaf(t28, fmaf(t28, t43, 0.041666657f), (-0.5f));
-    const float t45 = t31 * fmaf(t28, t44, 1.0f);
+    const float t45 = fmaf(t31 * t28, t44, t31);
     const float t46 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t47 = fmaf(t11, fmaf(t11, t46, 0.041666657f), (-0.5f));
-    const float t48 = t14 * fmaf(t11, t47, 1.0f);
+    const float t48 = fmaf(t14 * t11, t47, t14);
     const float t49 = fmaf(t45, t39, t48 * t36);
     const float t50 = fmaf(t20, fmaf(t20, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t51 = fmaf(t20, fmaf(t20, t50, 0.041666657f), (-0.5f));
-    const float t52 = t23 * fmaf(t20, t51, 1.0f);
+    const float t52 = fmaf(t23 * t20, t51, t23);
     const float t53 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t54 = fmaf(t3, fmaf(t3, t53, 0.041666657f), (-0.5f));
-    const float t55 = t6 * fmaf(t3, t54, 1.0f);
+    const float t55 = fmaf(t6 * t3, t54, t6);
     const float t56 = fmaf(t52, t40, t55 * t37);
     const float t57 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
     const float t58 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
@@ -263,20 +263,20 @@ void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forwa
     const float t46 = t40 + t45; /* sum: its velocity, y */
     const float t47 = fmaf(t28, fmaf(t28, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t48 = fmaf(t28, fmaf(t28, t47, 0.041666657f), (-0.5f));
-    const float t49 = t31 * fmaf(t28, t48, 1.0f);
+    const float t49 = fmaf(t31 * t28, t48, t31);
     const float t50 = t49 * t43; /* w2: its velocity, x */
     const float t51 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t52 = fmaf(t11, fmaf(t11, t51, 0.041666657f), (-0.5f));
-    const float t53 = t14 * fmaf(t11, t52, 1.0f);
+    const float t53 = fmaf(t14 * t11, t52, t14);
     const float t54 = t53 * t38; /* w4: its velocity, x */
     const float t55 = t50 + t54;
     const float t56 = fmaf(t20, fmaf(t20, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t57 = fmaf(t20, fmaf(t20, t56, 0.041666657f), (-0.5f));
-    const float t58 = t23 * fmaf(t20, t57, 1.0f);
+    const float t58 = fmaf(t23 * t20, t57, t23);
     const float t59 = t58 * t41; /* w1: its velocity, x */
     const float t60 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t61 = fmaf(t3, fmaf(t3, t60, 0.041666657f), (-0.5f));
-    const float t62 = t6 * fmaf(t3, t61, 1.0f);
+    const float t62 = fmaf(t6 * t3, t61, t6);
     const float t63 = t62 * t36; /* w3: its velocity, x */
     const float t64 = t59 + t63;
     const float t65 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
@@ -344,7 +344,7 @@ void kelly_4ws_odometry(const kelly_4ws_odometry_in *in, kelly_4ws_odometry_out 
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -30,7 +30,7 @@
 #define WMRGEN_KELLY_4WS_H
 
 #define KELLY_4WS_MODEL_HASH "5043ae1e961e3f552e157f635afe1e3e"
-#define KELLY_4WS_PAIR_565e1dfe803c3122 1
+#define KELLY_4WS_PAIR_6a29287fc443bda4 1
 
 #ifdef __cplusplus
 extern "C" {

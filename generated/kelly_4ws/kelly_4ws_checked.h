@@ -20,7 +20,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_565e1dfe803c3122)
+#if !defined(KELLY_4WS_PAIR_6a29287fc443bda4)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_358638ded9d10a72)
+#if !defined(KUKA_YOUBOT_PAIR_9b7effad13386fb0)
 #error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -144,7 +144,7 @@ void kuka_youbot_odometry(const kuka_youbot_odometry_in *in, kuka_youbot_odometr
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -50,7 +50,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "c4c0ab6420747c8ae193c530a4c61ec5"
-#define KUKA_YOUBOT_PAIR_358638ded9d10a72 1
+#define KUKA_YOUBOT_PAIR_9b7effad13386fb0 1
 
 #ifdef __cplusplus
 extern "C" {

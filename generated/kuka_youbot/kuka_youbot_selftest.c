@@ -16,7 +16,7 @@
  */
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_358638ded9d10a72)
+#if !defined(KUKA_YOUBOT_PAIR_9b7effad13386fb0)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

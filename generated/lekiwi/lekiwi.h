@@ -50,7 +50,7 @@
 #define WMRGEN_LEKIWI_H
 
 #define LEKIWI_MODEL_HASH "c63acdb616024cc477c9562ef7664b07"
-#define LEKIWI_PAIR_d67778c21ab66174 1
+#define LEKIWI_PAIR_a23c8d841887b694 1
 
 #ifdef __cplusplus
 extern "C" {

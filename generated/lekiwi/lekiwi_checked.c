@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LEKIWI_PAIR_d67778c21ab66174)
+#if !defined(LEKIWI_PAIR_a23c8d841887b694)
 #error "lekiwi_checked.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_d67778c21ab66174)
+#if !defined(LEKIWI_PAIR_a23c8d841887b694)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_d67778c21ab66174)
+#if !defined(LEKIWI_PAIR_a23c8d841887b694)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

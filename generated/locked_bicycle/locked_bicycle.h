@@ -28,7 +28,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "c64665c267857648198b6abeafb60bf7"
-#define LOCKED_BICYCLE_PAIR_7eba31331b5ed234 1
+#define LOCKED_BICYCLE_PAIR_a423bec7414cb2b0 1
 
 #ifdef __cplusplus
 extern "C" {

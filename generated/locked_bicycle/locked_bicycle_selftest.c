@@ -16,7 +16,7 @@
  */
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_7eba31331b5ed234)
+#if !defined(LOCKED_BICYCLE_PAIR_a423bec7414cb2b0)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(MIR_100_PAIR_e4b83790cbed1f99)
+#if !defined(MIR_100_PAIR_9d1b4df76e47a213)
 #error "mir_100.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -56,7 +56,7 @@ void mir_100_inverse(const mir_100_inverse_in *in, mir_100_inverse_out *out)
     const float t10 = 5.461536f * in->omega;
     const float t11 = fmaf(t5, fmaf(t5, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t12 = fmaf(t5, fmaf(t5, t11, 0.041666657f), (-0.5f));
-    const float t13 = t8 * fmaf(t5, t12, 1.0f);
+    const float t13 = fmaf(t8 * t5, t12, t8);
     const float t14 = 5.314136f * in->omega;
     const float t15 = (-26.17801f) * in->vx;
     const float t16 = t14 + t15; /* fl caster a, bl caster a */
@@ -73,7 +73,7 @@ void mir_100_inverse(const mir_100_inverse_in *in, mir_100_inverse_out *out)
     const float t27 = t26 * t25;
     const float t28 = fmaf(t23, fmaf(t23, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t29 = fmaf(t23, fmaf(t23, t28, 0.041666657f), (-0.5f));
-    const float t30 = t26 * fmaf(t23, t29, 1.0f);
+    const float t30 = fmaf(t26 * t23, t29, t26);
     const float t31 = t15 - t14; /* fr caster a, br caster a */
     const float t32 = 0.6112f * t31;
     const float t33 = fmaf(in->bl_caster.steer, 0.31830987f, 12582912.0f);
@@ -86,7 +86,7 @@ void mir_100_inverse(const mir_100_inverse_in *in, mir_100_inverse_out *out)
     const float t40 = t39 * t38;
     const float t41 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t42 = fmaf(t36, fmaf(t36, t41, 0.041666657f), (-0.5f));
-    const float t43 = t39 * fmaf(t36, t42, 1.0f);
+    const float t43 = fmaf(t39 * t36, t42, t39);
     const float t44 = 4.322464f * in->omega;
     const float t45 = 7.0720944f * in->omega;
     const float t46 = fmaf(in->br_caster.steer, 0.31830987f, 12582912.0f);
@@ -99,7 +99,7 @@ void mir_100_inverse(const mir_100_inverse_in *in, mir_100_inverse_out *out)
     const float t53 = t52 * t51;
     const float t54 = fmaf(t49, fmaf(t49, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t55 = fmaf(t49, fmaf(t49, t54, 0.041666657f), (-0.5f));
-    const float t56 = t52 * fmaf(t49, t55, 1.0f);
+    const float t56 = fmaf(t52 * t49, t55, t52);
 
     out->left.spin = t0 - t1;
     out->right.spin = t1 + t0;
@@ -165,7 +165,7 @@ void mir_100_odometry(const mir_100_odometry_in *in, mir_100_odometry_out *out)
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -57,7 +57,7 @@
 #define WMRGEN_MIR_100_H
 
 #define MIR_100_MODEL_HASH "1358d1688506122645eab249cc7d7cb6"
-#define MIR_100_PAIR_e4b83790cbed1f99 1
+#define MIR_100_PAIR_9d1b4df76e47a213 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(MIR_100_PAIR_e4b83790cbed1f99)
+#if !defined(MIR_100_PAIR_9d1b4df76e47a213)
 #error "mir_100_checked.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_e4b83790cbed1f99)
+#if !defined(MIR_100_PAIR_9d1b4df76e47a213)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_a3f112e1c032580d)
+#if !defined(NEOBOTIX_MP_400_PAIR_22d27848cb218650)
 #error "neobotix_mp_400.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -59,7 +59,7 @@ void neobotix_mp_400_inverse(
     const float t11 = 4.3421054f * in->omega;
     const float t12 = fmaf(t6, fmaf(t6, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t13 = fmaf(t6, fmaf(t6, t12, 0.041666657f), (-0.5f));
-    const float t14 = t9 * fmaf(t6, t13, 1.0f);
+    const float t14 = fmaf(t9 * t6, t13, t9);
     const float t15 = 7.75f * in->omega;
     const float t16 = (-50.0f) * in->vx;
     const float t17 = t15 + t16; /* castor front left a, castor back left a */
@@ -77,7 +77,7 @@ void neobotix_mp_400_inverse(
     const float t29 = t28 * t27;
     const float t30 = fmaf(t25, fmaf(t25, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t31 = fmaf(t25, fmaf(t25, t30, 0.041666657f), (-0.5f));
-    const float t32 = t28 * fmaf(t25, t31, 1.0f);
+    const float t32 = fmaf(t28 * t25, t31, t28);
     const float t33 = 5.7894735f * in->omega;
     const float t34 = 11.0f * in->omega;
     const float t35 = fmaf(in->castor_front_right.steer, 0.31830987f, 12582912.0f);
@@ -91,7 +91,7 @@ void neobotix_mp_400_inverse(
     const float t43 = t42 * t41;
     const float t44 = fmaf(t39, fmaf(t39, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t45 = fmaf(t39, fmaf(t39, t44, 0.041666657f), (-0.5f));
-    const float t46 = t42 * fmaf(t39, t45, 1.0f);
+    const float t46 = fmaf(t42 * t39, t45, t42);
     const float t47 = t16 - t15; /* castor front right a, castor back right a */
     const float t48 = 0.5263158f * t47;
     const float t49 = fmaf(in->castor_back_right.steer, 0.31830987f, 12582912.0f);
@@ -105,7 +105,7 @@ void neobotix_mp_400_inverse(
     const float t57 = t56 * t55;
     const float t58 = fmaf(t53, fmaf(t53, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t59 = fmaf(t53, fmaf(t53, t58, 0.041666657f), (-0.5f));
-    const float t60 = t56 * fmaf(t53, t59, 1.0f);
+    const float t60 = fmaf(t56 * t53, t59, t56);
 
     out->right.spin = t0 + t1;
     out->left.spin = t1 - t0;
@@ -179,7 +179,7 @@ void neobotix_mp_400_odometry(
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -33,7 +33,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "5b6c11e62babe7ea1121df533b36d418"
-#define NEOBOTIX_MP_400_PAIR_a3f112e1c032580d 1
+#define NEOBOTIX_MP_400_PAIR_22d27848cb218650 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_a3f112e1c032580d)
+#if !defined(NEOBOTIX_MP_400_PAIR_22d27848cb218650)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

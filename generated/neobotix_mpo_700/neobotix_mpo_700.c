@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_fbde9ba4dd093fcf)
+#if !defined(NEOBOTIX_MPO_700_PAIR_7b694870ebc66d23)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -58,7 +58,7 @@ void neobotix_mpo_700_inverse(
     const float t10 = t8 - t9; /* front left b, front right b */
     const float t11 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t12 = fmaf(t3, fmaf(t3, t11, 0.041666657f), (-0.5f));
-    const float t13 = t6 * fmaf(t3, t12, 1.0f);
+    const float t13 = fmaf(t6 * t3, t12, t6);
     const float t14 = 4.2222223f * in->omega;
     const float t15 = (-22.222221f) * in->vx;
     const float t16 = t14 + t15; /* front left a, back left a */
@@ -74,7 +74,7 @@ void neobotix_mpo_700_inverse(
     const float t26 = t8 + t9; /* back left b, back right b */
     const float t27 = fmaf(t21, fmaf(t21, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t28 = fmaf(t21, fmaf(t21, t27, 0.041666657f), (-0.5f));
-    const float t29 = t24 * fmaf(t21, t28, 1.0f);
+    const float t29 = fmaf(t24 * t21, t28, t24);
     const float t30 = fmaf(in->back_right.steer, 0.31830987f, 12582912.0f);
     const float t31 = t30 - 12582912.0f;
     const float t32 = fmaf(t31, 8.742278e-08f, fmaf(-t31, 3.1415927f, in->back_right.steer));
@@ -85,7 +85,7 @@ void neobotix_mpo_700_inverse(
     const float t37 = t36 * t35;
     const float t38 = fmaf(t33, fmaf(t33, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t39 = fmaf(t33, fmaf(t33, t38, 0.041666657f), (-0.5f));
-    const float t40 = t36 * fmaf(t33, t39, 1.0f);
+    const float t40 = fmaf(t36 * t33, t39, t36);
     const float t41 = t15 - t14; /* back right a, front right a */
     const float t42 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
     const float t43 = t42 - 12582912.0f;
@@ -98,7 +98,7 @@ void neobotix_mpo_700_inverse(
     const float t50 = t49 * t48;
     const float t51 = fmaf(t46, fmaf(t46, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t52 = fmaf(t46, fmaf(t46, t51, 0.041666657f), (-0.5f));
-    const float t53 = t49 * fmaf(t46, t52, 1.0f);
+    const float t53 = fmaf(t49 * t46, t52, t49);
 
     out->front_left.spin = (-0.5f) * fmaf(t16, t13, t10 * t7);
     out->front_left.steer_rate = fmaf(-t13, t10, fmaf(t16, t7, t17));
@@ -134,7 +134,7 @@ void neobotix_mpo_700_forward(
     const float t8 = 2.0f * in->front_left.spin;
     const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = t6 * fmaf(t3, t10, 1.0f);
+    const float t11 = fmaf(t6 * t3, t10, t6);
     const float t12 = fmaf(t11, in->front_left.steer_rate, t7 * t8); /* front_left: its velocity, y */
     const float t13 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
     const float t14 = t13 - 12582912.0f;
@@ -148,7 +148,7 @@ void neobotix_mpo_700_forward(
     const float t22 = 2.0f * in->front_right.spin;
     const float t23 = fmaf(t17, fmaf(t17, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t24 = fmaf(t17, fmaf(t17, t23, 0.041666657f), (-0.5f));
-    const float t25 = t20 * fmaf(t17, t24, 1.0f);
+    const float t25 = fmaf(t20 * t17, t24, t20);
     const float t26 = fmaf(t25, in->front_right.steer_rate, t21 * t22); /* front_right: its velocity, y */
     const float t27 = t12 + t26;
     const float t28 = fmaf(in->back_left.steer, 0.31830987f, 12582912.0f);
@@ -162,7 +162,7 @@ void neobotix_mpo_700_forward(
     const float t36 = 2.0f * in->back_left.spin;
     const float t37 = fmaf(t31, fmaf(t31, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t38 = fmaf(t31, fmaf(t31, t37, 0.041666657f), (-0.5f));
-    const float t39 = t34 * fmaf(t31, t38, 1.0f);
+    const float t39 = fmaf(t34 * t31, t38, t34);
     const float t40 = fmaf(t39, in->back_left.steer_rate, t35 * t36); /* back_left: its velocity, y */
     const float t41 = fmaf(in->back_right.steer, 0.31830987f, 12582912.0f);
     const float t42 = t41 - 12582912.0f;
@@ -175,7 +175,7 @@ void neobotix_mpo_700_forward(
     const float t49 = 2.0f * in->back_right.spin;
     const float t50 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t51 = fmaf(t44, fmaf(t44, t50, 0.041666657f), (-0.5f));
-    const float t52 = t47 * fmaf(t44, t51, 1.0f);
+    const float t52 = fmaf(t47 * t44, t51, t47);
     const float t53 = fmaf(t52, in->back_right.steer_rate, t48 * t49); /* back_right: its velocity, y */
     const float t54 = t40 + t53;
     const float t55 = fmaf(t52, t49, -(in->back_right.steer_rate * t48)); /* back_right: its velocity, x */
@@ -219,7 +219,7 @@ void neobotix_mpo_700_forward_slip(
     const float t8 = 2.0f * in->front_left.spin;
     const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = t6 * fmaf(t3, t10, 1.0f);
+    const float t11 = fmaf(t6 * t3, t10, t6);
     const float t12 = fmaf(t11, in->front_left.steer_rate, t7 * t8); /* front_left: its velocity, y */
     const float t13 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
     const float t14 = t13 - 12582912.0f;
@@ -233,7 +233,7 @@ void neobotix_mpo_700_forward_slip(
     const float t22 = 2.0f * in->front_right.spin;
     const float t23 = fmaf(t17, fmaf(t17, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t24 = fmaf(t17, fmaf(t17, t23, 0.041666657f), (-0.5f));
-    const float t25 = t20 * fmaf(t17, t24, 1.0f);
+    const float t25 = fmaf(t20 * t17, t24, t20);
     const float t26 = fmaf(t25, in->front_right.steer_rate, t21 * t22); /* front_right: its velocity, y */
     const float t27 = t12 + t26;
     const float t28 = fmaf(in->back_left.steer, 0.31830987f, 12582912.0f);
@@ -247,7 +247,7 @@ void neobotix_mpo_700_forward_slip(
     const float t36 = 2.0f * in->back_left.spin;
     const float t37 = fmaf(t31, fmaf(t31, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t38 = fmaf(t31, fmaf(t31, t37, 0.041666657f), (-0.5f));
-    const float t39 = t34 * fmaf(t31, t38, 1.0f);
+    const float t39 = fmaf(t34 * t31, t38, t34);
     const float t40 = fmaf(t39, in->back_left.steer_rate, t35 * t36); /* back_left: its velocity, y */
     const float t41 = fmaf(in->back_right.steer, 0.31830987f, 12582912.0f);
     const float t42 = t41 - 12582912.0f;
@@ -260,7 +260,7 @@ void neobotix_mpo_700_forward_slip(
     const float t49 = 2.0f * in->back_right.spin;
     const float t50 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t51 = fmaf(t44, fmaf(t44, t50, 0.041666657f), (-0.5f));
-    const float t52 = t47 * fmaf(t44, t51, 1.0f);
+    const float t52 = fmaf(t47 * t44, t51, t47);
     const float t53 = fmaf(t52, in->back_right.steer_rate, t48 * t49); /* back_right: its velocity, y */
     const float t54 = t40 + t53;
     const float t55 = fmaf(t52, t49, -(in->back_right.steer_rate * t48)); /* back_right: its velocity, x */
@@ -338,7 +338,7 @@ void neobotix_mpo_700_odometry(
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

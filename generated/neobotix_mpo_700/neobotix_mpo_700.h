@@ -31,7 +31,7 @@
 #define WMRGEN_NEOBOTIX_MPO_700_H
 
 #define NEOBOTIX_MPO_700_MODEL_HASH "8c20128f06beeda3e4e79292817c79a5"
-#define NEOBOTIX_MPO_700_PAIR_fbde9ba4dd093fcf 1
+#define NEOBOTIX_MPO_700_PAIR_7b694870ebc66d23 1
 
 #ifdef __cplusplus
 extern "C" {

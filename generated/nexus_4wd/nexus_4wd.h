@@ -32,7 +32,7 @@
 #define WMRGEN_NEXUS_4WD_H
 
 #define NEXUS_4WD_MODEL_HASH "554517386b33097f083fe6bbff916652"
-#define NEXUS_4WD_PAIR_0231cf1ad3f275dc 1
+#define NEXUS_4WD_PAIR_d23d38fa37ca274b 1
 
 #ifdef __cplusplus
 extern "C" {

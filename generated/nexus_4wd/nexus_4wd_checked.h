@@ -20,7 +20,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_0231cf1ad3f275dc)
+#if !defined(NEXUS_4WD_PAIR_d23d38fa37ca274b)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_c8fb2ae51e67a6c4)
+#if !defined(NOMAD_XR4000_PAIR_9d5034290aa7855d)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -56,7 +56,7 @@ void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_invers
     const float t10 = t8 - t9; /* castor1 b, castor2 b */
     const float t11 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t12 = fmaf(t3, fmaf(t3, t11, 0.041666657f), (-0.5f));
-    const float t13 = t6 * fmaf(t3, t12, 1.0f);
+    const float t13 = fmaf(t6 * t3, t12, t6);
     const float t14 = (-50.0f) * in->vx;
     const float t15 = t9 + t14; /* castor1 a, castor3 a */
     const float t16 = -in->omega;
@@ -70,7 +70,7 @@ void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_invers
     const float t24 = t23 * t22;
     const float t25 = fmaf(t20, fmaf(t20, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t26 = fmaf(t20, fmaf(t20, t25, 0.041666657f), (-0.5f));
-    const float t27 = t23 * fmaf(t20, t26, 1.0f);
+    const float t27 = fmaf(t23 * t20, t26, t23);
     const float t28 = t14 - t9; /* castor2 a, castor4 a */
     const float t29 = fmaf(in->castor3.steer, 0.31830987f, 12582912.0f);
     const float t30 = t29 - 12582912.0f;
@@ -83,7 +83,7 @@ void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_invers
     const float t37 = t9 + t8; /* castor3 b, castor4 b */
     const float t38 = fmaf(t32, fmaf(t32, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t39 = fmaf(t32, fmaf(t32, t38, 0.041666657f), (-0.5f));
-    const float t40 = t35 * fmaf(t32, t39, 1.0f);
+    const float t40 = fmaf(t35 * t32, t39, t35);
     const float t41 = fmaf(in->castor4.steer, 0.31830987f, 12582912.0f);
     const float t42 = t41 - 12582912.0f;
     const float t43 = fmaf(t42, 8.742278e-08f, fmaf(-t42, 3.1415927f, in->castor4.steer));
@@ -94,7 +94,7 @@ void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_invers
     const float t48 = t47 * t46;
     const float t49 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t50 = fmaf(t44, fmaf(t44, t49, 0.041666657f), (-0.5f));
-    const float t51 = t47 * fmaf(t44, t50, 1.0f);
+    const float t51 = fmaf(t47 * t44, t50, t47);
 
     out->castor1.spin = (-0.36363637f) * fmaf(t15, t13, t10 * t7);
     out->castor1.steer_rate = fmaf(-t13, t10, fmaf(t15, t7, t16));
@@ -128,7 +128,7 @@ void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forwar
     const float t8 = 2.75f * in->castor3.spin;
     const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = t6 * fmaf(t3, t10, 1.0f);
+    const float t11 = fmaf(t6 * t3, t10, t6);
     const float t12 = fmaf(in->castor4.steer, 0.31830987f, 12582912.0f);
     const float t13 = t12 - 12582912.0f;
     const float t14 = fmaf(t13, 8.742278e-08f, fmaf(-t13, 3.1415927f, in->castor4.steer));
@@ -140,7 +140,7 @@ void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forwar
     const float t20 = 2.75f * in->castor4.spin;
     const float t21 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t22 = fmaf(t15, fmaf(t15, t21, 0.041666657f), (-0.5f));
-    const float t23 = t18 * fmaf(t15, t22, 1.0f);
+    const float t23 = fmaf(t18 * t15, t22, t18);
     const float t24 = fmaf(t11, in->castor3.steer_rate, t7 * t8) + fmaf(t23, in->castor4.steer_rate, t19 * t20);
     const float t25 = fmaf(in->castor1.steer, 0.31830987f, 12582912.0f);
     const float t26 = t25 - 12582912.0f;
@@ -153,7 +153,7 @@ void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forwar
     const float t33 = 2.75f * in->castor1.spin;
     const float t34 = fmaf(t28, fmaf(t28, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t35 = fmaf(t28, fmaf(t28, t34, 0.041666657f), (-0.5f));
-    const float t36 = t31 * fmaf(t28, t35, 1.0f);
+    const float t36 = fmaf(t31 * t28, t35, t31);
     const float t37 = fmaf(in->castor2.steer, 0.31830987f, 12582912.0f);
     const float t38 = t37 - 12582912.0f;
     const float t39 = fmaf(t38, 8.742278e-08f, fmaf(-t38, 3.1415927f, in->castor2.steer));
@@ -165,7 +165,7 @@ void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forwar
     const float t45 = 2.75f * in->castor2.spin;
     const float t46 = fmaf(t40, fmaf(t40, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t47 = fmaf(t40, fmaf(t40, t46, 0.041666657f), (-0.5f));
-    const float t48 = t43 * fmaf(t40, t47, 1.0f);
+    const float t48 = fmaf(t43 * t40, t47, t43);
     const float t49 = fmaf(t36, in->castor1.steer_rate, t32 * t33) + fmaf(t48, in->castor2.steer_rate, t44 * t45);
     const float t50 = t24 + t49; /* sum: its velocity, y */
     const float t51 = fmaf(t48, t45, -(in->castor2.steer_rate * t44)); /* castor2: its velocity, x */
@@ -208,7 +208,7 @@ void nomad_xr4000_forward_slip(
     const float t8 = 2.75f * in->castor3.spin;
     const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = t6 * fmaf(t3, t10, 1.0f);
+    const float t11 = fmaf(t6 * t3, t10, t6);
     const float t12 = fmaf(t11, in->castor3.steer_rate, t7 * t8); /* castor3: its velocity, y */
     const float t13 = fmaf(in->castor4.steer, 0.31830987f, 12582912.0f);
     const float t14 = t13 - 12582912.0f;
@@ -221,7 +221,7 @@ void nomad_xr4000_forward_slip(
     const float t21 = 2.75f * in->castor4.spin;
     const float t22 = fmaf(t16, fmaf(t16, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t23 = fmaf(t16, fmaf(t16, t22, 0.041666657f), (-0.5f));
-    const float t24 = t19 * fmaf(t16, t23, 1.0f);
+    const float t24 = fmaf(t19 * t16, t23, t19);
     const float t25 = fmaf(t24, in->castor4.steer_rate, t20 * t21); /* castor4: its velocity, y */
     const float t26 = t12 + t25;
     const float t27 = fmaf(in->castor1.steer, 0.31830987f, 12582912.0f);
@@ -235,7 +235,7 @@ void nomad_xr4000_forward_slip(
     const float t35 = 2.75f * in->castor1.spin;
     const float t36 = fmaf(t30, fmaf(t30, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t37 = fmaf(t30, fmaf(t30, t36, 0.041666657f), (-0.5f));
-    const float t38 = t33 * fmaf(t30, t37, 1.0f);
+    const float t38 = fmaf(t33 * t30, t37, t33);
     const float t39 = fmaf(t38, in->castor1.steer_rate, t34 * t35); /* castor1: its velocity, y */
     const float t40 = fmaf(in->castor2.steer, 0.31830987f, 12582912.0f);
     const float t41 = t40 - 12582912.0f;
@@ -248,7 +248,7 @@ void nomad_xr4000_forward_slip(
     const float t48 = 2.75f * in->castor2.spin;
     const float t49 = fmaf(t43, fmaf(t43, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t50 = fmaf(t43, fmaf(t43, t49, 0.041666657f), (-0.5f));
-    const float t51 = t46 * fmaf(t43, t50, 1.0f);
+    const float t51 = fmaf(t46 * t43, t50, t46);
     const float t52 = fmaf(t51, in->castor2.steer_rate, t47 * t48); /* castor2: its velocity, y */
     const float t53 = t39 + t52;
     const float t54 = t26 + t53; /* sum: its velocity, y */
@@ -323,7 +323,7 @@ void nomad_xr4000_odometry(const nomad_xr4000_odometry_in *in, nomad_xr4000_odom
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -54,7 +54,7 @@
 #define WMRGEN_NOMAD_XR4000_H
 
 #define NOMAD_XR4000_MODEL_HASH "88b7d7e8a1010e05e1cb201559e82219"
-#define NOMAD_XR4000_PAIR_c8fb2ae51e67a6c4 1
+#define NOMAD_XR4000_PAIR_9d5034290aa7855d 1
 
 #ifdef __cplusplus
 extern "C" {

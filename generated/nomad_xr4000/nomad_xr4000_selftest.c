@@ -16,7 +16,7 @@
  */
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_c8fb2ae51e67a6c4)
+#if !defined(NOMAD_XR4000_PAIR_9d5034290aa7855d)
 #error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 

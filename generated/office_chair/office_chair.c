@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_7b8dcb1758c5d26c)
+#if !defined(OFFICE_CHAIR_PAIR_093191ba2aa8c62a)
 #error "office_chair.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -55,7 +55,7 @@ void office_chair_inverse(const office_chair_inverse_in *in, office_chair_invers
     const float t9 = fmaf((-40.0f), in->vy, t8); /* c1 b */
     const float t10 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t11 = fmaf(t3, fmaf(t3, t10, 0.041666657f), (-0.5f));
-    const float t12 = t6 * fmaf(t3, t11, 1.0f);
+    const float t12 = fmaf(t6 * t3, t11, t6);
     const float t13 = fmaf(33.333332f, in->vx * t12, -(0.8333333f * (t9 * t7)));
     const float t14 = -in->omega;
     const float t15 = fmaf(-t12, t9, fmaf((-40.0f), in->vx * t7, t14));
@@ -72,7 +72,7 @@ void office_chair_inverse(const office_chair_inverse_in *in, office_chair_invers
     const float t26 = t24 + t25; /* c2 b */
     const float t27 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t28 = fmaf(t19, fmaf(t19, t27, 0.041666657f), (-0.5f));
-    const float t29 = t22 * fmaf(t19, t28, 1.0f);
+    const float t29 = fmaf(t22 * t19, t28, t22);
     const float t30 = (-12.36068f) * in->vx;
     const float t31 = 38.04226f * in->vy;
     const float t32 = t30 - t31; /* c2 a */
@@ -89,7 +89,7 @@ void office_chair_inverse(const office_chair_inverse_in *in, office_chair_invers
     const float t43 = t41 + t42; /* c3 b */
     const float t44 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t45 = fmaf(t36, fmaf(t36, t44, 0.041666657f), (-0.5f));
-    const float t46 = t39 * fmaf(t36, t45, 1.0f);
+    const float t46 = fmaf(t39 * t36, t45, t39);
     const float t47 = 32.36068f * in->vx;
     const float t48 = 23.51141f * in->vy;
     const float t49 = t47 - t48; /* c3 a */
@@ -104,7 +104,7 @@ void office_chair_inverse(const office_chair_inverse_in *in, office_chair_invers
     const float t58 = t41 - t42; /* c4 b */
     const float t59 = fmaf(t53, fmaf(t53, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t60 = fmaf(t53, fmaf(t53, t59, 0.041666657f), (-0.5f));
-    const float t61 = t56 * fmaf(t53, t60, 1.0f);
+    const float t61 = fmaf(t56 * t53, t60, t56);
     const float t62 = t48 + t47; /* c4 a */
     const float t63 = fmaf(in->c5.steer, 0.31830987f, 12582912.0f);
     const float t64 = t63 - 12582912.0f;
@@ -117,7 +117,7 @@ void office_chair_inverse(const office_chair_inverse_in *in, office_chair_invers
     const float t71 = t24 - t25; /* c5 b */
     const float t72 = fmaf(t66, fmaf(t66, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t73 = fmaf(t66, fmaf(t66, t72, 0.041666657f), (-0.5f));
-    const float t74 = t69 * fmaf(t66, t73, 1.0f);
+    const float t74 = fmaf(t69 * t66, t73, t69);
     const float t75 = t31 + t30; /* c5 a */
 
     out->c1.spin = t13;
@@ -184,7 +184,7 @@ void office_chair_odometry(const office_chair_odometry_in *in, office_chair_odom
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -32,7 +32,7 @@
 #define WMRGEN_OFFICE_CHAIR_H
 
 #define OFFICE_CHAIR_MODEL_HASH "0343403b631c7fd6a8e83f382c96a136"
-#define OFFICE_CHAIR_PAIR_7b8dcb1758c5d26c 1
+#define OFFICE_CHAIR_PAIR_093191ba2aa8c62a 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_8431df27e396fc75)
+#if !defined(PIONEER3DX_PAIR_ce4d43f20e11da02)
 #error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -76,7 +76,7 @@ void pioneer3dx_inverse(
     const float t9 = t8 * t7;
     const float t10 = fmaf(t5, fmaf(t5, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t11 = fmaf(t5, fmaf(t5, t10, 0.041666657f), (-0.5f));
-    const float t12 = t8 * fmaf(t5, t11, 1.0f);
+    const float t12 = fmaf(t8 * t5, t11, t8);
     const float t13 = fmaf(4.4f, in->omega * t9, -(20.0f * (in->vx * t12)));
     const float t14 = fmaf((-25.0f), in->vx * t9, fmaf((-5.5f), in->omega * t12, -in->omega));
 
@@ -151,7 +151,7 @@ void pioneer3dx_odometry(const pioneer3dx_odometry_in *in, pioneer3dx_odometry_o
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

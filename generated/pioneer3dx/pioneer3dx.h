@@ -51,7 +51,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "5b9bc76df66756a8569952a124872ad7"
-#define PIONEER3DX_PAIR_8431df27e396fc75 1
+#define PIONEER3DX_PAIR_ce4d43f20e11da02 1
 
 #ifdef __cplusplus
 extern "C" {

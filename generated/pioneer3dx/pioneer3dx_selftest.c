@@ -16,7 +16,7 @@
  */
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_8431df27e396fc75)
+#if !defined(PIONEER3DX_PAIR_ce4d43f20e11da02)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

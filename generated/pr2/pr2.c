@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_e197c3ff2df49ac3)
+#if !defined(PR2_PAIR_40b87553ea897114)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -225,29 +225,29 @@ void pr2_forward(const pr2_forward_in *in, pr2_forward_out *out)
     const float t67 = -t66;
     const float t68 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t69 = fmaf(t19, fmaf(t19, t68, 0.041666657f), (-0.5f));
-    const float t70 = t22 * fmaf(t19, t69, 1.0f);
+    const float t70 = fmaf(t22 * t19, t69, t22);
     const float t71 = fmaf(t27, fmaf(t27, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t72 = fmaf(t27, fmaf(t27, t71, 0.041666657f), (-0.5f));
-    const float t73 = t30 * fmaf(t27, t72, 1.0f);
+    const float t73 = fmaf(t30 * t27, t72, t30);
     const float t74 = fmaf(t52, fmaf(t52, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t75 = fmaf(t52, fmaf(t52, t74, 0.041666657f), (-0.5f));
-    const float t76 = t55 * fmaf(t52, t75, 1.0f);
+    const float t76 = fmaf(t55 * t52, t75, t55);
     const float t77 = fmaf(t60, fmaf(t60, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t78 = fmaf(t60, fmaf(t60, t77, 0.041666657f), (-0.5f));
-    const float t79 = t63 * fmaf(t60, t78, 1.0f);
+    const float t79 = fmaf(t63 * t60, t78, t63);
     const float t80 = t70 - t73 + (t76 - t79);
     const float t81 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t82 = fmaf(t3, fmaf(t3, t81, 0.041666657f), (-0.5f));
-    const float t83 = t6 * fmaf(t3, t82, 1.0f);
+    const float t83 = fmaf(t6 * t3, t82, t6);
     const float t84 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t85 = fmaf(t11, fmaf(t11, t84, 0.041666657f), (-0.5f));
-    const float t86 = t14 * fmaf(t11, t85, 1.0f);
+    const float t86 = fmaf(t14 * t11, t85, t14);
     const float t87 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t88 = fmaf(t36, fmaf(t36, t87, 0.041666657f), (-0.5f));
-    const float t89 = t39 * fmaf(t36, t88, 1.0f);
+    const float t89 = fmaf(t39 * t36, t88, t39);
     const float t90 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t91 = fmaf(t44, fmaf(t44, t90, 0.041666657f), (-0.5f));
-    const float t92 = t47 * fmaf(t44, t91, 1.0f);
+    const float t92 = fmaf(t47 * t44, t91, t47);
     const float t93 = t83 - t86 + (t89 - t92);
     const float t94 = fmaf(0.1760864f, t32 + (t80 - t93 - t65), 6.6106443f); /* inertia */
     const float t95 = 0.049f * (t93 + t80); /* sum fy */
@@ -351,29 +351,29 @@ void pr2_forward_slip(const pr2_forward_slip_in *in, pr2_forward_slip_out *out)
     const float t67 = -t66;
     const float t68 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t69 = fmaf(t19, fmaf(t19, t68, 0.041666657f), (-0.5f));
-    const float t70 = t22 * fmaf(t19, t69, 1.0f);
+    const float t70 = fmaf(t22 * t19, t69, t22);
     const float t71 = fmaf(t27, fmaf(t27, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t72 = fmaf(t27, fmaf(t27, t71, 0.041666657f), (-0.5f));
-    const float t73 = t30 * fmaf(t27, t72, 1.0f);
+    const float t73 = fmaf(t30 * t27, t72, t30);
     const float t74 = fmaf(t52, fmaf(t52, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t75 = fmaf(t52, fmaf(t52, t74, 0.041666657f), (-0.5f));
-    const float t76 = t55 * fmaf(t52, t75, 1.0f);
+    const float t76 = fmaf(t55 * t52, t75, t55);
     const float t77 = fmaf(t60, fmaf(t60, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t78 = fmaf(t60, fmaf(t60, t77, 0.041666657f), (-0.5f));
-    const float t79 = t63 * fmaf(t60, t78, 1.0f);
+    const float t79 = fmaf(t63 * t60, t78, t63);
     const float t80 = t70 - t73 + (t76 - t79);
     const float t81 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t82 = fmaf(t3, fmaf(t3, t81, 0.041666657f), (-0.5f));
-    const float t83 = t6 * fmaf(t3, t82, 1.0f);
+    const float t83 = fmaf(t6 * t3, t82, t6);
     const float t84 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t85 = fmaf(t11, fmaf(t11, t84, 0.041666657f), (-0.5f));
-    const float t86 = t14 * fmaf(t11, t85, 1.0f);
+    const float t86 = fmaf(t14 * t11, t85, t14);
     const float t87 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t88 = fmaf(t36, fmaf(t36, t87, 0.041666657f), (-0.5f));
-    const float t89 = t39 * fmaf(t36, t88, 1.0f);
+    const float t89 = fmaf(t39 * t36, t88, t39);
     const float t90 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t91 = fmaf(t44, fmaf(t44, t90, 0.041666657f), (-0.5f));
-    const float t92 = t47 * fmaf(t44, t91, 1.0f);
+    const float t92 = fmaf(t47 * t44, t91, t47);
     const float t93 = t83 - t86 + (t89 - t92);
     const float t94 = fmaf(0.1760864f, t32 + (t80 - t93 - t65), 6.6106443f); /* inertia */
     const float t95 = 0.049f * (t93 + t80); /* sum fy */
@@ -480,7 +480,7 @@ void pr2_odometry(const pr2_odometry_in *in, pr2_odometry_out *out)
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

@@ -34,7 +34,7 @@
 #define WMRGEN_PR2_H
 
 #define PR2_MODEL_HASH "35b838662e576d79508197944a319d01"
-#define PR2_PAIR_e197c3ff2df49ac3 1
+#define PR2_PAIR_40b87553ea897114 1
 
 #ifdef __cplusplus
 extern "C" {

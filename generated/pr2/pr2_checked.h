@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_e197c3ff2df49ac3)
+#if !defined(PR2_PAIR_40b87553ea897114)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

@@ -32,7 +32,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "af9dc6415a911b061b5ef54f64d48fb5"
-#define SSL_PARSIAN_PAIR_4ff2202a528d1117 1
+#define SSL_PARSIAN_PAIR_3f2d8dc13f0dadd0 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SSL_PARSIAN_PAIR_4ff2202a528d1117)
+#if !defined(SSL_PARSIAN_PAIR_3f2d8dc13f0dadd0)
 #error "ssl_parsian_checked.c and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -16,7 +16,7 @@
  */
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_4ff2202a528d1117)
+#if !defined(SSL_PARSIAN_PAIR_3f2d8dc13f0dadd0)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

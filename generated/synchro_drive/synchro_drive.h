@@ -29,7 +29,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "cd75b86f0791ccb50c702d511c4393ce"
-#define SYNCHRO_DRIVE_PAIR_4f917c6ac8f42f9b 1
+#define SYNCHRO_DRIVE_PAIR_f081ef0242baf758 1
 
 #ifdef __cplusplus
 extern "C" {

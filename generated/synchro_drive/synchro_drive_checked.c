@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_4f917c6ac8f42f9b)
+#if !defined(SYNCHRO_DRIVE_PAIR_f081ef0242baf758)
 #error "synchro_drive_checked.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_557bdb8fd8123d03)
+#if !defined(TEXTBOOK_PAIR_c7bb3736ab7f4a40)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -63,7 +63,7 @@ void textbook_rotation_world_to_robot(
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
+    const float t7 = fmaf(t6 * t3, t5, t6);
     const float t8 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
     const float t9 = fmaf(t2 * t3, fmaf(t3, t8, (-0.16666657f)), t2);
     const float t10 = t6 * t9;
@@ -90,7 +90,7 @@ void textbook_rotation_robot_to_world(
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
+    const float t7 = fmaf(t6 * t3, t5, t6);
     const float t8 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
     const float t9 = fmaf(t2 * t3, fmaf(t3, t8, (-0.16666657f)), t2);
     const float t10 = t6 * t9;
@@ -120,7 +120,7 @@ void textbook_world_to_robot(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
 
     out->vx = fmaf(in->x_rate, t10, in->y_rate * t7);
     out->vy = fmaf(t10, in->y_rate, -(in->x_rate * t7));
@@ -141,7 +141,7 @@ void textbook_robot_to_world(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
 
     out->x_rate = fmaf(in->vx, t10, -(in->vy * t7));
     out->y_rate = fmaf(in->vx, t7, t10 * in->vy);
@@ -160,7 +160,7 @@ void textbook_rotate(const textbook_rotate_in *in, textbook_rotate_out *out)
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
 
     out->x = fmaf(in->x, t10, -(in->y * t7));
     out->y = fmaf(in->x, t7, t10 * in->y);
@@ -178,7 +178,7 @@ void textbook_pose_compose(const textbook_pose_compose_in *in, textbook_pose_com
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
     const float t11 = in->a.x + fmaf(in->b.x, t10, -(in->b.y * t7));
 
     out->x = t11;
@@ -198,7 +198,7 @@ void textbook_pose_inverse(const textbook_pose_inverse_in *in, textbook_pose_inv
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
 
     out->x = -fmaf(in->a.x, t10, in->a.y * t7);
     out->y = fmaf(in->a.x, t7, -(t10 * in->a.y));
@@ -214,7 +214,7 @@ void textbook_rotation_x(const textbook_rotation_x_in *in, textbook_rotation_x_o
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
+    const float t7 = fmaf(t6 * t3, t5, t6);
     const float t8 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
     const float t9 = fmaf(t2 * t3, fmaf(t3, t8, (-0.16666657f)), t2);
     const float t10 = t6 * t9;
@@ -239,7 +239,7 @@ void textbook_rotation_y(const textbook_rotation_y_in *in, textbook_rotation_y_o
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
+    const float t7 = fmaf(t6 * t3, t5, t6);
     const float t8 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
     const float t9 = fmaf(t2 * t3, fmaf(t3, t8, (-0.16666657f)), t2);
     const float t10 = t6 * t9;
@@ -264,7 +264,7 @@ void textbook_rotation_z(const textbook_rotation_z_in *in, textbook_rotation_z_o
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
+    const float t7 = fmaf(t6 * t3, t5, t6);
     const float t8 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
     const float t9 = fmaf(t2 * t3, fmaf(t3, t8, (-0.16666657f)), t2);
     const float t10 = t6 * t9;
@@ -935,7 +935,7 @@ void textbook_disk_constraint(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
 
     out->w1 = t7;
     out->w2 = -t10;
@@ -1010,7 +1010,7 @@ void textbook_swedish_wheel(const textbook_swedish_wheel_in *in, textbook_swedis
     const float t9 = t8 * t7;
     const float t10 = fmaf(t5, fmaf(t5, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t11 = fmaf(t5, fmaf(t5, t10, 0.041666657f), (-0.5f));
-    const float t12 = t8 * fmaf(t5, t11, 1.0f);
+    const float t12 = fmaf(t8 * t5, t11, t8);
     const float t13 = fmaf(t0, 0.31830987f, 12582912.0f);
     const float t14 = t13 - 12582912.0f;
     const float t15 = fmaf(t14, 8.742278e-08f, fmaf(-t14, 3.1415927f, t0));
@@ -1026,7 +1026,7 @@ void textbook_swedish_wheel(const textbook_swedish_wheel_in *in, textbook_swedis
     const float t25 = fmaf(t24, fmaf(t24, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t26 = fmaf(t24, fmaf(t24, t25, 0.041666657f), (-0.5f));
     const float t27 = wmrgen_flip(1.0f, t21);
-    const float t28 = in->r * (t27 * fmaf(t24, t26, 1.0f));
+    const float t28 = in->r * fmaf(t27 * t24, t26, t27);
     const float t29 = fabsf(t28);
     const float t30 = (1e-12f < t29) ? t28 : 1.0f;
     const float t31 = (1e-12f < t29) ? (t20 / t30) : 0.0f;
@@ -1110,7 +1110,7 @@ void textbook_mecanum_wheel_inverse(
     const float t19 = fmaf(t14, fmaf(t14, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t20 = fmaf(t14, fmaf(t14, t19, 0.041666657f), (-0.5f));
     const float t21 = fmaf(-in->dy, in->omega, in->vx);
-    const float t22 = fmaf(t21, t17 * fmaf(t14, t20, 1.0f), t18 * (t17 * t16));
+    const float t22 = fmaf(t21, fmaf(t17 * t14, t20, t17), t18 * (t17 * t16));
     const float t23 = (1e-12f < t8) ? -(t22 / t9) : 0.0f;
     const float t24 = t6 * in->r_sw;
     const float t25 = fabsf(t24);
@@ -1124,7 +1124,7 @@ void textbook_mecanum_wheel_inverse(
     const float t33 = wmrgen_flip(1.0f, t27);
     const float t34 = fmaf(t30, fmaf(t30, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t35 = fmaf(t30, fmaf(t30, t34, 0.041666657f), (-0.5f));
-    const float t36 = fmaf(t21, t33 * fmaf(t30, t35, 1.0f), t18 * (t33 * t32));
+    const float t36 = fmaf(t21, fmaf(t33 * t30, t35, t33), t18 * (t33 * t32));
     const float t37 = (1e-12f < t25) ? -(t36 / t26) : 0.0f;
 
     out->spin = t23;
@@ -1161,7 +1161,7 @@ void textbook_mecanum_roller(
     const float t22 = fmaf(t13, fmaf(t13, t21, 0.041666657f), (-0.5f));
 
     out->length = t20;
-    out->width = t20 * (t16 * fmaf(t13, t22, 1.0f));
+    out->width = t20 * fmaf(t16 * t13, t22, t16);
     out->half_chord = t9;
 }
 
@@ -1175,7 +1175,7 @@ void textbook_omni_wheel(const textbook_omni_wheel_in *in, textbook_omni_wheel_o
     const float t5 = fmaf(t4, fmaf(t4, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t6 = fmaf(t4, fmaf(t4, t5, 0.041666657f), (-0.5f));
     const float t7 = wmrgen_flip(1.0f, t1);
-    const float t8 = t7 * fmaf(t4, t6, 1.0f);
+    const float t8 = fmaf(t7 * t4, t6, t7);
     const float t9 = fmaf(t4, fmaf(t4, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
     const float t10 = fmaf(t3 * t4, fmaf(t4, t9, (-0.16666657f)), t3);
     const float t11 = fabsf(t8);
@@ -1234,7 +1234,7 @@ void textbook_castor_swivel(const textbook_castor_swivel_in *in, textbook_castor
     const float t42 = t41 * t41;
     const float t43 = fmaf(t18, fmaf(t18, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t44 = fmaf(t18, fmaf(t18, t43, 0.041666657f), (-0.5f));
-    const float t45 = t21 * fmaf(t18, t44, 1.0f);
+    const float t45 = fmaf(t21 * t18, t44, t21);
     const float t46 = fmaf(t45, t45, t42 * (t22 * t22));
     const float t47 = fabsf(t46);
     const float t48 = t22 * ((t42 - 1.0f) * t45);
@@ -1396,7 +1396,7 @@ void textbook_unicycle_to_chain(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
     const float t11 = fmaf(in->x, t7, -(t10 * in->y));
 
     out->z1 = in->theta;
@@ -1438,7 +1438,7 @@ void textbook_polar_coordinates(
     const float t7 = t6 * t5;
     const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = t6 * fmaf(t3, t9, 1.0f);
+    const float t10 = fmaf(t6 * t3, t9, t6);
     const float t11 = -fmaf(in->x, t10, in->y * t7);
     const float t12 = fabsf(t11);
     const float t13 = fmaf(in->x, t7, -(in->y * t10));
@@ -1537,7 +1537,7 @@ void textbook_polar_closed_loop(
     const float t10 = in->k_rho * (t6 * t9);
     const float t11 = fmaf(in->alpha, in->k_alpha, in->beta * in->k_beta);
 
-    out->rho_rate = -(t6 * fmaf(t3, t5, 1.0f) * t7);
+    out->rho_rate = -(fmaf(t6 * t3, t5, t6) * t7);
     out->alpha_rate = t10 - t11;
     out->beta_rate = -t10;
     out->v = t7;
@@ -1598,7 +1598,7 @@ void textbook_turning_radius(
     const float t9 = (1e-12f < t8) ? t7 : 1.0f;
     const float t10 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t11 = fmaf(t3, fmaf(t3, t10, 0.041666657f), (-0.5f));
-    const float t12 = in->wheelbase * (t6 * fmaf(t3, t11, 1.0f));
+    const float t12 = in->wheelbase * fmaf(t6 * t3, t11, t6);
     const float t13 = (1e-12f < t8) ? (t12 / t9) : 0.0f;
     const float t14 = fabsf(t12);
     const float t15 = (1e-12f < t14) ? t12 : 1.0f;
@@ -1678,7 +1678,7 @@ void textbook_car_bounds(const textbook_car_bounds_in *in, textbook_car_bounds_o
     const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
     const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
+    const float t7 = fmaf(t6 * t3, t5, t6);
     const float t8 = in->u1_max * t7;
     const float t9 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
     const float t10 = fmaf(t2 * t3, fmaf(t3, t9, (-0.16666657f)), t2);

@@ -22,7 +22,7 @@
 #define WMRGEN_TEXTBOOK_H
 
 #define TEXTBOOK_MODEL_HASH "10220f5eafbc33b7ce1612b39fc4535a"
-#define TEXTBOOK_PAIR_557bdb8fd8123d03 1
+#define TEXTBOOK_PAIR_c7bb3736ab7f4a40 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_557bdb8fd8123d03)
+#if !defined(TEXTBOOK_PAIR_c7bb3736ab7f4a40)
 #error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_ef0577e22ec740af)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_bbd3963bf32eed67)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -51,7 +51,7 @@
 #define WMRGEN_TEXTBOOK_TRICYCLE_H
 
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "ad0908ddefbf436cccc825da85c4b2d4"
-#define TEXTBOOK_TRICYCLE_PAIR_8d6f905202c7501b 1
+#define TEXTBOOK_TRICYCLE_PAIR_e433dfdaa7ac4715 1
 
 #ifdef __cplusplus
 extern "C" {

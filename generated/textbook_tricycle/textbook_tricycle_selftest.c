@@ -16,7 +16,7 @@
  */
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_8d6f905202c7501b)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_e433dfdaa7ac4715)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -29,7 +29,7 @@
 #define WMRGEN_TEXTBOOK_TWO_STEER_H
 
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "76b9afb95dcb083bb42ab803309bef41"
-#define TEXTBOOK_TWO_STEER_PAIR_ab9476080ff2ccae 1
+#define TEXTBOOK_TWO_STEER_PAIR_775f44bcdd898665 1
 
 #ifdef __cplusplus
 extern "C" {

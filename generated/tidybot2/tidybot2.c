@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_001ce62fa6232674)
+#if !defined(TIDYBOT2_PAIR_819b410899995d27)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -56,7 +56,7 @@ void tidybot2_inverse(const tidybot2_inverse_in *in, tidybot2_inverse_out *out)
     const float t10 = t8 - t9; /* caster 1 b, caster 2 b */
     const float t11 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t12 = fmaf(t3, fmaf(t3, t11, 0.041666657f), (-0.5f));
-    const float t13 = t6 * fmaf(t3, t12, 1.0f);
+    const float t13 = fmaf(t6 * t3, t12, t6);
     const float t14 = (-71.38778f) * in->vx;
     const float t15 = 12.14663f * in->omega;
     const float t16 = t14 - t15; /* caster 1 a, caster 4 a */
@@ -72,7 +72,7 @@ void tidybot2_inverse(const tidybot2_inverse_in *in, tidybot2_inverse_out *out)
     const float t26 = t25 * t24;
     const float t27 = fmaf(t22, fmaf(t22, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t28 = fmaf(t22, fmaf(t22, t27, 0.041666657f), (-0.5f));
-    const float t29 = t25 * fmaf(t22, t28, 1.0f);
+    const float t29 = fmaf(t25 * t22, t28, t25);
     const float t30 = t15 + t14; /* caster 2 a, caster 3 a */
     const float t31 = fmaf(t30, t26, -(t10 * t29));
     const float t32 = fmaf((-0.27574804f), fmaf(t30, t29, t10 * t26), 0.07387795f * t31);
@@ -87,7 +87,7 @@ void tidybot2_inverse(const tidybot2_inverse_in *in, tidybot2_inverse_out *out)
     const float t41 = t8 + t9; /* caster 3 b, caster 4 b */
     const float t42 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t43 = fmaf(t36, fmaf(t36, t42, 0.041666657f), (-0.5f));
-    const float t44 = t39 * fmaf(t36, t43, 1.0f);
+    const float t44 = fmaf(t39 * t36, t43, t39);
     const float t45 = fmaf(t30, t40, -(t44 * t41));
     const float t46 = fmaf((-0.27574804f), fmaf(t30, t44, t41 * t40), 0.07387795f * t45);
     const float t47 = fmaf(in->caster_4.steer, 0.31830987f, 12582912.0f);
@@ -100,7 +100,7 @@ void tidybot2_inverse(const tidybot2_inverse_in *in, tidybot2_inverse_out *out)
     const float t54 = t53 * t52;
     const float t55 = fmaf(t50, fmaf(t50, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t56 = fmaf(t50, fmaf(t50, t55, 0.041666657f), (-0.5f));
-    const float t57 = t53 * fmaf(t50, t56, 1.0f);
+    const float t57 = fmaf(t53 * t50, t56, t53);
     const float t58 = fmaf(t16, t54, -(t41 * t57));
     const float t59 = fmaf((-0.27574804f), fmaf(t16, t57, t41 * t54), 0.07387795f * t58);
 
@@ -134,7 +134,7 @@ void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out)
     const float t8 = in->caster_3.steer_rate * t7;
     const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = t6 * fmaf(t3, t10, 1.0f);
+    const float t11 = fmaf(t6 * t3, t10, t6);
     const float t12 = t11 * in->caster_3.steer_rate;
     const float t13 = 3.6264992f * in->caster_3.spin;
     const float t14 = fmaf(in->caster_4.steer, 0.31830987f, 12582912.0f);
@@ -148,7 +148,7 @@ void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out)
     const float t22 = in->caster_4.steer_rate * t21;
     const float t23 = fmaf(t17, fmaf(t17, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t24 = fmaf(t17, fmaf(t17, t23, 0.041666657f), (-0.5f));
-    const float t25 = t20 * fmaf(t17, t24, 1.0f);
+    const float t25 = fmaf(t20 * t17, t24, t20);
     const float t26 = t25 * in->caster_4.steer_rate;
     const float t27 = 3.6264992f * in->caster_4.spin;
     const float t28 = fmaf(t21, t27, fmaf((-0.26791832f), t22, t26)); /* caster_4: its velocity, y */
@@ -164,7 +164,7 @@ void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out)
     const float t38 = in->caster_1.steer_rate * t37;
     const float t39 = fmaf(t33, fmaf(t33, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t40 = fmaf(t33, fmaf(t33, t39, 0.041666657f), (-0.5f));
-    const float t41 = t36 * fmaf(t33, t40, 1.0f);
+    const float t41 = fmaf(t36 * t33, t40, t36);
     const float t42 = t41 * in->caster_1.steer_rate;
     const float t43 = 3.6264992f * in->caster_1.spin;
     const float t44 = fmaf(t37, t43, fmaf((-0.26791832f), t38, t42)); /* caster_1: its velocity, y */
@@ -179,7 +179,7 @@ void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out)
     const float t53 = in->caster_2.steer_rate * t52;
     const float t54 = fmaf(t48, fmaf(t48, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t55 = fmaf(t48, fmaf(t48, t54, 0.041666657f), (-0.5f));
-    const float t56 = t51 * fmaf(t48, t55, 1.0f);
+    const float t56 = fmaf(t51 * t48, t55, t51);
     const float t57 = t56 * in->caster_2.steer_rate;
     const float t58 = 3.6264992f * in->caster_2.spin;
     const float t59 = fmaf(t52, t58, fmaf((-0.26791832f), t53, t57)); /* caster_2: its velocity, y */
@@ -224,7 +224,7 @@ void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_
     const float t8 = in->caster_3.steer_rate * t7;
     const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = t6 * fmaf(t3, t10, 1.0f);
+    const float t11 = fmaf(t6 * t3, t10, t6);
     const float t12 = t11 * in->caster_3.steer_rate;
     const float t13 = 3.6264992f * in->caster_3.spin;
     const float t14 = fmaf(t7, t13, fmaf((-0.26791832f), t8, t12)); /* caster_3: its velocity, y */
@@ -239,7 +239,7 @@ void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_
     const float t23 = in->caster_4.steer_rate * t22;
     const float t24 = fmaf(t18, fmaf(t18, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t18, fmaf(t18, t24, 0.041666657f), (-0.5f));
-    const float t26 = t21 * fmaf(t18, t25, 1.0f);
+    const float t26 = fmaf(t21 * t18, t25, t21);
     const float t27 = t26 * in->caster_4.steer_rate;
     const float t28 = 3.6264992f * in->caster_4.spin;
     const float t29 = fmaf(t22, t28, fmaf((-0.26791832f), t23, t27)); /* caster_4: its velocity, y */
@@ -255,7 +255,7 @@ void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_
     const float t39 = in->caster_1.steer_rate * t38;
     const float t40 = fmaf(t34, fmaf(t34, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t41 = fmaf(t34, fmaf(t34, t40, 0.041666657f), (-0.5f));
-    const float t42 = t37 * fmaf(t34, t41, 1.0f);
+    const float t42 = fmaf(t37 * t34, t41, t37);
     const float t43 = t42 * in->caster_1.steer_rate;
     const float t44 = 3.6264992f * in->caster_1.spin;
     const float t45 = fmaf(t38, t44, fmaf((-0.26791832f), t39, t43)); /* caster_1: its velocity, y */
@@ -270,7 +270,7 @@ void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_
     const float t54 = in->caster_2.steer_rate * t53;
     const float t55 = fmaf(t49, fmaf(t49, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t56 = fmaf(t49, fmaf(t49, t55, 0.041666657f), (-0.5f));
-    const float t57 = t52 * fmaf(t49, t56, 1.0f);
+    const float t57 = fmaf(t52 * t49, t56, t52);
     const float t58 = t57 * in->caster_2.steer_rate;
     const float t59 = 3.6264992f * in->caster_2.spin;
     const float t60 = fmaf(t53, t59, fmaf((-0.26791832f), t54, t58)); /* caster_2: its velocity, y */
@@ -357,7 +357,7 @@ void tidybot2_odometry(const tidybot2_odometry_in *in, tidybot2_odometry_out *ou
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 

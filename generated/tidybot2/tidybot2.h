@@ -35,7 +35,7 @@
 #define WMRGEN_TIDYBOT2_H
 
 #define TIDYBOT2_MODEL_HASH "ecabeb091bce5db73b7f1965e693b0c9"
-#define TIDYBOT2_PAIR_001ce62fa6232674 1
+#define TIDYBOT2_PAIR_819b410899995d27 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_001ce62fa6232674)
+#if !defined(TIDYBOT2_PAIR_819b410899995d27)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_ebf2b600b6ea6ba8)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_e9f42b08c8ef19d2)
 #error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -57,7 +57,7 @@ void tractor_off_axle_inverse(
     const float t9 = t8 * t7;
     const float t10 = fmaf(t5, fmaf(t5, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t11 = fmaf(t5, fmaf(t5, t10, 0.041666657f), (-0.5f));
-    const float t12 = t8 * fmaf(t5, t11, 1.0f);
+    const float t12 = fmaf(t8 * t5, t11, t8);
     const float t13 = fmaf(6.0f, in->omega * t9, 20.0f * (in->vx * t12));
     const float t14 = fmaf(25.0f, in->vx * t9, fmaf((-7.5f), in->omega * t12, -in->omega));
 
@@ -127,7 +127,7 @@ void tractor_off_axle_odometry(
     const float t23 = t22 * t21;
     const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = t22 * fmaf(t19, t25, 1.0f);
+    const float t26 = fmaf(t22 * t19, t25, t22);
     const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
     const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
 
@@ -162,7 +162,7 @@ void tractor_off_axle_trailer(
     const float t19 = t18 * t17;
     const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
     const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = t18 * fmaf(t15, t21, 1.0f); /* cart cos */
+    const float t22 = fmaf(t18 * t15, t21, t18); /* cart cos */
     const float t23 = fmaf((-1.25f), t6 * t19, -(0.3125f * (t10 * t22))); /* cart: Delta */
 
     out->x_rate = t7 * fmaf(t3, t5, 1.0f);

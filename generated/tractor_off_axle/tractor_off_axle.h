@@ -30,7 +30,7 @@
 #define WMRGEN_TRACTOR_OFF_AXLE_H
 
 #define TRACTOR_OFF_AXLE_MODEL_HASH "0070fd12925fb620178aadaf156a43f1"
-#define TRACTOR_OFF_AXLE_PAIR_ebf2b600b6ea6ba8 1
+#define TRACTOR_OFF_AXLE_PAIR_e9f42b08c8ef19d2 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_93b7e6e6167bd05f)
+#if !defined(TURTLEBOT3_BURGER_PAIR_e072738622140fe9)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -27,7 +27,7 @@
 #define WMRGEN_UNICYCLE_H
 
 #define UNICYCLE_MODEL_HASH "90099c8a2656a337e8b65871c8606f9b"
-#define UNICYCLE_PAIR_03c6ea8c90a6ae1d 1
+#define UNICYCLE_PAIR_c0a923ff7b41e404 1
 
 #ifdef __cplusplus
 extern "C" {

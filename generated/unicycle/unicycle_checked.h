@@ -20,7 +20,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_03c6ea8c90a6ae1d)
+#if !defined(UNICYCLE_PAIR_c0a923ff7b41e404)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

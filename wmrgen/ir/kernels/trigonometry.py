@@ -34,6 +34,16 @@ def _cosine(tape: Tape, r: int) -> int:
     return tape.horner(s, c.COS)
 
 
+def signed_cosine(tape: Tape, sign: int, cosine: int) -> int:
+    """``cosine`` of `sine_cosine` times ``sign``, 1 or -1, to the bit: 1 + s p becomes sign + (sign s) p.
+
+    A fused multiply-add overwrites what it adds to. The sign is needed no more; the 1 would be copied for each cosine.
+    """
+    product, _ = tape.nodes[cosine].args
+    s, rest = tape.nodes[product].args
+    return tape.add(tape.mul(tape.mul(sign, s), rest), sign)
+
+
 def arctangent(tape: Tape, q: int) -> int:
     """atan q for |q| <= 1."""
     t = tape.mul(q, q)

@@ -154,6 +154,22 @@ def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: in
     return found
 
 
+def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
+    """Children that differ from their parents by few units in the last place: other roundings, the same values."""
+    rng = np.random.default_rng(seed)
+    size = len(next(iter(parents.values())))
+    first, second = rng.integers(0, size, (2, count))
+    crossed = rng.random(count) < 0.3
+    often = np.where(rng.random(count) < 0.7, 1.5 / len(ranges), 0.5)
+    found = {}
+    for name, (lo, hi) in ranges.items():
+        other, moved = crossed & (rng.random(count) < 0.5), rng.random(count) < often
+        units = np.rint(rng.normal(0, 1, count) * 2.0 ** rng.uniform(0, 8, count)) * moved
+        value = parents[name][np.where(other, second, first)].astype(np.float64)
+        found[name] = _inside(value * (1 + units * 2.0**-23), lo, hi)
+    return found
+
+
 def _inside(value: np.ndarray, lo: float, hi: float) -> np.ndarray:
     single = value.astype(np.float32)
     return np.where(single > hi, np.float32(hi), np.where(single < lo, np.float32(lo), single)).astype(

@@ -1,16 +1,18 @@
 """An honest search for the largest rounding error of an output, as a share of its proved bound.
 
-Three starts, each bred on: points drawn at random; points at which the analysis allows large errors (where a function
-has no directions); for the slip of wheel rates, rates that fit a motion, where it is zero and rounding all there is.
+Starts, each bred on: points drawn at random; points at which the analysis allows large errors (where a function has
+no directions). For the slip of wheel rates: rates that fit a motion, where it is zero and rounding all there is, also
+those at which the analysis allows large errors. For the slip of a motion: only points where there is some. The best
+points of a slip are bred on by units in the last place alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 
-from tests.proofs.observe import Ranges, bred, draw, lengths, run
+from tests.proofs.observe import Ranges, bred, draw, lengths, nudged, run
 from wmrgen.ir.nodes import Function
 from wmrgen.proofs.adjoint import Adjoint
 from wmrgen.proofs.bounds import FunctionBound
@@ -19,7 +21,9 @@ from wmrgen.proofs.precision import LIBM, SINGLE
 
 Points = dict[str, np.ndarray]
 Score = Callable[[Points], np.ndarray]
+Breed = Callable[[Ranges, Points, int, int], Points]
 TWIST = ("vx", "vy", "omega")
+ISLANDS = 5
 TRIES = 48  # steering angles tried for wheels that a motion should not turn fast
 
 
@@ -42,15 +46,28 @@ def shares(function: Function, bound: FunctionBound, inputs: Points) -> dict[str
 
 
 def climbed(
-    ranges: Ranges, score: Score, start: Points, generations: int, children: int = 2000, kept: int = 150
+    ranges: Ranges,
+    score: Score,
+    start: Points,
+    generations: int,
+    children: int = 2000,
+    kept: int = 150,
+    breed: Breed = bred,
 ) -> Points:
     """The best points after so many generations, the best of all first."""
     best = _best(start, score(start), kept)
     for generation in range(generations):
-        made = bred(ranges, best[0], children, generation)
+        made = breed(ranges, best[0], children, generation)
         both = {n: np.concatenate([best[0][n], made[n]]) for n in made}
         best = _best(both, np.concatenate([best[1], score(made)]), kept)
     return best[0]
+
+
+def islands(ranges: Ranges, score: Score, start: Points, generations: int) -> Points:
+    """The best points of several searches, each from a part of ``start``: one search stays where it first is good."""
+    parts = [{n: v[k::ISLANDS][:400] for n, v in start.items()} for k in range(ISLANDS)]
+    ends = [climbed(ranges, score, part, generations, 400, 40) for part in parts]
+    return max(ends, key=lambda end: float(score({n: v[:1] for n, v in end.items()})[0]))
 
 
 def _best(points: Points, value: np.ndarray, kept: int) -> tuple[Points, np.ndarray]:
@@ -71,21 +88,44 @@ def worst(
     def share(points: Points) -> np.ndarray:
         return shares(function, bound, points)[output]
 
-    starts = [draw(ranges, 20000, 1)]
+    row = [o.name for o in bound.outputs].index(output)
+
+    def allowed(points: Points) -> np.ndarray:
+        return np.asarray(possible(function, points)[row])
+
+    def climb(start: Points) -> Points:
+        return climbed(ranges, share, start, generations)
+
+    first = draw(ranges, 20000, 1)
+    ends = [climb(first)]
     if not directions(function.nodes):
-        row = [o.name for o in bound.outputs].index(output)
-        first = draw(ranges, 600, 5)
-        starts.append(climbed(ranges, lambda p: possible(function, p)[row], first, generations // 3, 600, 60))
-    found = [share(climbed(ranges, share, start, generations)).max() for start in starts]
+        ends.append(climb(climbed(ranges, allowed, draw(ranges, 600, 5), generations // 3, 600, 60)))
+    if output == "slip" and function.name == "inverse_slip":
+        least = bound.outputs[row].error
+
+        def slipping(points: Points) -> np.ndarray:
+            exact = run(function, points).exact[function.results[row]]
+            return np.where(exact > least, share(points), 0.0)
+
+        ends.append(climbed(ranges, slipping, first, generations))
     if output == "slip" and function.name == "forward_slip" and inverse is not None:
         moves, known = inverse
         wide = {n: (30 * lo, 30 * hi) if n in TWIST else (lo, hi) for n, (lo, hi) in known.inputs.items()}
 
-        def fitting(points: Points) -> np.ndarray:
-            return share(rates(moves, ranges, points))
+        def fit(points: Points) -> Points:
+            return rates(moves, ranges, points)
 
-        found.append(fitting(climbed(wide, fitting, motions(moves, wide, 4000), generations)).max())
-    return float(max(found))
+        def fitting(points: Points) -> np.ndarray:
+            return share(fit(points))
+
+        moving = motions(moves, wide, 4000)
+        starts = [moving]
+        if not directions(function.nodes):
+            starts.append(islands(wide, lambda p: allowed(fit(p)), moving, generations // 3))
+        ends += [fit(climbed(wide, fitting, start, generations)) for start in starts]
+    if output == "slip":
+        ends += [climbed(ranges, share, end, generations, breed=nudged) for end in ends]
+    return float(max(share(end).max() for end in ends))
 
 
 def possible(function: Function, points: Points) -> np.ndarray:
@@ -126,7 +166,11 @@ def rates(inverse: Function, ranges: Ranges, motion: Points) -> Points:
             if n in made and not n.endswith(".steer"):
                 over = np.maximum(over, np.abs(made[n]) / hi)
         motion = {n: (v / over).astype(np.float32) if n in TWIST else v for n, v in motion.items()}
-    known: Mapping[str, np.ndarray] = motion | commanded(inverse, motion)
+    known: Points = motion | commanded(inverse, motion)
+    turns = {
+        n: np.rint(v / (2 * np.pi)) * (np.abs(v) > ranges[n][1]) for n, v in known.items() if n in ranges
+    }
+    known = known | {n: known[n] - 2 * np.pi * t for n, t in turns.items() if n.endswith(".steer")}
     zero = np.zeros(len(over), np.float32)
     return {
         n: np.clip(known.get(n, zero), np.float32(lo), np.float32(hi)).astype(np.float32)

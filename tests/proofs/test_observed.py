@@ -17,6 +17,15 @@ FAST = [
     "f1tenth",
     "bicycle",
 ]
+# A slip is a length: its bound adds up errors of all rates, which cancel in the solution of least squares.
+SLIPS = {
+    "agilex_ranger": 12.0,
+    "kelly_4ws": 16.0,
+    "neobotix_mpo_700": 10.0,
+    "nomad_xr4000": 11.0,
+    "pr2": 26.0,
+    "tidybot2": 10.0,
+}
 GENERATIONS = (24, 40)  # the longer search only where the shorter one finds too little
 
 
@@ -39,7 +48,7 @@ def test_bounds_hold_where_errors_are_largest(name: str) -> None:
         assert bound.proved, f"{function.name}: {bound.alarms}"
         for o in bound.outputs:
             if bound.inputs and o.error and not (function.name == "forward" and "forward_slip" in pairs):
-                loose = loosest(o.name)
+                loose = loosest(name, o.name)
                 for generations in GENERATIONS:
                     share = worst(function, bound, o.name, pairs.get("inverse"), generations)
                     assert share <= 1, f"{function.name}: {o.name}"
@@ -48,9 +57,6 @@ def test_bounds_hold_where_errors_are_largest(name: str) -> None:
                 assert share == 0 or share * loose >= 1, f"{function.name}: {o.name}, {1 / share:.1f}"
 
 
-def loosest(output: str) -> float:
-    """How far a bound may be above the worst that was found.
-
-    A slip is a length: its bound adds up errors of all rates, which cancel in the solution of least squares.
-    """
-    return 40.0 if output == "slip" else 8.0
+def loosest(robot: str, output: str) -> float:
+    """How far a bound may be above the worst that was found."""
+    return SLIPS.get(robot, 8.0) if output == "slip" else 8.0

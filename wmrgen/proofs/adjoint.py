@@ -16,6 +16,7 @@ from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs import multiples as mu
 from wmrgen.proofs import slopes as sl
+from wmrgen.proofs import tangents as ta
 from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.interval import GROW, Array, Interval
 from wmrgen.proofs.multiples import Multiple
@@ -23,10 +24,12 @@ from wmrgen.proofs.patterns import Term
 from wmrgen.proofs.precision import Format, Library
 from wmrgen.proofs.records import Value
 from wmrgen.proofs.slopes import Slope
+from wmrgen.proofs.tangents import Tangent
 
 Partial: TypeAlias = Multiple | int  # 1 or -1 of sums
 
 _MOST = 4  # inputs of which multiples are kept
+_MOST_ANGLES = 2  # of which tangents are kept
 
 
 class Adjoint(Pass):
@@ -50,6 +53,10 @@ class Adjoint(Pass):
             np.stack([lo for lo, _ in ranges]) if ranges else empty,
             np.stack([hi for _, hi in ranges]) if ranges else empty,
         )
+        turning = [i for i, n in enumerate(self.nodes) if n.op is Op.INPUT and i in waves]
+        self.turning = {i: j for j, i in enumerate(turning)} if len(turning) <= _MOST_ANGLES else {}
+        self.tangents: list[Tangent | None] = []
+        self.tangent: Tangent | None = None
         self.multiples: list[Multiple] = []
         self.partials: list[list[tuple[int, Partial]]] = []
         self.noisy: list[bool] = []  # whether a node has noise, or depends on any
@@ -89,6 +96,9 @@ class Adjoint(Pass):
 
     def cut(self, value: Interval, op: Op, a: int, b: int, inverse: Interval | None = None) -> Interval:
         value = super().cut(value, op, a, b, inverse)
+        self.tangent = self._tangent(op, (a, b)) if self.turning and inverse is None else None
+        if self.tangent is not None:
+            value = iv.meet(value, self.tangent.range())
         x, y = self.multiples[a], self.multiples[b]
         if op in (Op.ADD, Op.SUB):
             made = mu.plus(x, y, 1 if op is Op.ADD else -1)
@@ -120,7 +130,34 @@ class Adjoint(Pass):
         elif noise is not None:
             made = mu.widened(made, noise)
         self.multiples.append(made)
-        self.local, self.made, self.exactly = {}, None, []
+        self.tangents.append(self._touching(i, node))
+        self.local, self.made, self.exactly, self.tangent = {}, None, [], None
+
+    def _tangent(self, op: Op, args: Sequence[int]) -> Tangent | None:
+        """What an operation makes of tangents."""
+        found = [t for k in args if (t := self.tangents[k]) is not None]
+        if len(found) < len(args):
+            return None
+        if op in (Op.ADD, Op.SUB):
+            return ta.plus(found[0], found[1], 1 if op is Op.ADD else -1)
+        if op in (Op.SIN, Op.COS):
+            return ta.wave(op, found[0])
+        if op is Op.NEG:
+            return ta.negative(found[0])
+        return ta.times(found[0], found[1]) if op is Op.MUL else None
+
+    def _touching(self, i: int, node: Node) -> Tangent | None:
+        """The tangent of node ``i``, its rounding included."""
+        if not self.turning:
+            return None
+        if i in self.turning:
+            return ta.angle(self.turning[i], len(self.turning), self.result.ranges[i])
+        if node.value is not None:
+            return ta.constant(self.result.ranges[i], len(self.turning))
+        found = self.tangent or (self._tangent(node.op, node.args) if len(node.args) == 1 else None)
+        if found is None or i not in self.sources:
+            return found
+        return found.widened(self.result.noise[self.sources[i]])
 
     def errors(self, roots: Sequence[int]) -> Array:
         """How far the nodes ``roots`` may be off: roots x boxes."""

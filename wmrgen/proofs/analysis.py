@@ -76,6 +76,7 @@ class Pass:
         self.directions = directions(self.nodes)
         self.quotients = {d.quotient: d for d in self.directions.values() if d.quotient is not None}
         self.shares: dict[int, Shares] = {}
+        self.rho: dict[int, Array] = {}
         self.sources: dict[int, int] = {}
         self.forms: list[Affine] = []
         below = {node.args[1] for node in self.nodes if node.op is Op.DIV}
@@ -86,7 +87,7 @@ class Pass:
         for i, node in enumerate(self.nodes):
             if node.op not in _EXACT or i in self.directions:
                 self.sources[i] = row
-                row += 3 if i in self.directions else 1
+                row += 4 if i in self.directions else 1
             row += self.uses.get(i, 0)  # a row per use, beside the one for an output
         self._alternatives()
         self.result.noise = np.zeros((row, self.boxes))
@@ -212,14 +213,27 @@ class Pass:
         return 2 * self.library.ulps(op) * self.rounding(value) + self.form.tiny
 
     def turned(self, i: int, direction: Direction) -> Slope:
-        """The slope of a direction: two sources, the angle's and the angle's times the length."""
+        """The slope of a direction: two sources, the angle's and the angle's times the length.
+
+        A third is the rounding of a slope between limits times the length: a share of the slope, so that it has a
+        bound as well.
+        """
         squares = [(factor * factor, self.slope(k)) for factor, k in direction.parts]
         rho = sl.weighed(sl.norm(squares), self.result.noise, self.boxes) + _SHORT
         row = self.sources[i] + 1
         self.result.angles.append(Angle(i, row, direction.factor, rho * _TURN_GROW))
         self.result.noise[row] = direction.factor * _TURN_GROW / SMALL_ANGLE
         self.result.noise[row + 1] = direction.factor * rho * (1 + 1e-4)
-        self.shares[row] = Shares(self.nodes, direction, self.result.ranges)
+        self.shares[row] = Shares(self.nodes, i, direction, self.result.ranges)
+        self.rho[i] = rho
+        if direction.kept:
+            m, (factor, k) = direction.reach, direction.parts[1]
+            most = factor * iv.magnitude(self.range(k))
+            share = np.hypot(1.0, m) * most + m * rho
+            far = iv.magnitude(self.range(direction.parts[0][1])) + most + rho
+            self.result.noise[row + 2] = (
+                direction.relative * self.form.unit * share * (1 + 1e-5) + self.form.tiny * far
+            )
         return sl.with_source(None, row, self.boxes)
 
     def sum_slope(self, a: int, b: int, sign: int) -> Slope:
@@ -232,8 +246,8 @@ class Pass:
         second = sl.times(self._kept(b, a), self.range(a))
         slope = sl.plus(first, second)
         for x, y in ((a, b), (b, a)):
-            for row, share in self._shared(x, y):
-                slope = sl.added(slope, row + 1, self.magnitude(x, row) * share, self.boxes)
+            for row, to, share in self._shared(x, y):
+                slope = sl.added(slope, to, self.magnitude(x, row) * share, self.boxes)
         return slope
 
     def magnitude(self, i: int, row: int) -> Array:
@@ -243,15 +257,43 @@ class Pass:
             return np.zeros(self.boxes)
         return np.asarray(np.maximum(-slope[0][row], slope[1][row]))
 
-    def _shared(self, x: int, y: int) -> list[tuple[int, float]]:
-        """Directions on which x depends and of whose length y has a share."""
-        found = []
+    def _shared(self, x: int, y: int) -> list[tuple[int, int, float]]:
+        """Of directions on which x depends and of whose length y has a share: the source, its multiple, the share."""
+        found, noise = [], self.result.noise
         for row, shares in self.shares.items():
             if np.any(self.magnitude(x, row)):
                 share = shares.of(y)
                 if share is not None:
-                    found.append((row, share * (1 + 1e-4)))
+                    found.append((row, row + 1, share * (1 + 1e-4)))
+                    less = share * noise[row + 2] < iv.magnitude(self.range(y)) * noise[row - 1] * 0.999
+                    if noise[row + 2].any() and np.all(less):
+                        found.append((row - 1, row + 2, share * (1 + 1e-4)))
         return found
+
+    def room(self, t: int) -> Array:
+        """How much larger a t may be than c b, t the slope c b / a between limits: rounding, and the side of a."""
+        d = self.directions[t]
+        own = self.result.noise[self.sources[t]] * iv.magnitude(self.range(d.parts[0][1]))
+        return np.asarray((own + 2 * d.reach * self.rho[t]) * (1 + 1e-6))
+
+    def rest(self, t: int, product: int) -> Slope:
+        """Slope of b - a t, t the slope b / a between limits -m and m.
+
+        It is what of b is left beyond m |a|: of slope 0 to 1 in b and at most m in a, however t turns; of t and of
+        the product only the roundings count.
+        """
+        d = self.directions[t]
+        one, wall = np.ones(self.boxes), np.full(self.boxes, d.reach)
+        a, b = (self.slope(k) for _, k in d.parts)
+        slope = sl.plus(sl.times(b, (0 * one, one)), sl.times(a, (-wall, wall)))
+        first = self.sources[product]
+        for row in (
+            self.sources[t],
+            self.sources[t] + 3,
+            *range(first, first + 1 + self.uses.get(product, 0)),
+        ):
+            slope = sl.added(slope, row, self.magnitude(product, row), self.boxes)
+        return slope
 
     def shared(self, a: int, b: int) -> bool:
         """Whether `product_slope` of the two moves anything."""
@@ -277,7 +319,7 @@ class Pass:
     def _kept(self, x: int, y: int) -> Slope:
         """The slope of x without the rows that `product_slope` moves."""
         slope = self.slope(x)
-        for row, _ in self._shared(x, y):
+        for row, _, _ in self._shared(x, y):
             slope = sl.without(slope, row)
         return slope
 

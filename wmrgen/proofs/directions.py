@@ -6,7 +6,7 @@ v = +-sqrt(a a + c c b b), its sign that of a; and a slope c b / a kept between 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +24,8 @@ class Direction:
     """The result moves by at most ``factor`` times the angle by which the vector turns, ``most`` in all.
 
     ``quotient``: the division that this shape accounts for, with ``roundings`` up to the result; ``reach``: its
-    largest value; ``size``: the node of the vector's length; ``least``: the divisor is no smaller.
+    largest value; ``size``: the node of the vector's length; ``least``: the divisor is no smaller. ``kept``: a slope
+    between limits of either sign, so that the result times the first part is no larger than the second.
     """
 
     parts: tuple[Part, Part]
@@ -35,6 +36,12 @@ class Direction:
     reach: float = np.inf
     size: int | None = None
     least: float = 0.0
+    kept: bool = False
+
+    @property
+    def relative(self) -> float:
+        """``roundings`` of a slope between limits, as a share of it."""
+        return self.roundings / self.reach
 
 
 def directions(nodes: Sequence[Node]) -> dict[int, Direction]:
@@ -150,15 +157,38 @@ def _clamped(nodes: Sequence[Node], node: Node) -> Direction | None:
                 m = max(abs(float(v)) for v in bounds if v is not None)
                 parts = ((1.0, a), (abs(float(c)), b))
                 least = min(float(v) for k in _sides(nodes, divisor) if (v := nodes[k].value) is not None)
-                return Direction(parts, 1 + m * m, 2 * m, quotient, 4 * m, m, None, least * (1 - 1e-6))
+                signs = {v.sign for v in bounds if v is not None}
+                # A quotient, or the limit that takes its place; or a quotient, c and their product.
+                rounds = m if ratio == quotient else 4 * m
+                return Direction(
+                    parts, 1 + m * m, 2 * m, quotient, rounds, m, None, least * (1 - 1e-6), signs == {-1, 1}
+                )
     return None
+
+
+def leaning(nodes: Sequence[Node], i: int, found: Mapping[int, Direction]) -> int | None:
+    """The slope t between limits of either sign of node ``i``, a t: t is c b / a there, or nearer zero."""
+    for t, a in (nodes[i].args, nodes[i].args[::-1]) if nodes[i].op is Op.MUL else ():
+        if t in found and found[t].kept and found[t].parts[0][1] == a:
+            return t
+    return None
+
+
+def rest_of(nodes: Sequence[Node], node: Node, found: Mapping[int, Direction]) -> int | None:
+    """The slope t of a node b - a t, t = b / a between limits of either sign: what is left of b, or nothing."""
+    t = leaning(nodes, node.args[1], found) if node.op is Op.SUB else None
+    if t is None or found[t].parts[1][1] != node.args[0]:
+        return None
+    return t if any(found[t].quotient in nodes[k].args for k in nodes[t].args) else None
 
 
 class Shares:
     """Which values are at most a multiple of the length of a vector: |value| <= share x length."""
 
-    def __init__(self, nodes: Sequence[Node], direction: Direction, ranges: Sequence[Interval]) -> None:
-        self.nodes, self.ranges = nodes, ranges
+    def __init__(
+        self, nodes: Sequence[Node], node: int, direction: Direction, ranges: Sequence[Interval]
+    ) -> None:
+        self.nodes, self.node, self.direction, self.ranges = nodes, node, direction, ranges
         self.known: dict[int, float | None] = {}
         for factor, k in direction.parts:
             for j in _unsigned(nodes, k):
@@ -174,6 +204,8 @@ class Shares:
         return self.known[i]
 
     def _found(self, node: Node) -> float | None:
+        if node.op is Op.SUB and rest_of(self.nodes, node, {self.node: self.direction}) is not None:
+            return self.of(node.args[0])
         if node.op.value in ("neg", "abs", "flip"):
             return self.of(node.args[0])
         if node.op in (Op.SELECT, Op.MIN, Op.MAX):

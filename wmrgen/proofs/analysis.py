@@ -280,18 +280,15 @@ class Pass:
         """Slope of b - a t, t the slope b / a between limits -m and m.
 
         It is what of b is left beyond m |a|: of slope 0 to 1 in b and at most m in a, however t turns; of t and of
-        the product only the roundings count.
+        the product only the roundings count. That is continuous where a changes sign, so here the sign of a is what
+        it is at each moment of the way, not what the float program decides.
         """
         d = self.directions[t]
         one, wall = np.ones(self.boxes), np.full(self.boxes, d.reach)
         a, b = (self.slope(k) for _, k in d.parts)
         slope = sl.plus(sl.times(b, (0 * one, one)), sl.times(a, (-wall, wall)))
-        first = self.sources[product]
-        for row in (
-            self.sources[t],
-            self.sources[t] + 3,
-            *range(first, first + 1 + self.uses.get(product, 0)),
-        ):
+        first, own = self.sources[product], self.sources[t]
+        for row in (own, own + 3, *range(first, first + 1 + self.uses.get(product, 0))):
             slope = sl.added(slope, row, self.magnitude(product, row), self.boxes)
         return slope
 

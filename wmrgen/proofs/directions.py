@@ -161,8 +161,9 @@ def _clamped(nodes: Sequence[Node], node: Node) -> Direction | None:
                 # A quotient, or the limit that takes its place; or a quotient, c and their product.
                 rounds = m if ratio == quotient else 4 * m
                 return Direction(
-                    parts, 1 + m * m, 2 * m, quotient, rounds, m, None, least * (1 - 1e-6), signs == {-1, 1}
-                )
+                    parts, 1 + m * m, 2 * m, quotient,
+                    roundings=rounds, reach=m, least=least * (1 - 1e-6), kept=signs == {-1, 1},
+                )  # fmt: skip
     return None
 
 

@@ -44,9 +44,10 @@ def pattern(graph: Graph, places: Sequence[Place], sizes: Sizes) -> Pattern | No
         return None
     if any(place[k] in graph.together for place in places for k in outputs):
         return None
-    if any(count * len(places) < graph.calls[name] for name, count in calls(body).items()):
-        return None  # a part within a part only where nothing else calls it: it is then written there
     gone = {i for place in places for i in place}
+    inner = calls(graph.nodes[i] for i in gone)  # places may share a call
+    if any(count < graph.calls[name] for name, count in inner.items()):
+        return None  # a part within a part only where nothing else calls it: it is then written there
     constants = sum(node.op is Op.CONST for node in body)
     once = sizes.frame + sizes.constant * constants + sum(sizes.of(node) for node in body)
     call = sizes.call + sizes.move * (len(parameters) + len(outputs))

@@ -81,8 +81,9 @@ def worst(
     output: str,
     inverse: tuple[Function, FunctionBound] | None,
     generations: int,
+    enough: float,
 ) -> float:
-    """The largest share that the searches find for ``output``."""
+    """The largest share that the searches find for ``output``; those for slips alone while it is below ``enough``."""
     ranges = bound.inputs
 
     def share(points: Points) -> np.ndarray:
@@ -100,7 +101,13 @@ def worst(
     ends = [climb(first)]
     if not directions(function.nodes):
         ends.append(climb(climbed(ranges, allowed, draw(ranges, 600, 5), generations // 3, 600, 60)))
-    if output == "slip" and function.name == "inverse_slip":
+
+    def best() -> float:
+        return float(max(share(end).max() for end in ends))
+
+    if output != "slip":
+        return best()
+    if function.name == "inverse_slip" and best() < enough:
         least = bound.outputs[row].error
 
         def slipping(points: Points) -> np.ndarray:
@@ -108,7 +115,7 @@ def worst(
             return np.where(exact > least, share(points), 0.0)
 
         ends.append(climbed(ranges, slipping, first, generations))
-    if output == "slip" and function.name == "forward_slip" and inverse is not None:
+    if function.name == "forward_slip" and inverse is not None:
         moves, known = inverse
         wide = {n: (30 * lo, 30 * hi) if n in TWIST else (lo, hi) for n, (lo, hi) in known.inputs.items()}
 
@@ -119,13 +126,13 @@ def worst(
             return share(fit(points))
 
         moving = motions(moves, wide, 4000)
-        starts = [moving]
-        if not directions(function.nodes):
-            starts.append(islands(wide, lambda p: allowed(fit(p)), moving, generations // 3))
-        ends += [fit(climbed(wide, fitting, start, generations)) for start in starts]
-    if output == "slip":
+        ends.append(fit(climbed(wide, fitting, moving, generations)))
+        if not directions(function.nodes) and best() < enough:
+            start = islands(wide, lambda p: allowed(fit(p)), moving, generations // 3)
+            ends.append(fit(climbed(wide, fitting, start, generations)))
+    if best() < enough:
         ends += [climbed(ranges, share, end, generations, breed=nudged) for end in ends]
-    return float(max(share(end).max() for end in ends))
+    return best()
 
 
 def possible(function: Function, points: Points) -> np.ndarray:

@@ -50,7 +50,7 @@ def test_bounds_hold_where_errors_are_largest(name: str) -> None:
             if bound.inputs and o.error and not (function.name == "forward" and "forward_slip" in pairs):
                 loose = loosest(name, o.name)
                 for generations in GENERATIONS:
-                    share = worst(function, bound, o.name, pairs.get("inverse"), generations)
+                    share = worst(function, bound, o.name, pairs.get("inverse"), generations, 1 / loose)
                     assert share <= 1, f"{function.name}: {o.name}"
                     if share * loose >= 1:
                         break

@@ -30,7 +30,7 @@ from wmrgen.proofs.affine import Affine
 from wmrgen.proofs.circles import Circles
 from wmrgen.proofs.directions import Direction, Shares, directions
 from wmrgen.proofs.interval import Array, Interval
-from wmrgen.proofs.patterns import Term, largest_of
+from wmrgen.proofs.patterns import Term, contracted, largest_of
 from wmrgen.proofs.precision import SMALL_ANGLE, Format, Library
 from wmrgen.proofs.records import Analysis, Angle, Value
 from wmrgen.proofs.slopes import Slope
@@ -81,7 +81,7 @@ class Pass:
         self.forms: list[Affine] = []
         below = {node.args[1] for node in self.nodes if node.op is Op.DIV}
         self.divisors = {largest_of(self.nodes, k) for k in below}
-        self.uses = _contracted(self.nodes)
+        self.uses = contracted(self.nodes)
         self.rows: dict[int, dict[int, int]] = {i: {} for i in self.uses}
         row = 0
         for i, node in enumerate(self.nodes):
@@ -270,28 +270,6 @@ class Pass:
                         found.append((row - 1, row + 2, share * (1 + 1e-4)))
         return found
 
-    def room(self, t: int) -> Array:
-        """How much larger a t may be than c b, t the slope c b / a between limits: rounding, and the side of a."""
-        d = self.directions[t]
-        own = self.result.noise[self.sources[t]] * iv.magnitude(self.range(d.parts[0][1]))
-        return np.asarray((own + 2 * d.reach * self.rho[t]) * (1 + 1e-6))
-
-    def rest(self, t: int, product: int) -> Slope:
-        """Slope of b - a t, t the slope b / a between limits -m and m.
-
-        It is what of b is left beyond m |a|: of slope 0 to 1 in b and at most m in a, however t turns; of t and of
-        the product only the roundings count. That is continuous where a changes sign, so here the sign of a is what
-        it is at each moment of the way, not what the float program decides.
-        """
-        d = self.directions[t]
-        one, wall = np.ones(self.boxes), np.full(self.boxes, d.reach)
-        a, b = (self.slope(k) for _, k in d.parts)
-        slope = sl.plus(sl.times(b, (0 * one, one)), sl.times(a, (-wall, wall)))
-        first, own = self.sources[product], self.sources[t]
-        for row in (own, own + 3, *range(first, first + 1 + self.uses.get(product, 0))):
-            slope = sl.added(slope, row, self.magnitude(product, row), self.boxes)
-        return slope
-
     def shared(self, a: int, b: int) -> bool:
         """Whether `product_slope` of the two moves anything."""
         return bool(self._shared(a, b) or self._shared(b, a))
@@ -319,13 +297,3 @@ class Pass:
         for row, _, _ in self._shared(x, y):
             slope = sl.without(slope, row)
         return slope
-
-
-def _contracted(nodes: Sequence[Node]) -> dict[int, int]:
-    """Products with several uses, a sum among them that a compiler may contract with it (fused multiply-add): uses."""
-    uses: dict[int, list[Op]] = {}
-    for node in nodes:
-        for k in set(node.args):
-            if nodes[k].op is Op.MUL:
-                uses.setdefault(k, []).append(node.op)
-    return {k: len(ops) for k, ops in uses.items() if len(ops) > 1 and (Op.ADD in ops or Op.SUB in ops)}

@@ -6,7 +6,7 @@ v = +-sqrt(a a + c c b b), its sign that of a; and a slope c b / a kept between 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs.interval import Interval, magnitude
+from wmrgen.proofs.leaning import rest_of
 from wmrgen.proofs.patterns import extremum, scaled, terms_below_root, without_factors
 
 Part = tuple[float, int]  # (factor, node): the component factor x node of a vector
@@ -165,22 +166,6 @@ def _clamped(nodes: Sequence[Node], node: Node) -> Direction | None:
                     roundings=rounds, reach=m, least=least * (1 - 1e-6), kept=signs == {-1, 1},
                 )  # fmt: skip
     return None
-
-
-def leaning(nodes: Sequence[Node], i: int, found: Mapping[int, Direction]) -> int | None:
-    """The slope t between limits of either sign of node ``i``, a t: t is c b / a there, or nearer zero."""
-    for t, a in (nodes[i].args, nodes[i].args[::-1]) if nodes[i].op is Op.MUL else ():
-        if t in found and found[t].kept and found[t].parts[0][1] == a:
-            return t
-    return None
-
-
-def rest_of(nodes: Sequence[Node], node: Node, found: Mapping[int, Direction]) -> int | None:
-    """The slope t of a node b - a t, t = b / a between limits of either sign: what is left of b, or nothing."""
-    t = leaning(nodes, node.args[1], found) if node.op is Op.SUB else None
-    if t is None or found[t].parts[1][1] != node.args[0]:
-        return None
-    return t if any(found[t].quotient in nodes[k].args for k in nodes[t].args) else None
 
 
 class Shares:

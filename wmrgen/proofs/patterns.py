@@ -185,3 +185,13 @@ def rotation(nodes: Sequence[Node], node: Node) -> tuple[int, int] | None:
     if len(found) < 2 or found[Op.SIN][0] != found[Op.COS][0]:
         return None
     return found[Op.COS][1], found[Op.SIN][1]
+
+
+def contracted(nodes: Sequence[Node]) -> dict[int, int]:
+    """Products with several uses, a sum among them that a compiler may contract with it (fused multiply-add): uses."""
+    uses: dict[int, list[Op]] = {}
+    for node in nodes:
+        for k in set(node.args):
+            if nodes[k].op is Op.MUL:
+                uses.setdefault(k, []).append(node.op)
+    return {k: len(ops) for k, ops in uses.items() if len(ops) > 1 and (Op.ADD in ops or Op.SUB in ops)}

@@ -9,9 +9,9 @@ from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.analysis import Pass, Rule
-from wmrgen.proofs.directions import leaning, rest_of
 from wmrgen.proofs.gram import cauchy
 from wmrgen.proofs.interval import Array, Interval
+from wmrgen.proofs.leaning import left, turned_by
 from wmrgen.proofs.norms import length, lengths
 from wmrgen.proofs.patterns import (
     Term,
@@ -42,7 +42,7 @@ def _input(p: Pass, i: int, node: Node) -> Value:
 
 def _sum(p: Pass, i: int, node: Node) -> Value:
     a, b = node.args
-    x, sign = p.range(a), 1 if node.op is Op.ADD else -1
+    sign = 1 if node.op is Op.ADD else -1
     if parity(p.nodes, node):
         return Value((np.full(p.boxes, -1.0), np.full(p.boxes, 1.0)))
     value = p.cut((iv.plus if sign > 0 else iv.minus)(p.range(a), p.range(b)), node.op, a, b)
@@ -51,11 +51,9 @@ def _sum(p: Pass, i: int, node: Node) -> Value:
     if arms is not None:
         most = np.hypot(*(iv.magnitude(p.range(k)) for k in arms)) * (1 + 1e-6)
         value = iv.meet(value, (-most, most))
-    t = rest_of(p.nodes, node, p.directions)
-    if t is not None:
-        slope = p.rest(t, b)
-        room = p.room(t) + p.result.noise[p.sources[b]]
-        value = iv.meet(value, (np.minimum(x[0], 0.0) - room, np.maximum(x[1], 0.0) + room))
+    rest = left(p, node, value)
+    if rest is not None:
+        value, slope = rest
     squares = terms_below_root(p.nodes, i) if sign > 0 else ()
     if len(squares) > 1 and all(t.squared for t in squares):
         size = lengths(p, [(float(t.factor), t.base) for t in squares])
@@ -67,8 +65,8 @@ def _sum(p: Pass, i: int, node: Node) -> Value:
     value = value if inside is None else iv.meet(value, inside)
     turn = nearest_turn(p.nodes, node)
     if turn is not None:
-        step, whole, present, steps = turn
-        half = float(step) * (0.5 + p.error(steps)) + 1e-8 * (1 + iv.magnitude(p.range(whole)))
+        step, x, present, steps = turn
+        half = float(step) * (0.5 + p.error(steps)) + 1e-8 * (1 + iv.magnitude(p.range(x)))
         value = iv.meet(value, iv.widened(p.range(present), half))
     return Value(value, slope, p.rounding(value) * (2.0 if i in p.twice else 1.0))
 
@@ -96,11 +94,7 @@ def _mul(p: Pass, i: int, node: Node) -> Value:
     else:
         value = iv.times(x, y)
         slope = p.product_slope(a, b)
-    t = leaning(p.nodes, i, p.directions)
-    if t is not None:
-        factor, beside = p.directions[t].parts[1]
-        most = factor * iv.magnitude(p.range(beside)) * iv.GROW + p.room(t)
-        value = iv.meet(value, (-most, most))
+    value = turned_by(p, i, value)
     value = p.cut(value, Op.MUL, a, b)
     noise = np.full(p.boxes, p.form.tiny)
     if not any(_power_of_two(p, k) or _small_whole(p, k) for k in node.args):

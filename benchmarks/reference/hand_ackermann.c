@@ -44,7 +44,8 @@ void ackermann_inverse_limited(const ackermann_car_inverse_in *in, ackermann_car
 }
 
 /* Least squares over two rolling and four sliding rows, as wmrgen poses it, with the 3 x 3 inverse written out. The
- * determinant is at least 4.5; kept above 1 (in wmrgen's C above 2.25), so that a reader and an analyser see no division by zero. */
+ * determinant is at least 4.5; it is kept above 1 (in wmrgen's C above 2.25), so that a reader and an analyser see no
+ * division by zero. */
 void ackermann_forward(const ackermann_car_forward_in *in, ackermann_car_forward_out *out)
 {
     float c, s, d, t;

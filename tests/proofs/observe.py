@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -136,15 +136,10 @@ def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: in
     in the last place, and keep what is good in the others.
     """
     rng = np.random.default_rng(seed)
-    size = len(next(iter(parents.values())))
-    first, second = rng.integers(0, size, (2, count))
-    crossed = rng.random(count) < 0.3
-    often = np.where(rng.random(count) < 0.7, 1.5 / len(ranges), 0.5)
     found = {}
-    for name, (lo, hi) in ranges.items():
-        other = crossed & (rng.random(count) < 0.5)
-        value = parents[name][np.where(other, second, first)].astype(np.float64)
-        moved, kind = rng.random(count) < often, rng.random(count)
+    for name, value, moved in _inherited(rng, ranges, parents, count):
+        lo, hi = ranges[name]
+        kind = rng.random(count)
         nudged = value * (1 + rng.normal(0, 1, count) * 10.0 ** rng.uniform(-7, -1, count))
         near = value * (1 + rng.integers(-40, 41, count) * 2.0**-24)
         end = np.where(rng.random(count) < 0.5, lo, hi)
@@ -157,17 +152,28 @@ def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: in
 def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
     """Children that differ from their parents by few units in the last place: other roundings, the same values."""
     rng = np.random.default_rng(seed)
+    found = {}
+    for name, value, moved in _inherited(rng, ranges, parents, count):
+        units = np.rint(rng.normal(0, 1, count) * 2.0 ** rng.uniform(0, 8, count)) * moved
+        found[name] = _inside(value * (1 + units * 2.0**-23), *ranges[name])
+    return found
+
+
+def _inherited(
+    rng: np.random.Generator, ranges: Ranges, parents: Mapping[str, np.ndarray], count: int
+) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Per input what children have of a parent, some of a second one, and which of them are to change it."""
     size = len(next(iter(parents.values())))
     first, second = rng.integers(0, size, (2, count))
     crossed = rng.random(count) < 0.3
     often = np.where(rng.random(count) < 0.7, 1.5 / len(ranges), 0.5)
-    found = {}
-    for name, (lo, hi) in ranges.items():
-        other, moved = crossed & (rng.random(count) < 0.5), rng.random(count) < often
-        units = np.rint(rng.normal(0, 1, count) * 2.0 ** rng.uniform(0, 8, count)) * moved
-        value = parents[name][np.where(other, second, first)].astype(np.float64)
-        found[name] = _inside(value * (1 + units * 2.0**-23), lo, hi)
-    return found
+    for name in ranges:
+        other = crossed & (rng.random(count) < 0.5)
+        yield (
+            name,
+            parents[name][np.where(other, second, first)].astype(np.float64),
+            rng.random(count) < often,
+        )
 
 
 def _inside(value: np.ndarray, lo: float, hi: float) -> np.ndarray:

@@ -1,8 +1,8 @@
 """The inverse of a constant normal matrix, at derivation time.
 
 Each connected block is inverted exactly, by cofactors, so that with tunable geometry prepare() is left with one
-reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse, of the
-rank that it has where tunable parameters are nominal.
+reciprocal per block. A rank-deficient matrix gets its Moore-Penrose inverse, of the rank that it has where tunable
+parameters are nominal.
 """
 
 from __future__ import annotations

@@ -18,6 +18,7 @@ from wmrgen.proofs import multiples as mu
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs import tangents as ta
 from wmrgen.proofs.analysis import Pass
+from wmrgen.proofs.boxes import MOST_ANGLES
 from wmrgen.proofs.interval import GROW, Array, Interval
 from wmrgen.proofs.multiples import Multiple
 from wmrgen.proofs.patterns import Term
@@ -29,7 +30,6 @@ from wmrgen.proofs.tangents import Tangent
 Partial: TypeAlias = Multiple | int  # 1 or -1 of sums
 
 _MOST = 4  # inputs of which multiples are kept
-_MOST_ANGLES = 2  # of which tangents are kept
 
 
 class Adjoint(Pass):
@@ -54,7 +54,7 @@ class Adjoint(Pass):
             np.stack([hi for _, hi in ranges]) if ranges else empty,
         )
         turning = [i for i, n in enumerate(self.nodes) if n.op is Op.INPUT and i in waves]
-        self.turning = {i: j for j, i in enumerate(turning)} if len(turning) <= _MOST_ANGLES else {}
+        self.turning = {i: j for j, i in enumerate(turning)} if len(turning) <= MOST_ANGLES else {}
         self.tangents: list[Tangent | None] = []
         self.tangent: Tangent | None = None
         self.multiples: list[Multiple] = []

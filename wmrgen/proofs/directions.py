@@ -174,7 +174,7 @@ class Shares:
     def __init__(
         self, nodes: Sequence[Node], node: int, direction: Direction, ranges: Sequence[Interval]
     ) -> None:
-        self.nodes, self.node, self.direction, self.ranges = nodes, node, direction, ranges
+        self.nodes, self.own, self.ranges = nodes, {node: direction}, ranges
         self.known: dict[int, float | None] = {}
         for factor, k in direction.parts:
             for j in _unsigned(nodes, k):
@@ -190,7 +190,7 @@ class Shares:
         return self.known[i]
 
     def _found(self, node: Node) -> float | None:
-        if node.op is Op.SUB and rest_of(self.nodes, node, {self.node: self.direction}) is not None:
+        if node.op is Op.SUB and rest_of(self.nodes, node, self.own) is not None:
             return self.of(node.args[0])
         if node.op.value in ("neg", "abs", "flip"):
             return self.of(node.args[0])

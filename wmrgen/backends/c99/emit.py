@@ -58,17 +58,17 @@ def unit(
     module = hand_through(module)
     costs = {f.name: count(f) for f in (*module.functions, *((module.prepare,) if module.prepare else ()))}
     module = traced(expand(module, scalar, math, target, small), formulas)
-    rounding, own = rounds(module), tuple["Part", ...]()
+    rounding, own, several = rounds(module), tuple["Part", ...](), dict[str, int]()
     if small:
         from wmrgen.backends.c99.parts import parts  # of --size alone
         from wmrgen.ir.outline import outline, sizes
 
         found = outline(module.functions, f"{module.name}_part", sizes(target))
-        own = parts(found.functions, found.parts, module.name, scalar)
+        several = {part.name: len(part.results) for part in found.parts}
+        own = parts(found.functions, found.parts, module.name, scalar, several)
         module = replace(module, functions=found.functions)
     steps, prepared = prepare_steps(module, scalar, costs)
     inputs_of: dict[tuple[Port, ...], Struct] = {}
-    several = {part.name: part.results for part in own}
     rest = (
         step(f, module.name, prepared, scalar, costs[f.name], inputs_of, several) for f in module.functions
     )

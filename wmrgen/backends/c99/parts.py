@@ -15,10 +15,8 @@ from wmrgen.ir.outline.undo import calls
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """A static function, ready to print. ``results``: how many it has; several are written through pointers."""
+    """A static function, ready to print."""
 
-    name: str
-    results: int
     comment: tuple[str, ...]
     prototype: str
     lines: tuple[str, ...]
@@ -26,14 +24,20 @@ class Part:
 
 
 def parts(
-    functions: Sequence[Function], made: Sequence[Function], robot: str, scalar: str
+    functions: Sequence[Function],
+    made: Sequence[Function],
+    robot: str,
+    scalar: str,
+    several: Mapping[str, int],
 ) -> tuple[Part, ...]:
-    """``made``: what `wmrgen.ir.outline` made of ``functions``, those that are called before those that call."""
+    """``made``: what `wmrgen.ir.outline` made of ``functions``, those that are called before those that call.
+
+    ``several``: how many results each of them has; more than one are written through pointers.
+    """
     callers: dict[str, Counter[str]] = {}
     for function in (*functions, *made):
         for part, count in calls(function.nodes).items():
             callers.setdefault(part, Counter())[function.name.removeprefix(f"{robot}_")] += count
-    several = {part.name: len(part.results) for part in made}
     return tuple(_part(part, callers[part.name], scalar, several) for part in made)
 
 
@@ -45,8 +49,6 @@ def _part(part: Function, callers: Counter[str], scalar: str, several: Mapping[s
     last = () if places else (*([""] if code.statements else []), f"return {code.results[0]};")
     used = ", ".join(f"{name} ({count}x)" if count > 1 else name for name, count in callers.items())
     return Part(
-        part.name,
-        len(part.results),
         tuple(block_comment([f"Called by {used}."])),
         _prototype("void" if places else scalar, part.name, parameters),
         (*code.statements, *last),

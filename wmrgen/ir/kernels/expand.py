@@ -95,12 +95,10 @@ class _Expansion:
                 return tape.put(_INTEGER[node.op], *args)
             case Op.SIN | Op.COS if self.inline:
                 raised, sine, cosine = self._circle(args[0])
-                if self.small:
-                    return self._by(sine if node.op is Op.SIN else cosine, raised)
-                sign = self._sign(raised)
-                if node.op is Op.SIN:
-                    return tape.mul(sign, sine)
-                return trigonometry.signed_cosine(tape, sign, cosine)
+                if node.op is Op.COS and not self.small:
+                    return trigonometry.signed_cosine(tape, self._sign(raised), cosine)
+                wave = sine if node.op is Op.SIN else cosine
+                return self._by(wave, raised) if self.small else tape.mul(self._sign(raised), wave)
             case Op.ATAN if self.inline:
                 return trigonometry.arctangent(tape, args[0])
             case Op.ATAN2 if self.inline:

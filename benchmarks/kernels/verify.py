@@ -11,6 +11,7 @@ from pathlib import Path
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.meta import Meta
 from wmrgen.errors import EnvironmentFailure
+from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Node, Op
 from wmrgen.ports import Port, Role
 
@@ -47,12 +48,26 @@ class Found:
     count: int
 
 
-def module() -> Module:
-    """A module of the kernels alone."""
+# What differs where a module has functions of many angles.
+CROWDED = tuple(r for r in RANGES if r.function == "cosine")
+
+
+def module(crowded: bool = False) -> Module:
+    """A module of the kernels alone, or with a function of many angles."""
     ops = {"sine": Op.SIN, "cosine": Op.COS, "arctangent": Op.ATAN}
     x, y = Port("x", Role.STATE, "", "argument"), Port("y", Role.COMMAND, "", "value")
     nodes = {name: (Node(Op.INPUT, name="x"), Node(op, (0,))) for name, op in ops.items()}
-    return Module("kernel", tuple(Function(name, (x,), n, (y,), (1,), name) for name, n in nodes.items()))
+    kernels = tuple(Function(name, (x,), n, (y,), (1,), name) for name, n in nodes.items())
+    return Module("kernel", (*kernels, crowd()) if crowded else kernels)
+
+
+def crowd() -> Function:
+    """Sums of a cos x and of a sin x, as of four steered wheels."""
+    b, ports = Builder(), [Port(f"{n}{k}", Role.STATE, "", n) for k in range(4) for n in "ax"]
+    pairs = [(b.input(f"a{k}"), b.input(f"x{k}")) for k in range(4)]
+    results = [b.sum([b.mul(a, wave(x)) for a, x in pairs]) for wave in (b.cos, b.sin)]
+    outputs = tuple(Port(n, Role.COMMAND, "", n) for n in ("x", "y"))
+    return b.function("crowd", ports, outputs, results)
 
 
 def compiler() -> str:
@@ -63,9 +78,9 @@ def compiler() -> str:
     return found
 
 
-def build(folder: Path, target: str) -> Path:
+def build(folder: Path, target: str, crowded: bool = False) -> Path:
     """The driver for the kernels of ``target``; with the instructions of this machine where the compiler knows it."""
-    header, source = sources(module(), Meta(target=target))
+    header, source = sources(module(crowded), Meta(target=target))
     (folder / "kernel.h").write_text(header)
     (folder / "kernel.c").write_text(source)
     program = folder / f"kernels_{target}"

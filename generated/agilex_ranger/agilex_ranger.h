@@ -53,7 +53,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "dab1c8f9e4730d5e8ce4c24278a961a5"
-#define AGILEX_RANGER_PAIR_0331f4f8981d7377 1
+#define AGILEX_RANGER_PAIR_a9954b04c730309e 1
 
 #ifdef __cplusplus
 extern "C" {

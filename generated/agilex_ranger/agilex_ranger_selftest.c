@@ -16,7 +16,7 @@
  */
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_0331f4f8981d7377)
+#if !defined(AGILEX_RANGER_PAIR_a9954b04c730309e)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -32,7 +32,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "9503deddfa66873eccc61adabc2542b8"
-#define JPL_OSR_PAIR_72d3c5bb25b6e5ec 1
+#define JPL_OSR_PAIR_3f695240dca883e0 1
 
 #ifdef __cplusplus
 extern "C" {

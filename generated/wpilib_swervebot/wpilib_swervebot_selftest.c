@@ -16,7 +16,7 @@
  */
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_a88f94e0b4f31774)
+#if !defined(WPILIB_SWERVEBOT_PAIR_38ccf8c5b1289ab0)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,9 @@ import pytest
 
 from benchmarks.kernels import remez, stated, verify
 from wmrgen.exact.number import Exact
-from wmrgen.ir.kernels import constants, integer
+from wmrgen.ir.arithmetic import FLOAT32
+from wmrgen.ir.interpret import evaluate
+from wmrgen.ir.kernels import constants, expand, integer
 from wmrgen.ir.kernels.choice import HOST, M0, M4F
 from wmrgen.ir.rounding import nearest_float32, to_float32
 
@@ -46,6 +48,9 @@ def test_parts_of_pi() -> None:
         ):
             low = float(mpmath.mpf(float(high)) - mpmath.pi)
             assert float(less) == nearest_float32(low)
+    assert constants.QUARTER * Exact(2) == constants.HALF
+    assert constants.LESS_QUARTER_LOW * Exact(2) == constants.LESS_HALF_LOW
+    assert float(constants.PER_QUARTER) == nearest_float32(2 / math.pi) == 2 * float(constants.PER_PI)
     assert (constants.PI_HIGH.num[0]).bit_length() <= 12
 
 
@@ -54,6 +59,24 @@ def test_worst_of_a_sample(tmp_path: Path, target: str) -> None:
     program = verify.build(tmp_path, target)
     for r in verify.RANGES:
         assert verify.worst(program, r, EVERYDAY).worst <= stated(r, target), r
+
+
+def test_worst_of_a_sample_where_angles_are_many(tmp_path: Path) -> None:
+    """Cosines are sines there, not the usual polynomial, and the same on both sides of 0."""
+    crowded, usual = tmp_path / "crowded", tmp_path / "usual"
+    crowded.mkdir()
+    usual.mkdir()
+    programs = verify.build(crowded, M4F, crowded=True), verify.build(usual, M4F)
+    for r in verify.CROWDED:
+        found, other = (verify.worst(program, r, EVERYDAY) for program in programs)
+        assert found.worst <= stated(r, M4F), r
+        assert found != other
+    cosine = expand(verify.module(crowded=True), "float", "inline").function("cosine")
+    for x in (0.0, 1e-9, 0.3, 1.5, 1.6, 100.0):
+        y, other = (evaluate(cosine, {"x": value}, FLOAT32)["y"] for value in (x, -x))
+        assert y == other
+        assert y == pytest.approx(math.cos(x), abs=1.5e-7)
+    assert evaluate(cosine, {"x": 0.0}, FLOAT32)["y"] == 1.0
 
 
 @pytest.mark.slow
@@ -66,6 +89,13 @@ def test_every_float(tmp_path: Path, target: str) -> None:
         assert worst <= stated(r, target), r
         largest = max(w for other, w in found.items() if stated(other, target) == stated(r, target))
         assert largest > stated(r, target) - 0.011, r
+
+
+@pytest.mark.slow
+def test_every_float_where_angles_are_many(tmp_path: Path) -> None:
+    program = verify.build(tmp_path, M4F, crowded=True)
+    for r in verify.CROWDED:
+        assert verify.worst(program, r).worst <= stated(r, M4F), r
 
 
 def test_a_worse_coefficient_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import accumulate
-
 import pytest
 
 from benchmarks.jobs import derivations
 from tests.ir.test_outline import values
 from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels import expand
+from wmrgen.ir.kernels.constants import EVEN32
+from wmrgen.ir.kernels.room import ROOM, alive, angle_by_angle, registers
 from wmrgen.ir.nodes import Function, Module, Node, Op
 from wmrgen.ir.passes.pressure import nearest
 from wmrgen.ir.passes.schedule import schedule
@@ -32,26 +32,25 @@ def test_the_order_computes_the_same(name: str) -> None:
 
 def test_the_wheels_of_a_swerve_are_done_one_after_the_other() -> None:
     """Depth first keeps values of all wheels."""
-    for name, most in (("wpilib_swervebot", 12), ("swerve8", 20)):
+    for name, most in (("wpilib_swervebot", 13), ("swerve8", 20)):
         deep = schedule(robot(name).function("forward"))
         assert alive(nearest(deep)) <= most < alive(deep)
 
 
-def alive(function: Function) -> int:
-    """How many values are alive at most. Constants are not counted."""
-    end = len(function.nodes)
-    last = {arg: i for i, node in enumerate(function.nodes) for arg in node.args}
-    last |= dict.fromkeys(function.results, end)
-    first: dict[int, int] = {}
-    for i, node in enumerate(function.nodes):
-        for arg in node.args:
-            first.setdefault(arg, i)
-    change = [0] * (end + 1)
-    for i, node in enumerate(function.nodes):
-        if node.value is None and i in last:
-            change[i if node.args else first.get(i, i)] += 1  # an input is read where it is first needed
-            change[last[i]] -= 1
-    return max(accumulate(change))
+@pytest.mark.parametrize("name", ROBOTS)
+def test_angles_one_after_the_other_compute_the_same(name: str) -> None:
+    for function in robot(name).functions:
+        made = angle_by_angle(function)
+        assert values(made) == values(schedule(function))
+        assert all(arg < i for i, node in enumerate(made.nodes) for arg in node.args)
+
+
+def test_four_angles_have_room_in_the_registers() -> None:
+    """Cosines as sines of the rest where that is what makes room; eight wheels and castors do not fit either way."""
+    for name in ROBOTS:
+        forward = robot(name).function("forward")
+        shared = any(node.value == EVEN32 for node in forward.nodes)
+        assert shared == (name == "wpilib_swervebot") == (registers(forward) <= ROOM), name
 
 
 def pairs(count: int) -> Function:

@@ -13,6 +13,7 @@ from wmrgen.ir.kernels.choice import M0, M4F
 from wmrgen.ir.rounding import to_float32
 
 RINT32 = Exact(12582912)  # 1.5 * 2**23: floats this large are whole numbers
+EVEN32 = Exact(25165824)  # 1.5 * 2**24: floats this large are even
 RINT64 = Exact(6755399441055744)  # 1.5 * 2**52
 
 
@@ -35,6 +36,8 @@ PER_PI, QUARTER, HALF = _floats("0.31830987", "1.5707964", "3.1415927")  # 1/pi,
 PI_HIGH, LESS_PI_LOW = _floats("3.1416016", "8.90891e-06")
 # pi = HALF - LESS_HALF_LOW within 1.5e-15, for a product that is not rounded.
 LESS_HALF_LOW = _floats("8.742278e-08")[0]
+# 2/pi, and pi/2 = QUARTER - LESS_QUARTER_LOW within 1e-15
+PER_QUARTER, LESS_QUARTER_LOW = _floats("0.63661975", "4.371139e-08")
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,10 +12,11 @@ from dataclasses import replace
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.kernels import trigonometry
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
-from wmrgen.ir.kernels.constants import RINT32, RINT64
+from wmrgen.ir.kernels.constants import EVEN32, RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.kernels.order import ordered
+from wmrgen.ir.kernels.room import ROOM, angle_by_angle, crowded, registers
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
@@ -35,20 +36,38 @@ def expand(
     if scalar != "float" or target == AVR:
         math = LIBM
     prepare = None if module.prepare is None else _Expansion(module.prepare, scalar, LIBM, target).run()
-    functions = tuple(_Expansion(f, scalar, math, target, small).run() for f in module.functions)
+    few = scalar == "float" and math == INLINE and target == M4F and _few(module)
+    functions = tuple(_Expansion(f, scalar, math, target, small, few).run() for f in module.functions)
     return Module(module.name, functions, prepare)
+
+
+def _few(module: Module) -> bool:
+    """Whether cosines that share the constants of sines are what lets a function do with the registers there are."""
+    for function in filter(crowded, module.functions):
+        usual, few = (_Expansion(function, "float", INLINE, M4F, few=few).run() for few in (False, True))
+        if registers(few) <= ROOM < registers(usual):
+            return True
+    return False
 
 
 def rounds(module: Module) -> bool:
     """Whether an expanded module rounds to whole numbers by adding a large one."""
-    large = (RINT32, RINT64)
+    large = (RINT32, EVEN32, RINT64)
     return any(node.value in large for function in module.functions for node in function.nodes)
 
 
 class _Expansion:
     """One function, node by node."""
 
-    def __init__(self, function: Function, scalar: str, math: str, target: str, small: bool = False) -> None:
+    def __init__(
+        self,
+        function: Function,
+        scalar: str,
+        math: str,
+        target: str,
+        small: bool = False,
+        few: bool = False,
+    ) -> None:
         single = scalar == "float"
         self.fused, self.bits = single and target == M4F, single and target in (M4F, M0)
         self.function = function = signs_as_bits(one_comparison(function)) if self.bits else function
@@ -63,7 +82,7 @@ class _Expansion:
         self.raised: dict[int, int] = {}  # node of `function` that is a whole number -> that plus `magic`
         self.integer = self.inline and target == M0
         self.paired = self._pairs() if self.inline and not self.integer and not small else set()
-        self.small = small
+        self.small, self.few = small, few
         self.sharp = sharp_sums(function) if single else frozenset()
 
     def run(self) -> Function:
@@ -73,7 +92,8 @@ class _Expansion:
         made = replace(self.function, nodes=tuple(self.tape.nodes), results=results)
         made = fuse(made) if self.fused else made
         made = replace(made, nodes=tuple(_soft(n) for n in made.nodes)) if self.integer else made
-        return ordered(made)
+        deep = ordered(made)
+        return min(deep, angle_by_angle(deep), key=registers) if self.few and not self.small else deep
 
     def _node(self, i: int, node: Node) -> int:
         tape, args = self.tape, tuple(self.made[a] for a in node.args)
@@ -95,7 +115,7 @@ class _Expansion:
                 return tape.put(_INTEGER[node.op], *args)
             case Op.SIN | Op.COS if self.inline:
                 raised, sine, cosine = self._circle(args[0])
-                if node.op is Op.COS and not self.small:
+                if node.op is Op.COS and not self.small and not self.few:
                     return trigonometry.signed_cosine(tape, self._sign(raised), cosine)
                 wave = sine if node.op is Op.SIN else cosine
                 return self._by(wave, raised) if self.small else tape.mul(self._sign(raised), wave)
@@ -134,7 +154,10 @@ class _Expansion:
 
     def _circle(self, x: int) -> tuple[int, int, int]:
         if x not in self.circles:
-            self.circles[x] = trigonometry.sine_cosine(self.tape, x, self.fused)
+            if self.few:
+                self.circles[x] = trigonometry.sine_cosine_of_rest(self.tape, x)
+            else:
+                self.circles[x] = trigonometry.sine_cosine(self.tape, x, self.fused)
         return self.circles[x]
 
     def _flip(self, a: int, n: int) -> int:

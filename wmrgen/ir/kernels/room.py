@@ -15,12 +15,12 @@ from wmrgen.ir.nodes import Function, Op
 from wmrgen.ir.passes.schedule import renumbered
 
 ROOM = 20  # 16 and four that are saved in 16 bytes
-MANY = 4  # angles; with fewer, the constants of their sines are not needed for long
+ANGLES = range(4, 7)  # of fewer the constants are not needed for long; more leave no room either way
 
 
 def crowded(function: Function) -> bool:
-    """Whether a function, not expanded, takes sines or cosines of many angles."""
-    return len({node.args for node in function.nodes if node.op in (Op.SIN, Op.COS)}) >= MANY
+    """Whether a function, not expanded, takes sines or cosines of so many angles that their form matters."""
+    return len({node.args for node in function.nodes if node.op in (Op.SIN, Op.COS)}) in ANGLES
 
 
 def registers(function: Function) -> int:

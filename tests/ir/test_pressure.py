@@ -9,7 +9,7 @@ from tests.ir.test_outline import values
 from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.constants import EVEN32
-from wmrgen.ir.kernels.room import ROOM, alive, angle_by_angle, registers
+from wmrgen.ir.kernels.room import ROOM, alive, angle_by_angle, wanted
 from wmrgen.ir.nodes import Function, Module, Node, Op
 from wmrgen.ir.passes.pressure import nearest
 from wmrgen.ir.passes.schedule import schedule
@@ -50,7 +50,7 @@ def test_four_angles_have_room_in_the_registers() -> None:
     for name in ROBOTS:
         forward = robot(name).function("forward")
         shared = any(node.value == EVEN32 for node in forward.nodes)
-        assert shared == (name == "wpilib_swervebot") == (registers(forward) <= ROOM), name
+        assert shared == (name == "wpilib_swervebot") == (wanted(forward) <= ROOM), name
 
 
 def pairs(count: int) -> Function:

@@ -40,7 +40,7 @@ def test_small_robots_need_no_stack() -> None:
 def test_a_swerve_with_size(way: bool, function: str) -> None:
     """Issue 4: with --size at most 600 bytes, kernels included, and 56 bytes of stack; forward 16."""
     need(PROCESSORS["m4f"].compiler)
-    found = swerve(way)[f"wpilib_swervebot_{function}"]
+    found = on_m4f("wpilib_swervebot", way)[f"wpilib_swervebot_{function}"]
     assert (found.text <= 600) == way
     if way:
         assert found.stack <= (16 if function == "forward" else 40)
@@ -48,8 +48,8 @@ def test_a_swerve_with_size(way: bool, function: str) -> None:
 
 
 @cache
-def swerve(size: bool) -> dict[str, Footprint]:
-    return measure([of("wpilib_swervebot")], PROCESSORS["m4f"], size=size)
+def on_m4f(robot: str, size: bool) -> dict[str, Footprint]:
+    return measure([of(robot)], PROCESSORS["m4f"], size=size)
 
 
 def of(robot: str) -> Module:
@@ -70,7 +70,7 @@ def test_size_is_never_larger(key: str) -> None:
 def test_four_wheels_as_usual(robot: str) -> None:
     """Issue 4: forward in at most 1450 bytes, with 16 bytes of stack."""
     need(PROCESSORS["m4f"].compiler)
-    found = measure([of(robot)], PROCESSORS["m4f"])[f"{robot}_forward"]
+    found = on_m4f(robot, False)[f"{robot}_forward"]
     assert found.text <= 1450
     assert found.stack <= 16
 

@@ -16,7 +16,7 @@ from wmrgen.ir.kernels.constants import EVEN32, RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.kernels.order import ordered
-from wmrgen.ir.kernels.room import ROOM, angle_by_angle, crowded, registers
+from wmrgen.ir.kernels.room import ROOM, angle_by_angle, crowded, wanted
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
@@ -45,7 +45,7 @@ def _few(module: Module) -> bool:
     """Whether cosines that share the constants of sines are what lets a function do with the registers there are."""
     for function in filter(crowded, module.functions):
         usual, few = (_Expansion(function, "float", INLINE, M4F, few=few).run() for few in (False, True))
-        if registers(few) <= ROOM < registers(usual):
+        if wanted(few) <= ROOM < wanted(usual):
             return True
     return False
 
@@ -93,7 +93,7 @@ class _Expansion:
         made = fuse(made) if self.fused else made
         made = replace(made, nodes=tuple(_soft(n) for n in made.nodes)) if self.integer else made
         deep = ordered(made)
-        return min(deep, angle_by_angle(deep), key=registers) if self.few and not self.small else deep
+        return min(deep, angle_by_angle(deep), key=wanted) if self.few and not self.small else deep
 
     def _node(self, i: int, node: Node) -> int:
         tape, args = self.tape, tuple(self.made[a] for a in node.args)

@@ -7,12 +7,11 @@ What gcc does with straight code: every constant that is needed again stays in a
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
 from itertools import accumulate
 
 from wmrgen.ir.kernels.constants import EVEN32
 from wmrgen.ir.nodes import Function, Op
-from wmrgen.ir.passes.schedule import renumbered
+from wmrgen.ir.passes.schedule import reordered
 
 ROOM = 20  # 16 and four that are saved in 16 bytes
 ANGLES = range(4, 7)  # of fewer the constants are not needed for long; more leave no room either way
@@ -23,8 +22,8 @@ def crowded(function: Function) -> bool:
     return len({node.args for node in function.nodes if node.op in (Op.SIN, Op.COS)}) in ANGLES
 
 
-def registers(function: Function) -> int:
-    """Values alive at once, at most, and constants that are needed more than once."""
+def wanted(function: Function) -> int:
+    """How many registers: values alive at once, at most, and constants that are needed more than once."""
     uses = Counter(arg for node in function.nodes for arg in node.args)
     kept = sum(node.value is not None and uses[i] > 1 for i, node in enumerate(function.nodes))
     return kept + alive(function)
@@ -68,9 +67,7 @@ def angle_by_angle(function: Function) -> Function:
                 _compute(function, i, done, order)
     for i in function.results:
         _compute(function, i, done, order)
-    place = {i: k for k, i in enumerate(order)}
-    moved = tuple(renumbered(nodes[i], place) for i in order)
-    return replace(function, nodes=moved, results=tuple(place[result] for result in function.results))
+    return reordered(function, order)
 
 
 def _compute(function: Function, target: int, done: bytearray, order: list[int]) -> None:

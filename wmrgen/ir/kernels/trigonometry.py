@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmrgen.exact.number import ONE, ZERO
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.kernels import constants as c
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Op
@@ -13,11 +13,9 @@ def sine_cosine(tape: Tape, x: int, fused: bool) -> tuple[int, int, int]:
 
     sin x = s and cos x = c where k is even, else -s and -c. ``fused``: products that are added are not rounded.
     """
-    raised = tape.add(tape.mul(x, tape.const(c.PER_PI)), tape.const(c.RINT32))
-    k = tape.sub(raised, tape.const(c.RINT32))
-    if fused:  # here, not by `fuse`, which may leave it: k pi must not be rounded
-        r = tape.put(Op.FMA, tape.put(Op.NEG, k), tape.const(c.HALF), x)
-        r = tape.put(Op.FMA, k, tape.const(c.LESS_HALF_LOW), r)
+    raised, k = _turns(tape, x, c.PER_PI, c.RINT32)
+    if fused:
+        r = _fused_rest(tape, x, k, c.HALF, c.LESS_HALF_LOW)
     else:
         r = tape.sub(x, tape.mul(k, tape.const(c.PI_HIGH)))
         r = tape.add(r, tape.mul(k, tape.const(c.LESS_PI_LOW)))
@@ -30,12 +28,21 @@ def sine_cosine_of_rest(tape: Tape, x: int) -> tuple[int, int, int]:
     ``raised`` has the unit 2 in the last place: 2 k plus a multiple of 4. What pi/2 is rounded by, 0.73 * 2**-24,
     is not subtracted: the worst error stays where cosines are near 1.
     """
-    quarter, large = tape.const(c.QUARTER), tape.const(c.EVEN32)
-    raised = tape.add(tape.mul(x, tape.const(c.PER_QUARTER)), large)
-    quarters = tape.sub(raised, large)
-    r = tape.put(Op.FMA, tape.put(Op.NEG, quarters), quarter, x)
-    r = tape.put(Op.FMA, quarters, tape.const(c.LESS_QUARTER_LOW), r)
-    return raised, _sine(tape, r), _sine(tape, tape.sub(quarter, tape.put(Op.ABS, r)))
+    raised, quarters = _turns(tape, x, c.PER_QUARTER, c.EVEN32)
+    r = _fused_rest(tape, x, quarters, c.QUARTER, c.LESS_QUARTER_LOW)
+    return raised, _sine(tape, r), _sine(tape, tape.sub(tape.const(c.QUARTER), tape.put(Op.ABS, r)))
+
+
+def _turns(tape: Tape, x: int, per: Exact, large: Exact) -> tuple[int, int]:
+    """``per`` x rounded to a multiple of the unit of ``large``, with and without that added."""
+    raised = tape.add(tape.mul(x, tape.const(per)), tape.const(large))
+    return raised, tape.sub(raised, tape.const(large))
+
+
+def _fused_rest(tape: Tape, x: int, k: int, high: Exact, less: Exact) -> int:
+    """x - k (high - less). Fused here, not by `fuse`, which may leave it: the products must not be rounded."""
+    r = tape.put(Op.FMA, tape.put(Op.NEG, k), tape.const(high), x)
+    return tape.put(Op.FMA, k, tape.const(less), r)
 
 
 def _sine(tape: Tape, r: int) -> int:

@@ -7,10 +7,10 @@ fewest values alive: list scheduling, with all that a value still needs as one s
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from wmrgen.ir.nodes import Function, Node, Op
-from wmrgen.ir.passes.schedule import registers, renumbered
+from wmrgen.ir.passes.schedule import registers, reordered
 
 _MANY = 128  # nodes; of more, only those that several need are tried as the next
 
@@ -47,10 +47,7 @@ def nearest(function: Function) -> Function:
             for i, step in steps.items()
             if not state.done[i]
         }
-    place = {i: k for k, i in enumerate(order)}
-    nodes = tuple(renumbered(function.nodes[i], place) for i in order)
-    named = tuple((name, place[k]) for name, k in function.named if k in place)
-    return replace(function, nodes=nodes, results=tuple(place[r] for r in function.results), named=named)
+    return reordered(function, order)
 
 
 @dataclass

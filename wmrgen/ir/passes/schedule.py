@@ -6,6 +6,7 @@ registers first (Sethi and Ullman 1970, which is optimal for trees).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from wmrgen.ir.nodes import Function, Node, Op
@@ -17,25 +18,24 @@ def schedule(function: Function) -> Function:
     """``function`` with its nodes in a new order; unneeded ones are left out."""
     nodes = function.nodes
     needs = registers(nodes)
-    place: dict[int, int] = {}
+    done = bytearray(len(nodes))
     order: list[int] = []
     for result in function.results:
         stack = [result]
         while stack:
             i = stack[-1]
-            if i in place:
+            if done[i]:
                 stack.pop()
                 continue
-            waiting = {arg for arg in nodes[i].args if arg not in place}
+            waiting = {arg for arg in nodes[i].args if not done[arg]}
             if len(waiting) > 1:
                 stack += sorted(waiting, key=lambda arg: (needs[arg], -nodes[i].args.index(arg)))
             elif waiting:
                 stack += waiting
             else:
-                place[i] = len(order)
+                done[i] = 1
                 order.append(stack.pop())
-    moved = tuple(renumbered(nodes[i], place) for i in order)
-    return replace(function, nodes=moved, results=tuple(place[result] for result in function.results))
+    return reordered(function, order)
 
 
 def calls_first(function: Function) -> Function:
@@ -46,15 +46,18 @@ def calls_first(function: Function) -> Function:
         if first[i]:
             for arg in nodes[i].args:
                 first[arg] = 1
-    order = sorted(range(len(nodes)), key=lambda i: not first[i])
+    return reordered(function, sorted(range(len(nodes)), key=lambda i: not first[i]))
+
+
+def reordered(function: Function, order: Sequence[int]) -> Function:
+    """``function`` with its nodes in ``order``, arguments before what needs them; others are left out."""
     place = {i: k for k, i in enumerate(order)}
-    moved = tuple(renumbered(nodes[i], place) for i in order)
-    return replace(function, nodes=moved, results=tuple(place[result] for result in function.results))
-
-
-def renumbered(node: Node, place: dict[int, int]) -> Node:
-    """``node`` over arguments that have moved."""
-    return Node(node.op, tuple(place[arg] for arg in node.args), node.value, node.name)
+    nodes = tuple(
+        Node(n.op, tuple(place[arg] for arg in n.args), n.value, n.name)
+        for n in (function.nodes[i] for i in order)
+    )
+    named = tuple((name, place[i]) for name, i in function.named if i in place)
+    return replace(function, nodes=nodes, results=tuple(place[i] for i in function.results), named=named)
 
 
 def registers(nodes: tuple[Node, ...]) -> list[int]:

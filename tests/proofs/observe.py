@@ -17,6 +17,7 @@ EXACT = {
     "sqrt": np.sqrt, "min": np.minimum, "max": np.maximum, "sin": np.sin, "cos": np.cos, "atan": np.arctan,
     "atan2": np.arctan2,
 }  # fmt: skip
+CHOICE = "library "  # and the number of a node: which of two floats the library gives there
 LIBRARY = ("sin", "cos", "atan", "atan2")  # as inexact as proofs allow them to be
 
 
@@ -50,14 +51,14 @@ def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
                 single.append(inputs[node.name or ""])
                 exact.append(inputs[node.name or ""].astype(np.float64))
             else:
-                single.append(_single(node, a))
+                single.append(_single(node, a, inputs.get(f"{CHOICE}{i}")))
                 exact.append(_exact(node, a, b))
             if i in clamped:  # the side of a wall on which a slope lies is a decision, too
                 alike &= np.sign(a[1]) == np.sign(b[1])
     return Run(single, exact, alike)
 
 
-def _single(node: Node, a: list[np.ndarray]) -> np.ndarray:
+def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.ndarray:
     if node.op is Op.SELECT:
         return np.where(a[0] < a[1], a[2], a[3])
     if node.op is Op.MIN:
@@ -69,16 +70,21 @@ def _single(node: Node, a: list[np.ndarray]) -> np.ndarray:
     if node.op == "flip":
         return np.where(a[1] % 2 == 1, -a[0], a[0])
     if node.op in LIBRARY:
-        return _faithful(EXACT[node.op.value](*(x.astype(np.float64) for x in a)))
+        return _faithful(EXACT[node.op.value](*(x.astype(np.float64) for x in a)), choice)
     return np.asarray(EXACT[node.op.value](*a))
 
 
-def _faithful(wide: np.ndarray) -> np.ndarray:
-    """One of the two floats around each number, not always the nearer: off by less than a unit in the last place."""
+def _faithful(wide: np.ndarray, choice: np.ndarray | None) -> np.ndarray:
+    """One of the two floats around each number, not always the nearer: off by less than a unit in the last place.
+
+    The nearer where ``choice`` is negative; without a choice, either.
+    """
     near = wide.astype(np.float32)
     other = np.nextafter(near, np.where(near < wide, np.inf, -np.inf).astype(np.float32))
     exact = near.astype(np.float64) == wide
-    worse = near.view(np.uint32) * np.uint32(2654435761) >> np.uint32(31) == 1
+    worse = (
+        near.view(np.uint32) * np.uint32(2654435761) >> np.uint32(31) == 1 if choice is None else choice > 0
+    )
     return np.where(worse & ~exact, other, near)
 
 
@@ -114,6 +120,11 @@ def _below(function: Function, result: int) -> set[int]:
 
 
 # ---- inputs
+
+
+def choices(function: Function) -> dict[str, tuple[float, float]]:
+    """Any library that is as exact as proofs want it: an input per result that it has."""
+    return {f"{CHOICE}{i}": (-1.0, 1.0) for i, n in enumerate(function.nodes) if n.op in LIBRARY}
 
 
 def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:
@@ -155,7 +166,8 @@ def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: 
     found = {}
     for name, value, moved in _inherited(rng, ranges, parents, count):
         units = np.rint(rng.normal(0, 1, count) * 2.0 ** rng.uniform(0, 8, count)) * moved
-        found[name] = _inside(value * (1 + units * 2.0**-23), *ranges[name])
+        near = np.where(moved, -value, value) if name.startswith(CHOICE) else value * (1 + units * 2.0**-23)
+        found[name] = _inside(near, *ranges[name])
     return found
 
 

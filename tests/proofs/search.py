@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tests.proofs.observe import Ranges, bred, draw, lengths, nudged, run
+from tests.proofs.observe import Ranges, bred, choices, draw, lengths, nudged, run
 from wmrgen.ir.nodes import Function
 from wmrgen.proofs.adjoint import Adjoint
 from wmrgen.proofs.bounds import FunctionBound
@@ -84,7 +84,7 @@ def worst(
     enough: float,
 ) -> float:
     """The largest share that the searches find for ``output``; those for slips alone while it is below ``enough``."""
-    ranges = bound.inputs
+    ranges = bound.inputs | choices(function)
 
     def share(points: Points) -> np.ndarray:
         return shares(function, bound, points)[output]
@@ -118,6 +118,7 @@ def worst(
     if function.name == "forward_slip" and inverse is not None:
         moves, known = inverse
         wide = {n: (30 * lo, 30 * hi) if n in TWIST else (lo, hi) for n, (lo, hi) in known.inputs.items()}
+        wide |= choices(function)
 
         def fit(points: Points) -> Points:
             return rates(moves, ranges, points)

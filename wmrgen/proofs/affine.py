@@ -6,11 +6,12 @@ on the box. ``slack`` bounds what rounding adds to the form along the way, per b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from wmrgen.proofs.arms import Arm, reach
 from wmrgen.proofs.interval import Array, Interval, magnitude
 
 _GROW = 1 + 1e-12  # covers the rounding of the coefficients and of the sum
@@ -31,14 +32,23 @@ class Affine:
     def widened(self, by: Array) -> Affine:
         return Affine(self.terms, self.constant, self.slack + by)
 
-    def range(self, ranges: Sequence[Interval]) -> Interval:
-        """Where the form lies when its atoms lie in ``ranges``."""
+    def range(self, ranges: Sequence[Interval], arms: Mapping[int, Arm]) -> Interval:
+        """Where the form lies when its atoms lie in ``ranges``; those that are ``arms`` of one angle together."""
         lo = hi = np.full_like(self.slack, self.constant)
         size = np.full_like(self.slack, abs(self.constant))
-        for k, c in self.terms.items():
-            a, b = ranges[k]
-            lo, hi = (lo + c * a, hi + c * b) if c > 0 else (lo + c * b, hi + c * a)
-            size = size + abs(c) * magnitude(ranges[k])
+        turning: dict[int, list[int]] = {}
+        for k in self.terms:
+            turning.setdefault(arms[k].angle if k in arms else -1 - k, []).append(k)
+        for together in turning.values():
+            low = high = np.zeros_like(self.slack)
+            for k in together:
+                c, (a, b) = self.terms[k], ranges[k]
+                low, high = (low + c * a, high + c * b) if c > 0 else (low + c * b, high + c * a)
+                size = size + abs(c) * magnitude(ranges[k])
+            most = reach({arms[k]: self.terms[k] for k in together}, ranges) if len(together) > 1 else None
+            if most is not None:
+                low, high = np.maximum(low, -most), np.minimum(high, most)
+            lo, hi = lo + low, hi + high
         room = self.slack * _GROW + size * (_GROW - 1)
         return lo - room, hi + room
 
@@ -63,6 +73,9 @@ def combined(a: Affine, b: Affine, sign: int) -> Affine | None:
     return Affine(terms, a.constant + sign * b.constant, a.slack + b.slack)
 
 
-def overlap(a: Affine, b: Affine) -> bool:
-    """Whether a sum of the two cancels something."""
-    return not a.terms.keys().isdisjoint(b.terms)
+def overlap(a: Affine, b: Affine, arms: Mapping[int, Arm]) -> bool:
+    """Whether the two have an atom in common, or arms of one angle."""
+    if not a.terms.keys().isdisjoint(b.terms):
+        return True
+    angles = {arms[k].angle for k in a.terms if k in arms}
+    return any(k in arms and arms[k].angle in angles for k in b.terms)

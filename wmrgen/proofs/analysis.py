@@ -27,6 +27,7 @@ from wmrgen.proofs import affine as af
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.affine import Affine
+from wmrgen.proofs.arms import arm
 from wmrgen.proofs.circles import Circles
 from wmrgen.proofs.directions import Direction, Shares, directions
 from wmrgen.proofs.interval import Array, Interval
@@ -67,10 +68,12 @@ class Pass:
         form: Format,
         library: Library,
         twice: Collection[int] = (),
+        given: Collection[int] = (),
     ) -> None:
+        """``given``: nodes whose values count as exact."""
         self.results = function.results
         self.nodes, self.inputs, self.form, self.library = function.nodes, inputs, form, library
-        self.twice, self.current = frozenset(twice), 0
+        self.twice, self.exact, self.current = frozenset(twice), frozenset(given), 0
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
         self.result = Analysis(self.boxes)
         self.directions = directions(self.nodes)
@@ -79,6 +82,7 @@ class Pass:
         self.rho: dict[int, Array] = {}
         self.sources: dict[int, int] = {}
         self.forms: list[Affine] = []
+        self.arms = {i: found for i in range(len(self.nodes)) if (found := arm(self.nodes, i)) is not None}
         below = {node.args[1] for node in self.nodes if node.op is Op.DIV}
         self.divisors = {largest_of(self.nodes, k) for k in below}
         self.uses = contracted(self.nodes)
@@ -131,6 +135,8 @@ class Pass:
                 self.result.noise[row + 1 + extra] = noise
             found = iv.widened(found, noise)
             away = None if away is None else away - noise
+        if i in self.exact:
+            slope = None
         form = self._form(i, node)
         if form is None:
             form = af.atom(i, self.boxes)
@@ -152,10 +158,10 @@ class Pass:
 
     def cut(self, value: Interval, op: Op, a: int, b: int, inverse: Interval | None = None) -> Interval:
         """``value``, the range of a op b (a / b with the ``inverse`` of b), as far as linear forms allow it."""
-        if op in (Op.ADD, Op.SUB) and af.overlap(self.forms[a], self.forms[b]):
+        if op in (Op.ADD, Op.SUB) and af.overlap(self.forms[a], self.forms[b], self.arms):
             form = af.combined(self.forms[a], self.forms[b], 1 if op is Op.ADD else -1)
             if form is not None:
-                return iv.meet(value, form.range(self.result.ranges))
+                return iv.meet(value, form.range(self.result.ranges, self.arms))
         return value
 
     def _form(self, i: int, node: Node) -> Affine | None:

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Function, Op
-from wmrgen.proofs.analysis import analyse
+from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.directions import directions
 from wmrgen.proofs.domain import Range
+from wmrgen.proofs.fits import fit_of
 from wmrgen.proofs.interval import Interval
+from wmrgen.proofs.leftover import left_over
 from wmrgen.proofs.patterns import sinc_argument
 from wmrgen.proofs.precision import Format, Library
 from wmrgen.proofs.records import Claim, Outcome
@@ -42,7 +44,8 @@ def _outcome(
     function: Function, boxes: Mapping[str, Interval], form: Format, library: Library, twice: Collection[int]
 ) -> Outcome:
     """Every result on given boxes."""
-    found = analyse(function, boxes, form, library, twice)
+    walk = Pass(function, boxes, form, library, twice)
+    found = walk.run()
     claims = []
     for k in function.results:
         error, over = found.split_error(k)
@@ -50,7 +53,17 @@ def _outcome(
         claims.append(
             Claim(*map(float, (low.min(), high.max(), error.max(), over.max(), found.lengths(k).max())))
         )
+    fit = fit_of(function) if walk.boxes == 1 and _divides(function) and not twice else None
+    if fit is not None:
+        at, more = function.results.index(fit.root), left_over(fit, function, walk)
+        claims[at] = _closer(claims[at], more)
     return Outcome(tuple(claims), tuple((i, what) for i, what, _ in found.alarms))
+
+
+def _closer(a: Claim, b: Claim) -> Claim:
+    """Both claims of one result that depends on no direction."""
+    least, most = float(np.fmin(a.error, b.error)), float(np.fmin(a.high, b.high))
+    return Claim(max(a.low, b.low), most, least, 0.0, 0.0)
 
 
 def _divides(function: Function) -> bool:

@@ -69,32 +69,25 @@ def _stretch(p: Pass, atoms: Sequence[int], matrix: NDArray[np.float64]) -> Arra
 
 
 def _alike(p: Pass, parts: Sequence[tuple[float, int]], atoms: Sequence[int]) -> bool:
-    """Whether something stands in two parts: the same atom, or sine and cosine of one angle."""
-    arms = {_arm(p.nodes, p.nodes[a]) or (a, -1) for a in atoms}
-    return len(arms) < sum(len(p.forms[k].terms) for _, k in parts)
+    """Whether something stands in two parts: the same atom, or arms p cos x and p sin x."""
+    different = {(p.arms[a].p, p.arms[a].angle) if a in p.arms else a for a in atoms}
+    return len(different) < sum(len(p.forms[k].terms) for _, k in parts)
 
 
 def _sizes(p: Pass, atoms: Sequence[int]) -> list[tuple[list[int], Array]]:
     """(places, length) of atoms that belong together: p cos x and p sin x are together no longer than p."""
-    groups: dict[tuple[int, int], list[int]] = {}
+    groups: dict[tuple[int | None, int], list[int]] = {}
+    alone: list[tuple[list[int], Array]] = []
     for j, atom in enumerate(atoms):
-        groups.setdefault(_arm(p.nodes, p.nodes[atom]) or (atom, -2), []).append(j)
-    found = []
-    for (arm, angle), places in groups.items():
-        size = np.ones(p.boxes) if arm < 0 else iv.magnitude(p.range(arm))
-        found.append((places, size if angle == -2 else size * UNIT))
-    return found
-
-
-def _arm(nodes: Sequence[Node], node: Node) -> tuple[int, int] | None:
-    """(p, x) of a product p cos x or p sin x; (-1, x) of a sine or cosine alone."""
-    if node.op in (Op.SIN, Op.COS):
-        return -1, node.args[0]
-    if node.op is Op.MUL:
-        for wave, arm in (node.args, node.args[::-1]):
-            if nodes[wave].op in (Op.SIN, Op.COS):
-                return arm, nodes[wave].args[0]
-    return None
+        if atom in p.arms:
+            groups.setdefault((p.arms[atom].p, p.arms[atom].angle), []).append(j)
+        else:
+            alone.append(([j], iv.magnitude(p.range(atom))))
+    ones = np.ones(p.boxes)
+    return alone + [
+        (places, (ones if arm is None else iv.magnitude(p.range(arm))) * UNIT)
+        for (arm, _), places in groups.items()
+    ]
 
 
 def least_squares(p: Pass, above: int, below: int) -> Array | None:

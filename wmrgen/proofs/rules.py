@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 
 from wmrgen.exact.number import ONE
@@ -23,6 +25,7 @@ from wmrgen.proofs.patterns import (
     size_of,
     terms_below_root,
 )
+from wmrgen.proofs.pieces import turns
 from wmrgen.proofs.precision import constant
 from wmrgen.proofs.records import Value
 
@@ -230,10 +233,19 @@ def _wave(p: Pass, i: int, node: Node) -> Value:
     a = node.args[0]
     x = p.range(a)
     _within(p, i, x, p.library.reach, "rad")
-    sine, cosine = iv.sine(x), iv.cosine(x)
+    sine, cosine = _on_circle(p, a, x)
     value = sine if node.op is Op.SIN else cosine
     slope = sl.times(p.slope(a), cosine if node.op is Op.SIN else iv.negative(sine))
     return Value(value, slope, p.library_noise(node.op, value))
+
+
+def _on_circle(p: Pass, a: int, x: Interval) -> tuple[Interval, Interval]:
+    """Ranges of sine and cosine of node ``a``, which lies in ``x``; piece by piece where it is known to turn by few."""
+    pieces = turns(p, a)
+    if pieces is None:
+        return iv.sine(x), iv.cosine(x)
+    wide = [iv.widened(piece, p.error(a)) for piece in pieces]
+    return reduce(iv.hull, map(iv.sine, wide)), reduce(iv.hull, map(iv.cosine, wide))
 
 
 def _atan2(p: Pass, i: int, node: Node) -> Value:

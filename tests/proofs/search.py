@@ -3,7 +3,8 @@
 Starts, each bred on: points drawn at random; points at which the analysis allows large errors (where a function has
 no directions). For the slip of wheel rates: rates that fit a motion, where it is zero and rounding all there is, also
 those at which the analysis allows large errors. For the slip of a motion: only points where there is some. The best
-points of a slip are bred on by units in the last place alone.
+points of a slip are bred on by units in the last place alone. Sines and arctangents are those of any library that is as
+exact as the proofs want it (`choices`).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tests.proofs.observe import Ranges, bred, choices, draw, lengths, nudged, run
+from tests.proofs.observe import CHOICE, Ranges, bred, choices, draw, lengths, nudged, run
 from wmrgen.ir.nodes import Function
 from wmrgen.proofs.adjoint import Adjoint
 from wmrgen.proofs.bounds import FunctionBound
@@ -145,8 +146,8 @@ def possible(function: Function, points: Points) -> np.ndarray:
 
 
 def commanded(inverse: Function, points: Points) -> Points:
-    """What `inverse` commands."""
-    found = run(inverse, points)
+    """What `inverse` commands; the library of ``points`` is that of another function."""
+    found = run(inverse, {n: v for n, v in points.items() if not n.startswith(CHOICE)})
     return {o.name: found.single[k] for o, k in zip(inverse.outputs, inverse.results, strict=True)}
 
 

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wmrgen.exact.number import ONE
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.residues import PRIME, RESIDUES, Residue
 from wmrgen.proofs.patterns import Term, terms_below_root
@@ -105,7 +106,7 @@ def _quotient(nodes: Sequence[Node], k: int) -> tuple[int, int] | None:
         return above, divisor
     if nodes[k].op is Op.MUL:
         for above, inverse in (nodes[k].args, nodes[k].args[::-1]):
-            if nodes[inverse].op is Op.DIV:
+            if nodes[inverse].op is Op.DIV and nodes[nodes[inverse].args[0]].value == ONE:
                 return above, nodes[inverse].args[1]
     return None
 

@@ -8,7 +8,7 @@ roundings, of A and of R, count where they occur. And what is left is no longer 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,78 +19,43 @@ from wmrgen.ir.prune import places, prune
 from wmrgen.proofs import slopes as sl
 from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.fits import Fit
-from wmrgen.proofs.interval import GROW, Array, magnitude
-from wmrgen.proofs.patterns import Term, terms_below_root
+from wmrgen.proofs.interval import GROW, magnitude
+from wmrgen.proofs.patterns import terms_below_root
 from wmrgen.proofs.records import Claim
+
+_ROUNDED = (Op.ADD, Op.SUB, Op.MUL, Op.DIV)  # by half a unit in the last place of what they give
 
 
 def left_over(fit: Fit, function: Function, whole: Pass) -> Claim:
     """Range and error of |R|, given the walk through the ``whole`` function over one box."""
     with np.errstate(all="ignore"):
         apart = _apart(fit, function, whole)
-        fitted = {name: whole.range(k) for k, name in apart.names.items()}
-        p = Pass(apart.function, {**whole.inputs, **fitted}, whole.form, whole.library, given=apart.given)
-        p.run()
-        root, above, *v = apart.function.results
-        terms = terms_below_root(p.nodes, p.nodes[root].args[0])
-        p.current = root
         off = {d.node: _data_error(d.node, whole) for d in fit.data}
-        rows = [_row_error(t.base, p) for t in terms]
-        given = [
-            sum((off[d.node] * d.column[row] for d in fit.data), np.zeros(1)) for row in range(len(terms))
-        ]
-        own = _length(terms, rows) + _length(terms, given)
-        beside = np.array([p.result.error(k) for k in v])
-        defect = sum((off[d.node] * d.defect for d in fit.data), p.result.error(above))
-        turned = _turned(fit, whole, defect)
-        through = np.hypot(np.sqrt(np.einsum("ib,ij,jb->b", beside, fit.matrix, beside)), turned)
-        # Relative to |R|: the roundings of R, of the sum and of the root. And what may be lost to underflow.
-        unit = (max(t.roundings for t in terms) / 2 + 2) * p.form.unit * (1 + 1e-5)
-        lost = np.sqrt(2 * len(terms) * p.form.tiny)
+        own = _rows(apart) + _given(fit, off)
+        through = float(np.hypot(_beside(fit, apart), _turned(fit, apart, off, whole)))
         longest = _longest(fit, function, whole)
-        ends = [
-            own + (np.hypot(s, through) - s) + unit * (np.hypot(s, through) + own) + lost
-            for s in (np.zeros_like(longest), longest)
-        ]  # convex between
-        error = float(np.maximum(*ends).max() * GROW)
-    return Claim(0.0, float(longest.max()) + error, error, 0.0, 0.0)
-
-
-def _length(terms: Sequence[Term], parts: Sequence[Array]) -> Array:
-    """|R| of the size that its parts have."""
-    return np.asarray(np.sqrt(sum(float(t.factor) * x**2 for t, x in zip(terms, parts, strict=True))) * GROW)
-
-
-def _row_error(k: int, p: Pass) -> Array:
-    """How far a part of R is off but for its last rounding, which is relative to it."""
-    slope = sl.without(p.result.slopes[k], p.sources[k])
-    return sl.weighed(slope, p.result.noise, p.boxes) + p.form.tiny
-
-
-def _data_error(k: int, p: Pass) -> Array:
-    """How far a datum is off. The rounding of a product that may be contracted is left to its uses."""
-    slope = p.result.slopes[k]
-    if k in p.rows:
-        slope = sl.without(slope, p.sources[k])
-    return sl.weighed(slope, p.result.noise, p.boxes)
-
-
-def _turned(fit: Fit, p: Pass, above: Array) -> Array:
-    """sqrt(c D) |dw|, where D dw is no more than the error of N and that of D times w."""
-    low, high = p.range(fit.below)
-    divisor = p.result.error(fit.below)
-    size = above + magnitude(p.range(fit.w)) * divisor
-    rounded = np.sqrt(high) * p.result.noise[p.sources[fit.w]]
-    return np.asarray(np.sqrt(fit.factor) * (size / np.sqrt(low) * (1 + divisor / low) + rounded) * GROW)
+        # Relative to |R|: the roundings of R, of the sum and of the root. And what may be lost to underflow.
+        unit = (max(t.roundings for t in fit.terms) / 2 + 2) * whole.form.unit * (1 + 1e-5)
+        lost = float(np.sqrt(2 * len(fit.terms) * whole.form.tiny))
+        ends = []  # where nothing is left, and where most is: between them the error is convex
+        for size in (0.0, longest):
+            computed = float(np.hypot(size, through))
+            ends.append(own + (computed - size) + unit * (computed + own) + lost)
+        error = float(np.max(ends) * GROW)
+    return Claim(0.0, longest + error, error, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class _Apart:
-    """|R| of any x, N, and v of any w: a function with x, by ``names``, among its inputs, ``given`` data exact."""
+    """The walk through |R| of any x and exact data, N of the same data, and v of any w; where they stand there."""
 
-    function: Function
-    names: dict[int, str]
-    given: frozenset[int]
+    walk: Pass
+    root: int
+    above: int
+    v: tuple[int, ...]
+
+    def error(self, k: int) -> float:
+        return float(self.walk.result.error(k)[0])
 
 
 def _apart(fit: Fit, function: Function, whole: Pass) -> _Apart:
@@ -121,12 +86,58 @@ def _apart(fit: Fit, function: Function, whole: Pass) -> _Apart:
         place.append(len(nodes) - 1)
     wanted = [place[fit.root], place[fit.above], *made]
     where = places(nodes, wanted)
-    kept, results = prune(nodes, wanted)
-    cut = Function(function.name, function.inputs, kept, (), results)
-    return _Apart(cut, names, frozenset(where[k] for k in exact.values() if k in where))
+    kept, (root, above, *v) = prune(nodes, wanted)
+    given = {where[k] for k in exact.values() if k in where}
+    cut = Function(function.name, function.inputs, kept, (), (root, above, *v))
+    inputs = {**whole.inputs, **{name: whole.range(k) for k, name in names.items()}}
+    walk = Pass(cut, inputs, whole.form, whole.library, given=given)
+    walk.run()
+    return _Apart(walk, root, above, tuple(v))
 
 
-def _longest(fit: Fit, function: Function, whole: Pass) -> Array:
+def _data_error(k: int, p: Pass) -> float:
+    """How far a datum is off. The rounding of a product that may be contracted is left to its uses."""
+    slope = p.result.slopes[k]
+    if k in p.rows:
+        slope = sl.without(slope, p.sources[k])
+    return float(sl.weighed(slope, p.result.noise, p.boxes)[0])
+
+
+def _rows(apart: _Apart) -> float:
+    """How far R is off by its own roundings and those of A, but for the last of each part, which is relative to it."""
+    p, total = apart.walk, 0.0
+    for t in terms_below_root(p.nodes, p.nodes[apart.root].args[0]):
+        slope = p.result.slopes[t.base]
+        if p.nodes[t.base].op in _ROUNDED:
+            slope = sl.without(slope, p.sources[t.base])
+        off = float(sl.weighed(slope, p.result.noise, p.boxes)[0]) + p.form.tiny
+        total += float(t.factor) * off**2
+    return float(np.sqrt(total)) * GROW
+
+
+def _given(fit: Fit, off: Mapping[int, float]) -> float:
+    """|b' - b|"""
+    by = sum((d.column * off[d.node] for d in fit.data), np.zeros(len(fit.terms)))
+    return float(np.sqrt(np.dot([float(t.factor) for t in fit.terms], by**2))) * GROW
+
+
+def _beside(fit: Fit, apart: _Apart) -> float:
+    """sqrt(dv M dv), v beside the best for its w."""
+    by = np.array([apart.error(k) for k in apart.v])
+    return float(np.sqrt(by @ fit.matrix @ by)) * GROW
+
+
+def _turned(fit: Fit, apart: _Apart, off: Mapping[int, float], whole: Pass) -> float:
+    """sqrt(c D) |dw|: D dw is no more than the errors of N, with its defects, and of D times w, and w's rounding."""
+    low, high = (float(end[0]) for end in whole.range(fit.below))
+    above = apart.error(apart.above) + sum(off[d.node] * d.defect for d in fit.data)
+    below = float(whole.result.error(fit.below)[0])
+    size = above + float(magnitude(whole.range(fit.w))[0]) * below
+    rounded = float(np.sqrt(high) * whole.result.noise[whole.sources[fit.w]][0])
+    return float(np.sqrt(fit.factor) * (size / np.sqrt(low) * (1 + below / low) + rounded) * GROW)
+
+
+def _longest(fit: Fit, function: Function, whole: Pass) -> float:
     """Upper bound of |b|: |R| where x is zero."""
     builder, place = Builder(), list[int]()
     for i, node in enumerate(function.nodes[: fit.root + 1]):
@@ -134,4 +145,4 @@ def _longest(fit: Fit, function: Function, whole: Pass) -> Array:
         place.append(builder.const(0) if i in (*fit.v, fit.w) else builder.copy(node, args))
     nodes, (root,) = prune(builder.nodes, [place[fit.root]])
     alone = Function(function.name, function.inputs, nodes, (), (root,))
-    return Pass(alone, whole.inputs, whole.form, whole.library).run().ranges[root][1]
+    return float(Pass(alone, whole.inputs, whole.form, whole.library).run().ranges[root][1][0])

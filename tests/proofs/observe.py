@@ -17,7 +17,7 @@ EXACT = {
     "sqrt": np.sqrt, "min": np.minimum, "max": np.maximum, "sin": np.sin, "cos": np.cos, "atan": np.arctan,
     "atan2": np.arctan2,
 }  # fmt: skip
-CHOICE = "library "  # and the number of a node: which of two floats the library gives there
+CHOICE = "library "  # and the number of a node: the input that chooses what the library gives there
 LIBRARY = ("sin", "cos", "atan", "atan2")  # as inexact as proofs allow them to be
 
 
@@ -123,7 +123,7 @@ def _below(function: Function, result: int) -> set[int]:
 
 
 def choices(function: Function) -> dict[str, tuple[float, float]]:
-    """Any library that is as exact as proofs want it: an input per result that it has."""
+    """Inputs that choose, for each result of the library, between the two floats around what is exact."""
     return {f"{CHOICE}{i}": (-1.0, 1.0) for i, n in enumerate(function.nodes) if n.op in LIBRARY}
 
 

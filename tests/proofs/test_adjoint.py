@@ -10,7 +10,7 @@ from tests.proofs.observe import draw, run
 from wmrgen.ir.nodes import Op
 from wmrgen.proofs import multiples as mu
 from wmrgen.proofs.adjoint import Adjoint
-from wmrgen.proofs.analysis import analyse
+from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.boxes import analysed
 from wmrgen.proofs.interval import Interval
 from wmrgen.proofs.outcomes import Outcomes
@@ -66,7 +66,7 @@ def test_backwards_and_forwards_agree_at_points(name: str) -> None:
     for f, b in proved(name).pairs:
         if f.name == "forward":
             points = {n: (v.astype(float), v.astype(float)) for n, v in draw(b.inputs, 200, 4).items()}
-            forwards = analyse(f, points, SINGLE, LIBM)
+            forwards = Pass(f, points, SINGLE, LIBM).run()
             walk = Adjoint(f, points, SINGLE, LIBM)
             walk.run()
             backwards = walk.errors(f.results)
@@ -81,7 +81,7 @@ def test_lengths_enclose_the_divisor(name: str) -> None:
         if f.name == "forward":
             (divisor,) = {n.args[1] for n in f.nodes if n.op is Op.DIV}
             whole = {n: (np.array([lo]), np.array([hi])) for n, (lo, hi) in b.inputs.items()}
-            lo, hi = analyse(f, whole, SINGLE, LIBM).ranges[divisor]
+            lo, hi = Pass(f, whole, SINGLE, LIBM).run().ranges[divisor]
             seen = run(f, draw(b.inputs, 5000, 2)).exact[divisor]
             assert lo[0] <= seen.min() <= 1.1 * lo[0]
             assert seen.max() <= hi[0] <= 1.1 * seen.max()

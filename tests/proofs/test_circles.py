@@ -66,7 +66,7 @@ def test_fits_of_castors_are_known(name: str) -> None:
             assert most is not None
             seen = float(np.abs(exact[above] / exact[below]).max())
             plain = float(iv.magnitude(walk.range(above))[0]) / lo
-            assert seen <= float(most[0]) < 0.85 * plain  # sums know arms of one angle, too
+            assert seen <= float(most[0]) < 0.85 * plain
 
 
 @pytest.mark.parametrize("count", [1, 2, 4])

@@ -98,7 +98,7 @@ RESIDUES = Arithmetic(
         Op.NEG: _neg,
         Op.ABS: lambda a: _neg(a) if a.r and a.size < 0 else a,
         Op.MIN: lambda a, b: a if _less(a, b) else b,
-        Op.MAX: lambda a, b: b if _less(b, a) else a,
+        Op.MAX: lambda a, b: b if _less(a, b) else a,
         Op.SQRT: _SQRT,
         Op.SIN: _odd(_SIN),
         Op.COS: _cos,

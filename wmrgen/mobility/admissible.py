@@ -124,6 +124,21 @@ def _planes(form: Array) -> list[Array]:
     return []
 
 
+def _apex(form: Array) -> Array | None:
+    """The line on which a semidefinite ternary form of rank 2 is zero; None of another form."""
+    values, vectors = np.linalg.eigh(form)
+    order = np.argsort(np.abs(values))
+    least, first, second = values[order]
+    if abs(least) <= 1e-9 * abs(second) < abs(first) and first * second > 0:
+        return _oriented(vectors[:, order[0]])
+    return None
+
+
+def _proportional(f: Array, g: Array) -> bool:
+    f, g = f / np.linalg.norm(f), g / np.linalg.norm(g)
+    return bool(min(np.abs(f - g).max(), np.abs(f + g).max()) < 1e-9)
+
+
 def _oriented(v: Array) -> Array:
     """The vector or its opposite: the first clearly non-zero entry is positive."""
     lead = next(float(c) for c in v if abs(c) > 1e-6)
@@ -137,16 +152,16 @@ def _on_plane(form: Array, normal: Array) -> Array:
 
 def _ternary(forms: list[Array], linear: Callable[[Array], Component], null: Array) -> list[Component]:
     first = forms[0]
-    proportional = all(
-        np.abs(f / np.linalg.norm(f) - first / np.linalg.norm(first)).max() < 1e-9
-        or np.abs(f / np.linalg.norm(f) + first / np.linalg.norm(first)).max() < 1e-9
-        for f in forms
-    )
+    apex = _apex(first)
+    if apex is not None:
+        zero = all(abs(apex @ f @ apex) < 1e-7 * np.abs(f).max() for f in forms)
+        return [linear(apex[None, :])] if zero else []
+    proportional = all(_proportional(f, first) for f in forms)
     planes = _planes(first)
     if not planes and proportional:
         return _conic(first, null)
     if not planes:
-        other = next(f for f in forms if np.linalg.matrix_rank(np.stack([f.ravel(), first.ravel()])) == 2)
+        other = next(f for f in forms if not _proportional(f, first))
         roots = np.roots(np.poly(np.linalg.solve(first, other)))
         planes = [n for r in roots if abs(r.imag) < 1e-9 for n in _planes(other - r.real * first)]
     found: list[Component] = []

@@ -38,14 +38,14 @@ class Affine:
         size = np.full_like(self.slack, abs(self.constant))
         turning: dict[int, list[int]] = {}
         for k in self.terms:
-            turning.setdefault(arms[k].angle if k in arms else -1 - k, []).append(k)
+            turning.setdefault(arms[k].angle if k in arms else -1 - k, []).append(k)  # -1 - k: by itself
         for together in turning.values():
             low = high = np.zeros_like(self.slack)
             for k in together:
                 c, (a, b) = self.terms[k], ranges[k]
                 low, high = (low + c * a, high + c * b) if c > 0 else (low + c * b, high + c * a)
                 size = size + abs(c) * magnitude(ranges[k])
-            most = reach({arms[k]: self.terms[k] for k in together}, ranges) if len(together) > 1 else None
+            most = reach([(arms[k], self.terms[k]) for k in together], ranges) if len(together) > 1 else None
             if most is not None:
                 low, high = np.maximum(low, -most), np.minimum(high, most)
             lo, hi = lo + low, hi + high
@@ -74,7 +74,7 @@ def combined(a: Affine, b: Affine, sign: int) -> Affine | None:
 
 
 def overlap(a: Affine, b: Affine, arms: Mapping[int, Arm]) -> bool:
-    """Whether the two have an atom in common, or arms of one angle."""
+    """Whether the two have an atom in common, or arms of one angle: then their sum knows more than their ranges."""
     if not a.terms.keys().isdisjoint(b.terms):
         return True
     angles = {arms[k].angle for k in a.terms if k in arms}

@@ -44,22 +44,12 @@ _LINEAR = frozenset({Op.ADD, Op.SUB, Op.NEG, Op.MUL, Op.CONST})
 Rule = Callable[["Pass", int, Node], Value]
 
 
-def analyse(
-    function: Function,
-    inputs: Mapping[str, Interval],
-    form: Format,
-    library: Library,
-    twice: Collection[int] = (),
-) -> Analysis:
-    """Every node on every box; ``inputs``: (lo, hi) arrays by input name, one entry per box.
-
-    ``twice``: sums that the code rounds once more than they stand here.
-    """
-    return Pass(function, inputs, form, library, twice).run()
-
-
 class Pass:
-    """One walk through the node list. The rules of the operations stand in `wmrgen.proofs.rules`."""
+    """One walk through the node list. The rules of the operations stand in `wmrgen.proofs.rules`.
+
+    ``inputs``: (lo, hi) arrays by input name, one entry per box. ``twice``: sums that the code rounds once more than
+    they stand here. ``given``: nodes whose values count as exact.
+    """
 
     def __init__(
         self,
@@ -70,10 +60,9 @@ class Pass:
         twice: Collection[int] = (),
         given: Collection[int] = (),
     ) -> None:
-        """``given``: nodes whose values count as exact."""
         self.results = function.results
         self.nodes, self.inputs, self.form, self.library = function.nodes, inputs, form, library
-        self.twice, self.exact, self.current = frozenset(twice), frozenset(given), 0
+        self.twice, self.given, self.current = frozenset(twice), frozenset(given), 0
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
         self.result = Analysis(self.boxes)
         self.directions = directions(self.nodes)
@@ -135,7 +124,7 @@ class Pass:
                 self.result.noise[row + 1 + extra] = noise
             found = iv.widened(found, noise)
             away = None if away is None else away - noise
-        if i in self.exact:
+        if i in self.given:
             slope = None
         form = self._form(i, node)
         if form is None:

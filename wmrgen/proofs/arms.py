@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from wmrgen.ir.nodes import Node, Op
-from wmrgen.proofs.circles import UNIT
-from wmrgen.proofs.interval import GROW, Array, Interval, magnitude
+from wmrgen.proofs.interval import Array, Interval, magnitude
 
-_MOST = 3  # arms of one angle
+_MOST = 3  # different p in one sum
+_UNIT = (
+    1 + 1e-6
+)  # of arms as computed: sines and cosines are within 3 * 2**-24 of a circle, products within a rounding
 
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """The node is ``p`` (None: 1) times the sine or cosine (``wave``) of node ``angle``."""
+    """The node is the sine or cosine (``wave``) of node ``angle``, times node ``p`` unless that is None."""
 
     p: int | None
     wave: Op
@@ -36,20 +38,22 @@ def arm(nodes: Sequence[Node], i: int) -> Arm | None:
     return None
 
 
-def reach(terms: Mapping[Arm, float], ranges: Sequence[Interval]) -> Array | None:
-    """Upper bound of |sum of c times arm| over arms of one angle; None where plain sums are no worse.
+def reach(terms: Sequence[tuple[Arm, float]], ranges: Sequence[Interval]) -> Array | None:
+    """Upper bound of |sum of c times arm| over arms of one angle: |a cos x + b sin x| is no more than |(a, b)|.
 
-    It is |a cos x + b sin x|, a and b sums of the p, and so no more than the length of (a, b).
+    That length is convex in every p, so greatest where each is at plus or minus its largest value. None of sines
+    alone, of cosines alone, of many p, and where nodes repeat: their roundings differ.
     """
-    ps = list(dict.fromkeys(a.p for a in terms))
-    if len({a.wave for a in terms}) < 2 or len(ps) > _MOST:
+    ps = list(dict.fromkeys(a.p for a, _ in terms))
+    alike = len({a for a, _ in terms}) < len(terms)
+    if len({a.wave for a, _ in terms}) < 2 or len(ps) > _MOST or alike:
         return None
     found = np.zeros(1)
     for signs in product((1.0, -1.0), repeat=len(ps) - 1):
         sign = dict(zip(ps, (1.0, *signs), strict=True))
         sums = {Op.COS: np.zeros(1), Op.SIN: np.zeros(1)}
-        for a, c in terms.items():
+        for a, c in terms:
             size = np.ones(1) if a.p is None else magnitude(ranges[a.p])
             sums[a.wave] = sums[a.wave] + sign[a.p] * c * size
         found = np.maximum(found, np.hypot(sums[Op.COS], sums[Op.SIN]))
-    return np.asarray(found * UNIT * GROW)
+    return np.asarray(found * _UNIT)

@@ -53,17 +53,20 @@ def _outcome(
         claims.append(
             Claim(*map(float, (low.min(), high.max(), error.max(), over.max(), found.lengths(k).max())))
         )
-    fit = fit_of(function) if walk.boxes == 1 and _divides(function) and not twice else None
-    if fit is not None:
-        at, more = function.results.index(fit.root), left_over(fit, function, walk)
-        claims[at] = _closer(claims[at], more)
+    if (
+        walk.boxes == 1 and not twice and _divides(function)
+    ):  # more boxes have bounds of their own, nearly sharp
+        fit = fit_of(function)
+        if fit is not None:
+            at = function.results.index(fit.root)
+            claims[at] = _closer(claims[at], left_over(fit, function, walk))
     return Outcome(tuple(claims), tuple((i, what) for i, what, _ in found.alarms))
 
 
 def _closer(a: Claim, b: Claim) -> Claim:
-    """Both claims of one result that depends on no direction."""
-    least, most = float(np.fmin(a.error, b.error)), float(np.fmin(a.high, b.high))
-    return Claim(max(a.low, b.low), most, least, 0.0, 0.0)
+    """Both claims of one result, which depends on no direction."""
+    error, high = float(np.fmin(a.error, b.error)), float(np.fmin(a.high, b.high))
+    return Claim(max(a.low, b.low), high, error, 0.0, 0.0)
 
 
 def _divides(function: Function) -> bool:

@@ -134,7 +134,9 @@ class Circles:
     def off(self) -> float:
         """How far the square of a sine or cosine may be off."""
         if self._off is None:
-            noise = max(float(self.p.result.noise[self.p.sources[k]].max()) for k in self.angle)
+            noise = max(
+                (float(self.p.result.noise[self.p.sources[k]].max()) for k in self.angle), default=0.0
+            )
             self._off = 2 * noise + noise * noise + ROUND
         return self._off
 

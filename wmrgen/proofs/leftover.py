@@ -1,9 +1,13 @@
 """Bounds of what a fit leaves: the slip |R|, R = b - A x at the x that makes it least (see `wmrgen.proofs.fits`).
 
-Let b' be the data that the float program has, with A still exact. What is left of b' differs from what is left of b by
-|b' - b| at most: errors of data count as they stand, not as they come back through x. The x of the float program is not
-the best for b' and A. That counts by what it adds at right angles, and only where nothing else is left. All other
-roundings, of A and of R, count where they occur. And what is left is no longer than b.
+Let b' be the data that the float program has, A still exact, and s' what is left of b'. The float program's x is not
+the best for b' and A but off by dv, given its w, and by dw: it leaves hypot(s', sqrt(dv M dv + c D dw^2)). To that come
+the roundings of A and of R; and s' differs from s by |b' - b| at most. Errors of data so count as they stand, not as
+they come back through x, and those of x in full only where s = 0. With t the second leg, the result is off by at most
+
+    roundings + |b' - b| + hypot(s, t) - s, and what is relative to it.
+
+And what is left is no longer than b.
 """
 
 from __future__ import annotations
@@ -29,29 +33,50 @@ _ROUNDED = (Op.ADD, Op.SUB, Op.MUL, Op.DIV)  # by half a unit in the last place 
 def left_over(fit: Fit, function: Function, whole: Pass) -> Claim:
     """Range and error of |R|, given the walk through the ``whole`` function over one box."""
     with np.errstate(all="ignore"):
-        apart = _apart(fit, function, whole)
-        off = {d.node: _data_error(d.node, whole) for d in fit.data}
-        own = _rows(apart) + _given(fit, off)
-        through = float(np.hypot(_beside(fit, apart), _turned(fit, apart, off, whole)))
-        longest = _longest(fit, function, whole)
-        # Relative to |R|: the roundings of R, of the sum and of the root. And what may be lost to underflow.
-        unit = (max(t.roundings for t in fit.terms) / 2 + 2) * whole.form.unit * (1 + 1e-5)
+        parts = parts_of(fit, function, whole)
+        # Relative to |R|: the roundings of its parts, of the sum and of the root. And what may be lost to underflow.
+        relative = (max(t.roundings for t in fit.terms) / 2 + 2) * whole.form.unit * (1 + 1e-5)
         lost = float(np.sqrt(2 * len(fit.terms) * whole.form.tiny))
-        ends = []  # where nothing is left, and where most is: between them the error is convex
-        for size in (0.0, longest):
-            computed = float(np.hypot(size, through))
-            ends.append(own + (computed - size) + unit * (computed + own) + lost)
-        error = float(np.max(ends) * GROW)
-    return Claim(0.0, longest + error, error, 0.0, 0.0)
+        own, through = parts.rows + parts.data, float(np.hypot(parts.beside, parts.turned))
+        errors = []  # where nothing is left, and where most is: the error is convex between them
+        for left in (0.0, parts.longest):
+            computed = float(np.hypot(left, through))
+            errors.append(own + (computed - left) + relative * (computed + own) + lost)
+        error = float(np.max(errors) * GROW)
+    return Claim(0.0, parts.longest + error, error, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """``rows``: roundings of A and R. ``data``: |b' - b|. ``beside``, ``turned``: the roots of dv M dv and c D dw^2.
+
+    ``longest``: |b|.
+    """
+
+    rows: float
+    data: float
+    beside: float
+    turned: float
+    longest: float
+
+
+def parts_of(fit: Fit, function: Function, whole: Pass) -> Parts:
+    """Upper bounds of what the error is made of."""
+    apart = _apart(fit, function, whole)
+    off = {d.node: _data_error(d.node, whole) for d in fit.data}
+    return Parts(
+        _rows(apart) + _uneven(fit, whole), _data(fit, off), _beside(fit, apart), _turned(fit, apart, off, whole),
+        _longest(fit, function, whole),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class _Apart:
-    """The walk through |R| of any x and exact data, N of the same data, and v of any w; where they stand there."""
+    """A walk through |R| of any x and exact data, N of the same data, and v of any w: their nodes there."""
 
     walk: Pass
     root: int
-    above: int
+    dividend: int
     v: tuple[int, ...]
 
     def error(self, k: int) -> float:
@@ -59,40 +84,45 @@ class _Apart:
 
 
 def _apart(fit: Fit, function: Function, whole: Pass) -> _Apart:
+    """``function`` taken apart: x is an input of |R|, w of v; data count as exact, products of them by their factors.
+
+    A product may be contracted with each sum that it stands in: what is common to its uses are its factors alone.
+    """
     names = {k: f"fitted {k}" for k in (*fit.v, fit.w)}
     data = {d.node for d in fit.data}
     nodes: list[Node] = []
     place: list[int] = []
-    made: list[int] = []
-    exact: dict[int, int] = {}
+    computed: list[int] = []
+    exact: list[int] = []
+    factors: dict[int, int] = {}
+
+    def made(node: Node, args: list[int]) -> int:
+        nodes.append(Node(node.op, tuple(args), node.value, node.name))
+        return len(nodes) - 1
+
     for i, node in enumerate(function.nodes):
         args = [place[k] for k in node.args]
-        if (
-            i in data and i in whole.rows
-        ):  # a product that may be contracted: its factors are exact, here alone
+        if i in data and i in whole.rows:
             for k in node.args:
-                if k not in exact:
-                    same = function.nodes[k]
-                    nodes.append(Node(same.op, tuple(place[a] for a in same.args), same.value, same.name))
-                    exact[k] = len(nodes) - 1
-            args = [exact[k] for k in node.args]
-        nodes.append(Node(node.op, tuple(args), node.value, node.name))
+                if k not in factors:
+                    factors[k] = made(function.nodes[k], [place[a] for a in function.nodes[k].args])
+            args = [factors[k] for k in node.args]
+        place.append(made(node, args))
         if i in data and i not in whole.rows:
-            exact[i] = len(nodes) - 1
+            exact.append(place[i])
         if i in fit.v:
-            made.append(len(nodes) - 1)
+            computed.append(place[i])
         if i in names:
-            nodes.append(Node(Op.INPUT, name=names[i]))
-        place.append(len(nodes) - 1)
-    wanted = [place[fit.root], place[fit.above], *made]
+            place[i] = made(Node(Op.INPUT, name=names[i]), [])
+    wanted = [place[fit.root], place[fit.dividend], *computed]
     where = places(nodes, wanted)
-    kept, (root, above, *v) = prune(nodes, wanted)
-    given = {where[k] for k in exact.values() if k in where}
-    cut = Function(function.name, function.inputs, kept, (), (root, above, *v))
+    kept, (root, dividend, *v) = prune(nodes, wanted)
+    given = {where[k] for k in (*exact, *factors.values()) if k in where}
+    cut = Function(function.name, function.inputs, kept, (), (root, dividend, *v))
     inputs = {**whole.inputs, **{name: whole.range(k) for k, name in names.items()}}
     walk = Pass(cut, inputs, whole.form, whole.library, given=given)
     walk.run()
-    return _Apart(walk, root, above, tuple(v))
+    return _Apart(walk, root, dividend, tuple(v))
 
 
 def _data_error(k: int, p: Pass) -> float:
@@ -115,7 +145,18 @@ def _rows(apart: _Apart) -> float:
     return float(np.sqrt(total)) * GROW
 
 
-def _given(fit: Fit, off: Mapping[int, float]) -> float:
+def _uneven(fit: Fit, p: Pass) -> float:
+    """What it adds that a product among x may be rounded in one of its uses and not in another."""
+
+    def rounding(k: int) -> float:
+        return float(p.result.noise[p.sources[k]][0]) if k in p.rows else 0.0
+
+    by = np.array([rounding(k) for k in fit.v])
+    high = float(p.range(fit.divisor)[1][0])
+    return float(np.sqrt(by @ fit.matrix @ by) + np.sqrt(fit.factor * high) * rounding(fit.w)) * GROW
+
+
+def _data(fit: Fit, off: Mapping[int, float]) -> float:
     """|b' - b|"""
     by = sum((d.column * off[d.node] for d in fit.data), np.zeros(len(fit.terms)))
     return float(np.sqrt(np.dot([float(t.factor) for t in fit.terms], by**2))) * GROW
@@ -129,12 +170,12 @@ def _beside(fit: Fit, apart: _Apart) -> float:
 
 def _turned(fit: Fit, apart: _Apart, off: Mapping[int, float], whole: Pass) -> float:
     """sqrt(c D) |dw|: D dw is no more than the errors of N, with its defects, and of D times w, and w's rounding."""
-    low, high = (float(end[0]) for end in whole.range(fit.below))
-    above = apart.error(apart.above) + sum(off[d.node] * d.defect for d in fit.data)
-    below = float(whole.result.error(fit.below)[0])
-    size = above + float(magnitude(whole.range(fit.w))[0]) * below
+    low, high = (float(end[0]) for end in whole.range(fit.divisor))
+    dividend = apart.error(apart.dividend) + sum(off[d.node] * d.defect for d in fit.data)
+    divisor = float(whole.result.error(fit.divisor)[0])
+    size = dividend + float(magnitude(whole.range(fit.w))[0]) * divisor
     rounded = float(np.sqrt(high) * whole.result.noise[whole.sources[fit.w]][0])
-    return float(np.sqrt(fit.factor) * (size / np.sqrt(low) * (1 + below / low) + rounded) * GROW)
+    return float(np.sqrt(fit.factor) * (size / np.sqrt(low) * (1 + divisor / low) + rounded) * GROW)
 
 
 def _longest(fit: Fit, function: Function, whole: Pass) -> float:

@@ -59,8 +59,9 @@ def _stretch(p: Pass, atoms: Sequence[int], matrix: NDArray[np.float64]) -> Arra
     total = np.zeros(p.boxes)
     for columns, size in sizes:
         most = float(size.max())
-        if most > 0:
-            weight = np.sqrt(np.linalg.norm(matrix[:, columns]) / most)
+        length = float(np.linalg.norm(matrix[:, columns]))
+        if most > 0 and length > 0:
+            weight = np.sqrt(length / most)
             matrix[:, columns] /= weight
             total = total + (weight * size) ** 2
         else:
@@ -85,8 +86,8 @@ def _sizes(p: Pass, atoms: Sequence[int]) -> list[tuple[list[int], Array]]:
             alone.append(([j], iv.magnitude(p.range(atom))))
     ones = np.ones(p.boxes)
     return alone + [
-        (places, (ones if arm is None else iv.magnitude(p.range(arm))) * UNIT)
-        for (arm, _), places in groups.items()
+        (places, (ones if factor is None else iv.magnitude(p.range(factor))) * UNIT)
+        for (factor, _), places in groups.items()
     ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from wmrgen.exact.number import ONE, Exact
@@ -172,19 +172,27 @@ def nearest_turn(nodes: Sequence[Node], node: Node) -> tuple[Exact, int, int, in
     return steps[0], x, difference.args[1], r
 
 
-def rotation(nodes: Sequence[Node], node: Node) -> tuple[int, int] | None:
-    """(p, q) of p cos(x) +- q sin(x)."""
-    found: dict[Op, tuple[int, int]] = {}
-    for k in node.args:
-        if nodes[k].op is not Op.MUL:
-            return None
-        for wave, arm in (nodes[k].args, nodes[k].args[::-1]):
-            if nodes[wave].op in (Op.SIN, Op.COS):
-                found[nodes[wave].op] = nodes[wave].args[0], arm
-                break
-    if len(found) < 2 or found[Op.SIN][0] != found[Op.COS][0]:
-        return None
-    return found[Op.COS][1], found[Op.SIN][1]
+def cone(nodes: Sequence[Node], roots: Collection[int], stop: Collection[int] = ()) -> set[int]:
+    """Nodes that ``roots`` need, up to those of ``stop``."""
+    found, stack = set[int](), list(roots)
+    while stack:
+        k = stack.pop()
+        if k not in found:
+            found.add(k)
+            stack += () if k in stop else nodes[k].args
+    return found
+
+
+def quotient(nodes: Sequence[Node], k: int) -> tuple[int, int] | None:
+    """(N, D) of N / D, or of N (1/D)."""
+    if nodes[k].op is Op.DIV:
+        dividend, divisor = nodes[k].args
+        return dividend, divisor
+    if nodes[k].op is Op.MUL:
+        for dividend, inverse in (nodes[k].args, nodes[k].args[::-1]):
+            if nodes[inverse].op is Op.DIV and nodes[nodes[inverse].args[0]].value == ONE:
+                return dividend, nodes[inverse].args[1]
+    return None
 
 
 def contracted(nodes: Sequence[Node]) -> dict[int, int]:

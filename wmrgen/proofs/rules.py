@@ -20,7 +20,6 @@ from wmrgen.proofs.patterns import (
     extremum,
     nearest_turn,
     parity,
-    rotation,
     sinc_argument,
     size_of,
     terms_below_root,
@@ -50,10 +49,6 @@ def _sum(p: Pass, i: int, node: Node) -> Value:
         return Value((np.full(p.boxes, -1.0), np.full(p.boxes, 1.0)))
     value = p.cut((iv.plus if sign > 0 else iv.minus)(p.range(a), p.range(b)), node.op, a, b)
     slope = p.sum_slope(a, b, sign)
-    arms = rotation(p.nodes, node)
-    if arms is not None:
-        most = np.hypot(*(iv.magnitude(p.range(k)) for k in arms)) * (1 + 1e-6)
-        value = iv.meet(value, (-most, most))
     rest = left(p, node, value)
     if rest is not None:
         value, slope = rest
@@ -233,18 +228,18 @@ def _wave(p: Pass, i: int, node: Node) -> Value:
     a = node.args[0]
     x = p.range(a)
     _within(p, i, x, p.library.reach, "rad")
-    sine, cosine = _on_circle(p, a, x)
+    sine, cosine = _sine_and_cosine(p, a, x)
     value = sine if node.op is Op.SIN else cosine
     slope = sl.times(p.slope(a), cosine if node.op is Op.SIN else iv.negative(sine))
     return Value(value, slope, p.library_noise(node.op, value))
 
 
-def _on_circle(p: Pass, a: int, x: Interval) -> tuple[Interval, Interval]:
-    """Ranges of sine and cosine of node ``a``, which lies in ``x``; piece by piece where it is known to turn by few."""
+def _sine_and_cosine(p: Pass, a: int, x: Interval) -> tuple[Interval, Interval]:
+    """Ranges of sine and cosine of node ``a``, which lies in ``x``; of each piece apart where it lies in some."""
     pieces = turns(p, a)
     if pieces is None:
         return iv.sine(x), iv.cosine(x)
-    wide = [iv.widened(piece, p.error(a)) for piece in pieces]
+    wide = [iv.widened(piece, p.error(a)) for piece in pieces]  # as computed, and as the formula has it
     return reduce(iv.hull, map(iv.sine, wide)), reduce(iv.hull, map(iv.cosine, wide))
 
 

@@ -1,0 +1,141 @@
+"""What random robots and functions showed: crashes of proofs and of mobility, and bounds that did not hold."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wmrgen
+from tests.proofs.gallery import LIBM_C
+from tests.proofs.observe import choices, draw
+from tests.proofs.search import shares
+from wmrgen.ir.build import Builder
+from wmrgen.ir.nodes import Function, Op, Port, Role
+from wmrgen.mobility.admissible import components
+from wmrgen.proofs.analysis import Pass
+from wmrgen.proofs.bounds import functions
+from wmrgen.proofs.boxes import analysed
+from wmrgen.proofs.fits import fit_of
+from wmrgen.proofs.precision import LIBM, SINGLE
+
+ROBOTS = {
+    # (vx, vy) are no part of the residual, omega alone is.
+    "castors anywhere": """
+  - {name: a, type: castor, x: 0.5, y: 0.5, heading: 0, d: -0.1, r: 0.1, actuated: [spin, steer]}
+  - {name: b, type: castor, x: -0.3, y: 0.1, heading: 0, d: 0.1, r: 0.1, actuated: [spin, steer]}
+  - {name: c, type: castor, x: 0.1, y: -0.3, heading: 0, d: 0.05, r: 0.1, actuated: [spin, steer]}
+limits: {vx: 1, omega: 1}
+""",
+    # A quotient, and no sine.
+    "one wheel, hardly steered": """
+  - {name: a, type: steered, x: 0.4, y: 0.3, heading: pi, r: 0.1}
+limits: {vx: 1, omega: 1, steer_rate: 5, steer: [-0.01, 0.01]}
+""",
+}
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_bounds_are_found_and_hold(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text(f"wmrgen: 1\nname: robot\nwheels:{ROBOTS[name]}", encoding="utf-8")
+    derivation = wmrgen.derive(wmrgen.load(path))
+    printed = {f.name: f for f in functions(derivation.c_module)}
+    found = [b for b in derivation.bounds_of(LIBM_C).functions if not b.unknown and b.inputs]
+    assert found
+    for bound in found:
+        function = printed[bound.name]
+        points = draw(bound.inputs | choices(function), 3000, 1)
+        for output, share in shares(function, bound, points).items():
+            assert share.max() <= 1, f"{bound.name}: {output}"
+
+
+def test_wheels_that_only_one_motion_suits(tmp_path: Path) -> None:
+    """Both wheels at P, of one speed and different radii: the rim speeds agree where P stands still."""
+    path = tmp_path / "robot.yaml"
+    wheels = [f"{{name: {n}, type: steered, x: 0, y: 0, heading: {h}, r: {r}}}" for n, h, r in
+              (("a", 0, 0.17), ("b", 0.7, 0.16))]  # fmt: skip
+    listed = "\n  - ".join(wheels)
+    path.write_text(
+        f"wmrgen: 1\nname: robot\nwheels:\n  - {listed}\ncouplings:\n  - equal: [a.spin, b.spin]\n",
+        encoding="utf-8",
+    )
+    assert wmrgen.derive(wmrgen.load(path)).mobility.degree_of_mobility == 1
+
+
+def test_semidefinite_forms_vanish_on_a_line() -> None:
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    first, second, other = (
+        turn @ np.diag(d) @ turn.T for d in ((2.0, 1.0, 0.0), (1.0, 3.0, 0.0), (1.0, 1.0, 1.0))
+    )
+    for forms in ([first], [first, second], [-first, first]):
+        (line,) = components(np.eye(3), forms)
+        assert line.dimension == 1 and np.abs(np.cross(line.sample, turn[:, 2])).max() < 1e-9
+    assert components(np.eye(3), [first, other]) == []
+
+
+def _inputs(*names: str) -> tuple[Builder, dict[str, int], tuple[Port, ...]]:
+    b = Builder()
+    return b, {n: b.input(n) for n in names}, tuple(Port(n, Role.COMMAND, "1", "an input") for n in names)
+
+
+def _seen(function: Function, ranges: dict[str, tuple[float, float]]) -> Pass:
+    walk = Pass(
+        function, {n: (np.array([lo]), np.array([hi])) for n, (lo, hi) in ranges.items()}, SINGLE, LIBM
+    )
+    walk.run()
+    return walk
+
+
+def test_what_cancels_in_every_part_of_a_length_counts_nothing() -> None:
+    b, at, ports = _inputs("x", "y", "z")
+    part = b.make(Op.SUB, [b.make(Op.ADD, [at["x"], at["y"]]), at["x"]])
+    f = b.function(
+        "length", ports, ports[:1], [b.sqrt(b.add(b.square(part), b.square(b.add(at["y"], at["z"]))))]
+    )
+    ranges = dict.fromkeys(at, (-1.0, 1.0))
+    (claim,) = analysed(f, ranges, SINGLE, LIBM).claims
+    assert 5**0.5 <= claim.high < 5**0.5 + 0.7
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_only_what_the_formula_says_is_a_fit(cut: bool) -> None:
+    """Two rows p y1 - cos(a) w and p y2 - sin(b) w, w their quotient; with w cut off in the rows it is no fit."""
+    b, at, ports = _inputs("p", "y1", "y2", "a", "b")
+    c, s = b.cos(at["a"]), b.sin(at["b"])
+    above = b.mul(at["p"], b.add(b.mul(c, at["y1"]), b.mul(s, at["y2"])))
+    w = b.div(above, b.add(b.square(c), b.square(s)))
+    used = b.min(w, b.const(1)) if cut else w
+    rows = [b.sub(b.mul(at["p"], at[y]), b.mul(x, used)) for y, x in (("y1", c), ("y2", s))]
+    root = b.sqrt(b.add(*map(b.square, rows)))
+    f = b.function("fit", ports, ports[:2], [w, root])
+    assert (fit_of(f) is None) == cut
+
+
+def test_arms_that_repeat_are_counted_apart() -> None:
+    """3 sin a + cos a + sin a, the sine twice in the list of nodes."""
+    b, at, ports = _inputs("a")
+    s, c = b.sin(at["a"]), b.cos(at["a"])
+    b.nodes.append(b.nodes[s])
+    again = len(b.nodes) - 1
+    total = b.make(Op.ADD, [b.make(Op.ADD, [b.mul(b.const(3), s), c]), again])
+    f = b.function("sum", ports, ports, [total])
+    assert float(_seen(f, {"a": (-3.2, 3.2)}).range(f.results[0])[1][0]) >= 17**0.5
+
+
+@pytest.mark.parametrize("size", [3, 3000, 30000])
+def test_choices_between_large_numbers_keep_their_room(size: int) -> None:
+    """5 or 7 less h, chosen by h + size < size: rounding decides for |h| far below the spacing of floats there."""
+    b, at, ports = _inputs("vx")
+    h = b.add(at["vx"], b.mul(at["vx"], at["vx"]))
+    large = b.const(size)
+    x = b.select(b.make(Op.ADD, [h, large]), large, b.const(5), b.const(7))
+    f = b.function("chosen", ports, ports, [b.sin(b.sub(x, h))])
+    ranges = {"vx": (-0.5, 0.5)}
+    (claim,) = analysed(f, ranges, SINGLE, LIBM).claims
+    values = np.linspace(-0.5, 0.5, 20001).astype(np.float32)
+    h32 = values + values * values
+    chosen = np.where(h32 + np.float32(size) < np.float32(size), np.float32(5), np.float32(7)) - h32
+    sines = np.sin(chosen.astype(np.float64))
+    assert claim.low <= sines.min() and sines.max() <= claim.high

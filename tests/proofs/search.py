@@ -3,8 +3,8 @@
 Starts, each bred on: points drawn at random; points at which the analysis allows large errors (where a function has
 no directions). For the slip of wheel rates: rates that fit a motion, where it is zero and rounding all there is, also
 those at which the analysis allows large errors. For the slip of a motion: only points where there is some. The best
-points of a slip are bred on by units in the last place alone. For each sine and
-arctangent either of the floats around it is tried (`choices`): proofs hold for any library that is so exact.
+points of a slip are bred on by units in the last place alone. For each sine and arctangent either of the floats around
+it is tried (`choices`): proofs hold for any library that is so exact.
 """
 
 from __future__ import annotations

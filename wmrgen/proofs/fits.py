@@ -55,13 +55,25 @@ class Fit:
 
 
 def fit_of(function: Function) -> Fit | None:
-    """The fit among the results of ``function``, None where there is none."""
+    """The fit of whose x results are made, None where there is none."""
     nodes, results = function.nodes, function.results
     roots = [k for k in results if nodes[k].op is Op.SQRT]
     if len(roots) != 1:
         return None
-    terms, needed = terms_below_root(nodes, nodes[roots[0]].args[0]), cone(nodes, roots)
-    x = sorted({k for k in results if k in needed} - set(roots))
+    needed = cone(nodes, roots)
+    own = {k for k in results if k in needed} - set(roots)
+    # A result beside R may be x seen from another point: the sum of a v and a multiple of w.
+    seen = {a for k in results if k not in needed for a in nodes[k].args if a in needed}
+    for x in (own | seen, own) if seen - own else (own,):
+        fit = _fitted(nodes, roots[0], sorted(x))
+        if fit is not None:
+            return fit
+    return None
+
+
+def _fitted(nodes: Sequence[Node], root: int, x: Sequence[int]) -> Fit | None:
+    """The fit of ``x``, which makes ``root`` least."""
+    terms = terms_below_root(nodes, nodes[root].args[0])
     formula = cone(nodes, [*x, *(t.base for t in terms)])
     if not all(t.squared for t in terms) or any(nodes[k].op not in _FORMULA for k in formula):
         return None
@@ -72,12 +84,12 @@ def fit_of(function: Function) -> Fit | None:
     v = tuple(k for k in x if k != w)
     if any(cone(nodes, [k], {w}) & set(x) != {w, k} for k in v):
         return None
-    data = _data(nodes, roots[0], x)
+    data = _data(nodes, root, x)
     for known in (data, ()) if data else ((),):
         points = [Point(nodes, terms, known, seed) for seed in range(POINTS)]
         found = _settled([p.forms(v, w, dividend, divisor) for p in points], points)
         if found is not None:
-            return Fit(roots[0], terms, v, w, dividend, divisor, *found)
+            return Fit(root, terms, v, w, dividend, divisor, *found)
     return None
 
 

@@ -19,7 +19,7 @@ from wmrgen.proofs.bounds import FunctionBound
 from wmrgen.proofs.boxes import boxed
 from wmrgen.proofs.fits import Fit, fit_of
 from wmrgen.proofs.identities import waved
-from wmrgen.proofs.leftover import left_over, parts_of
+from wmrgen.proofs.leftover import Parts, _Apart, left_over, parts_of
 from wmrgen.proofs.patterns import cone
 from wmrgen.proofs.precision import SINGLE, library
 
@@ -188,6 +188,50 @@ def test_the_bound_is_the_sum_of_its_parts(name: str) -> None:
     assert parts.longest < claim.high < 0.6 * float(walk.range(slip.fit.root)[1][0])
     (published,) = [o for o in slip.bound.outputs if o.name == "slip"]
     assert published.error == pytest.approx(claim.error, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", FITS)
+def test_errors_put_in_by_hand_are_bounded(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """1e-3 of one thing at a time, in place of all roundings: what it does to w or v, and not far more."""
+    slip = _slip(name)
+    fit, function = slip.fit, slip.function
+    points = draw(slip.bound.inputs, 300, 5)
+    exact = run(function, points).exact
+    n, d, c = exact[fit.dividend], exact[fit.divisor], fit.factor
+
+    def bounded(what: str) -> Parts:
+        walk = Pass(function, boxed(slip.bound.inputs, [], 1), SINGLE, library(LIBM_C))
+        walk.run()
+        walk.result.noise[:] = 0.0
+        if what in ("divisor", "datum"):
+            node = fit.divisor if what == "divisor" else fit.data[0].node
+            for k in cone(function.nodes, [node]) & walk.sources.keys() if what == "datum" else (node,):
+                walk.result.noise[walk.sources[k]] = 1e-3
+        one = {"dividend": lambda a, k: 1e-3 * (k == a.dividend), "v": lambda a, k: 1e-3 * (k == a.v[0])}
+        monkeypatch.setattr(_Apart, "error", one.get(what, lambda a, k: 0.0))
+        return parts_of(fit, function, walk)
+
+    occurs = {
+        "dividend": np.sqrt(c * d) * np.abs((n + 1e-3) / d - n / d),
+        "divisor": np.sqrt(c * d) * np.abs(n / (d - 1e-3) - n / d),
+    }
+    for what, values in occurs.items():
+        assert values.max() <= bounded(what).turned <= 20 * values.max(), what
+    assert bounded("v").beside == pytest.approx(1e-3 * np.sqrt(fit.matrix[0, 0]))
+    parts = bounded("datum")
+    assert parts.data >= 1e-3 * np.linalg.norm(fit.data[0].column)
+    assert parts.turned >= 1e-3 * fit.data[0].defect * np.sqrt(c / d.max())
+    assert parts.rows == pytest.approx(bounded("nothing").rows)
+
+
+def test_what_is_relative_counts_where_most_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    slip = _slip("kelly_4ws")
+    walk = Pass(slip.function, boxed(slip.bound.inputs, [], 1), SINGLE, library(LIBM_C))
+    monkeypatch.setattr("wmrgen.proofs.leftover.parts_of", lambda *_: Parts(0.0, 0.0, 0.0, 1e-6, 10.0))
+    roundings = max(t.roundings for t in slip.fit.terms) / 2 + 2  # of the sum, of the root, of each part
+    claim = left_over(slip.fit, slip.function, walk)
+    assert claim.error == pytest.approx(roundings * 10 * 2**-24, rel=1e-3)
+    assert 10 < claim.high < 10.001
 
 
 @pytest.mark.parametrize("name", ["kelly_4ws", "nomad_xr4000"])

@@ -12,9 +12,8 @@ from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs.interval import Array, Interval, magnitude
 
 _MOST = 3  # different p in one sum
-_UNIT = (
-    1 + 1e-6
-)  # of arms as computed: sines and cosines are within 3 * 2**-24 of a circle, products within a rounding
+# Of arms as computed: sines and cosines are within 3 * 2**-24 of a circle, products within a rounding.
+_UNIT = 1 + 1e-6
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -99,18 +100,30 @@ def test_what_cancels_in_every_part_of_a_length_counts_nothing() -> None:
     assert 5**0.5 <= claim.high < 5**0.5 + 0.7
 
 
-@pytest.mark.parametrize("cut", [False, True])
-def test_only_what_the_formula_says_is_a_fit(cut: bool) -> None:
-    """Two rows p y1 - cos(a) w and p y2 - sin(b) w, w their quotient; with w cut off in the rows it is no fit."""
+@pytest.mark.parametrize("other", ["", "cut off", "divisor", "two quotients"])
+def test_only_what_the_formula_says_is_a_fit(other: str) -> None:
+    """Rows p y1 - cos(a) w and p y2 - sin(b) w, w their quotient: a fit.
+
+    None is it where w is cut off in the rows, where N and D have a factor in common, or where w stands in two parts.
+    """
     b, at, ports = _inputs("p", "y1", "y2", "a", "b")
     c, s = b.cos(at["a"]), b.sin(at["b"])
     above = b.mul(at["p"], b.add(b.mul(c, at["y1"]), b.mul(s, at["y2"])))
-    w = b.div(above, b.add(b.square(c), b.square(s)))
-    used = b.min(w, b.const(1)) if cut else w
+    below = b.add(b.square(c), b.square(s))
+    if other == "divisor":
+        common = b.add(b.const(3), b.cos(at["b"]))
+        above, below = b.mul(above, common), b.mul(below, common)
+    w = b.div(above, below)
+    used = b.min(w, b.const(Fraction(1, 10))) if other == "cut off" else w
+    results = [w]
+    if other == "two quotients":
+        part = b.div(b.mul(at["p"], b.mul(c, at["y1"])), below)
+        results = [part, b.div(b.mul(at["p"], b.mul(s, at["y2"])), below)]
+        used = b.add(*results)
     rows = [b.sub(b.mul(at["p"], at[y]), b.mul(x, used)) for y, x in (("y1", c), ("y2", s))]
-    root = b.sqrt(b.add(*map(b.square, rows)))
-    f = b.function("fit", ports, ports[:2], [w, root])
-    assert (fit_of(f) is None) == cut
+    results.append(b.sqrt(b.add(*map(b.square, rows))))
+    f = b.function("fit", ports, ports[: len(results)], results)
+    assert (fit_of(f) is None) == bool(other)
 
 
 def test_arms_that_repeat_are_counted_apart() -> None:

@@ -24,6 +24,7 @@ from wmrgen.proofs.patterns import cone
 from wmrgen.proofs.precision import SINGLE, library
 
 FITS = ["kelly_4ws", "neobotix_mpo_700", "nomad_xr4000", "pr2", "tidybot2"]
+EACH = [pytest.param(n, marks=[] if n in ("kelly_4ws", "nomad_xr4000") else pytest.mark.slow) for n in FITS]
 OTHER = {Op.ADD: Op.SUB, Op.SUB: Op.ADD}
 At = Callable[[Mapping[int, float]], list[float]]
 
@@ -80,12 +81,13 @@ def _anywhere(function: Function, seed: int) -> At:
     return _at(function, {p.name: rng.uniform(-2, 2) for p in function.inputs})
 
 
+@pytest.mark.slow
 def test_fits_are_those_of_offset_wheels() -> None:
     """Of the gallery: a divisor that moves, and no guard."""
     assert [n for n in NAMES if any(fit_of(f) for f, _ in proved(n).pairs)] == FITS
 
 
-@pytest.mark.parametrize("name", FITS)
+@pytest.mark.parametrize("name", EACH)
 def test_errors_add_at_right_angles(name: str) -> None:
     """|R(v + dv, w + dw)|^2 = |R|^2 + dv M dv + c D dw^2, v the best for w + dw."""
     slip = _slip(name)
@@ -102,7 +104,7 @@ def test_errors_add_at_right_angles(name: str) -> None:
         assert squares[0] - squares[1] == pytest.approx(more, rel=2e-5)
 
 
-@pytest.mark.parametrize("name", FITS)
+@pytest.mark.parametrize("name", EACH)
 def test_other_data_put_the_dividend_off_by_their_defects(name: str) -> None:
     """For data that no wheel can have v is still the best; N is off by what was simplified."""
     slip = _slip(name)
@@ -130,7 +132,7 @@ def test_other_data_put_the_dividend_off_by_their_defects(name: str) -> None:
     assert used > 0.1
 
 
-@pytest.mark.parametrize("name", FITS)
+@pytest.mark.parametrize("name", EACH)
 def test_every_part_of_a_bound_holds(name: str) -> None:
     """Each error that the bound adds up, as it occurs, is below its part of the bound and not far below."""
     slip = _slip(name)
@@ -173,7 +175,7 @@ def test_every_part_of_a_bound_holds(name: str) -> None:
     assert all(0.03 < share <= 1 for share in seen.values()), seen
 
 
-@pytest.mark.parametrize("name", FITS)
+@pytest.mark.parametrize("name", EACH)
 def test_the_bound_is_the_sum_of_its_parts(name: str) -> None:
     """At least what they add up to where nothing is left; and 0.6 of the plain bounds at most."""
     slip = _slip(name)
@@ -190,7 +192,7 @@ def test_the_bound_is_the_sum_of_its_parts(name: str) -> None:
     assert published.error == pytest.approx(claim.error, rel=1e-5)
 
 
-@pytest.mark.parametrize("name", FITS)
+@pytest.mark.parametrize("name", EACH)
 def test_errors_put_in_by_hand_are_bounded(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """1e-3 of one thing at a time, in place of all roundings: what it does to w or v, and not far more."""
     slip = _slip(name)

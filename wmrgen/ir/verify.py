@@ -26,7 +26,7 @@ class PassError(AssertionError):
     """A pass changed the value of an output: a bug of wmrgen."""
 
 
-def _mix(*numbers: int) -> int:
+def mix(*numbers: int) -> int:
     """A deterministic hash of integers, independent of the interpreter's own."""
     state = 0x2545F4914F6CDD1D
     for number in numbers:
@@ -41,7 +41,7 @@ def _digest(value: Exact) -> tuple[int, ...]:
 
 def _opaque(salt: int) -> Callable[..., Exact]:
     """A rational number in [1/64, 4) decided by the arguments."""
-    return lambda *args: Exact(Fraction(_mix(salt, *(n for a in args for n in _digest(a))) % 255 + 1, 64))
+    return lambda *args: Exact(Fraction(mix(salt, *(n for a in args for n in _digest(a))) % 255 + 1, 64))
 
 
 _SQRT, _SIN, _COS, _ATAN2, _ATAN = (_opaque(salt) for salt in (1, 2, 3, 4, 5))
@@ -89,7 +89,7 @@ def points(function: Function, count: int) -> list[dict[str, Exact]]:
 
 
 def _number(name: str, k: int) -> Exact:
-    seed = _mix(k, *name.encode())
+    seed = mix(k, *name.encode())
     return Exact(Fraction(seed % 1999 - 999 or 7, 16 + (seed >> 32) % 5))
 
 

@@ -6,13 +6,13 @@ hold in general with a probability of about 2**-50.
 
 from __future__ import annotations
 
-import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.ir.residues import PRIME, RESIDUES, Residue
+from wmrgen.ir.verify import mix
 from wmrgen.proofs.patterns import Term, cone
 
 POINTS = 3  # two for the numbers of a wave, another to see that it is one
@@ -63,7 +63,7 @@ class Point:
     def __init__(
         self, nodes: Sequence[Node], terms: Sequence[Term], data: tuple[int, ...], seed: int
     ) -> None:
-        self.terms, self.data, self.random = terms, data, random.Random(seed)
+        self.terms, self.data, self.seed, self.drawn = terms, data, seed, 0
         self.nodes = nodes[: max(t.base for t in terms) + 1]
         self.given: dict[int, Residue] = {}
         self.circles: dict[int, Circle] = {}
@@ -76,7 +76,10 @@ class Point:
                 self.given[i] = self.circles[node.args[0]][node.op]
 
     def number(self) -> Residue:
-        return Residue(self.random.randrange(1, PRIME), self.random.uniform(0.5, 2.0))
+        """The next one, of a size between 0.5 and 2."""
+        self.drawn += 1
+        residue, size = (mix(self.seed, self.drawn, k) for k in (0, 1))
+        return Residue(residue % (PRIME - 1) + 1, 0.5 + 1.5 * size / 2**64)
 
     def _circle(self) -> Circle:
         t = self.number()

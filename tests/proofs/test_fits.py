@@ -24,7 +24,7 @@ from wmrgen.proofs.patterns import cone
 from wmrgen.proofs.precision import SINGLE, library
 
 FITS = ["kelly_4ws", "neobotix_mpo_700", "nomad_xr4000", "pr2", "tidybot2"]
-EACH = [pytest.param(n, marks=[] if n in ("kelly_4ws", "nomad_xr4000") else pytest.mark.slow) for n in FITS]
+EACH = [pytest.param(n, marks=[] if n == "kelly_4ws" else pytest.mark.slow) for n in FITS]
 OTHER = {Op.ADD: Op.SUB, Op.SUB: Op.ADD}
 At = Callable[[Mapping[int, float]], list[float]]
 
@@ -237,7 +237,7 @@ def test_what_is_relative_counts_where_most_is_left(monkeypatch: pytest.MonkeyPa
     assert 10 < claim.high < 10.001
 
 
-@pytest.mark.parametrize("name", ["kelly_4ws", "nomad_xr4000"])
+@pytest.mark.parametrize("name", EACH[:3])
 def test_what_is_not_the_least_is_no_fit(name: str) -> None:
     """Any sum of the solution with the other sign, one at a time."""
     slip = _slip(name)

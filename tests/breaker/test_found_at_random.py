@@ -12,10 +12,10 @@ import wmrgen
 from tests.proofs.gallery import LIBM_C
 from tests.proofs.observe import choices, draw
 from tests.proofs.search import shares
+from tests.proofs.small import walked
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Op, Port, Role
+from wmrgen.ir.nodes import Op, Port, Role
 from wmrgen.mobility.admissible import components
-from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.bounds import functions
 from wmrgen.proofs.boxes import analysed
 from wmrgen.proofs.fits import fit_of
@@ -81,14 +81,6 @@ def _inputs(*names: str) -> tuple[Builder, dict[str, int], tuple[Port, ...]]:
     return b, {n: b.input(n) for n in names}, tuple(Port(n, Role.COMMAND, "1", "an input") for n in names)
 
 
-def _seen(function: Function, ranges: dict[str, tuple[float, float]]) -> Pass:
-    walk = Pass(
-        function, {n: (np.array([lo]), np.array([hi])) for n, (lo, hi) in ranges.items()}, SINGLE, LIBM
-    )
-    walk.run()
-    return walk
-
-
 def test_what_cancels_in_every_part_of_a_length_counts_nothing() -> None:
     b, at, ports = _inputs("x", "y", "z")
     part = b.make(Op.SUB, [b.make(Op.ADD, [at["x"], at["y"]]), at["x"]])
@@ -134,7 +126,7 @@ def test_arms_that_repeat_are_counted_apart() -> None:
     again = len(b.nodes) - 1
     total = b.make(Op.ADD, [b.make(Op.ADD, [b.mul(b.const(3), s), c]), again])
     f = b.function("sum", ports, ports, [total])
-    assert float(_seen(f, {"a": (-3.2, 3.2)}).range(f.results[0])[1][0]) >= 17**0.5
+    assert float(walked(f, {"a": (-3.2, 3.2)}).range(f.results[0])[1][0]) >= 17**0.5
 
 
 @pytest.mark.parametrize("size", [3, 3000, 30000])

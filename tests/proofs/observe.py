@@ -10,6 +10,7 @@ import numpy as np
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.proofs.directions import directions
+from wmrgen.proofs.patterns import cone
 
 Ranges = Mapping[str, tuple[float, float]]
 EXACT = {
@@ -100,23 +101,13 @@ def _exact(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
 
 def lengths(function: Function, found: Run, result: int) -> np.ndarray:
     """Length of the shortest vector whose direction node ``result`` depends on; infinite without any."""
-    needed = _below(function, result)
+    needed = cone(function.nodes, [result])
     shortest = np.full(len(found.alike), np.inf)
     for i, direction in directions(function.nodes).items():
         if i in needed:
             parts = [factor * found.exact[k] for factor, k in direction.parts]
             shortest = np.minimum(shortest, np.hypot(*parts))
     return shortest
-
-
-def _below(function: Function, result: int) -> set[int]:
-    found, stack = set[int](), [result]
-    while stack:
-        i = stack.pop()
-        if i not in found:
-            found.add(i)
-            stack += function.nodes[i].args
-    return found
 
 
 # ---- inputs

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Port, Role
+from wmrgen.proofs.analysis import Pass
+from wmrgen.proofs.boxes import boxed
+from wmrgen.proofs.precision import LIBM, SINGLE, Library
 
 ONE_INPUT = (Port("vx", Role.COMMAND, "m/s", "an input"),)
 OUT = (Port("y", Role.COMMAND, "1", "an output"),)
@@ -39,6 +42,13 @@ def power(b: Builder, x: int) -> int:
 def root(b: Builder, x: int) -> int:
     """A root of what may be negative."""
     return b.sqrt(b.add(x, b.const(1)))
+
+
+def walked(function: Function, ranges: Mapping[str, tuple[float, float]], library: Library = LIBM) -> Pass:
+    """The walk through a function over one box."""
+    walk = Pass(function, boxed(ranges, [], 1), SINGLE, library)
+    walk.run()
+    return walk
 
 
 # Control, a range of vx that is good, one that is bad, what is wrong there.

@@ -10,26 +10,17 @@ import pytest
 
 from tests.proofs.gallery import proved
 from tests.proofs.observe import draw, run
-from tests.proofs.small import OUT
+from tests.proofs.small import OUT, walked
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op, Port, Role
 from wmrgen.proofs import gram
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.circles import Poly
-from wmrgen.proofs.precision import LIBM, SINGLE
 
 CASTORS = ["nomad_xr4000", "tidybot2", "neobotix_mpo_700", "kelly_4ws", "pr2"]
 TURN = (-3.2, 3.2)
 RANGES = {"vx": (-2.0, 2.0), "vy": (-3.0, 3.0), "a": TURN, "b": TURN}
-
-
-def _walk(function: Function, ranges: dict[str, tuple[float, float]]) -> Pass:
-    walk = Pass(
-        function, {n: (np.array([lo]), np.array([hi])) for n, (lo, hi) in ranges.items()}, SINGLE, LIBM
-    )
-    walk.run()
-    return walk
 
 
 def _function(make: Callable[[Builder, dict[str, int]], int]) -> Function:
@@ -52,7 +43,7 @@ def test_fits_of_castors_are_known(name: str) -> None:
     for f, b in proved(name).pairs:
         if f.name == "forward":
             ((above, below),) = {n.args for n in f.nodes if n.op is Op.DIV}
-            walk, found = _walk(f, b.inputs), run(f, draw(b.inputs, 4000, 3))
+            walk, found = walked(f, b.inputs), run(f, draw(b.inputs, 4000, 3))
             exact, single = found.exact, found.single
             for k in (above, below):
                 form = walk.circles.of(k)
@@ -84,7 +75,7 @@ def test_bounds_of_polynomials_on_circles_hold(count: int) -> None:
             return b.sum([b.const(weights[-1]), *linear, *square])
 
         f = _function(make)
-        walk = _walk(f, RANGES)
+        walk = walked(f, RANGES)
         bounds = walk.circles.range(walk.circles.of(f.results[0]))
         seen = run(f, draw(RANGES, 20000, 1)).single[f.results[0]]
         if bounds is not None:
@@ -101,7 +92,7 @@ def test_one_circle_is_exact() -> None:
         return b.sum([b.mul(b.const(3), c), b.mul(b.const(4), s), b.product((b.const(2), s, s))])
 
     f = _function(make)
-    walk = _walk(f, RANGES)
+    walk = walked(f, RANGES)
     bounds = walk.circles.range(walk.circles.of(f.results[0]))
     a = np.linspace(-np.pi, np.pi, 100001)
     value = 3 * np.cos(a) + 4 * np.sin(a) + 2 * np.sin(a) ** 2
@@ -132,7 +123,7 @@ def test_only_a_positive_matrix_counts(second: int, fits: bool) -> None:
     f = _function(
         lambda b, at: b.div(_above(b, at), b.max(_squares(b, at, second), b.const(Fraction(1, 10))))
     )
-    walk = _walk(f, RANGES)
+    walk = walked(f, RANGES)
     node = f.nodes[f.results[0]]
     most = gram.quotient(walk, *node.args)
     assert (most is not None) == fits
@@ -146,12 +137,12 @@ def test_a_divisor_of_another_shape_is_not_taken_for_one() -> None:
     f = _function(
         lambda b, at: b.div(_above(b, at), b.add(b.const(9), b.product((b.cos(at["a"]), b.sin(at["b"])))))
     )
-    walk = _walk(f, RANGES)
+    walk = walked(f, RANGES)
     assert gram.quotient(walk, *f.nodes[f.results[0]].args) is None
 
 
 def test_the_smaller_of_two_is_no_divisor() -> None:
     """Where the divisor is a constant smaller than h G h, nothing bounds the quotient by Cauchy and Schwarz."""
     f = _function(lambda b, at: b.div(_above(b, at), b.min(_squares(b, at, 1), b.const(Fraction(1, 10)))))
-    walk = _walk(f, RANGES)
+    walk = walked(f, RANGES)
     assert gram.quotient(walk, *f.nodes[f.results[0]].args) is None

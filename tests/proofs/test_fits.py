@@ -11,17 +11,16 @@ import pytest
 from tests.proofs.gallery import LIBM_C, NAMES, proved
 from tests.proofs.observe import EXACT, draw, run
 from tests.proofs.search import rates
+from tests.proofs.small import walked
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.residues import PRIME, Residue
 from wmrgen.ir.rounding import to_float64
-from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.bounds import FunctionBound
-from wmrgen.proofs.boxes import boxed
 from wmrgen.proofs.fits import Fit, fit_of
 from wmrgen.proofs.identities import waved
 from wmrgen.proofs.leftover import Parts, _Apart, left_over, parts_of
 from wmrgen.proofs.patterns import cone
-from wmrgen.proofs.precision import SINGLE, library
+from wmrgen.proofs.precision import library
 
 FITS = ["kelly_4ws", "neobotix_mpo_700", "nomad_xr4000", "pr2", "tidybot2"]
 EACH = [pytest.param(n, marks=[] if n == "kelly_4ws" else pytest.mark.slow) for n in FITS]
@@ -137,8 +136,7 @@ def test_every_part_of_a_bound_holds(name: str) -> None:
     """Each error that the bound adds up, as it occurs, is below its part of the bound and not far below."""
     slip = _slip(name)
     fit, function = slip.fit, slip.function
-    walk = Pass(function, boxed(slip.bound.inputs, [], 1), SINGLE, library(LIBM_C))
-    walk.run()
+    walk = walked(function, slip.bound.inputs, library(LIBM_C))
     parts = parts_of(fit, function, walk)
     inverse, known = {f.name: (f, b) for f, b in proved(name).pairs}["inverse"]
     anywhere = draw(slip.bound.inputs, 150, 3)
@@ -179,8 +177,7 @@ def test_every_part_of_a_bound_holds(name: str) -> None:
 def test_the_bound_is_the_sum_of_its_parts(name: str) -> None:
     """At least what they add up to where nothing is left; and 0.6 of the plain bounds at most."""
     slip = _slip(name)
-    walk = Pass(slip.function, boxed(slip.bound.inputs, [], 1), SINGLE, library(LIBM_C))
-    walk.run()
+    walk = walked(slip.function, slip.bound.inputs, library(LIBM_C))
     parts, claim = parts_of(slip.fit, slip.function, walk), left_over(slip.fit, slip.function, walk)
     roundings = 2**-24 * (max(t.roundings for t in slip.fit.terms) / 2 + 2) * parts.longest
     own = parts.rows + parts.data
@@ -202,8 +199,7 @@ def test_errors_put_in_by_hand_are_bounded(name: str, monkeypatch: pytest.Monkey
     n, d, c = exact[fit.dividend], exact[fit.divisor], fit.factor
 
     def bounded(what: str) -> Parts:
-        walk = Pass(function, boxed(slip.bound.inputs, [], 1), SINGLE, library(LIBM_C))
-        walk.run()
+        walk = walked(function, slip.bound.inputs, library(LIBM_C))
         walk.result.noise[:] = 0.0
         if what in ("divisor", "datum"):
             node = fit.divisor if what == "divisor" else fit.data[0].node
@@ -229,7 +225,7 @@ def test_errors_put_in_by_hand_are_bounded(name: str, monkeypatch: pytest.Monkey
 
 def test_what_is_relative_counts_where_most_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     slip = _slip("kelly_4ws")
-    walk = Pass(slip.function, boxed(slip.bound.inputs, [], 1), SINGLE, library(LIBM_C))
+    walk = walked(slip.function, slip.bound.inputs, library(LIBM_C))
     monkeypatch.setattr("wmrgen.proofs.leftover.parts_of", lambda *_: Parts(0.0, 0.0, 0.0, 1e-6, 10.0))
     roundings = max(t.roundings for t in slip.fit.terms) / 2 + 2  # of the sum, of the root, of each part
     claim = left_over(slip.fit, slip.function, walk)

@@ -9,26 +9,17 @@ import pytest
 
 from tests.proofs.gallery import proved
 from tests.proofs.observe import draw, run
-from tests.proofs.small import ONE_INPUT, OUT
+from tests.proofs.small import ONE_INPUT, OUT, walked
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Port, Role
-from wmrgen.proofs.analysis import Pass
 from wmrgen.proofs.pieces import turns
-from wmrgen.proofs.precision import LIBM, SINGLE
 
 TURN = (-3.2, 3.2)
 LIMITS = {
-    "one turn less": (-2, 1),
-    "half a turn less": (Fraction(-157, 100), Fraction(157, 100)),
-    "few": (0, 1),
+    "uneven": (-2, 1),
+    "half a turn but for 0.0016": (Fraction(-157, 100), Fraction(157, 100)),
+    "one radian": (0, 1),
 }
-
-
-def _walk(function: Function, ranges: dict[str, tuple[float, float]]) -> Pass:
-    boxes = {n: (np.array([lo]), np.array([hi])) for n, (lo, hi) in ranges.items()}
-    walk = Pass(function, boxes, SINGLE, LIBM)
-    walk.run()
-    return walk
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -44,7 +35,7 @@ def test_arms_of_one_angle_count_together(seed: int) -> None:
     terms = [b.mul(b.const(w), x) for w, x in zip(weights, products, strict=True)]
     ports = tuple(Port(n, Role.COMMAND, "1", "an input") for n in ranges)
     f = b.function("sum", ports, OUT, [b.sum(terms)])
-    lo, hi = (float(end[0]) for end in _walk(f, ranges).range(f.results[0]))
+    lo, hi = (float(end[0]) for end in walked(f, ranges).range(f.results[0]))
     found = run(f, draw(ranges, 200000, seed))
     for values in (found.single[f.results[0]], found.exact[f.results[0]]):
         assert lo <= values.min() and values.max() <= hi
@@ -68,7 +59,7 @@ def test_turns_within_limits_are_known_piece_by_piece(limits: str) -> None:
     low, high = LIMITS[limits]
     f = _to_the_limit(low, high)
     ranges = {"vx": (-1.05, 1.05)}
-    walk, points = _walk(f, ranges), draw(ranges, 100000, 1)
+    walk, points = walked(f, ranges), draw(ranges, 100000, 1)
     found, (angle,) = run(f, points), f.nodes[f.results[0]].args
     pieces = turns(walk, angle)
     assert pieces is not None
@@ -84,12 +75,12 @@ def test_another_angle_has_no_pieces() -> None:
     f = _to_the_limit(-1, 1)
     nodes = list(f.nodes)
     (angle,) = nodes[f.results[0]].args
-    walk = _walk(f, {"vx": (-1.05, 1.05)})
+    walk = walked(f, {"vx": (-1.05, 1.05)})
     assert turns(walk, nodes[angle].args[0]) is None  # no difference
     b = Builder()
     x = b.input("vx")
     g = b.function("g", ONE_INPUT, OUT, [b.sub(b.square(x), x)])
-    assert turns(_walk(g, {"vx": (-1.0, 1.0)}), g.results[0]) is None  # x x is no piece of x
+    assert turns(walked(g, {"vx": (-1.0, 1.0)}), g.results[0]) is None  # x x is no piece of x
 
 
 def test_a_slip_at_a_limit_is_small() -> None:

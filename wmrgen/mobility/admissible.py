@@ -110,31 +110,24 @@ def _binary_roots(forms: list[Array]) -> list[Array]:
     return found
 
 
-def _planes(form: Array) -> list[Array]:
-    """Normals of the real planes that a degenerate ternary form factors into; [] when it does not."""
+def _spaces(form: Array) -> list[Array]:
+    """Bases of the real planes, or of the line, on which a degenerate ternary form is zero; [] of another form."""
     values, vectors = np.linalg.eigh(form)
-    top = np.abs(values).max()
-    live = [k for k in range(3) if abs(values[k]) > 1e-9 * top]
-    if len(live) == 1:
-        return [_oriented(vectors[:, live[0]])]
-    if len(live) == 2 and values[live[0]] * values[live[1]] < 0:
-        p = np.sqrt(abs(values[live[0]])) * vectors[:, live[0]]
-        q = np.sqrt(abs(values[live[1]])) * vectors[:, live[1]]
-        return [_oriented((p + q) / np.linalg.norm(p + q)), _oriented((p - q) / np.linalg.norm(p - q))]
+    live = np.abs(values) > 1e-9 * np.abs(values).max()
+    axes = vectors[:, live].T
+    if len(axes) == 1:
+        return [null_basis(_oriented(axes[0])[None, :])]
+    if len(axes) == 2:
+        first, second = values[live]
+        if first * second > 0:
+            return [_oriented(vectors[:, ~live][:, 0])[None, :]]
+        p, q = np.sqrt(np.abs([[first], [second]])) * axes
+        return [null_basis(_oriented(n / np.linalg.norm(n))[None, :]) for n in (p + q, p - q)]
     return []
 
 
-def _apex(form: Array) -> Array | None:
-    """The line on which a semidefinite ternary form of rank 2 is zero; None of another form."""
-    values, vectors = np.linalg.eigh(form)
-    order = np.argsort(np.abs(values))
-    least, first, second = values[order]
-    if abs(least) <= 1e-9 * abs(second) < abs(first) and first * second > 0:
-        return _oriented(vectors[:, order[0]])
-    return None
-
-
 def _proportional(f: Array, g: Array) -> bool:
+    """Whether one is a multiple of the other."""
     f, g = f / np.linalg.norm(f), g / np.linalg.norm(g)
     return bool(min(np.abs(f - g).max(), np.abs(f + g).max()) < 1e-9)
 
@@ -145,33 +138,22 @@ def _oriented(v: Array) -> Array:
     return v if lead > 0 else -v
 
 
-def _on_plane(form: Array, normal: Array) -> Array:
-    plane = null_basis(normal[None, :])
-    return np.asarray(plane @ form @ plane.T)
-
-
 def _ternary(forms: list[Array], linear: Callable[[Array], Component], null: Array) -> list[Component]:
     first = forms[0]
-    apex = _apex(first)
-    if apex is not None:
-        zero = all(abs(apex @ f @ apex) < 1e-7 * np.abs(f).max() for f in forms)
-        return [linear(apex[None, :])] if zero else []
-    proportional = all(_proportional(f, first) for f in forms)
-    planes = _planes(first)
-    if not planes and proportional:
-        return _conic(first, null)
-    if not planes:
-        other = next(f for f in forms if not _proportional(f, first))
+    spaces = _spaces(first)
+    if not spaces:
+        other = next((f for f in forms if not _proportional(f, first)), None)
+        if other is None:
+            return _conic(first, null)
         roots = np.roots(np.poly(np.linalg.solve(first, other)))
-        planes = [n for r in roots if abs(r.imag) < 1e-9 for n in _planes(other - r.real * first)]
+        spaces = [s for r in roots if abs(r.imag) < 1e-9 for s in _spaces(other - r.real * first)]
     found: list[Component] = []
-    for normal in planes:
-        plane = null_basis(normal[None, :])
-        rest = [f for f in (_on_plane(g, normal) for g in forms) if np.abs(f).max() > 1e-8]
+    for space in spaces:
+        rest = [f for f in (space @ g @ space.T for g in forms) if np.abs(f).max() > 1e-8]
         if not rest:
-            found.append(linear(plane))
-        else:
-            found += [linear((v @ plane)[None, :]) for v in _binary_roots(rest)]
+            found.append(linear(space))
+        elif len(space) == 2:
+            found += [linear((v @ space)[None, :]) for v in _binary_roots(rest)]
     return found
 
 

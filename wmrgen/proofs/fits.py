@@ -13,13 +13,14 @@ Whether a function is such a fit is checked on its nodes (`wmrgen.proofs.identit
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.residues import Residue
 from wmrgen.proofs.identities import POINTS, Forms, Point, same, waved
 from wmrgen.proofs.patterns import Term, cone, quotient, terms_below_root
 
@@ -87,7 +88,7 @@ def _fitted(nodes: Sequence[Node], root: int, x: Sequence[int]) -> Fit | None:
     data = _data(nodes, root, x)
     for known in (data, ()) if data else ((),):
         points = [Point(nodes, terms, known, seed) for seed in range(POINTS)]
-        found = _settled([p.forms(v, w, dividend, divisor) for p in points], points)
+        found = _settled(points, (p.forms(v, w, dividend, divisor) for p in points))
         if found is not None:
             return Fit(root, terms, v, w, dividend, divisor, *found)
     return None
@@ -109,18 +110,27 @@ def _data(nodes: Sequence[Node], root: int, x: Collection[int]) -> tuple[int, ..
 
 
 def _settled(
-    found: Sequence[Forms | None], points: Sequence[Point]
+    points: Sequence[Point], found: Iterable[Forms | None]
 ) -> tuple[NDArray[np.float64], float, tuple[Datum, ...]] | None:
     """M, c and the data, where they are the same at all points; the defects, where they are waves."""
-    forms = [f for f in found if f is not None]
-    if len(forms) < len(points) or not same([f.numbers() for f in forms]):
+    forms = []
+    for f in found:
+        if f is None:
+            return None
+        forms.append(f)
+    if not same([f.numbers() for f in forms]):
         return None
     first, data = forms[0], []
     for j, node in enumerate(points[0].data):
         defect = waved([f.defects[j] for f in forms], [p.circle_of(node) for p in points])
         if defect is None:
             return None
-        column = np.array([abs(x.size) for x in first.columns[j]])
-        data.append(Datum(node, column * _ROOM, defect * _ROOM))
-    matrix = np.array([[abs(x.size) for x in row] for row in first.matrix]).reshape(2 * (len(first.matrix),))
-    return matrix * _ROOM, abs(first.factor.size) * _ROOM, tuple(data)
+        data.append(Datum(node, _sizes(first.columns[j]), defect * _ROOM))
+    side = len(first.matrix)
+    matrix = _sizes([x for row in first.matrix for x in row]).reshape(side, side)
+    return matrix, abs(first.factor.size) * _ROOM, tuple(data)
+
+
+def _sizes(numbers: Sequence[Residue]) -> NDArray[np.float64]:
+    """Upper bounds of absolute values."""
+    return np.array([abs(x.size) for x in numbers]) * _ROOM

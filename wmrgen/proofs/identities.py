@@ -65,10 +65,13 @@ class Point:
     ) -> None:
         self.terms, self.data, self.seed, self.drawn = terms, data, seed, 0
         self.nodes = nodes[: max(t.base for t in terms) + 1]
+        self.weights = [RESIDUES.enter(t.factor) for t in terms]
         self.given: dict[int, Residue] = {}
         self.circles: dict[int, Circle] = {}
         for i, node in enumerate(self.nodes):
-            if node.op is Op.INPUT:
+            if node.value is not None:
+                self.given[i] = RESIDUES.enter(node.value)
+            elif node.op is Op.INPUT:
                 self.given[i] = self.number()
             elif node.op in (Op.SIN, Op.COS):
                 if node.args[0] not in self.circles:
@@ -137,12 +140,8 @@ class Point:
         """Every node up to the last part of R, those of ``given`` as they are there."""
         known, found = {**self.given, **given}, list[Residue]()
         for i, node in enumerate(self.nodes):
-            if i in known:
-                found.append(known[i])
-            elif node.value is not None:
-                found.append(RESIDUES.enter(node.value))
-            else:
-                found.append(RESIDUES.apply[node.op](*(found[k] for k in node.args)))
+            made = known.get(i)
+            found.append(RESIDUES.apply[node.op](*(found[k] for k in node.args)) if made is None else made)
         return found
 
     def _parts(self, values: Sequence[Residue]) -> list[Residue]:
@@ -156,6 +155,6 @@ class Point:
     def _inner(self, a: Sequence[Residue], b: Sequence[Residue]) -> Residue:
         """The inner product of two R, each part with its factor below the root."""
         total: Residue = _ZERO
-        for t, x, y in zip(self.terms, a, b, strict=True):
-            total = _plus(total, _times(RESIDUES.enter(t.factor), _times(x, y)))
+        for weight, x, y in zip(self.weights, a, b, strict=True):
+            total = _plus(total, _times(weight, _times(x, y)))
         return total

@@ -63,7 +63,8 @@ class Parts:
 def parts_of(fit: Fit, function: Function, whole: Pass) -> Parts:
     """Upper bounds of what the error is made of."""
     apart = _apart(fit, function, whole)
-    off = {d.node: _data_error(d.node, whole) for d in fit.data}
+    # The rounding of a product that may be contracted is left to its uses.
+    off = {d.node: _error(d.node, whole, rounded=d.node not in whole.rows) for d in fit.data}
     return Parts(
         _rows(apart) + _uneven(fit, whole), _data(fit, off), _beside(fit, apart), _turned(fit, apart, off, whole),
         _longest(fit, function, whole),
@@ -125,22 +126,19 @@ def _apart(fit: Fit, function: Function, whole: Pass) -> _Apart:
     return _Apart(walk, root, dividend, tuple(v))
 
 
-def _data_error(k: int, p: Pass) -> float:
-    """How far a datum is off. The rounding of a product that may be contracted is left to its uses."""
+def _error(k: int, p: Pass, *, rounded: bool) -> float:
+    """How far node ``k`` is off, with its own rounding or without."""
     slope = p.result.slopes[k]
-    if k in p.rows:
-        slope = sl.without(slope, p.sources[k])
-    return float(sl.weighed(slope, p.result.noise, p.boxes)[0])
+    return float(
+        sl.weighed(slope if rounded else sl.without(slope, p.sources[k]), p.result.noise, p.boxes)[0]
+    )
 
 
 def _rows(apart: _Apart) -> float:
     """How far R is off by its own roundings and those of A, but for the last of each part, which is relative to it."""
     p, total = apart.walk, 0.0
     for t in terms_below_root(p.nodes, p.nodes[apart.root].args[0]):
-        slope = p.result.slopes[t.base]
-        if p.nodes[t.base].op in _ROUNDED:
-            slope = sl.without(slope, p.sources[t.base])
-        off = float(sl.weighed(slope, p.result.noise, p.boxes)[0]) + p.form.tiny
+        off = _error(t.base, p, rounded=p.nodes[t.base].op not in _ROUNDED) + p.form.tiny
         total += float(t.factor) * off**2
     return float(np.sqrt(total)) * GROW
 

@@ -75,14 +75,8 @@ def sinc_argument(nodes: Sequence[Node], node: Node) -> int | None:
         sine, x = nodes[node.args[0]], node.args[1]
         return x if sine.op is Op.SIN and sine.args[0] == x else None
     for s, d in (node.args, node.args[::-1]):
-        sine, quotient = nodes[s], nodes[d]
-        if (
-            sine.op is Op.SIN
-            and quotient.op is Op.DIV
-            and quotient.args[1] == sine.args[0]
-            and nodes[quotient.args[0]].value == ONE
-        ):
-            return sine.args[0]
+        if nodes[s].op is Op.SIN and inverted(nodes, d) == nodes[s].args[0]:
+            return nodes[s].args[0]
     return None
 
 
@@ -183,15 +177,21 @@ def cone(nodes: Sequence[Node], roots: Collection[int], stop: Collection[int] = 
     return found
 
 
+def inverted(nodes: Sequence[Node], k: int) -> int | None:
+    """D of 1/D."""
+    node = nodes[k]
+    return node.args[1] if node.op is Op.DIV and nodes[node.args[0]].value == ONE else None
+
+
 def quotient(nodes: Sequence[Node], k: int) -> tuple[int, int] | None:
     """(N, D) of N / D, or of N (1/D)."""
     if nodes[k].op is Op.DIV:
-        dividend, divisor = nodes[k].args
-        return dividend, divisor
-    if nodes[k].op is Op.MUL:
-        for dividend, inverse in (nodes[k].args, nodes[k].args[::-1]):
-            if nodes[inverse].op is Op.DIV and nodes[nodes[inverse].args[0]].value == ONE:
-                return dividend, nodes[inverse].args[1]
+        above, below = nodes[k].args
+        return above, below
+    for above, inverse in (nodes[k].args, nodes[k].args[::-1]) if nodes[k].op is Op.MUL else ():
+        divisor = inverted(nodes, inverse)
+        if divisor is not None:
+            return above, divisor
     return None
 
 

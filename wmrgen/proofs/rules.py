@@ -6,7 +6,6 @@ from functools import reduce
 
 import numpy as np
 
-from wmrgen.exact.number import ONE
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.proofs import interval as iv
 from wmrgen.proofs import slopes as sl
@@ -18,6 +17,7 @@ from wmrgen.proofs.norms import length, lengths
 from wmrgen.proofs.patterns import (
     Term,
     extremum,
+    inverted,
     nearest_turn,
     parity,
     sinc_argument,
@@ -103,9 +103,8 @@ def _mul(p: Pass, i: int, node: Node) -> Value:
 def _by_inverse(p: Pass, node: Node) -> Value | None:
     """N (1/D) as a quotient: the slope of D counts times N/D, which is often far less than N times 1/D."""
     for above, inverse in (node.args, node.args[::-1]):
-        quotient = p.nodes[inverse]
-        if quotient.op is Op.DIV and p.nodes[quotient.args[0]].value == ONE and not p.shared(above, inverse):
-            below = quotient.args[1]
+        below = inverted(p.nodes, inverse)
+        if below is not None and not p.shared(above, inverse):
             value = iv.times(p.range(above), p.range(inverse))
             most = cauchy(p, above, below)
             if most is not None:

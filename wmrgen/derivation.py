@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     import sympy
 
+    from wmrgen.bounds.robot import Bounds
     from wmrgen.constraints import Constraints
     from wmrgen.exact.number import Exact
     from wmrgen.ir.nodes import Function, Module
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from wmrgen.models.frobenius import Integrability
     from wmrgen.models.system import System
     from wmrgen.program import Program
-    from wmrgen.proofs.bounds import Bounds
     from wmrgen.symbolic import Expr
 
 
@@ -266,8 +266,8 @@ class Derivation:
 
     def bounds_of(self, choice: Choice) -> Bounds:
         """Proved ranges and rounding errors of the C functions in float, where the robot file has limits."""
-        from wmrgen.proofs.bounds import bounds
-        from wmrgen.proofs.precision import library
+        from wmrgen.bounds.precision import library
+        from wmrgen.bounds.robot import bounds
 
         return bounds(self.robot, self.c_module, library(choice))
 

@@ -14,9 +14,9 @@ from wmrgen.backends.lines import places
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
+from wmrgen.bounds.text import header_lines
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.site import Site
-from wmrgen.proofs.text import header_lines
 
 if TYPE_CHECKING:
     from wmrgen.derivation import Derivation

@@ -52,7 +52,7 @@ def _bounds(d: Derivation) -> dict[str, Any]:
     found = d.bounds
     if found.missing:
         return {}
-    from wmrgen.proofs.bounds import data
+    from wmrgen.bounds.robot import data
 
     return {"bounds": data(found)}
 

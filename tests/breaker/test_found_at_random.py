@@ -1,4 +1,4 @@
-"""What random robots and functions showed: crashes of proofs and of mobility, and bounds that did not hold."""
+"""What random robots and functions showed: crashes of bounds and of mobility, and bounds that did not hold."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 import wmrgen
-from tests.proofs.gallery import LIBM_C
-from tests.proofs.observe import choices, draw
-from tests.proofs.search import shares
-from tests.proofs.small import walked
+from tests.bounds.gallery import LIBM_C
+from tests.bounds.observe import choices, draw
+from tests.bounds.search import shares
+from tests.bounds.small import walked
+from wmrgen.bounds.boxes import analysed
+from wmrgen.bounds.fits import fit_of
+from wmrgen.bounds.precision import LIBM, SINGLE
+from wmrgen.bounds.robot import functions
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op, Port, Role
 from wmrgen.mobility.admissible import components
-from wmrgen.proofs.bounds import functions
-from wmrgen.proofs.boxes import analysed
-from wmrgen.proofs.fits import fit_of
-from wmrgen.proofs.precision import LIBM, SINGLE
 
 ROBOTS = {
     # (vx, vy) are no part of the residual, omega alone is.

@@ -30,13 +30,13 @@ MAY_IMPORT = {stage: {*TOOLS, *STAGES[:k]} for k, stage in enumerate(STAGES)} | 
     "backends": {*TOOLS, "ir", "render", "compiler"},
     "artifacts": {"errors"},
 }
-MAY_IMPORT["proofs"] = {*TOOLS, "ir", "layout"}
+MAY_IMPORT["bounds"] = {*TOOLS, "ir", "layout"}
 MAY_IMPORT["program"] |= {"ir"}
 MAY_IMPORT["lower"] |= {"ir"}
 MAY_IMPORT["modules"] |= {"ir"}
 MAY_IMPORT["model"] |= {"ir"}
-MAY_IMPORT["derivation"] |= {"ir", "backends", "proofs"}
-MAY_IMPORT["model"] |= {"proofs"}
+MAY_IMPORT["derivation"] |= {"ir", "backends", "bounds"}
+MAY_IMPORT["model"] |= {"bounds"}
 # Code comes from the IR alone; the report and the wheel table of the banners show the stages themselves.
 SHOWS_STAGES = {"backends/report", "backends/wheels"}
 MAY_IMPORT["emit"] = {*MAY_IMPORT["derivation"], "derivation", "backends"}
@@ -69,7 +69,7 @@ def test_imports_point_left(module: str) -> None:
         parts = name.split(".")
         if parts[0] == "wmrgen" and len(parts) > 1 and parts[1] != stage:
             assert stage in MAY_IMPORT, f"say in this test where {stage} stands"
-            shown = (*STAGES, "proofs") if "/".join(module.split("/")[:2]) in SHOWS_STAGES else ()
+            shown = (*STAGES, "bounds") if "/".join(module.split("/")[:2]) in SHOWS_STAGES else ()
             assert parts[1] in {*MAY_IMPORT[stage], *shown}, f"wmrgen/{module}.py imports {name}"
 
 

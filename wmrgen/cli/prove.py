@@ -13,10 +13,10 @@ from wmrgen.cli import console
 from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
+    from wmrgen.bounds.domain import Range
+    from wmrgen.bounds.robot import Bounds, FunctionBound, OutputBound
     from wmrgen.derivation import Derivation
     from wmrgen.ir.nodes import Function
-    from wmrgen.proofs.bounds import Bounds, FunctionBound, OutputBound
-    from wmrgen.proofs.domain import Range
 
 _TOOL = "frama-c"
 _FINER = 5  # how often Eva gets the inputs in smaller parts
@@ -25,7 +25,7 @@ _INSTALL = "Debian, Ubuntu: apt-get install frama-c-base"
 
 def run(path: Path, *, as_json: bool) -> int:
     """Our own analysis, then Frama-C Eva where it is installed. NotDerivableError where something is not proved."""
-    from wmrgen.proofs.bounds import data
+    from wmrgen.bounds.robot import data
 
     with console.progress() as step:
         step(f"deriving {path}")
@@ -49,7 +49,7 @@ def run(path: Path, *, as_json: bool) -> int:
 
 
 def _needed(name: str, found: Bounds) -> str:
-    from wmrgen.proofs.domain import wanted
+    from wmrgen.bounds.domain import wanted
 
     return (
         f"{name}: nothing can be proved without limits of {' and '.join(found.missing)}. Write in the robot file, "
@@ -62,10 +62,10 @@ def eva(
 ) -> dict[str, Any]:
     """What Eva says: its alarms (none is good); why it was not run. ``step`` is told what is looked at."""
     from wmrgen.backends.c99.eva import alarms, command, harness
+    from wmrgen.bounds.partition import cases
+    from wmrgen.bounds.precision import SINGLE
+    from wmrgen.bounds.robot import functions
     from wmrgen.compiler import find_tool, run_tool
-    from wmrgen.proofs.bounds import functions
-    from wmrgen.proofs.cases import cases
-    from wmrgen.proofs.precision import SINGLE
 
     tool = find_tool(_TOOL)
     if tool is None:
@@ -99,7 +99,7 @@ def _persistent(left: Callable[[int], tuple[str, ...]]) -> tuple[str, ...]:
 
 
 def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:
-    from wmrgen.proofs.text import described
+    from wmrgen.bounds.text import described
 
     limits = ", ".join(_limit(n, r) for n, r in found.given.items())
     console.result(f"{name}: float, {described(found.library)}")
@@ -123,7 +123,7 @@ def _limit(name: str, r: tuple[float, float]) -> str:
 
 
 def _function(f: FunctionBound, given: Mapping[str, Range]) -> None:
-    from wmrgen.proofs.domain import wanted
+    from wmrgen.bounds.domain import wanted
 
     if f.unknown:
         console.result(f"{f.name}: not looked at, no range for {', '.join(f.unknown)}", "bold")

@@ -9,10 +9,10 @@ from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import CAP, Subject
 from wmrgen.backends.report.tex import Term, broken, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
+from wmrgen.bounds.text import described, error, listed
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.ir.cost import count
-from wmrgen.proofs.text import described, error, listed
 
 if TYPE_CHECKING:
     from wmrgen.backends.meta import Meta

@@ -1,0 +1,186 @@
+"""Rounding errors that occur: float32 code beside the formula in float64, decided alike; inputs to search among."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from wmrgen.bounds.directions import directions
+from wmrgen.bounds.patterns import cone
+from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.rounding import to_float32, to_float64
+
+Ranges = Mapping[str, tuple[float, float]]
+EXACT = {
+    "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
+    "sqrt": np.sqrt, "min": np.minimum, "max": np.maximum, "sin": np.sin, "cos": np.cos, "atan": np.arctan,
+    "atan2": np.arctan2,
+}  # fmt: skip
+CHOICE = "library "  # and the number of a node: the input that chooses what the library gives there
+LIBRARY = ("sin", "cos", "atan", "atan2")  # as inexact as proofs allow them to be
+
+
+@dataclass(frozen=True)
+class Run:
+    """Per node: the float32 values, the float64 values, where both are decided alike."""
+
+    single: list[np.ndarray]
+    exact: list[np.ndarray]
+    alike: np.ndarray
+
+
+def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
+    """Every node at every point. Comparisons and whole numbers of the float64 values are those of the float32 ones."""
+    count = len(next(iter(inputs.values()))) if inputs else 1
+    single: list[np.ndarray] = []
+    exact: list[np.ndarray] = []
+    clamped = {
+        d.quotient: d
+        for d in directions(function.nodes).values()
+        if d.quotient is not None and d.size is None
+    }
+    alike = np.ones(count, dtype=bool)
+    with np.errstate(all="ignore"):
+        for i, node in enumerate(function.nodes):
+            a, b = [single[k] for k in node.args], [exact[k] for k in node.args]
+            if node.value is not None:
+                single.append(np.full(count, to_float32(node.value), np.float32))
+                exact.append(np.full(count, to_float64(node.value)))
+            elif node.op is Op.INPUT:
+                single.append(inputs[node.name or ""])
+                exact.append(inputs[node.name or ""].astype(np.float64))
+            else:
+                single.append(_single(node, a, inputs.get(f"{CHOICE}{i}")))
+                exact.append(_exact(node, a, b))
+            if i in clamped:  # the side of a wall on which a slope lies is a decision, too
+                alike &= np.sign(a[1]) == np.sign(b[1])
+    return Run(single, exact, alike)
+
+
+def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.ndarray:
+    if node.op is Op.SELECT:
+        return np.where(a[0] < a[1], a[2], a[3])
+    if node.op is Op.MIN:
+        return np.where(a[0] < a[1], a[0], a[1])
+    if node.op is Op.MAX:
+        return np.where(a[1] < a[0], a[0], a[1])
+    if node.op == "rint":
+        return np.rint(a[0])
+    if node.op == "flip":
+        return np.where(a[1] % 2 == 1, -a[0], a[0])
+    if node.op in LIBRARY:
+        return _faithful(EXACT[node.op.value](*(x.astype(np.float64) for x in a)), choice)
+    return np.asarray(EXACT[node.op.value](*a))
+
+
+def _faithful(wide: np.ndarray, choice: np.ndarray | None) -> np.ndarray:
+    """One of the two floats around each number, not always the nearer: off by less than a unit in the last place.
+
+    The nearer where ``choice`` is negative; without a choice, either.
+    """
+    near = wide.astype(np.float32)
+    other = np.nextafter(near, np.where(near < wide, np.inf, -np.inf).astype(np.float32))
+    exact = near.astype(np.float64) == wide
+    worse = (
+        near.view(np.uint32) * np.uint32(2654435761) >> np.uint32(31) == 1 if choice is None else choice > 0
+    )
+    return np.where(worse & ~exact, other, near)
+
+
+def _exact(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
+    if node.op is Op.SELECT:
+        return np.where(a[0] < a[1], b[2], b[3])
+    if node.op == "rint":
+        return np.rint(a[0]).astype(np.float64)
+    if node.op == "flip":
+        return np.where(a[1] % 2 == 1, -b[0], b[0])
+    return np.asarray(EXACT[node.op.value](*b))
+
+
+def lengths(function: Function, found: Run, result: int) -> np.ndarray:
+    """Length of the shortest vector whose direction node ``result`` depends on; infinite without any."""
+    needed = cone(function.nodes, [result])
+    shortest = np.full(len(found.alike), np.inf)
+    for i, direction in directions(function.nodes).items():
+        if i in needed:
+            parts = [factor * found.exact[k] for factor, k in direction.parts]
+            shortest = np.minimum(shortest, np.hypot(*parts))
+    return shortest
+
+
+# ---- inputs
+
+
+def choices(function: Function) -> dict[str, tuple[float, float]]:
+    """Inputs that choose, for each result of the library, between the two floats around what is exact."""
+    return {f"{CHOICE}{i}": (-1.0, 1.0) for i, n in enumerate(function.nodes) if n.op in LIBRARY}
+
+
+def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:
+    """Points of the box: anywhere, small ones, and its corners."""
+    rng = np.random.default_rng(seed)
+    found = {}
+    for name, (lo, hi) in ranges.items():
+        value = rng.uniform(lo, hi, count)
+        kind = rng.random(count)
+        value = np.where(kind < 0.15, lo, np.where(kind < 0.3, hi, value))
+        small = value * 10.0 ** rng.uniform(-7, 0, count)
+        found[name] = _inside(np.where(kind > 0.9, small, value), lo, hi)
+    return found
+
+
+def bred(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
+    """Children of some points: some inputs from a second parent; a few moved to an end, elsewhere, or a little.
+
+    Rounding errors depend on the last digits of every input: most children change one or two inputs, by a few units
+    in the last place, and keep what is good in the others.
+    """
+    rng = np.random.default_rng(seed)
+    found = {}
+    for name, value, moved in _inherited(rng, ranges, parents, count):
+        lo, hi = ranges[name]
+        kind = rng.random(count)
+        nudged = value * (1 + rng.normal(0, 1, count) * 10.0 ** rng.uniform(-7, -1, count))
+        near = value * (1 + rng.integers(-40, 41, count) * 2.0**-24)
+        end = np.where(rng.random(count) < 0.5, lo, hi)
+        new = np.where(kind < 0.08, end, np.where(kind < 0.15, -value, nudged))
+        new = np.where((kind > 0.15) & (kind < 0.2), rng.uniform(lo, hi, count), new)
+        found[name] = _inside(np.where(moved, np.where(kind > 0.6, near, new), value), lo, hi)
+    return found
+
+
+def nudged(ranges: Ranges, parents: Mapping[str, np.ndarray], count: int, seed: int) -> dict[str, np.ndarray]:
+    """Children that differ from their parents by few units in the last place: other roundings, the same values."""
+    rng = np.random.default_rng(seed)
+    found = {}
+    for name, value, moved in _inherited(rng, ranges, parents, count):
+        units = np.rint(rng.normal(0, 1, count) * 2.0 ** rng.uniform(0, 8, count)) * moved
+        near = np.where(moved, -value, value) if name.startswith(CHOICE) else value * (1 + units * 2.0**-23)
+        found[name] = _inside(near, *ranges[name])
+    return found
+
+
+def _inherited(
+    rng: np.random.Generator, ranges: Ranges, parents: Mapping[str, np.ndarray], count: int
+) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Per input what children have of a parent, some of a second one, and which of them are to change it."""
+    size = len(next(iter(parents.values())))
+    first, second = rng.integers(0, size, (2, count))
+    crossed = rng.random(count) < 0.3
+    often = np.where(rng.random(count) < 0.7, 1.5 / len(ranges), 0.5)
+    for name in ranges:
+        other = crossed & (rng.random(count) < 0.5)
+        yield (
+            name,
+            parents[name][np.where(other, second, first)].astype(np.float64),
+            rng.random(count) < often,
+        )
+
+
+def _inside(value: np.ndarray, lo: float, hi: float) -> np.ndarray:
+    single = value.astype(np.float32)
+    return np.where(single > hi, np.float32(hi), np.where(single < lo, np.float32(lo), single)).astype(
+        np.float32
+    )

@@ -1,0 +1,1 @@
+"""Bounds of the generated code: ranges, rounding errors, and that every operation is defined."""

@@ -1,0 +1,154 @@
+"""Parts of the inputs on each of which plain interval arithmetic shows every operation defined.
+
+An analyser that knows no shapes (Frama-C Eva) cannot see that x is not zero where x x is not small. Given the inputs
+in parts it can: each part is halved along the inputs of what it cannot show, until it can or `MOST` parts are reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from wmrgen.bounds import interval as iv
+from wmrgen.bounds import slopes as sl
+from wmrgen.bounds.domain import Range
+from wmrgen.bounds.interval import Array, Interval
+from wmrgen.bounds.precision import Format, constant
+from wmrgen.ir.nodes import Function, Node, Op
+
+MOST = 512
+_DEPTH = 24
+_LARGE = 2.0**-28  # a value beyond this share of the largest number is halved as if it overflowed
+_ROOM = 1 + 1e-5  # float results may lie this much farther out
+
+
+def cases(
+    function: Function, ranges: Mapping[str, Range], form: Format, finer: int = 0
+) -> list[dict[str, Range]]:
+    """A partition of ``ranges``; one part where nothing needs to be divided.
+
+    ``finer``: how often every part is halved once more along the inputs that were divided, or on which divisors depend.
+    """
+    names = [name for name, (lo, hi) in ranges.items() if lo < hi]
+    done: list[dict[str, Range]] = []
+    open_: list[dict[str, Range]] = [dict(ranges)]
+    cones = _cones(function)
+    for depth in range(_DEPTH):
+        first = _first_alarm(function, open_, form)
+        halves: list[dict[str, Range]] = []
+        for part, node in zip(open_, first, strict=True):
+            along = [n for n in names if node >= 0 and n in cones[node]]
+            if not along or len(done) + len(halves) + len(open_) > MOST:
+                done.append(part)
+            else:
+                halves += _halved(part, along[depth % len(along)])
+        open_ = halves
+        if not open_:
+            break
+    done += open_
+    divided = [n for n in names if any(part[n] != ranges[n] for part in done)]
+    if not divided:  # an analyser may see less than is seen here: what divisors depend on
+        below = {n for node in function.nodes if node.op is Op.DIV for n in cones[node.args[1]]}
+        divided = [n for n in names if n in below]
+    for name in divided * finer:
+        done = [half for part in done for half in _halved(part, name)]
+    return done
+
+
+def _halved(part: dict[str, Range], name: str) -> list[dict[str, Range]]:
+    lo, hi = part[name]
+    middle = float(np.float32(lo + (hi - lo) / 2))
+    return [{**part, name: (lo, middle)}, {**part, name: (middle, hi)}]
+
+
+def _cones(function: Function) -> list[frozenset[str]]:
+    """The inputs on which each node depends."""
+    found: list[frozenset[str]] = []
+    for node in function.nodes:
+        own = frozenset({node.name}) if node.op is Op.INPUT and node.name else frozenset[str]()
+        found.append(own.union(*(found[k] for k in node.args)))
+    return found
+
+
+def _first_alarm(function: Function, parts: list[dict[str, Range]], form: Format) -> list[int]:
+    """Per part: the first divisor that may be zero, or value that may overflow; -1 where there is none."""
+    found = np.full(len(parts), -1)
+    known: list[Interval] = []
+    with np.errstate(all="ignore"):
+        for i, node in enumerate(function.nodes):
+            if node.op is Op.INPUT:
+                ends = [part[node.name or ""] for part in parts]
+                value = np.array([lo for lo, _ in ends]), np.array([hi for _, hi in ends])
+            elif node.op is Op.DIV:
+                value = _quotient(function.nodes, known, node, form)
+            else:
+                value = _value(node, [known[k] for k in node.args], form, len(parts))
+            known.append(value)
+            bad = ~(iv.magnitude(value) <= form.largest * _LARGE)
+            where = node.args[1] if node.op is Op.DIV else i
+            found = np.where((found < 0) & bad, where, found)
+    return [int(i) for i in found]
+
+
+def _value(node: Node, args: list[Interval], form: Format, count: int) -> Interval:
+    if node.value is not None:
+        lo, hi, _, _ = constant(node.value, form.name)
+        return np.full(count, lo), np.full(count, hi)
+    if node.op in (Op.MIN, Op.MAX):  # no rounding
+        return _apply(node.op.value, args)
+    squared = node.op is Op.MUL and node.args[0] == node.args[1]
+    return _widened(iv.square(args[0]) if squared else _apply(node.op.value, args), form)
+
+
+def _quotient(nodes: Sequence[Node], known: list[Interval], node: Node, form: Format) -> Interval:
+    """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
+    a, b = node.args
+    guard = nodes[b]
+    if guard.op is not Op.SELECT:
+        return _widened(_apply("div", [known[a], known[b]]), form)
+    small, large, x, y = (known[k] for k in guard.args)
+    first, second = (_apply("div", [known[a], branch]) for branch in (x, y))
+    always, never = small[1] < large[0], small[0] >= large[1]
+    lo = sl.chosen(always, never, first[0], second[0], np.minimum(first[0], second[0]))
+    hi = sl.chosen(always, never, first[1], second[1], np.maximum(first[1], second[1]))
+    return _widened((lo, hi), form)
+
+
+def _widened(value: Interval, form: Format) -> Interval:
+    return iv.widened(value, iv.magnitude(value) * (_ROOM - 1) + form.tiny)
+
+
+def _apply(op: str, args: list[Interval]) -> Interval:
+    if op == "div":
+        below = args[1]
+        value = iv.times(args[0], iv.reciprocal(below))
+        bad = (below[0] <= 0) & (below[1] >= 0)
+        return np.where(bad, -np.inf, value[0]), np.where(bad, np.inf, value[1])
+    if op == "select":
+        small, large, x, y = args
+        always, never = small[1] < large[0], small[0] >= large[1]
+        lo = sl.chosen(always, never, x[0], y[0], np.minimum(x[0], y[0]))
+        return lo, sl.chosen(always, never, x[1], y[1], np.maximum(x[1], y[1]))
+    if op in ("min", "max"):
+        choose = np.minimum if op == "min" else np.maximum
+        return choose(args[0][0], args[1][0]), choose(args[0][1], args[1][1])
+    return _PLAIN[op](*args)
+
+
+def _atan(x: Interval) -> Interval:
+    return np.arctan(x[0]), np.arctan(x[1])
+
+
+def _flip(x: Interval, _: Interval) -> Interval:
+    return iv.hull(x, iv.negative(x))
+
+
+def _whole(x: Interval) -> tuple[Array, Array]:
+    return np.rint(x[0]), np.rint(x[1])
+
+
+_PLAIN: dict[str, Callable[..., Interval]] = {
+    "add": iv.plus, "sub": iv.minus, "mul": iv.times, "neg": iv.negative, "abs": iv.absolute, "sqrt": iv.root,
+    "sin": iv.sine, "cos": iv.cosine, "atan": _atan, "atan2": iv.arctangent, "rint": _whole, "flip": _flip,
+}  # fmt: skip

@@ -1,0 +1,161 @@
+"""Proved ranges and rounding errors of a robot's functions, and what they were proved under."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wmrgen.bounds.domain import Domain, Range, domain
+from wmrgen.bounds.outcomes import Outcomes
+from wmrgen.bounds.precision import SMALL_ANGLE, Library
+from wmrgen.ir.inline import hand_through, inline_prepare
+from wmrgen.ir.nodes import Function, Module
+from wmrgen.layout.records import Robot
+
+if TYPE_CHECKING:
+    from wmrgen.bounds.records import Claim
+
+
+_NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
+
+
+@dataclass(frozen=True, slots=True)
+class OutputBound:
+    """The float result lies in [low, high] and within ``error`` + ``per_length`` / h of the exact formula.
+
+    h is the length of the shortest vector whose direction the output depends on, as the speed [m/s] of the pivot of
+    a steered wheel; the error is claimed where h >= ``from_length``. Both are 0 where there is no such vector.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    error: float
+    per_length: float
+    from_length: float
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionBound:
+    """One function: ``inputs`` by name, ``outputs``, what could not be shown (``alarms``), inputs without range."""
+
+    name: str
+    inputs: dict[str, Range]
+    outputs: tuple[OutputBound, ...]
+    alarms: tuple[str, ...]
+    unknown: tuple[str, ...] = ()
+
+    @property
+    def proved(self) -> bool:
+        return not self.alarms and not self.unknown
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """All functions of a robot in one floating-point type, with ``library`` for sines and arctangents.
+
+    ``missing``: limits that the robot file must have; ``assumed``: ranges of inputs that it does not limit.
+    """
+
+    scalar: str
+    library: Library
+    missing: tuple[str, ...]
+    given: dict[str, Range]
+    assumed: dict[str, Range]
+    functions: tuple[FunctionBound, ...]
+
+    @property
+    def proved(self) -> bool:
+        return not self.missing and all(f.proved or f.unknown for f in self.functions)
+
+
+def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
+    """The bounds of every C function of ``module`` in float; no function where needed limits are missing."""
+    where = domain(robot)
+    missing = where.missing()
+    if missing:
+        return Bounds("float", library, missing, where.given, {}, ())
+    found: list[FunctionBound] = []
+    assumed: dict[str, Range] = {}
+    printed = functions(module)
+    outcomes = Outcomes(printed, library)
+    for function in printed:
+        bound = _function(function, where, outcomes)
+        found.append(bound)
+        assumed |= {name: r for name, r in bound.inputs.items() if name not in where.given}
+    return Bounds("float", library, (), where.given, assumed, tuple(found))
+
+
+def functions(module: Module) -> list[Function]:
+    """The functions as they are printed, each with its part of prepare()."""
+    printed = hand_through(module)
+    return [inline_prepare(f, printed.prepare) for f in printed.functions if f.outputs]
+
+
+def _function(function: Function, where: Domain, outcomes: Outcomes) -> FunctionBound:
+    ranges, unknown = where.of(function)
+    if unknown:
+        return FunctionBound(function.name, ranges, (), (), tuple(unknown))
+    found = outcomes.of(function, ranges)
+    outputs = tuple(
+        _output(claim, port.name, port.unit)
+        for port, claim in zip(function.outputs, found.claims, strict=True)
+    )
+    if function.name == "inverse":
+        where.commanded.update({o.name: (o.low, o.high) for o in outputs})
+    alarms = tuple(dict.fromkeys(f"{function.nodes[i].op.value}: {what}" for i, what in found.alarms))
+    return FunctionBound(function.name, ranges, outputs, alarms)
+
+
+def _output(claim: Claim, name: str, unit: str) -> OutputBound:
+    return OutputBound(
+        name, unit, _up(claim.low - 0.0, -1), _up(claim.high), _up(claim.error), _up(claim.over),
+        _up(SMALL_ANGLE * claim.rho),
+    )  # fmt: skip
+
+
+def _up(value: Any, sign: int = 1) -> float:
+    """``value`` away from minus infinity (``sign`` 1) or plus infinity, to six digits; what rounds to zero is zero."""
+    value = float(value)
+    value += (
+        sign * abs(value) * 1e-9
+    )  # whatever the processor does in the last place, the digits are the same
+    if not np.isfinite(value) or abs(value) < _NOTHING:
+        return value if not np.isfinite(value) else 0.0
+    printed = float(f"{value:.5e}")
+    if (printed - value) * sign >= 0:
+        return printed
+    step = 10.0 ** (np.floor(np.log10(abs(value))) - 5)
+    return float(f"{printed + sign * step:.5e}")
+
+
+def data(found: Bounds) -> dict[str, Any]:
+    """The bounds as plain data: what model.json and `wmrgen prove --json` hold."""
+    return {
+        "scalar": found.scalar,
+        "library": {"name": found.library.name, **found.library.table()},
+        "limits": {name: list(r) for name, r in found.given.items()},
+        "assumed": {name: list(r) for name, r in found.assumed.items()},
+        "functions": {f.name: _data(f) for f in found.functions},
+    }
+
+
+def _data(f: FunctionBound) -> dict[str, Any]:
+    if f.unknown:
+        return {"proved": False, "no_range": list(f.unknown)}
+    return {
+        "proved": f.proved,
+        **({"not_shown": list(f.alarms)} if f.alarms else {}),
+        "outputs": {
+            o.name: {
+                "range": [o.low, o.high],
+                "error": o.error,
+                **({"error_per_speed": o.per_length} if o.per_length else {}),
+                **({"from_speed": o.from_length} if o.from_length else {}),
+            }
+            for o in f.outputs
+        },
+    }

@@ -1,1 +1,0 @@
-"""Proofs about the generated code: ranges, rounding errors, and that every operation is defined."""

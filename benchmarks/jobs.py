@@ -9,7 +9,7 @@ from pathlib import Path
 
 import wmrgen
 from benchmarks.counts import path_of
-from wmrgen.derivation import Derivation
+from wmrgen.robot import Derivation
 
 
 @dataclass(frozen=True)

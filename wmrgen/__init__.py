@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from wmrgen.derivation import Derivation
     from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
 
 __version__ = "0.1.0"
 __all__ = ["__version__", "derive", "load"]
@@ -24,7 +24,7 @@ __all__ = ["__version__", "derive", "load"]
 
 def load(path: str | PathLike[str]) -> Robot:
     """The robot that a file describes. RobotFileError, with the place, where the file cannot be accepted."""
-    from wmrgen.derivation import load as load_robot
+    from wmrgen.robot import load as load_robot
 
     return load_robot(os.fspath(path))
 
@@ -34,6 +34,6 @@ def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
 
     ``functions``: only those, instead of the ones that are generated for the robot.
     """
-    from wmrgen.derivation import derive as derive_robot
+    from wmrgen.robot import derive as derive_robot
 
     return derive_robot(robot, functions)

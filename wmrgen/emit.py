@@ -19,8 +19,8 @@ from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.site import Site
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
     from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
 
 MODEL = "model.json"
 

@@ -14,9 +14,9 @@ from wmrgen.layout.records import Wheel
 from wmrgen.program import asked
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
     from wmrgen.layout.records import Robot
     from wmrgen.mobility.records import Mobility, Rank, Singularity
+    from wmrgen.robot import Derivation
 
 FORMAT = 1
 _TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))
@@ -69,8 +69,8 @@ def _domains(d: Derivation) -> dict[str, Any]:
     wanted = asked(d.robot)
     if not wanted:
         return {}
-    from wmrgen.models.functions import SYSTEMS
-    from wmrgen.models.sheet import data, sheet_of
+    from wmrgen.functions.models.sheet import data, sheet_of
+    from wmrgen.functions.models.systems import SYSTEMS
 
     names = [name for name in wanted if name in SYSTEMS]
     found = {name: data(sheet_of(name, d.system(name)))["domain"] for name in names}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import casadi as ca
 
-from wmrgen.derivation import Derivation
+from wmrgen.robot import Derivation
 
 
 def source(

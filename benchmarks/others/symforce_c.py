@@ -8,7 +8,7 @@ import re
 import sympy
 
 from benchmarks.others.decimals import decimals
-from wmrgen.derivation import Derivation
+from wmrgen.robot import Derivation
 from wmrgen.symbolic import signal
 
 _CPP = re.compile(r"std::(\w+)(?:<Scalar>)?|\bScalar\b|\bx(\d+)\b")

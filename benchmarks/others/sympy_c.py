@@ -7,7 +7,7 @@ from sympy.codegen.ast import float32, real
 from sympy.printing.c import C99CodePrinter
 
 from benchmarks.others.decimals import decimals
-from wmrgen.derivation import Derivation
+from wmrgen.robot import Derivation
 from wmrgen.symbolic import signal
 
 

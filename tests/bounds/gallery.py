@@ -9,11 +9,11 @@ from pathlib import Path
 
 import wmrgen
 from wmrgen.bounds.robot import Bounds, FunctionBound, functions
-from wmrgen.derivation import Derivation
 from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Function
 from wmrgen.layout.records import Interval
+from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
 NAMES = [p.stem for p in ROBOTS]

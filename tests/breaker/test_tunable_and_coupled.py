@@ -12,10 +12,10 @@ import pytest
 
 import wmrgen
 from tests.conftest import Outcome
-from wmrgen.derivation import Derivation
 from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
+from wmrgen.robot import Derivation
 
 RANKS = {
     "one fixed": "{name: a, type: fixed, x: 0, y: B, heading: 0, r: 0.05}",

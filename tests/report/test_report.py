@@ -10,7 +10,7 @@ import pytest
 
 from wmrgen.backends import report
 from wmrgen.backends.meta import Meta
-from wmrgen.derivation import Derivation, derive, load
+from wmrgen.robot import Derivation, derive, load
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
 META = Meta(model_hash="0123456789abcdef", wmrgen_version="9.9")

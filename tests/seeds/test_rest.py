@@ -75,7 +75,7 @@ def test_t_2_81_printed_singular(tmp_path: Path) -> None:
 
 
 # Run by a rule over the start of their names.
-BY_START = {"S-3.6": "control/test_polar.py", "S-F3.20": "control/test_polar.py"}
+BY_START = {"S-3.6": "functions/control/test_polar.py", "S-F3.20": "functions/control/test_polar.py"}
 
 
 def test_every_case_is_run_somewhere() -> None:

@@ -16,8 +16,7 @@ SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(
 
 # From left to right. The IR stands beside the stages: it knows none of them, and `lower` hands over to it.
 STAGES = (
-    "spec layout constraints symbolic mobility kinematics models motion control space edges"
-    " program lower modules model derivation"
+    "spec layout constraints symbolic mobility kinematics functions program lower modules model robot"
 ).split()
 TOOLS = {"errors", "exact", "ports"}
 MAY_IMPORT = {stage: {*TOOLS, *STAGES[:k]} for k, stage in enumerate(STAGES)} | {
@@ -35,13 +34,13 @@ MAY_IMPORT["program"] |= {"ir"}
 MAY_IMPORT["lower"] |= {"ir"}
 MAY_IMPORT["modules"] |= {"ir"}
 MAY_IMPORT["model"] |= {"ir"}
-MAY_IMPORT["derivation"] |= {"ir", "backends", "bounds"}
+MAY_IMPORT["robot"] |= {"ir", "backends", "bounds"}
 MAY_IMPORT["model"] |= {"bounds"}
 # Code comes from the IR alone; the report and the wheel table of the banners show the stages themselves.
 SHOWS_STAGES = {"backends/report", "backends/wheels"}
-MAY_IMPORT["emit"] = {*MAY_IMPORT["derivation"], "derivation", "backends"}
+MAY_IMPORT["emit"] = {*MAY_IMPORT["robot"], "robot", "backends"}
 # The textbook is a program without a robot: it uses the whole line, and checks the texts against the engine.
-MAY_IMPORT["textbook"] = {*MAY_IMPORT["derivation"], "derivation", "backends", "render"}
+MAY_IMPORT["textbook"] = {*MAY_IMPORT["robot"], "robot", "backends", "render"}
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
 
 

@@ -13,9 +13,9 @@ from wmrgen.cli.gains import warn
 from wmrgen.errors import UsageError
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
     from wmrgen.ir.kernels.choice import Choice
     from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
 
 
 def load_all(paths: Sequence[Path]) -> list[Robot]:

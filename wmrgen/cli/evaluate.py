@@ -16,8 +16,8 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
     from wmrgen.ir.nodes import Function
+    from wmrgen.robot import Derivation
     from wmrgen.textbook import Textbook
 
 

@@ -22,7 +22,7 @@ LARGEST = Exact(10**50)  # 1/s; cubes of gains are doubles up to here
 
 def run(words: Sequence[str], *, as_json: bool) -> int:
     """Verdict on the gains of the words, else of the robot file before them, else of the text."""
-    from wmrgen.control.gains import TEXTBOOK, judge, linearisation, nominal_gains, polynomial
+    from wmrgen.functions.control.gains import TEXTBOOK, judge, linearisation, nominal_gains, polynomial
 
     gains = dict(TEXTBOOK)
     if words and "=" not in words[0]:
@@ -57,7 +57,7 @@ def run(words: Sequence[str], *, as_json: bool) -> int:
 
 def warn(robot: Robot) -> None:
     """Say which gains of a robot's file do not stabilise, or not from everywhere."""
-    from wmrgen.control.gains import warnings
+    from wmrgen.functions.control.gains import warnings
 
     for text in warnings(robot):
         console.note(f"{robot.name}: warning: {text}")

@@ -16,7 +16,7 @@ from wmrgen.errors import UsageError
 from wmrgen.exact.number import ONE, ZERO, Exact
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
+    from wmrgen.robot import Derivation
 
 _FAR = 1e9  # [m] a centre that counts as infinitely far
 _TOLERANCE = 1e-9
@@ -102,7 +102,7 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
 
 def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     """The ICR that the axles point at, and each wheel's part in it."""
-    from wmrgen.motion.steering import axle_distances, check_steering
+    from wmrgen.functions.motion.steering import axle_distances, check_steering
 
     robot = derivation.robot
     ports = [p for p in derivation.formula("axles").inputs if p.name.endswith(".steer")]

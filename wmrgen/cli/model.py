@@ -10,13 +10,13 @@ import wmrgen
 from wmrgen.cli import console
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
-    from wmrgen.models.sheet import Sheet
+    from wmrgen.functions.models.sheet import Sheet
+    from wmrgen.robot import Derivation
 
 
 def run(path: Path, form: str, *, as_json: bool, as_latex: bool) -> int:
     """Print one form of the model of a robot."""
-    from wmrgen.models.sheet import data, latex, lines
+    from wmrgen.functions.models.sheet import data, latex, lines
 
     with console.progress() as step:
         step(f"deriving {path}")
@@ -35,8 +35,8 @@ def run(path: Path, form: str, *, as_json: bool, as_latex: bool) -> int:
 
 def _sheets(derivation: Derivation, form: str) -> list[Sheet]:
     """The chained form is a transformation of state and inputs; any other form a system."""
-    from wmrgen.models.chained_sheet import chained_sheet
-    from wmrgen.models.sheet import sheet_of
+    from wmrgen.functions.models.sheet import sheet_of
+    from wmrgen.functions.trailers.chained_sheet import chained_sheet
 
     if form == "chained":
         return [chained_sheet(derivation.robot, derivation.mobility)]

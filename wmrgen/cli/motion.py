@@ -16,9 +16,9 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ports import Port, Role
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
+    from wmrgen.functions.motion.segments import Phase
     from wmrgen.layout.records import Robot
-    from wmrgen.motion.segments import Phase
+    from wmrgen.robot import Derivation
 
 _TOLERANCE = 1e-9  # a residual or a slip [m/s] worth a note
 _DUST = Exact(Fraction(1, 10**40))
@@ -114,7 +114,7 @@ def _constant(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
 
 def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[str, Any]:
     """The phases of the segments, from the pose and the steering angles that the words give."""
-    from wmrgen.motion.segments import forbidden, plan, segment
+    from wmrgen.functions.motion.segments import forbidden, plan, segment
 
     robot = derivation.robot
     start = [Port(n, Role.STATE, _UNITS[n]) for n in _POSE]

@@ -15,8 +15,8 @@ from wmrgen.errors import NotDerivableError
 if TYPE_CHECKING:
     from wmrgen.bounds.domain import Range
     from wmrgen.bounds.robot import Bounds, FunctionBound, OutputBound
-    from wmrgen.derivation import Derivation
     from wmrgen.ir.nodes import Function
+    from wmrgen.robot import Derivation
 
 _TOOL = "frama-c"
 _FINER = 5  # how often Eva gets the inputs in smaller parts

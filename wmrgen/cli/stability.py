@@ -32,7 +32,7 @@ def run(path: Path, words: Sequence[str], *, as_json: bool) -> int:
             console.note(f"not given: fz, taken as {float(GRAVITY)}")
         found = {name: float(v) for name, v in derivation.evaluate("stability", values).items()}
 
-        from wmrgen.space.support import polygon
+        from wmrgen.functions.space.support import polygon
 
         steer = {w.name: float(values.get(f"{w.name}.steer", Exact(0))) for w in robot.wheels}
         corners = polygon(robot, steer)

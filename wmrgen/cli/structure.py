@@ -12,14 +12,14 @@ from wmrgen.cli import console
 from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
+    from wmrgen.robot import Derivation
 
 Shown = Callable[[Any], str]
 
 
 def run(path: Path, *, as_json: bool) -> int:
     """Print Frobenius's test with its proofs, integrals, Lie brackets, flat outputs and the chained form."""
-    from wmrgen.models.decimals import exact
+    from wmrgen.functions.models.decimals import exact
 
     with console.progress() as step:
         step(f"deriving {path}")
@@ -34,7 +34,7 @@ def run(path: Path, *, as_json: bool) -> int:
 
 def _lines(d: Derivation) -> list[str]:
     """What a reader sees: fractions too long to read as decimals."""
-    from wmrgen.models.decimals import Reader
+    from wmrgen.functions.models.decimals import Reader
 
     shown = Reader()
     found = _facts(d, shown)
@@ -87,14 +87,14 @@ def _vector(d: Derivation) -> list[int]:
 
 
 def _flat(d: Derivation) -> str:
-    from wmrgen.models.flat import flatness
+    from wmrgen.functions.trailers.flat import flatness
 
     known = flatness(d.robot, d.mobility)
     return f"{known.outputs}: {known.text}"
 
 
 def _chained(d: Derivation) -> str:
-    from wmrgen.models.train import train
+    from wmrgen.functions.trailers.train import train
 
     size = train(d.robot, d.mobility).size
     return f"(2,{size}) chain; `wmrgen model ROBOT.yaml --form chained` writes it down"

@@ -8,7 +8,7 @@ from wmrgen.backends.drawing.scene import picture
 from wmrgen.backends.meta import Meta
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
+    from wmrgen.robot import Derivation
 
 FILE = "layout.svg"
 

@@ -14,8 +14,8 @@ from wmrgen.backends.drawing.wheels import Placed, body, contact, direction, pla
 from wmrgen.render import render
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
     from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
 
 WIDTH, TALLEST = 720.0, 560.0
 MARGIN = (92.0, 52.0, 92.0, 64.0)

@@ -19,7 +19,7 @@ from wmrgen.backends.report.wheelrows import wheel_rows
 from wmrgen.render import render
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
+    from wmrgen.robot import Derivation
 
 FILE = "report.md"
 _PARTS = (

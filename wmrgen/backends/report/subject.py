@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from wmrgen.constraints import Constraints, View, constrain, nominal_view, symbolic_view
 
 if TYPE_CHECKING:
-    from wmrgen.derivation import Derivation
     from wmrgen.layout.records import Robot, Wheel
     from wmrgen.mobility.records import Mobility
+    from wmrgen.robot import Derivation
 
 CAP = 16  # wheels whose equations are written out
 

@@ -6,8 +6,8 @@ from functools import cache
 
 import sympy
 
-from wmrgen.derivation import Derivation, derive
 from wmrgen.layout import build
+from wmrgen.robot import Derivation, derive
 from wmrgen.spec.load import read_text
 from wmrgen.symbolic import Expr, Parameter, signal
 from wmrgen.textbook.errata.forms import symbol

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy
 
-from wmrgen.derivation import Derivation
+from wmrgen.robot import Derivation
 from wmrgen.symbolic import number as number_of
 from wmrgen.symbolic import signal
 from wmrgen.textbook.errata import engine

@@ -1,0 +1,86 @@
+"""Functions of a robot on every backend, and driving it: wheel commands through forward kinematics and odometry."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import wmrgen
+from wmrgen.backends.c99 import evaluate_c
+from wmrgen.exact.number import Exact
+from wmrgen.robot import Derivation
+
+ROOT = Path(__file__).resolve().parents[3]
+ROBOTS = sorted((ROOT / "robots").glob("*.yaml"))
+BACKENDS = ("exact", "casadi", "c")
+CASES: dict[str, dict[str, Any]] = {
+    c["id"]: c for c in json.loads((ROOT / "tests/seeds/cases.json").read_text(encoding="utf-8"))["cases"]
+}
+PAIR = """\
+wmrgen: 1
+name: pair
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+"""
+# The axle centre stands at (-0.3, 0.1) and drives along 30 degrees.
+SKEWED = """\
+wmrgen: 1
+name: skewed
+wheels:
+  - {name: left,  type: fixed, x: -0.3 - 0.2/2, y: 0.1 + 0.2*sqrt(3)/2, heading: 30 deg, r: 0.1}
+  - {name: right, type: fixed, x: -0.3 + 0.2/2, y: 0.1 - 0.2*sqrt(3)/2, heading: 210 deg, r: 0.1}
+"""
+TRICYCLE = """\
+wmrgen: 1
+name: tricycle
+wheels:
+  - {{name: rear_left,  type: fixed, x: 0, y: 0.3,  heading: 0, r: 0.1}}
+  - {{name: rear_right, type: fixed, x: 0, y: -0.3, heading: 0, r: 0.1}}
+  - {{name: front, type: steered, x: {base}, y: 0, heading: 0, r: 0.1}}
+"""
+
+
+@lru_cache(maxsize=256)
+def derived(path: Path, *names: str) -> Derivation:
+    """The named functions of a robot file."""
+    return wmrgen.derive(wmrgen.load(path), names)
+
+
+def write(folder: Path, text: str) -> Path:
+    """A robot file with this text."""
+    path = folder / f"robot{abs(hash(text))}.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def call(path: Path, name: str, values: Mapping[str, float], backend: str = "casadi") -> dict[str, float]:
+    """Outputs by contract name; inputs not given are 0, parameters nominal. C is evaluated in double."""
+    d = derived(path, name)
+    if backend == "exact":
+        exact = {k: Exact(Fraction(v)) for k, v in values.items()}
+        return {k: float(v) for k, v in d.evaluate(name, exact).items()}
+    if backend == "c":
+        ports = d.formula(name).inputs
+        full = {p.name: float(p.default) if p.default is not None else 0.0 for p in ports}
+        assert values.keys() <= full.keys()
+        return evaluate_c(d.c_module, name, [full | dict(values)], "double")[0]
+    f = _casadi(path, name)
+    nominal = {p.name: float(p.nominal) for p in d.robot.tunable}
+    found = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])
+    return {n: float(v) for n, v in zip(f.name_out(), found, strict=True)}
+
+
+@lru_cache(maxsize=256)
+def _casadi(path: Path, name: str) -> Any:
+    return derived(path, name).casadi()[name]
+
+
+def driven(path: Path, commands: Mapping[str, float]) -> dict[str, float]:
+    """The twist that forward kinematics finds in joint commands; ``slip`` beside it."""
+    inputs = _casadi(path, "forward").name_in()
+    return call(path, "forward", {k: v for k, v in commands.items() if k in inputs})

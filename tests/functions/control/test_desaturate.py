@@ -1,0 +1,88 @@
+"""`desaturate`: limits kept, path kept."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from tests.functions.control.corners import (
+    CORNERS,
+    FLOAT32,
+    MECANUM,
+    SWERVE,
+    call,
+    derived,
+    robot_text,
+    twists,
+)
+from wmrgen.errors import NotDerivableError
+from wmrgen.ir.rounding import nearest_float32
+
+LIMIT = 12.3
+
+
+@pytest.mark.parametrize("wheels", [MECANUM, SWERVE], ids=["mecanum", "swerve"])
+def test_the_twist_is_scaled(tmp_path: Path, wheels: str) -> None:
+    d = derived(tmp_path, robot_text(wheels, f"limits: {{spin: {LIMIT}}}"), "desaturate")
+    scaled = 0
+    for twist in twists(60):
+        asked = call(d, "inverse", {**twist, **{f"{n}.steer": 0.2 for n in CORNERS}})
+        kept = call(d, "desaturate", asked)
+        peak = max(abs(asked[f"{n}.spin"]) for n in CORNERS)
+        assert kept["scale"] == pytest.approx(min(1.0, LIMIT / peak), rel=1e-14)
+        scaled += kept["scale"] < 1
+        driven = call(d, "forward", {**asked, **kept})
+        for name, value in twist.items():
+            assert driven[name] == pytest.approx(kept["scale"] * value, abs=1e-12)
+    assert 20 < scaled <= 60
+
+
+def test_limits_hold_to_the_last_bit_in_float(tmp_path: Path) -> None:
+    d = derived(tmp_path, robot_text(MECANUM, "limits: {spin: [-11.7, 12.3]}"), "desaturate")
+    source = random.Random(3)
+    low, high = nearest_float32(-11.7), nearest_float32(12.3)
+    reached = 0
+    for _ in range(400):
+        size = 10.0 ** source.uniform(-3, 9)
+        kept = call(d, "desaturate", {f"{n}.spin": source.uniform(-size, size) for n in CORNERS}, FLOAT32)
+        assert all(low <= kept[f"{n}.spin"] <= high for n in CORNERS)
+        reached += any(kept[f"{n}.spin"] in (low, high) for n in CORNERS)
+    assert reached > 200
+
+
+def test_nothing_changes_inside_the_limits(tmp_path: Path) -> None:
+    d = derived(tmp_path, robot_text(MECANUM, f"limits: {{spin: {LIMIT}}}"), "desaturate")
+    asked = {"fl.spin": 12.25, "fr.spin": -1.5, "bl.spin": 0.0, "br.spin": -12.25}
+    assert call(d, "desaturate", asked, FLOAT32) == {**asked, "scale": 1.0}
+
+
+def test_each_wheel_has_its_own_limit(tmp_path: Path) -> None:
+    wheels = MECANUM.replace("r: 0.1}", "r: 0.1, limits: {spin: 5}}", 1)
+    d = derived(tmp_path, robot_text(wheels, "limits: {spin: 20}"), "desaturate")
+    asked = dict.fromkeys((f"{n}.spin" for n in CORNERS), 10.0)
+    assert call(d, "desaturate", asked)["scale"] == 0.5
+
+
+def test_castors_turn_along(tmp_path: Path) -> None:
+    wheels = (
+        "  - {name: fl, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}\n"
+        "  - {name: fr, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
+        "  - {name: tail, type: castor, x: -0.3, y: 0, d: 0.05, r: 0.04, limits: {steer_rate: 3}}"
+    )
+    d = derived(tmp_path, robot_text(wheels, "limits: {spin: 20}"), "desaturate")
+    asked = {"fl.spin": 1.0, "fr.spin": 1.0, "tail.spin": 2.0, "tail.steer_rate": -6.0}
+    assert call(d, "desaturate", asked) == {k: v / 2 for k, v in asked.items()} | {"scale": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("limits", "named"),
+    [
+        ("", "fl, fr, bl, br have no limit of spin"),
+        ("limits: {spin: [0, 4]}", "leave no speed in one direction"),
+    ],
+)
+def test_what_is_missing_is_named(tmp_path: Path, limits: str, named: str) -> None:
+    with pytest.raises(NotDerivableError, match=named):
+        _ = derived(tmp_path, robot_text(MECANUM, limits), "desaturate").program

@@ -1,0 +1,152 @@
+"""`inverse_together`: one branch for all modules, limits kept."""
+
+from __future__ import annotations
+
+import math
+import random
+from pathlib import Path
+
+import pytest
+
+from tests.depth import everyday
+from tests.functions.control.corners import CORNERS, SWERVE, call, derived, robot_text, steers, twists
+from wmrgen.backends.c99 import evaluate_c
+from wmrgen.errors import NotDerivableError
+from wmrgen.robot import Derivation
+
+
+@pytest.fixture(scope="module")
+def free(tmp_path_factory: pytest.TempPathFactory) -> Derivation:
+    return derived(tmp_path_factory.mktemp("free"), robot_text(SWERVE), "inverse_together")
+
+
+def presents(count: int, span: float) -> list[dict[str, float]]:
+    source = random.Random(5)
+    return [steers([source.uniform(-span, span) for _ in CORNERS]) for _ in range(count)]
+
+
+def test_forward_gives_the_twist_back(free: Derivation) -> None:
+    for twist, present in zip(twists(80), presents(80, 9.0), strict=True):
+        got = call(free, "forward", call(free, "inverse_together", twist | present))
+        assert all(got[n] == pytest.approx(v, abs=1e-12) for n, v in twist.items())
+
+
+def test_all_drive_the_same_way(free: Derivation) -> None:
+    seen = set()
+    for twist, present in zip(twists(80), presents(80, 9.0), strict=True):
+        spins = [call(free, "inverse_together", twist | present)[f"{n}.spin"] for n in CORNERS]
+        assert all(s > 0 for s in spins) or all(s < 0 for s in spins)
+        seen.add(spins[0] > 0)
+    assert seen == {True, False}
+
+
+def test_nobody_swings_to_the_other_side(free: Derivation) -> None:
+    """Near 90 degrees of swing `inverse` sends neighbours to opposite sides; together they stay within 15 degrees."""
+    apart = 0
+    for k in range(-20, 21):
+        twist = {"vx": 0.01 * k, "vy": 1.0, "omega": 0.2}
+        alone, together = (
+            [call(free, name, {**twist, **steers([0.0] * 4)})[f"{n}.steer"] for n in CORNERS]
+            for name in ("inverse", "inverse_together")
+        )
+        apart += max(alone) - min(alone) > 3.0
+        assert max(together) - min(together) < math.radians(15)
+        assert max(map(abs, together)) < math.radians(105)
+    assert apart > 3
+
+
+def test_like_inverse_where_inverse_agrees_with_itself(free: Derivation) -> None:
+    same = 0
+    for twist, present in zip(twists(200, 2), presents(200, 0.6), strict=True):
+        alone = call(free, "inverse", twist | present)
+        if len({alone[f"{n}.spin"] > 0 for n in CORNERS}) == 1:
+            same += 1
+            together = call(free, "inverse_together", twist | present)
+            assert all(together[k] == pytest.approx(v, abs=1e-12) for k, v in alone.items())
+    assert same > 20
+
+
+def test_standstill_holds(free: Derivation) -> None:
+    present = steers([0.1, -2.0, 7.0, 3.1])
+    got = call(free, "inverse_together", {"vx": 0.0, "vy": 0.0, "omega": 0.0, **present})
+    assert {k: v for k, v in got.items() if k.endswith("steer")} == present
+    assert all(got[f"{n}.spin"] == 0 for n in CORNERS)
+
+
+def test_a_wheel_at_the_icr_holds(free: Derivation) -> None:
+    """The ICR in one pivot; the others, turned backwards, do not turn that wheel."""
+    present = steers([0.3, 2.0, 2.0, 2.0])
+    got = call(free, "inverse_together", {"vx": 0.25, "vy": -0.3, "omega": 1.0, **present})
+    assert got["fl.steer"] == 0.3 and got["fl.spin"] == 0
+
+
+@pytest.mark.parametrize("limit", [95, 120, 170, 200])
+def test_steering_limits(tmp_path: Path, limit: int) -> None:
+    """Never outside; nothing slides where one of the two choices is inside for every wheel."""
+    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    top = math.radians(limit)
+    slid = 0
+    for twist, present in zip(twists(150), presents(150, top), strict=True):
+        got = call(d, "inverse_together", twist | present)
+        assert all(abs(got[f"{n}.steer"]) <= top + 1e-12 for n in CORNERS)
+        slid += got["slip"] > 1e-9
+        assert (got["slip"] > 1e-9) <= (not _reachable(twist, top))
+        if got["slip"] < 1e-9:
+            spins = [got[f"{n}.spin"] for n in CORNERS]
+            assert all(s > 0 for s in spins) or all(s < 0 for s in spins)
+    assert slid > 0 if limit < 130 else slid < 5
+
+
+@pytest.mark.parametrize("limit", everyday([60, 75, 80, 85], [80]))
+def test_both_ways_as_far_outside(tmp_path: Path, limit: int) -> None:
+    """Straight to the side: no rounding sends modules that stand at one limit to the other."""
+    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    top, source = math.radians(limit), random.Random(7)
+    cases = []
+    for _ in range(60):
+        standing = [top + source.uniform(-0.02, 0.02) for _ in CORNERS]
+        cases.append({"vx": 0.0, "vy": source.uniform(0.2, 2), "omega": 0.0, **steers(standing)})
+    for scalar in ("double", "float"):
+        for got in evaluate_c(d.c_module, "inverse_together", cases, scalar):
+            assert all(got[f"{n}.steer"] == pytest.approx(top, abs=1e-6) for n in CORNERS)
+    for case in cases[:10]:
+        assert all(call(d, "inverse_together", case)[f"{n}.steer"] == pytest.approx(top) for n in CORNERS)
+
+
+def _reachable(twist: dict[str, float], top: float) -> bool:
+    """All pivots' headings inside the limits, driving all forwards or all backwards."""
+    headings = []
+    for a, b in CORNERS.values():
+        x = twist["vx"] - 0.25 * b * twist["omega"]
+        y = twist["vy"] + 0.3 * a * twist["omega"]
+        headings.append(math.atan2(y, x))
+    return any(
+        all(any(abs(h + shift + turn) < top for turn in (-math.tau, 0, math.tau)) for h in headings)
+        for shift in (0, math.pi)
+    )
+
+
+def test_coupled_pairs_are_one_module(tmp_path: Path) -> None:
+    text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer]}, {equal: [bl.steer, br.steer]}]")
+    d = derived(tmp_path, text, "inverse_together")
+    for twist, present in zip(twists(60), presents(60, 3.0), strict=True):
+        now = {**present, "fr.steer": present["fl.steer"], "br.steer": present["bl.steer"]}
+        got = call(d, "inverse_together", {**twist, "omega": 0.0, **now})
+        assert got["fl.steer"] == got["fr.steer"] and got["bl.steer"] == got["br.steer"]
+        spins = [got[f"{n}.spin"] for n in CORNERS]
+        assert all(s > 0 for s in spins) or all(s < 0 for s in spins)
+        assert got["slip"] < 1e-9
+
+
+def test_c_agrees(free: Derivation) -> None:
+    cases = [twist | present for twist, present in zip(twists(20), presents(20, 3.0), strict=True)]
+    answers = evaluate_c(free.c_module, "inverse_together", cases, "double")
+    for case, answer in zip(cases, answers, strict=True):
+        expected = call(free, "inverse_together", case)
+        assert answer == pytest.approx(expected, abs=1e-12)
+
+
+def test_one_motor_needs_no_agreement(tmp_path: Path) -> None:
+    text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer, bl.steer, br.steer]}]")
+    with pytest.raises(NotDerivableError, match="one motor"):
+        _ = derived(tmp_path, text, "inverse_together").program

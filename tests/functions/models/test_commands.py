@@ -1,0 +1,90 @@
+"""`wmrgen model`, and the time that trains take."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import sympy
+
+ROBOTS = Path(__file__).parents[3] / "robots"
+SINGULAR = "cos(front.steer) = 0: G is unbounded"
+
+
+def wmrgen(*words: str | Path, code: int = 0) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "wmrgen", *map(str, words)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == code, done.stderr
+    return done.stdout if not code else done.stderr
+
+
+def test_posture_in_plain_notation() -> None:
+    lines = wmrgen("model", ROBOTS / "bicycle.yaml", "--form", "posture").splitlines()
+    assert "  x'           = rear.spin*r*cos(theta)" in lines
+    assert "  theta'       = rear.spin*r*tan(front.steer)/wheelbase" in lines
+    assert "with:   wheelbase = 11/10, r = 17/50" in lines
+    assert any(SINGULAR in line for line in lines)
+
+
+def test_trailers_name_their_jack_knife() -> None:
+    found = wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", "trailer")
+    assert "cos(theta - trailer1.theta) = 0: trailer1 is jack-knifed" in found
+    model = json.loads((ROBOTS.parent / "generated/car_with_trailers/model.json").read_text(encoding="utf-8"))
+    assert "jack-knifed" in model["singular_models"]["trailer"][1]["meaning"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("form", ["posture", "configuration", "eta", "zeta", "trailer", "chained"])
+def test_json_and_latex_of_every_form(form: str) -> None:
+    found = json.loads(wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", form, "--json"))
+    for sheet in found if isinstance(found, list) else [found]:
+        assert sheet["inputs"] and sheet["equations"]
+        assert all(len(field) == len(sheet["state"]) for field in sheet["fields"].values())
+    shown = wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", form, "--latex")
+    assert shown.startswith("\\begin{aligned}") and shown.rstrip().endswith("\\end{aligned}")
+
+
+def test_what_there_is_not_is_said() -> None:
+    assert "no trailers" in wmrgen("model", ROBOTS / "bicycle.yaml", "--form", "trailer", code=3)
+    assert "zeta form" in wmrgen("model", ROBOTS / "pioneer3dx.yaml", "--form", "zeta", code=3)
+    assert "Missing actuation" in wmrgen("model", ROBOTS / "unicycle.yaml")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hitch", ["0", "0.15"])
+def test_eight_trailers_derive(hitch: str, tmp_path: Path) -> None:
+    """Whole process, C and CasADi included; each case of fewer trailers is quicker."""
+    text = (ROBOTS / "car_with_trailers.yaml").read_text(encoding="utf-8")
+    head = text[: text.index("trailers:\n")]
+    trailers = "".join(f"  - {{length: {0.5 + 0.1 * k:.1f}, hitch: {hitch}}}\n" for k in range(8))
+    path = tmp_path / "train.yaml"
+    path.write_text(f"{head}trailers:\n{trailers}functions: [trailer]\n", encoding="utf-8")
+    wmrgen("derive", path, "-o", tmp_path / "out")
+    files = {f.name for f in (tmp_path / "out" / "car_with_trailers").iterdir()}
+    assert {"car_with_trailers.c", "car_with_trailers_trailer.casadi"} <= files
+
+
+def test_long_fractions_are_decimals_for_readers_only(tmp_path: Path) -> None:
+    """A heading of 1 rad has sine and cosine of 40 digits: text shows 12, --json the exact fractions."""
+    path = tmp_path / "leaning.yaml"
+    path.write_text(
+        "wmrgen: 1\nname: leaning\nwheels:\n  - {name: w, type: fixed, x: 0.3, y: 0.1, heading: 1, r: 0.1}\n",
+        encoding="utf-8",
+    )
+    shown = wmrgen("model", path)
+    assert "rounded for reading" in shown and not re.search(r"\d{13}", shown)
+    exact = json.loads(wmrgen("model", path, "--json"))["fields"]
+    c, s = math.cos(1), math.sin(1)
+    for x, y, omega in exact.values():
+        x, y, omega = (float(sympy.parse_expr(e).subs("theta", 0)) for e in (x, y, omega))
+        across = c * (y + 0.3 * omega) - s * (x - 0.1 * omega)
+        assert across == pytest.approx(0, abs=1e-15)
+    proof = wmrgen("structure", path)
+    assert "0.841470984808*cos(theta)" in proof and "c . curl c = -1 != 0" in proof
+    assert "rounded" not in wmrgen("model", ROBOTS / "bicycle.yaml")

@@ -1,0 +1,355 @@
+"""Chained form (Tzafestas (2.58), (2.61)-(2.69); Sordalen (1993)): identities proved, then driven."""
+
+from __future__ import annotations
+
+import math
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sympy
+
+from tests.depth import everyday
+from tests.functions.models.robots import (
+    BACKENDS,
+    CAR_REAR,
+    DIFFERENTIAL,
+    FOUR_REAR,
+    OMNI,
+    TRICYCLE,
+    TWO_STEER,
+    UNICYCLE,
+    VIRTUAL_REAR,
+    call,
+    derived,
+    evaluated,
+    on_axle,
+    p,
+    s,
+    zero,
+)
+from wmrgen.backends.c99 import evaluate as in_c
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.trailers.chained import chained
+from wmrgen.functions.trailers.verify import verify
+from wmrgen.models import verify as verification
+from wmrgen.robot import Derivation, derive
+
+FREE = {k: f"{{value: {v}, tunable: true}}" for k, v in (("base", "1.4"), ("b", "0.3"), ("a", "0.27"))}
+LENGTHS = {f"l{k}": f"{{value: {1.5 - 0.2 * k:.1f}, tunable: true}}" for k in range(1, 4)}
+X, Y, THETA, STEER = s("x"), s("y"), s("theta"), s("front.steer")
+U1, U2, V = s("u1"), s("u2"), s("v")
+C, S = sympy.cos(THETA), sympy.sin(THETA)
+
+
+def inside(expr: Any) -> Any:
+    """The expression inside its domain: every guard open."""
+    if isinstance(expr, sympy.Piecewise):
+        return inside(expr.args[-1][0])
+    return expr.func(*(inside(a) for a in expr.args)) if expr.args else expr
+
+
+def closed(d: Derivation, name: str) -> dict[str, Any]:
+    return {k: evaluated(inside(e)) for k, e in d.formula(name).closed().items()}
+
+
+def independent(trailers: int) -> dict[Any, Any]:
+    """Headings by the last one and the hitch angles."""
+    headings = [THETA, *(s(f"trailer{k + 1}.theta") for k in range(trailers))]
+    total, found = sympy.Symbol("last"), {}
+    for k in range(trailers, -1, -1):
+        found[headings[k]] = total
+        total = total + sympy.Symbol(f"hitch{k}")
+    return found
+
+
+def on_circles(expr: Any, hitches: dict[Any, Any]) -> Any:
+    """The numerator over symbols for sines and cosines, with every square of a sine replaced: 0 only if it is."""
+    expr = evaluated(expr).replace(sympy.tan, lambda a: sympy.sin(a) / sympy.cos(a)).xreplace(hitches)
+    expr = sympy.expand_trig(expr)
+    angles = sorted({f.args[0] for f in expr.atoms(sympy.sin, sympy.cos)}, key=str)
+    if not angles:
+        return sympy.expand(expr)
+    assert all(a.is_Symbol for a in angles)
+    cosines = {a: sympy.Symbol(f"c{k}") for k, a in enumerate(angles)}
+    sines = {a: sympy.Symbol(f"s{k}") for k, a in enumerate(angles)}
+    table = {sympy.cos(a): cosines[a] for a in angles} | {sympy.sin(a): sines[a] for a in angles}
+    numerator = sympy.Poly(sympy.numer(sympy.together(expr.xreplace(table))), *sines.values())
+    total = sympy.S.Zero
+    for powers, coefficient in numerator.terms():
+        term = coefficient
+        for (a, sine), n in zip(sines.items(), powers, strict=True):
+            term *= sine ** (n % 2) * (1 - cosines[a] ** 2) ** (n // 2)
+        total += term
+    return total.expand()
+
+
+# ---- the texts' formulas
+
+
+def test_tzafestas_2_62_2_63_unicycle() -> None:
+    d = derived(UNICYCLE)
+    z = closed(d, "chained")
+    assert zero(z["z1"] - THETA) and zero(z["z2"] - (X * C + Y * S)) and zero(z["z3"] - (X * S - Y * C))
+    own = closed(d, "chained_input")
+    assert zero(own["omega"] - U1) and zero(own["v"] - (U2 + (X * S - Y * C) * U1))
+
+
+@pytest.mark.parametrize(
+    ("wheels", "extra", "steer"),
+    [
+        (CAR_REAR, "", "front.steer"),
+        (TRICYCLE, "", "front.steer"),
+        (FOUR_REAR, VIRTUAL_REAR, "psi.steer"),
+    ],
+    ids=["car", "tricycle", "virtual"],
+)
+def test_tzafestas_2_66_to_2_69_car(wheels: str, extra: str, steer: str) -> None:
+    d = derived(wheels, extra, base=FREE["base"])
+    psi, D = s(steer), p("base")
+    z = closed(d, "chained")
+    wanted = (X, sympy.tan(psi) / (D * C**3), sympy.tan(THETA), Y)
+    assert all(zero(found - e) for found, e in zip(z.values(), wanted, strict=True))
+    own = closed(d, "chained_input")
+    assert zero(own["v"] - U1 / C)
+    rate = -3 * sympy.sin(psi) ** 2 * S * U1 / (D * C**2) + D * sympy.cos(psi) ** 2 * C**3 * U2
+    assert zero(own[f"{steer}_rate"] - rate)
+
+
+def test_curvature_of_any_steered_wheel() -> None:
+    """A wheel beside the centre line: kappa = sin/(X cos + Y sin), and the general form of (2.68)."""
+    d = derived(FOUR_REAR, "", base=FREE["base"], a=FREE["a"])
+    psi, x, y = s("front_left.steer"), p("base"), p("a")
+    bend = x * sympy.cos(psi) + y * sympy.sin(psi)
+    kappa = sympy.sin(psi) / bend
+    assert zero(closed(d, "chained")["z2"] - kappa / C**3)
+    rate = C**3 * (U2 - 3 * kappa**2 * S * U1 / C**5) * bend**2 / x
+    assert zero(closed(d, "chained_input")["front_left.steer_rate"] - rate)
+
+
+def test_tzafestas_2_64_2_65_brockett() -> None:
+    d = derived(UNICYCLE)
+    z, x, own = closed(d, "chained"), closed(d, "brockett"), closed(d, "brockett_input")
+    assert zero(x["x3"] - (-2 * z["z3"] + z["z1"] * z["z2"]))
+    assert own == closed(d, "chained_input")
+    v, omega = own["v"], own["omega"]
+    rates = {
+        n: sympy.diff(e, X) * v * C + sympy.diff(e, Y) * v * S + sympy.diff(e, THETA) * omega
+        for n, e in x.items()
+    }
+    assert zero(rates["x1"] - U1) and zero(rates["x2"] - U2)
+    assert zero(rates["x3"] - (x["x1"] * U2 - x["x2"] * U1))
+
+
+# ---- the identities, in symbols (sympy) and in exact numbers
+
+
+ROBOTS = {
+    "unicycle": (UNICYCLE, 0), "differential": (DIFFERENTIAL, 0), "car": (CAR_REAR, 0),
+    "differential_1": (DIFFERENTIAL, 1), "car_1": (CAR_REAR, 1), "car_2": (CAR_REAR, 2),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", everyday(ROBOTS, [n for n in ROBOTS if n != "car_2"]))
+def test_chain_identities_in_symbols(name: str) -> None:
+    """z1' = u1, z2' = u2, z_{k+1}' = z_k u1 along the robot's own model, for all states, inputs and lengths."""
+    wheels, trailers = ROBOTS[name]
+    d = derived(wheels, on_axle(trailers) if trailers else "", **FREE, **LENGTHS)
+    z, own, said = closed(d, "chained"), closed(d, "chained_input"), closed(d, "chained_rates")
+    form = "trailer" if trailers else "eta" if wheels == UNICYCLE else "posture"
+    system = d.system(form, symbolic=True)
+    turning = "front.steer_rate" if wheels == CAR_REAR else "omega"
+    v, omega, rate = sympy.symbols("v omega rate")
+    inputs = {
+        UNICYCLE: {s("eta1"): v, s("eta2"): omega},
+        CAR_REAR: {s("rear.spin"): v / p("r"), s("front.steer_rate"): rate},
+        DIFFERENTIAL: {
+            s("right.spin"): (v + p("a") * omega) / p("r"), s("left.spin"): (v - p("a") * omega) / p("r"),
+        },
+    }[wheels]  # fmt: skip
+    wheel = dict(zip(system.state, system.rates, strict=True))
+    q = {s(port.name): evaluated(e).xreplace(inputs) for port, e in wheel.items()}
+    along = {n: sum(sympy.diff(e, state) * r for state, r in q.items()) for n, e in z.items()}
+    names, hitches = list(z), independent(trailers)
+    third = rate if wheels == CAR_REAR else omega
+    table = {V: v, s(turning): third}
+    u1, u2 = (said[f"{n}_rate"].xreplace(table) for n in names[:2])
+    assert on_circles(along["z1"] - u1, hitches) == 0
+    assert on_circles(along["z2"] - u2, hitches) == 0
+    for k in range(1, len(names) - 1):
+        assert on_circles(along[names[k + 1]] - z[names[k]] * u1, hitches) == 0
+    # The way back: chained_input gives v and the turning that produce u1, u2.
+    assert on_circles(own["v"].xreplace({U1: u1, U2: u2}) - v, hitches) == 0
+    assert on_circles(own[turning].xreplace({U1: u1, U2: u2}) - third, hitches) == 0
+
+
+@pytest.mark.parametrize("wheels", [CAR_REAR, DIFFERENTIAL], ids=["car", "differential"])
+@pytest.mark.parametrize("count", everyday(range(3, 9), [3, 8]))
+def test_chain_identities_exactly_for_n_trailers(wheels: str, count: int) -> None:
+    trailers = "trailers: [" + ", ".join(f"{{length: {0.7 + 0.1 * k:.1f}}}" for k in range(count)) + "]"
+    d = derived(wheels, trailers)
+    found = verify(d.robot, d.mobility, points=2)
+    assert found.holds
+    n = 4 + count if wheels == CAR_REAR else 3 + count
+    assert len(found.residuals) == 2 * (2 * n + 2)
+
+
+def test_verification_sees_a_wrong_formula(monkeypatch: pytest.MonkeyPatch) -> None:
+    d = derived(CAR_REAR, "trailers: [{length: 0.9}]")
+    other = derived(CAR_REAR, "trailers: [{length: 0.901}]")
+    monkeypatch.setattr(verification, "chained", lambda robot, mobility: chained(other.robot, other.mobility))
+    found = verify(d.robot, d.mobility)
+    assert not found.holds and "FAIL" in found.text
+
+
+# ---- driven: an integrator that knows no chains
+
+
+def drive(d: Derivation, state: dict[str, float], u: tuple[float, float], until: float) -> dict[str, float]:
+    """The state after driving u through chained_input, by Runge-Kutta on the physical model, written out here."""
+    one = derive(d.robot, ["chained_input"]).casadi()["chained_input"]
+    lengths = [float(t.length.nominal) for t in d.robot.trailers]
+    names = list(state)
+
+    def rates(q: dict[str, float]) -> dict[str, float]:
+        own = dict(
+            zip(
+                one.name_out(),
+                one.call([({**q, "u1": u[0], "u2": u[1]})[n] for n in one.name_in()]),
+                strict=True,
+            )
+        )
+        vx, vy, omega = (float(own[n]) for n in ("vx", "vy", "omega"))
+        c, n = math.cos(q["theta"]), math.sin(q["theta"])
+        found = {"x": vx * c - vy * n, "y": vx * n + vy * c, "theta": omega}
+        if "front.steer" in q:
+            found["front.steer"] = float(own["front.steer_rate"])
+        v, ahead = float(own["v"]), q["theta"]
+        for k, length in enumerate(lengths, 1):
+            heading = q[f"trailer{k}.theta"]
+            found[f"trailer{k}.theta"] = v * math.sin(ahead - heading) / length
+            v, ahead = v * math.cos(ahead - heading), heading
+        return found
+
+    steps = 200
+    h = until / steps
+    for _ in range(steps):
+        k1 = rates(state)
+        k2 = rates({n: state[n] + h / 2 * k1[n] for n in names})
+        k3 = rates({n: state[n] + h / 2 * k2[n] for n in names})
+        k4 = rates({n: state[n] + h * k3[n] for n in names})
+        state = {n: state[n] + h / 6 * (k1[n] + 2 * k2[n] + 2 * k3[n] + k4[n]) for n in names}
+    return state
+
+
+@pytest.mark.parametrize("name", list(ROBOTS))
+def test_constant_inputs_give_polynomials(name: str) -> None:
+    """The chain under constant u1, u2 is integrated by hand: z_k are polynomials in time."""
+    wheels, count = ROBOTS[name]
+    d = derived(wheels, on_axle(count) if count else "", b="0.3")
+    rng = random.Random(name)
+    state = {"x": 0.4, "y": -0.2, "theta": rng.uniform(-0.2, 0.2)}
+    if wheels == CAR_REAR:
+        state["front.steer"] = 0.1
+    state |= {f"trailer{k + 1}.theta": rng.uniform(-0.2, 0.2) for k in range(count)}
+    u, t = (0.6, -0.3), 0.4
+    z = list(call(d, "chained", state).values())
+    wanted = [z[0] + u[0] * t]
+    line = [z[1], u[1]]  # coefficients of z2 by powers of time
+    wanted.append(sum(c * t**k for k, c in enumerate(line)))
+    for start in z[2:]:
+        line = [start, *(u[0] * c / (k + 1) for k, c in enumerate(line))]
+        wanted.append(sum(c * t**k for k, c in enumerate(line)))
+    found = list(call(d, "chained", drive(d, state, u, t)).values())
+    assert found == pytest.approx(wanted, abs=1e-8)
+
+
+# ---- backends, edges, refusals
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_backends_agree(backend: str) -> None:
+    d = derived(CAR_REAR, on_axle(2))
+    state = {
+        "x": 0.5,
+        "y": 0.25,
+        "theta": 0.25,
+        "front.steer": -0.25,
+        "trailer1.theta": 0.125,
+        "trailer2.theta": -0.25,
+    }
+    values = {**state, "u1": 0.5, "u2": -1.25}
+    own = call(d, "chained_input", values, backend)
+    rates = call(d, "chained_rates", {**state, **{k: own[k] for k in ("v", "front.steer_rate")}}, backend)
+    z = list(call(d, "chained", state, backend).values())
+    wanted = [0.5, -1.25, *(0.5 * v for v in z[1:-1])]
+    assert list(rates.values()) == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.parametrize("count", everyday([0, 1, 8], [0, 1]))
+@pytest.mark.parametrize("scalar", ["float", "double"])
+def test_finite_outside_the_domain(count: int, scalar: str) -> None:
+    """cos theta = 0, jack-knifed trailers and a steering angle of 90 degrees: every output is a number, in float32."""
+    trailers = "trailers: [" + ", ".join("{length: 0.8}" for _ in range(count)) + "]" if count else ""
+    d = derived(CAR_REAR, trailers)
+    names = ("chained", "chained_input", "chained_rates")
+    one = derive(d.robot, names)
+    turned = ("theta", "front.steer", *(f"trailer{k + 1}.theta" for k in range(count)))
+    angles = (math.pi / 2, math.pi / 2 - 1e-4, -math.pi / 2 + 1e-7)
+    for name in names:
+        ports = one.raw_module.function(name).inputs
+        values = [{port.name: 0.3 for port in ports} | {t: a} for t in turned for a in angles]
+        for found in in_c(one.c_module, name, values, scalar):
+            assert all(math.isfinite(v) for v in found.values()), (name, found)
+
+
+def test_jacobian_is_finite_at_the_edge() -> None:
+    """The divisor itself is guarded: no NaN from the branch that is not taken."""
+    import casadi
+
+    f = derive(derived(CAR_REAR).robot, ["chained_input"]).casadi()["chained_input"]
+    values = {"theta": math.pi / 2, "front.steer": math.pi / 2, "u1": 1.0, "u2": 1.0}
+    inputs = [casadi.SX.sym(n) for n in f.name_in()]
+    jacobian = casadi.Function(
+        "j", inputs, [casadi.jacobian(casadi.vertcat(*f.call(inputs)), casadi.vertcat(*inputs))]
+    )
+    found = jacobian.call([values.get(n, 0.3) for n in f.name_in()])[0]
+    assert all(math.isfinite(v) for v in found.full().ravel())
+
+
+@pytest.mark.slow
+def test_eight_trailers_in_c(tmp_path: Path) -> None:
+    """Derive, optimise, emit C and CasADi of all three functions. ``python -m benchmarks derive`` times it."""
+    trailers = ", ".join("{length: 0.8}" for _ in range(8))
+    text = "wmrgen: 1\nname: road_train\nwheels:\n"
+    text += "  - {name: rear, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\n"
+    text += "  - {name: front, type: steered, x: 1.4, y: 0, heading: 0, r: 0.1}\n"
+    text += f"trailers: [{trailers}]\nfunctions: [chained, chained_input, chained_rates]\n"
+    (tmp_path / "road_train.yaml").write_text(text, encoding="utf-8")
+    subprocess.run(
+        [sys.executable, "-m", "wmrgen", "derive", "road_train.yaml", "-o", "out"], cwd=tmp_path, check=True,
+        capture_output=True,
+    )  # fmt: skip
+    assert "road_train_chained_input" in (tmp_path / "out" / "road_train" / "road_train.h").read_text(
+        encoding="utf-8"
+    )
+
+
+@pytest.mark.parametrize(
+    ("wheels", "extra", "name", "word"),
+    [
+        (CAR_REAR, "trailers: [{length: 1, hitch: 0.2}]", "chained", "off the axle"),
+        (CAR_REAR, "trailers: [{length: 1, hitch: 0.2}, {length: 1, hitch: 0.1}]", "chained", "not known"),
+        (OMNI, "", "chained", "omnidirectional"),
+        (TWO_STEER, "", "chained_input", r"type \(1, 2\)"),
+        (CAR_REAR, "", "brockett", r"\(2,4\) chain"),
+        (UNICYCLE, on_axle(1), "brockett_rates", r"\(2,4\) chain"),
+    ],
+)
+def test_refusals_say_why(wheels: str, extra: str, name: str, word: str) -> None:
+    d = derived(wheels, extra)
+    with pytest.raises(NotDerivableError, match=word):
+        d.formula(name)

@@ -1,1 +1,0 @@
-"""Control laws of the texts, from the pose error to wheel commands."""

@@ -1,1 +1,0 @@
-"""What stands between kinematics and motors: speed limits kept without leaving the path, modules that flip as one."""

@@ -1,0 +1,1 @@
+"""Control laws of the texts, and the limits that are kept between kinematics and motors."""

@@ -1,0 +1,219 @@
+"""`input_limits`: which (v, omega) a car can drive, and the nearest ones that it can (AA274; Tzafestas 2.3.4).
+
+A wheel on the centre line, L before the fixed axle, runs at u1 under the steering angle zeta: v = u1 cos zeta,
+L omega = u1 sin zeta. With |u1| <= u1_max and |zeta| <= zeta_max this is exactly
+
+    v^2 + (L omega)^2 <= u1_max^2,  |L omega| <= |v| tan zeta_max
+
+and inside it lies the set |v| <= u1_max cos zeta_max, |L omega| <= |v| tan zeta_max, where the bound of v does not
+depend on omega. Reeds-Shepp cars drive |v| = v_max, Dubins cars v = v_max. The texts print L = 1. Distances and
+margins are in m/s, turning measured as L omega.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy
+
+from wmrgen.constraints import working_view
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.angles import circle_point
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.functions.control.drive import Reference, reference
+from wmrgen.functions.control.pursuit import wheelbase
+from wmrgen.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import (
+    Expr,
+    absolute,
+    add,
+    expression,
+    maximum,
+    minimum,
+    number,
+    root,
+    select,
+    signal,
+    square,
+    subtract,
+    times,
+)
+
+INPUTS = (
+    Port("v", Role.COMMAND, "m/s", "wanted speed forward of the axle centre"),
+    Port("omega", Role.COMMAND, "rad/s", "wanted yaw rate"),
+)
+_BOUNDS = (
+    Port("v_max", Role.COMMAND, "m/s", "inner bound of |v|; Reeds-Shepp: |v| = v_max, Dubins: v = v_max"),
+    Port("omega_max", Role.COMMAND, "rad/s", "inner bound of |omega| at v"),
+    Port("omega_max_exact", Role.COMMAND, "rad/s", "exact bound of |omega| at v; 0 where v is out of reach"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Car:
+    """L [m], tan, cos and sin of zeta_max and u1_max [m/s]."""
+
+    base: Expr
+    tan: Expr
+    cos: Expr
+    sin: Expr
+    top: Expr
+
+
+def input_limits(robot: Robot, mobility: Mobility) -> Formula:
+    """v and omega to the bounds, the margins and the nearest commands in the exact and in the inner set."""
+    ref = reference(robot, mobility, "input_limits")
+    names = Locals()
+    car = _car(robot, ref, names)
+    v, turn = signal("v"), names.define("turn", times(car.base, signal("omega")))
+    a, b = names.define("v_size", absolute(v)), names.define("turn_size", absolute(turn))
+    v_max = names.define("v_inner", times(car.top, car.cos))
+    slope = names.define("slope", times(a, car.tan))
+    rest = names.define("rest", root(maximum(subtract(square(car.top), square(v)), sympy.S.Zero)))
+    over = names.define("over_base", 1 / car.base)
+    outputs = [
+        *zip(_BOUNDS, (v_max, times(over, slope), times(over, minimum(slope, rest))), strict=True),
+        *_projections(car, (a, b), slope, v_max, over, names),
+    ]
+    exact = minimum(subtract(car.top, root(add(square(v), square(turn)))), subtract(slope, b))
+    inner = minimum(subtract(v_max, a), subtract(slope, b))
+    outputs += [
+        (_port("exact.margin", "m/s", "slack of the tightest bound, negative outside"), exact),
+        (_port("inner.margin", "m/s", "slack of the tightest bound, negative outside"), inner),
+    ]
+    return Formula(
+        "input_limits", (*INPUTS, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
+        "speed and yaw rate to what a car can drive (AA274 bounds)",
+    )  # fmt: skip
+
+
+def _port(name: str, unit: str, text: str) -> Port:
+    return Port(name, Role.COMMAND, unit, text)
+
+
+def _projections(
+    car: _Car, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over: Expr, names: Locals
+) -> list[tuple[Port, Expr]]:
+    """The nearest points of both sets, in (v, L omega).
+
+    Each set is four mirror images of its part with v, omega >= 0, a convex piece that the nearest point shares.
+    Outside the wedge the nearest point lies on its ray; then the disk is met by scaling, the inner bound by clipping.
+    """
+    a, b = sizes
+    ray = names.define("ray", add(times(a, car.cos), times(b, car.sin)))
+    wedge_v = names.define("wedge_v", select(slope, b, times(ray, car.cos), a))
+    wedge_turn = names.define("wedge_turn", select(slope, b, times(ray, car.sin), b))
+    speed = names.define("wedge_speed", root(add(square(wedge_v), square(wedge_turn))))
+    divisor = names.define("speed_divisor", maximum(speed, car.top))
+    shrink = names.define("shrink", times(car.top, 1 / divisor))
+    clipped_v = names.define("clipped_v", minimum(wedge_v, v_max))
+    clipped_turn = names.define("clipped_turn", minimum(wedge_turn, times(v_max, car.tan)))
+
+    def signed(port: str, size: Expr) -> Expr:
+        return select(signal(port), sympy.S.Zero, times(-1, size), size)
+
+    return [
+        (_port("exact.v", "m/s", "nearest that can be driven"), signed("v", times(shrink, wedge_v))),
+        (
+            _port("exact.omega", "rad/s", "nearest that can be driven"),
+            signed("omega", times(over, shrink, wedge_turn)),
+        ),
+        (_port("inner.v", "m/s", "nearest in the inner set"), signed("v", clipped_v)),
+        (
+            _port("inner.omega", "rad/s", "nearest in the inner set"),
+            signed("omega", times(over, clipped_turn)),
+        ),
+    ]
+
+
+def _car(robot: Robot, ref: Reference, names: Locals) -> _Car:
+    """What the limits of the file allow a wheel on the centre line."""
+    base = wheelbase(robot, ref)
+    steered = [w for w in robot.wheels if w.type == "steered"]
+    if base is None:
+        raise _refusal(robot, "its bounds are those of a car: a fixed axle and wheels steered in one line")
+    bends = [_sharpest(robot, w, ref) for w in steered]
+    bend = bends[0]
+    for other in bends[1:]:
+        bend = bend if other == bend else minimum(bend, other)
+    bend = names.define("sharpest", bend)
+    length = names.define("wheelbase_size", absolute(expression(base)))
+    tan = names.define("tan_zeta", times(length, bend))
+    cos = names.define("cos_zeta", 1 / root(add(sympy.S.One, square(tan))))
+    tops = _tops(robot, steered, ref, bend)
+    top = tops[0]
+    for other in tops[1:]:
+        top = top if other == top else minimum(top, other)
+    return _Car(length, tan, cos, names.define("sin_zeta", times(tan, cos)), names.define("u1_max", top))
+
+
+def _refusal(robot: Robot, why: str) -> NotDerivableError:
+    return NotDerivableError(f"{robot.name} has no input_limits: {why}")
+
+
+def _sharpest(robot: Robot, w: Wheel, ref: Reference) -> Expr:
+    """The largest curvature [1/m] that the steering limit of one wheel allows to both sides.
+
+    A wheel at (x, y) from the axle centre points along (1 - k y, k x) on the circle of curvature k.
+    """
+    limit = robot.limit(w, "steer")
+    if limit is None:
+        raise _refusal(robot, f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle")
+    g = w.nominal
+    c, s = ref.c.constant, ref.s.constant
+    if c is None or s is None or (g.ch * s - g.sh * c):
+        raise _refusal(
+            robot, f"{w.name} does not stand straight ahead at zero steering, where its limits are"
+        )
+    zeta = min(limit.high, -limit.low)
+    if zeta.sign <= 0 or float(zeta) >= 1.57:
+        raise _refusal(
+            robot,
+            f"{w.name} may steer by {float(zeta):.4g} rad; a bound needs more than 0 and less than 90 deg",
+        )
+    cosine, sine = circle_point(zeta.rational())
+    tan = number(sine / cosine)
+    x, y = _place(w, ref)
+    return times(tan, 1 / add(absolute(x), times(tan, absolute(y))))
+
+
+def _place(w: Wheel, ref: Reference) -> tuple[Expr, Expr]:
+    """The pivot from the axle centre, along and across the heading."""
+    g = working_view(w)
+    x, y = g.x - ref.x, g.y - ref.y
+    return expression(x * ref.c + y * ref.s), expression(y * ref.c - x * ref.s)
+
+
+def _tops(robot: Robot, steered: list[Wheel], ref: Reference, bend: Expr) -> list[Expr]:
+    """Bounds of u1: `vx` of the robot, and r spin of each steered wheel.
+
+    A wheel beside the centre line runs up to 1 + |y| bend times as fast as one on it.
+    """
+    found: list[Expr] = []
+    if "vx" in robot.limits:
+        found.append(number(_symmetric(robot, "vx", robot.limits["vx"].low, robot.limits["vx"].high)))
+    for w in steered:
+        spin = robot.limit(w, "spin")
+        if spin is None:
+            continue
+        rim = working_view(w).r * Poly.of(_symmetric(robot, "spin", spin.low, spin.high))
+        _, y = _place(w, ref)
+        faster = add(sympy.S.One, times(absolute(y), bend))
+        found.append(times(expression(rim), 1 / faster))
+    if not found:
+        raise _refusal(
+            robot, "no limit of speed is given; write limits: {vx: ...} or spin of the steered wheel"
+        )
+    return found
+
+
+def _symmetric(robot: Robot, name: str, low: Exact, high: Exact) -> Exact:
+    top = min(high, -low)
+    if top.sign <= 0:
+        raise _refusal(robot, f"limits of {name} leave no speed in one direction; Reeds-Shepp cars reverse")
+    return top

@@ -1,0 +1,175 @@
+"""A model on a sheet of paper: state, inputs, equations, vector fields, where it is singular."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.str import StrPrinter
+
+from wmrgen.functions.models.decimals import Reader
+from wmrgen.functions.models.system import System, rate_port
+from wmrgen.ports import Port
+from wmrgen.symbolic import Expr, signal
+
+LONGEST = 4000  # nodes of an expression that is still written out
+Printer = Callable[[Expr], str]
+
+
+@dataclass(frozen=True, slots=True)
+class Equation:
+    """``left`` = ``right``; ``left`` is the symbol of the quantity, primed where it is a rate."""
+
+    left: str
+    right: Expr
+    rate: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What is written down about a model. ``fields``: input name -> components in the order of the state."""
+
+    form: str
+    text: str
+    state: tuple[Port, ...]
+    inputs: tuple[Port, ...]
+    parameters: tuple[Port, ...]
+    where: tuple[Equation, ...]
+    equations: tuple[Equation, ...]
+    fields: tuple[tuple[str, tuple[Expr, ...]], ...]
+    domain: tuple[tuple[Expr, str], ...]
+
+
+def sheet_of(form: str, system: System) -> Sheet:
+    """A system, every expression in closed form."""
+    equations = tuple(
+        Equation(p.name, tidy(rate), True) for p, rate in zip(system.state, system.rates, strict=True)
+    )
+    return Sheet(
+        form, system.text, system.state, system.inputs, system.geometry, (), equations,
+        tuple((p.name, tuple(tidy(e) for e in f)) for p, f in zip(system.inputs, system.fields, strict=True)),
+        tuple((tidy(d.expression), d.text) for d in system.domain),
+    )  # fmt: skip
+
+
+def tidy(expr: Expr) -> Expr:
+    """The expression with signs and numbers gathered, and sin/cos as tan. Left as it stands where it is long."""
+    return _tidied(expr, {}) if _size(expr, {}) <= LONGEST else expr
+
+
+def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
+    if not expr.args or isinstance(expr, sympy.Piecewise):
+        return expr
+    if expr not in memo:
+        args = [_tidied(a, memo) for a in expr.args]
+        gathered = isinstance(expr, (sympy.Add, sympy.Mul, sympy.Pow))
+        found = expr.func(*args) if gathered or isinstance(expr, (sympy.sin, sympy.cos)) else expr
+        memo[expr] = _tangent(found) if isinstance(found, sympy.Mul) else found
+    return memo[expr]
+
+
+def _tangent(product: Expr) -> Expr:
+    """sin(a)/cos(a) as tan(a)."""
+    for arg in product.args:
+        if isinstance(arg, sympy.sin) and sympy.cos(arg.args[0]) ** -1 in product.args:
+            rest = [a for a in product.args if a not in (arg, sympy.cos(arg.args[0]) ** -1)]
+            return sympy.Mul(*rest, sympy.tan(arg.args[0]))
+    return product
+
+
+def _size(expr: Expr, memo: dict[Expr, int]) -> int:
+    """How many nodes the expression has, written out."""
+    if expr not in memo:
+        memo[expr] = 1 + sum(_size(a, memo) for a in expr.args)
+    return memo[expr]
+
+
+class _Plain(StrPrinter):  # type: ignore[misc]
+    """Python syntax with the contract's names: ``front.steer``, or ``front_steer`` where they must be identifiers."""
+
+    def __init__(self, names: Mapping[str, str]) -> None:
+        super().__init__()
+        self.names = names
+
+    def _print_Symbol(self, expr: Expr) -> str:
+        return self.names.get(expr.name, expr.name)
+
+    _print_Quantity = _print_Parameter = _print_Input = _print_Local = _print_Symbol
+
+
+def _names(sheet: Sheet) -> dict[str, str]:
+    ports = (*sheet.state, *sheet.inputs, *sheet.parameters)
+    return {p.name.replace(".", "_"): p.name for p in ports}
+
+
+def _written(printer: Printer, expr: Expr) -> str:
+    return printer(expr) if _size(expr, {}) <= LONGEST else "(too long to write out; it stands in the code)"
+
+
+def lines(sheet: Sheet) -> list[str]:
+    """Plain text, one equation a line; fractions too long to read as decimals."""
+    printer = Reader(_Plain(_names(sheet)).doprint)
+    found = [f"{sheet.form}: {sheet.text}"]
+    if sheet.state:
+        found.append(f"state:  {' '.join(p.name for p in sheet.state)}")
+    found.append(f"inputs: {' '.join(_with_unit(p) for p in sheet.inputs)}")
+    if sheet.parameters:
+        values = (f"{p.name} = {p.default}" for p in sheet.parameters)
+        found.append(f"with:   {', '.join(values)}")
+    found += ["", *_aligned([(e.left, _written(printer, e.right)) for e in sheet.where])]
+    found += [""] if sheet.where else []
+    found += _aligned(
+        [(f"{e.left}'" if e.rate else e.left, _written(printer, e.right)) for e in sheet.equations]
+    )
+    if sheet.fields:
+        found += ["", "vector fields:"]
+        for name, field in sheet.fields:
+            found.append(f"  {name}: [{', '.join(_written(printer, e) for e in field)}]")
+    if sheet.state:
+        found += ["", "singular:" if sheet.domain else "singular: nowhere"]
+        for condition, text in sheet.domain:
+            found.append(f"  {_written(printer, condition)} = 0: {text}")
+    return [*found, "", printer.note] if printer.note else found
+
+
+def _with_unit(port: Port) -> str:
+    return f"{port.name} [{port.unit}]" if port.unit else port.name
+
+
+def _aligned(pairs: list[tuple[str, str]]) -> list[str]:
+    width = max((len(left) for left, _ in pairs), default=0)
+    return [f"  {left:<{width}} = {right}" for left, right in pairs]
+
+
+def data(sheet: Sheet) -> dict[str, Any]:
+    """The sheet as plain data; expressions in Python syntax over names with underscores."""
+    printer: Printer = _Plain({}).doprint
+    return {
+        "form": sheet.form,
+        "text": sheet.text,
+        "state": [p.name for p in sheet.state],
+        "inputs": [p.name for p in sheet.inputs],
+        "parameters": {p.name: float(p.default) for p in sheet.parameters if p.default is not None},
+        "where": {e.left: printer(e.right) for e in sheet.where},
+        "equations": {
+            rate_port(Port(e.left, sheet.state[0].role, "")).name if e.rate else e.left: printer(e.right)
+            for e in sheet.equations
+        },
+        "fields": {name: [printer(e) for e in field] for name, field in sheet.fields},
+        "domain": [{"condition": f"{printer(c)} = 0", "meaning": text} for c, text in sheet.domain],
+    }
+
+
+def latex(sheet: Sheet) -> str:
+    """The equations as an aligned environment."""
+    printer = LatexPrinter()
+    shown = Reader(printer.doprint)
+    rows = []
+    for e in (*sheet.where, *sheet.equations):
+        left = printer.doprint(signal(e.left))
+        left = rf"\frac{{d}}{{dt}} {left}" if e.rate else left
+        rows.append(f"{left} &= {_written(shown, e.right)}")
+    return "\\begin{aligned}\n" + " \\\\\n".join(rows) + "\n\\end{aligned}"

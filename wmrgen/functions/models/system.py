@@ -1,0 +1,71 @@
+"""A driftless control system q' = g_1(q) u_1 + ... + g_m(q) u_m, as every kinematic model is (Tzafestas (2.32))."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy
+
+from wmrgen.functions.models.guard import guarded
+from wmrgen.kinematics.records import Formula, Locals
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import Expr, add, signal, times
+
+
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """The model holds where ``expression`` is not zero; ``text`` says what happens there."""
+
+    expression: Expr
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """State q, inputs u and vector fields. The symbol of a port is ``signal(port.name)``.
+
+    ``fields[k][i]``: component i of g_k, an exact expression in the state and in ``geometry``: the tunable
+    parameters, or in the symbolic view all of them; the symbol of those is ``parameter(port.name)``.
+    """
+
+    name: str
+    text: str
+    state: tuple[Port, ...]
+    inputs: tuple[Port, ...]
+    fields: tuple[tuple[Expr, ...], ...]
+    geometry: tuple[Port, ...] = ()
+    domain: tuple[Domain, ...] = ()
+
+    @property
+    def G(self) -> sympy.Matrix:
+        """(states) x (inputs): q' = G(q) u. Column k is the vector field of input k."""
+        return sympy.Matrix(len(self.state), len(self.inputs), lambda i, k: self.fields[k][i])
+
+    @property
+    def by_input(self) -> dict[str, tuple[Expr, ...]]:
+        """Input name -> its vector field, components in the order of the state."""
+        return {port.name: field for port, field in zip(self.inputs, self.fields, strict=True)}
+
+    @property
+    def rates(self) -> tuple[Expr, ...]:
+        """q' as expressions in state, inputs and geometry, in the order of the state."""
+        pairs = [(field, signal(u.name)) for field, u in zip(self.fields, self.inputs, strict=True)]
+        return tuple(add(*(times(field[i], u) for field, u in pairs)) for i in range(len(self.state)))
+
+    def formula(self) -> Formula:
+        """State and inputs to the rates of the state. Where a divisor of the model vanishes its quotient reads 0."""
+        names = Locals()
+        memo: dict[Expr, Expr] = {}
+        outputs = tuple(
+            (rate_port(port), guarded(rate, names, memo))
+            for port, rate in zip(self.state, self.rates, strict=True)
+        )
+        inputs = (*self.state, *self.inputs, *self.geometry)
+        return Formula(self.name, inputs, tuple(names.items), outputs, self.text)
+
+
+def rate_port(port: Port) -> Port:
+    """``x`` -> ``x_rate``, ``front.steer`` -> ``front.steer_rate``, ``front.angle`` -> ``front.spin``."""
+    name = f"{port.name[:-6]}.spin" if port.name.endswith(".angle") else f"{port.name}_rate"
+    unit = f"{port.unit}/s" if port.unit else "1/s"
+    return Port(name, Role.COMMAND, unit, f"rate of {port.name}")

@@ -1,0 +1,202 @@
+"""Virtual wheels: one angle or one speed that stands for several wheels (Tzafestas fig. 2.9, Siegwart 3.3.2).
+
+The angle psi of a virtual centre wheel decides where the ICR lies; the real wheels point square to it, which is
+the Ackermann condition. A virtual drive is the speed of a point of the axle: what a differential gear shares out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly, has_angles
+from wmrgen.functions.models.followers import heading_row
+from wmrgen.functions.models.frame import Frame, constant_rows, fixed, frame, generic, nominal_at, straight
+from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
+from wmrgen.layout.records import Geometry, Robot, Virtual, Wheel
+from wmrgen.mobility.configure import pivot_velocity
+from wmrgen.mobility.ranks import numeric_rank, unit_rows
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Role
+from wmrgen.symbolic import angle_of, expression
+
+_SMALL = 1e-9
+
+
+def as_wheel(robot: Robot, virtual: Virtual) -> Wheel:
+    """The virtual wheel as a wheel at its place, parallel to the first that it stands for, radius 1."""
+    lead = robot.wheel(virtual.wheels[0])
+
+    def at(view: str) -> Geometry[Poly]:
+        g = getattr(lead, view)
+        one, zero = Poly.of(1), Poly({})
+        x, y = getattr(virtual.x, view), getattr(virtual.y, view)
+        return Geometry(x, y, g.ch, g.sh, one, zero, one, zero, zero, one)
+
+    n, one, zero = lead.nominal, Exact(1), Exact(0)
+    nominal = Geometry(virtual.x.nominal, virtual.y.nominal, n.ch, n.sh, one, zero, one, zero, zero, one)
+    return Wheel(
+        index=-1, name=virtual.name, type=lead.type, symbolic=at("symbolic"), working=at("working"),
+        nominal=nominal, l=0.0, alpha=0.0, beta=0.0, gamma=0.0, heading=lead.heading,
+        actuated=("spin", "steer") if lead.turns else ("spin",), sensed=(), limits={},
+    )  # fmt: skip
+
+
+def steering(robot: Robot) -> tuple[Virtual, ...]:
+    """The virtual wheels that steer."""
+    return tuple(v for v in robot.virtual if v.role == "steers")
+
+
+def driving(robot: Robot) -> tuple[Virtual, ...]:
+    """The virtual wheels that drive."""
+    return tuple(v for v in robot.virtual if v.role == "drives")
+
+
+def steering_frame(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Frame:
+    """Null space in the robot's steering coordinates: virtual wheels where the file has them."""
+    check_virtual(robot, mobility)
+    wheels = tuple(as_wheel(robot, v) for v in steering(robot))
+    return frame(robot, mobility, symbolic, wheels[: mobility.degree_of_steerability])
+
+
+def check_virtual(robot: Robot, mobility: Mobility) -> None:
+    """NotDerivableError, naming the condition, for virtual wheels that cannot stand for their wheels."""
+    for v in robot.virtual:
+        _check_parallel(robot, v)
+    wheels = steering(robot)
+    if wheels:
+        _check_steerability(robot, mobility, wheels)
+        for v in wheels:
+            _check_axle(robot, mobility, v)
+        _check_rank(robot, mobility, wheels[: mobility.degree_of_steerability])
+    for v in driving(robot):
+        _check_drive(robot, v)
+
+
+def _check_parallel(robot: Robot, v: Virtual) -> None:
+    """All wheels of one virtual wheel are parallel at their zeros, and of one kind."""
+    first, *others = (robot.wheel(name) for name in v.wheels)
+    for w in others:
+        cross = float(first.nominal.ch * w.nominal.sh - first.nominal.sh * w.nominal.ch)
+        if abs(cross) > _SMALL:
+            raise NotDerivableError(
+                f"{v.name} {v.role} {first.name} and {w.name}, whose rolling directions at zero are not parallel "
+                f"({first.heading:.6g} and {w.heading:.6g} rad): with {v.name} straight both must be straight.\n"
+                f"  Give {w.name} the heading of {first.name}; for steered wheels heading is that at steering angle 0.",
+                v.mark,
+            )
+        if w.type != first.type:
+            raise NotDerivableError(
+                f"{v.name} {v.role} {first.name} ({first.type}) and {w.name} ({w.type}), which share no heading.",
+                v.mark,
+            )
+
+
+def _check_steerability(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -> None:
+    need = mobility.degree_of_steerability
+    if len(wheels) >= need > 0:
+        return
+    names = ", ".join(v.name for v in wheels)
+    members = ", ".join(dict.fromkeys(name for v in wheels for name in v.wheels))
+    if not need:
+        why = "the degree of steerability is 0: no steering angle can change while the wheels roll"
+    else:
+        why = (
+            f"the degree of steerability is {need}, so {len(wheels)} virtual angle{'s' if len(wheels) > 1 else ''} "
+            "cannot fix the ICR: no fixed axle holds it on a line, which is what the Ackermann condition needs"
+        )
+    raise NotDerivableError(
+        f"{robot.name}: the virtual steering {names} of {members} violates the Ackermann condition: {why}.\n"
+        f"  {'Delete it.' if not need else f'Name {need} virtual wheels, or steer the wheels one by one.'}",
+        wheels[0].mark,
+    )
+
+
+def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
+    """Neither the virtual wheel nor a wheel it steers may stand on the line of the fixed axle."""
+    rows = constant_rows(robot, mobility)
+    if len(rows) != 1 or has_angles(rows[0]):
+        return
+    nx, ny, k = (nominal_at(p, robot, straight) for p in rows[0])
+    size = float(np.hypot(nx, ny))
+    if size < _SMALL:
+        return
+    for w in (as_wheel(robot, v), *(robot.wheel(name) for name in v.wheels)):
+        x, y = float(w.nominal.x), float(w.nominal.y)
+        # The axle passes through (x, y) where the row's velocity component n . v_A does not see omega.
+        if abs((k - (x * ny - y * nx)) / size) < _SMALL:
+            raise NotDerivableError(
+                f"{v.name} steers {', '.join(v.wheels)}, but {w.name} stands at ({x:.6g}, {y:.6g}) on the axle line of "
+                "the fixed wheels: the ICR lies on that line, so the angle never changes and the Ackermann condition "
+                "leaves nothing to steer.\n  Place it off the axle (x, y).",
+                v.mark,
+            )
+
+
+def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -> None:
+    """The virtual axles together with the constant rows must fix the motion as C1 does."""
+    found = [
+        [nominal_at(p, robot, generic(robot)) for p in fixed(row, robot)]
+        for row in constant_rows(robot, mobility)
+    ]
+    for v in wheels:
+        w = as_wheel(robot, v)
+        a, b = pivot_velocity(w, mobility.admissible.sample)
+        found.append([-b, a, float(w.nominal.x) * a + float(w.nominal.y) * b])
+    rank = numeric_rank(unit_rows(np.array(found)))[0]
+    if rank != 3 - mobility.degree_of_mobility:
+        names = ", ".join(v.name for v in wheels)
+        raise NotDerivableError(
+            f"{robot.name}: the virtual steering {names} violates the Ackermann condition: its angle does not fix the "
+            f"ICR (rank {rank}, the wheels themselves have {3 - mobility.degree_of_mobility}).",
+            wheels[0].mark,
+        )
+
+
+def _check_drive(robot: Robot, v: Virtual) -> None:
+    idle = [name for name in v.wheels if "spin" not in robot.wheel(name).actuated]
+    if len(idle) == len(v.wheels):
+        raise NotDerivableError(
+            f"{v.name} drives {', '.join(v.wheels)}, none of which is driven.\n"
+            f"  Write actuated: [spin] for {idle[0]}, or delete the virtual wheel.",
+            v.mark,
+        )
+
+
+def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
+    """Virtual angles to the steering angles of the real wheels: cot differences are the Ackermann condition."""
+    wheels = steering(robot)
+    if not wheels:
+        raise NotDerivableError(
+            f"{robot.name} has no virtual steering: its file names no virtual wheel that steers.\n"
+            "  Write virtual: [{name: front, steers: [front_left, front_right]}]."
+        )
+    found = steering_frame(robot, mobility)
+    followers = [w for w in robot.wheels if w.type == "steered"]
+    followers += [as_wheel(robot, v) for v in wheels[mobility.degree_of_steerability :]]
+    return _angles(
+        "virtual_steering", found, followers, robot, "angles of the virtual wheels to those of the real ones"
+    )
+
+
+def virtual_angle(robot: Robot, mobility: Mobility) -> Formula:
+    """The way back: steering angles of the wheels that decide to the angles of the virtual wheels."""
+    virtual_steering(robot, mobility)
+    found = frame(robot, mobility, False)
+    followers = [as_wheel(robot, v) for v in steering(robot)]
+    return _angles(
+        "virtual_angle", found, followers, robot, "real steering angles to those of the virtual wheels"
+    )
+
+
+def _angles(name: str, found: Frame, followers: list[Wheel], robot: Robot, text: str) -> Formula:
+    """steer = atan2 of the travel of the pivot, seen from the wheel's zero."""
+    outputs = []
+    for w in followers:
+        along, across = heading_row(found, w)
+        outputs.append(
+            (joint_port(w, "steer", Role.COMMAND), angle_of(expression(across), expression(along)))
+        )
+    inputs = (*(joint_port(w, "steer", Role.STATE) for w in found.wheels), *tunable_ports(robot))
+    return Formula(name, inputs, (), tuple(outputs), text)

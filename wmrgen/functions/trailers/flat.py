@@ -1,0 +1,184 @@
+"""Flat outputs: positions whose motion determines every state and input (Fliess, Levine, Martin, Rouchon 1995).
+
+A robot with a fixed axle is flat with its centre Q, a car too; with trailers coupled on the axle it is the last axle.
+Travelling forward, theta is the direction of Q' and the curvature (x' y'' - y' x'') / v**3 gives yaw rate and steering.
+A robot whose pose is free, (3, 0), is flat with its pose; one that only translates with its position.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy
+
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.trailers.axle import Axle, Steering
+from wmrgen.functions.trailers.train import Train, V, train
+from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
+from wmrgen.layout.records import Robot
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import (
+    Expr,
+    absolute,
+    add,
+    angle_of,
+    expression,
+    root,
+    select,
+    signal,
+    square,
+    subtract,
+    times,
+)
+
+STANDSTILL = sympy.Rational(1, 10**6)  # [m/s] slower than this the direction of travel is not defined
+_ORDERS = (("", "m", "position"), ("_rate", "m/s", "velocity"), ("_accel", "m/s^2", "acceleration"),
+           ("_jerk", "m/s^3", "jerk"))  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Flatness:
+    """``outputs``: what is flat, in words. ``order``: derivatives of them that state and inputs need."""
+
+    outputs: str
+    order: int
+    text: str
+
+
+def flatness(robot: Robot, mobility: Mobility) -> Flatness:
+    """What is known about flat outputs. NotDerivableError where nothing is claimed."""
+    kind = mobility.robot_type
+    if kind == (3, 0) and not robot.trailers:
+        return Flatness(
+            "x, y, theta of the body", 1, "the pose is free; inputs are its velocity in the robot frame"
+        )
+    if kind in ((2, 1), (1, 2)) and not robot.trailers:
+        return Flatness(
+            "x, y, theta of the body", 2,
+            "three inputs and a pose that can follow any smooth path: the steered wheels point where `inverse` of the "
+            "twist says, while their pivots move; steering rates need the acceleration",
+        )  # fmt: skip
+    if _translates(robot, mobility):
+        return Flatness(
+            "x, y of the body", 2,
+            "theta stays as it is, and while the robot moves the direction of its path is where the wheels point",
+        )  # fmt: skip
+    t = train(robot, mobility, what="a flat output")
+    order = t.size - 1
+    if t.trailers:
+        last = t.trailers[-1].name
+        return Flatness(
+            f"x, y of the axle of {last}",
+            order,
+            f"the last axle; derivatives to order {order} of its path determine all",
+        )
+    text = "the direction of its path is the heading, the curvature gives the turning"
+    return Flatness("x, y of the centre of the axle", order, text)
+
+
+def _translates(robot: Robot, mobility: Mobility) -> bool:
+    """A synchro drive: two directions of translation, reached one after the other (Siegwart 3.3.3)."""
+    return mobility.robot_type == (1, 1) and mobility.dof == 2 and not robot.trailers
+
+
+def flat(robot: Robot, mobility: Mobility) -> Formula:
+    """Derivatives of the flat outputs to state and inputs, travelling forward; standing still turns nothing."""
+    known = flatness(robot, mobility)
+    if mobility.robot_type == (3, 0):
+        return _pose(robot)
+    if mobility.robot_type in ((2, 1), (1, 2)) or _translates(robot, mobility):
+        raise NotDerivableError(
+            f"{robot.name} is flat with {known.outputs}: `inverse` recovers its joints from the twist"
+        )
+    t = train(robot, mobility, what="a flat output")
+    if t.trailers:
+        raise NotDerivableError(
+            f"{robot.name} is flat with {known.outputs}; the formulas that recover states and inputs are written down "
+            "for robots without trailers. `chained_input` steers the last axle through derivatives of its path"
+        )
+    return _axle(robot, t, known)
+
+
+def _pose(robot: Robot) -> Formula:
+    """(3, 0): twist of P in the robot frame from the rates of the pose (Siegwart (3.2))."""
+    theta = signal("theta")
+    c, s = sympy.cos(theta), sympy.sin(theta)
+    x, y, turn = (signal(f"{n}_rate") for n in ("x", "y", "theta"))
+    rates = tuple(Port(f"{p.name}_rate", Role.COMMAND, f"{p.unit}/s", f"rate of {p.name}") for p in POSE)
+    values = (add(times(x, c), times(y, s)), subtract(times(y, c), times(x, s)), turn)
+    outputs = tuple(zip(twist_ports(), values, strict=True))
+    return Formula(
+        "flat", (POSE[2], *rates, *tunable_ports(robot)), (), outputs,
+        "flat outputs x, y, theta: their rates to the twist of P",
+    )  # fmt: skip
+
+
+def _axle(robot: Robot, t: Train, known: Flatness) -> Formula:
+    names, axle = Locals(), t.axle
+    dx, dy, ax, ay = (signal(n) for n in ("x_rate", "y_rate", "x_accel", "y_accel"))
+    v = names.define("speed", root(add(square(dx), square(dy))))
+    moves = names.define("moves", select(absolute(v), STANDSTILL, sympy.S.Zero, sympy.S.One))
+    kept = names.define("speed_kept", select(absolute(v), STANDSTILL, sympy.S.One, v))
+    over = names.define("over_speed", times(moves, sympy.Pow(kept, -1)))
+    cross = names.define("turning", subtract(times(dx, ay), times(dy, ax)))
+    omega = names.define("yaw_rate", times(cross, over, over))
+    cosine = names.define("travel_cosine", times(dx, over))
+    sine = names.define("travel_sine", times(dy, over))
+    c, s = _unturned(axle, cosine, sine)
+    c, s = names.define("cos_theta", c), names.define("sin_theta", s)
+    qx, qy, ex, ey = (expression(p) for p in (axle.x, axle.y, axle.ex, axle.ey))
+    outputs: list[tuple[Port, Expr]] = [
+        (POSE[0], subtract(signal("x"), subtract(times(qx, c), times(qy, s)))),
+        (POSE[1], subtract(signal("y"), add(times(qx, s), times(qy, c)))),
+        (POSE[2], angle_of(s, c)),
+        (V, v),
+        (twist_ports()[0], add(times(ex, v), times(qy, omega))),
+        (twist_ports()[1], subtract(times(ey, v), times(qx, omega))),
+        (twist_ports()[2], omega),
+    ]
+    if axle.steering is not None:
+        kappa = names.define("curvature", times(omega, over))
+        bend = _curvature_rate(names, kappa, over)
+        outputs += _steering(t, axle.steering, names, kappa, bend)
+    text = f"flat outputs {known.outputs} with derivatives to pose, inputs and steering, travelling forward"
+    return Formula(
+        "flat", (*_inputs(known.order), *tunable_ports(robot)), tuple(names.items), tuple(outputs), text
+    )
+
+
+def _inputs(order: int) -> tuple[Port, ...]:
+    return tuple(
+        Port(f"{axis}{suffix}", Role.COMMAND, unit, f"{what} of the flat output along world {axis}")
+        for suffix, unit, what in _ORDERS[: order + 1]
+        for axis in ("x", "y")
+    )
+
+
+def _unturned(axle: Axle, c: Expr, s: Expr) -> tuple[Expr, Expr]:
+    """Cosine and sine of the robot's heading, from those of its axle's direction."""
+    ex, ey = expression(axle.ex), expression(axle.ey)
+    return add(times(ex, c), times(ey, s)), subtract(times(ex, s), times(ey, c))
+
+
+def _curvature_rate(names: Locals, kappa: Expr, over: Expr) -> Expr:
+    """kappa' = (x' y''' - y' x''') / v**3 - 3 kappa (x' x'' + y' y'') / v**2."""
+    dx, dy, ax, ay = (signal(n) for n in ("x_rate", "y_rate", "x_accel", "y_accel"))
+    jx, jy = signal("x_jerk"), signal("y_jerk")
+    turning = times(subtract(times(dx, jy), times(dy, jx)), over, over, over)
+    stretching = times(sympy.Integer(3), kappa, add(times(dx, ax), times(dy, ay)), over, over)
+    return names.define("curvature_rate", subtract(turning, stretching))
+
+
+def _steering(t: Train, s: Steering, names: Locals, kappa: Expr, bend: Expr) -> list[tuple[Port, Expr]]:
+    """tan h = kappa X / (1 - kappa Y): the heading of the steered wheel's pivot; beta = h - zero heading."""
+    port = t.steering_port
+    assert port is not None
+    a = names.define("pivot_along", subtract(sympy.S.One, times(kappa, expression(s.y))))
+    b = names.define("pivot_across", times(kappa, expression(s.x)))
+    ch, sh = expression(s.ch), expression(s.sh)
+    beta = angle_of(subtract(times(b, ch), times(a, sh)), add(times(a, ch), times(b, sh)))
+    size = names.define("pivot_squared", add(square(a), square(b)))
+    rate = times(expression(s.x), bend, sympy.Pow(size, -1))  # size >= X**2 / (X**2 + Y**2)
+    return [(port, beta), (t.turning, rate)]

@@ -1,1 +1,0 @@
-"""Models of a robot as control systems: posture, configuration, trailers, canonical forms."""

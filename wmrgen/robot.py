@@ -1,0 +1,300 @@
+"""The whole pipeline of one robot, each stage computed when first asked for."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
+from wmrgen.layout import Robot, build
+from wmrgen.spec.load import read_robot
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import sympy
+
+    from wmrgen.bounds.robot import Bounds
+    from wmrgen.constraints import Constraints
+    from wmrgen.exact.number import Exact
+    from wmrgen.functions.models.system import System
+    from wmrgen.functions.structure.brackets import Growth
+    from wmrgen.functions.structure.frobenius import Integrability
+    from wmrgen.ir.nodes import Function, Module
+    from wmrgen.kinematics import Formula
+    from wmrgen.mobility import Mobility
+    from wmrgen.program import Program
+    from wmrgen.symbolic import Expr
+
+
+def load(path: str | Path) -> Robot:
+    """The exact layout of a robot file. RobotFileError when it cannot be accepted."""
+    return build(read_robot(path))
+
+
+def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
+    """The model of a robot; ``functions``: only those instead of what is generated for it (see `wmrgen.program`)."""
+    return Derivation(robot, functions)
+
+
+class Derivation:
+    """The exact model of a robot: matrices, mobility, kinematics and code.
+
+    Matrices (J1, J2, C1f, C1s, pfaffian, null_space) keep named parameters as symbols.
+    """
+
+    def __init__(self, robot: Robot, functions: Sequence[str] | None = None) -> None:
+        self.robot = robot
+        self._functions = functions
+        self._lowered: dict[str, Function] = {}
+
+    @property
+    def itself(self) -> Derivation:
+        """What backends for readers (report, drawing) are given."""
+        return self
+
+    @cached_property
+    def constraints(self) -> Constraints:
+        """All rows, parameters as symbols."""
+        from wmrgen.constraints import constrain, symbolic_view
+
+        return constrain(self.robot, symbolic_view)
+
+    @cached_property
+    def mobility(self) -> Mobility:
+        """Degrees, ranks and reasons. NotDerivableError for trailers or virtual wheels that the layout cannot have."""
+        from wmrgen.mobility import analyse
+
+        found = analyse(self.robot)
+        if self.robot.trailers or self.robot.virtual:
+            from wmrgen.functions.trailers.feasible import check
+
+            check(self.robot, found)
+        return found
+
+    @cached_property
+    def integrability(self) -> Integrability:
+        """Frobenius's test of each constraint, of all together, and what they integrate to."""
+        from wmrgen.functions.structure.frobenius import integrability
+
+        return integrability(self.robot, self.mobility)
+
+    @cached_property
+    def growth(self) -> Growth:
+        """Vector fields, Lie brackets and growth vector of the posture model, with trailers where there are some."""
+        from wmrgen.functions.structure.brackets import robot_growth
+
+        return robot_growth(self.robot, self.mobility)
+
+    @cached_property
+    def J1(self) -> sympy.Matrix:
+        """Rolling rows, (number of rolling wheels) x 3: J1 xi = J2 spin (Siegwart (3.24))."""
+        return self._matrix([c.row for c in self.constraints.rolling])
+
+    @cached_property
+    def J2(self) -> sympy.Matrix:
+        """Diagonal of r cos gamma [m] (Siegwart (3.24))."""
+        import sympy
+
+        from wmrgen.symbolic import expression
+
+        return sympy.diag(
+            *(expression(-dict(c.rates)[c.wheel.index, "spin"]) for c in self.constraints.rolling)
+        )
+
+    @cached_property
+    def C1f(self) -> sympy.Matrix:
+        """Sliding rows of fixed wheels, N x 3 (Siegwart (3.26))."""
+        return self._matrix([c.row for c in self.constraints.sliding_of("fixed")])
+
+    @cached_property
+    def C1s(self) -> sympy.Matrix:
+        """Sliding rows of steered wheels, N x 3 (Siegwart (3.26))."""
+        return self._matrix([c.row for c in self.constraints.sliding_of("steered")])
+
+    @cached_property
+    def pfaffian(self) -> sympy.Matrix:
+        """A with A (vx, vy, omega, joint rates) = 0; joints in the order of `pfaffian_rates`.
+
+        With ``slip: true``, e . v + slip_x = r spin in rolling rows and n . v = slip_y in sliding rows.
+        """
+        from wmrgen.constraints import pfaffian
+        from wmrgen.symbolic import matrix
+
+        return matrix(pfaffian(self.constraints, self.robot.slip), len(self.pfaffian_rates))
+
+    @property
+    def pfaffian_rates(self) -> tuple[str, ...]:
+        """Names of the Pfaffian matrix's columns."""
+        names = self.robot.wheels
+        rates = (
+            f"{names[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in self.constraints.joints
+        )
+        every = (*self.constraints.rolling, *self.constraints.sliding) if self.robot.slip else ()
+        slips = (f"{c.wheel.name}.slip_{'x' if c.kind == 'rolling' else 'y'}" for c in every)
+        return ("vx", "vy", "omega", *rates, *slips)
+
+    @cached_property
+    def H(self) -> sympy.Matrix:
+        """2N x 3: velocities of all contact points per twist, v_c = H xi + Q steer_rate (Kelly Box 4.2, (4.62))."""
+        from wmrgen.constraints import symbolic_view
+        from wmrgen.functions.motion.points import matrices
+
+        return self._matrix(matrices(self.robot, symbolic_view)[0])
+
+    @cached_property
+    def Q(self) -> sympy.Matrix:
+        """2N x M: velocities of all contact points per steering rate of the M wheels that turn, in wheel order."""
+        from wmrgen.constraints import symbolic_view
+        from wmrgen.functions.motion.points import matrices
+        from wmrgen.symbolic import matrix
+
+        turning = sum(w.turns for w in self.robot.wheels)
+        return matrix(matrices(self.robot, symbolic_view)[1], turning)
+
+    @cached_property
+    def compatibility(self) -> sympy.Matrix:
+        """Rows w with w . spin = 0, one column per driven wheel: left null space of J2^-1 J1 (Tzafestas (2.84))."""
+        from wmrgen.constraints import symbolic_view
+        from wmrgen.functions.motion.compatibility import relations
+        from wmrgen.symbolic import matrix
+
+        driven, rows = relations(self.robot, self.mobility, symbolic_view)
+        return matrix(rows, len(driven))
+
+    @cached_property
+    def null_space(self) -> sympy.Matrix:
+        """3 x delta_m: columns span the admissible twists at steering angles that meet in one ICR."""
+        return self._matrix(self.mobility.null_space_symbolic).T
+
+    @staticmethod
+    def _matrix(rows: Any) -> sympy.Matrix:
+        from wmrgen.symbolic import matrix
+
+        return matrix(rows, 3)
+
+    @cached_property
+    def program(self) -> Program:
+        """The functions of the model in symbols."""
+        from wmrgen.program import program, standard
+
+        names = standard(self.robot) if self._functions is None else self._functions
+        return program(self.robot, self.mobility, names)
+
+    def formula(self, name: str) -> Formula:
+        """Any function of the robot in symbols. NotDerivableError where it does not have it."""
+        from wmrgen.program import formula
+
+        return formula(self.robot, self.mobility, name)
+
+    def system(self, name: str, symbolic: bool = False) -> System:
+        """A model q' = G(q) u: posture, configuration, trailer, zeta or eta. NotDerivableError where there is none.
+
+        ``symbolic`` keeps every named parameter as a symbol, else only tunable ones.
+        """
+        from wmrgen.functions.models.systems import SYSTEMS
+
+        return SYSTEMS[name](self.robot, self.mobility, symbolic)
+
+    def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
+        """Any function at exact values. Inputs left out are 0, parameters nominal."""
+        from wmrgen.exact.number import ZERO
+        from wmrgen.ir.interpret import EXACT, evaluate
+        from wmrgen.lower import lower
+
+        if name not in self._lowered:
+            self._lowered[name] = lower(self.formula(name))
+        function = self._lowered[name]
+        missing = {p.name: ZERO for p in function.inputs if p.default is None}
+        return evaluate(function, missing | dict(values), EXACT)
+
+    @property
+    def inverse(self) -> dict[str, Expr]:
+        """Output name -> expression: joint commands of a twist."""
+        return self.program.formula("inverse").closed()
+
+    @property
+    def forward(self) -> dict[str, Expr]:
+        """Output name -> expression: twist and slip of sensed joint rates."""
+        return self.program.formula("forward").closed()
+
+    @property
+    def odometry(self) -> dict[str, Expr]:
+        """Output name -> expression: pose after a step."""
+        return self.program.formula("odometry").closed()
+
+    @property
+    def dynamics(self) -> dict[str, Expr]:
+        """Output name -> expression: rates of the posture model."""
+        return self.program.formula("dynamics").closed()
+
+    @cached_property
+    def raw_module(self) -> Module:
+        """The functions as written, not optimised: what the exact backend evaluates."""
+        from wmrgen.modules import written
+
+        return written(self.program)
+
+    @cached_property
+    def _optimised(self) -> Module:
+        from wmrgen.modules import optimised
+
+        return optimised(self.raw_module)
+
+    @cached_property
+    def module(self) -> Module:
+        """The functions with every output of the contract, optimised."""
+        from wmrgen.ir.select import select
+
+        return select(self._optimised, {f.name: f.name for f in self.program.formulas})
+
+    @cached_property
+    def c_module(self) -> Module:
+        """The functions for C: forward with and without the residual, inverse without slip, which has a function
+        of its own, no posture model unless asked for."""
+        from wmrgen.modules import for_c
+        from wmrgen.program import asked
+
+        wanted = asked(self.robot) if self._functions is None else self._functions
+        return for_c(self._optimised, (f.name for f in self.program.formulas), wanted)
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """`bounds_of` C as it is written unless asked otherwise."""
+        return self.bounds_of(DEFAULT)
+
+    def bounds_of(self, choice: Choice) -> Bounds:
+        """Proved ranges and rounding errors of the C functions in float, where the robot file has limits."""
+        from wmrgen.bounds.precision import library
+        from wmrgen.bounds.robot import bounds
+
+        return bounds(self.robot, self.c_module, library(choice))
+
+    def model(self) -> dict[str, Any]:
+        """The content of model.json."""
+        from wmrgen.model import model
+
+        return model(self)
+
+    def casadi(self) -> dict[str, Any]:
+        """Function name -> casadi.Function."""
+        from wmrgen.backends.casadi import functions
+
+        return functions(self.module)
+
+    def numpy(self) -> Any:
+        """The functions, vectorised over NumPy arrays."""
+        from wmrgen.backends.numpy import functions
+
+        return functions(self.module)
+
+    def _repr_latex_(self) -> str:
+        import sympy
+
+        return f"$$C_1 N = 0,\\quad N = {sympy.latex(self.null_space)}$$"
+
+    def _repr_svg_(self) -> str:
+        from wmrgen.backends.drawing.scene import picture
+
+        return picture(self)

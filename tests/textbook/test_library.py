@@ -12,8 +12,8 @@ import sympy
 
 from tests.textbook.common import call, matrix, one, spread, vector
 from wmrgen.backends.registry import BACKENDS
-from wmrgen.control import polar
 from wmrgen.exact.number import Exact
+from wmrgen.functions.control import polar
 from wmrgen.functions.control.gains import judge
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.textbook import FUNCTIONS, formula, textbook

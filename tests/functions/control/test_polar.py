@@ -28,9 +28,9 @@ from tests.functions.control.common import (
     driven,
     write,
 )
-from wmrgen.control import polar
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
+from wmrgen.functions.control import polar
 from wmrgen.functions.control.gains import exceeds, judge
 from wmrgen.ir.passes.guards import findings
 

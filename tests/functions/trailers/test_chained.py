@@ -33,9 +33,9 @@ from tests.functions.models.robots import (
 )
 from wmrgen.backends.c99 import evaluate as in_c
 from wmrgen.errors import NotDerivableError
+from wmrgen.functions.trailers import verify as verification
 from wmrgen.functions.trailers.chained import chained
 from wmrgen.functions.trailers.verify import verify
-from wmrgen.models import verify as verification
 from wmrgen.robot import Derivation, derive
 
 FREE = {k: f"{{value: {v}, tunable: true}}" for k, v in (("base", "1.4"), ("b", "0.3"), ("a", "0.27"))}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 
 import mpmath
@@ -12,6 +12,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly
 
 _DIGITS = 40
+_ROUNDED = 1e-18  # a difference of rounded numbers that is smaller, relative to them, is zero; a root halves the digits
 
 
 def _rounded(value: mpmath.mpf) -> Exact:
@@ -36,6 +37,43 @@ def _function_value(gen: Gen, args: tuple[Fraction, ...]) -> Exact:
     raise ValueError(f"no value for {gen.kind}")
 
 
+def parameters_in(poly: Poly) -> frozenset[str]:
+    """Names of the parameters that occur, inside functions too."""
+    found: set[str] = set()
+    for gen in poly.generators:
+        found |= {gen.name} if gen.kind == "param" else set()
+        for arg in gen.args:
+            found |= parameters_in(arg)
+    return frozenset(found)
+
+
+def function(kind: str, name: str, args: tuple[Poly, ...]) -> Poly:
+    """A function of polynomials, in the simplest form that is exact."""
+    match kind:
+        case "inv":
+            return args[0].inverse()
+        case "sqrt":
+            return sqrt_poly(args[0])
+        case "cosf":
+            return cos_sin(args[0])[0]
+        case "sinf":
+            return cos_sin(args[0])[1]
+    return Poly.gen(kind, name, *args)
+
+
+def substituted(poly: Poly, values: Mapping[str, Poly]) -> Poly:
+    """``poly`` with the parameters in ``values`` replaced, inside functions too; pi and numbers stay exact."""
+
+    def value(gen: Gen) -> Poly | None:
+        if gen.kind == "param":
+            return values.get(gen.name)
+        if not gen.args or values.keys().isdisjoint(parameters_in(Poly({((gen, 1),): Exact(1)}))):
+            return None
+        return function(gen.kind, gen.name, tuple(substituted(a, values) for a in gen.args))
+
+    return poly.substitute(value)
+
+
 def fix(poly: Poly, values: Mapping[str, Poly]) -> Poly:
     """``poly`` with the parameters in ``values`` replaced and every function of numbers evaluated.
 
@@ -48,28 +86,28 @@ def fix(poly: Poly, values: Mapping[str, Poly]) -> Poly:
             return None if known is None else fix(known, values)
         if gen.kind == "pi":
             return Poly.of(pi_rational())
-        if gen.kind in ("cos", "sin"):
+        if not gen.args:
             return None
         if gen.kind in ("cosf", "sinf"):
-            angle = _keep_pi(gen.args[0], values)
-            pair = cos_sin(angle)
-            return pair[0] if gen.kind == "cosf" else pair[1]
+            return function(gen.kind, "", (_keep_pi(gen.args[0], values),))
         args = tuple(fix(a, values) for a in gen.args)
-        numbers = tuple(a.constant for a in args)
-        if gen.kind == "inv":
-            return args[0].inverse()
-        if gen.kind == "sqrt" and numbers[0] is None:
-            return sqrt_poly(args[0])
-        found = [n for n in numbers if n is not None]
-        if len(found) < len(args):
-            return Poly.gen(gen.kind, gen.name, *args)
-        if gen.kind == "sqrt":
-            root = sqrt_poly(args[0]).constant
-            if root is not None:
-                return Poly.of(root)
-        return Poly.of(_function_value(gen, tuple(n.rational() for n in found)))
+        result = function(gen.kind, gen.name, args)
+        numbers = [n for a in args if (n := a.constant) is not None]
+        if result.constant is not None or len(numbers) < len(args):
+            return result
+        return Poly.of(_function_value(gen, tuple(n.rational() for n in numbers)))
 
-    return poly.substitute(value)
+    result = poly.substitute(value)
+    return Poly({}) if _cancels(poly, result, value) else result
+
+
+def _cancels(poly: Poly, result: Poly, value: Callable[[Gen], Poly | None]) -> bool:
+    """Whether a number is what rounded roots leave of zero: sqrt(3 + 2*sqrt(2)) - 1 - sqrt(2)."""
+    total = result.constant
+    if not total or len(poly.terms) < 2 or not any(g.args for g in poly.generators):
+        return False
+    terms = (Poly({m: c}).substitute(value).constant for m, c in poly.terms.items())
+    return abs(float(total)) <= _ROUNDED * max(abs(float(t)) for t in terms if t is not None)
 
 
 def _keep_pi(angle: Poly, values: Mapping[str, Poly]) -> Poly:
@@ -77,10 +115,9 @@ def _keep_pi(angle: Poly, values: Mapping[str, Poly]) -> Poly:
 
     def value(gen: Gen) -> Poly | None:
         if gen.kind == "param":
-            return values.get(gen.name)
-        if gen.kind == "pi":
-            return None
-        return fix(Poly({((gen, 1),): Exact(1)}), values)
+            known = values.get(gen.name)
+            return None if known is None else _keep_pi(known, values)
+        return fix(Poly({((gen, 1),): Exact(1)}), values) if gen.args else None
 
     return angle.substitute(value)
 

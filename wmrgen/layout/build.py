@@ -9,15 +9,16 @@ from math import atan2, hypot, pi, remainder
 
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.angles import cos_sin
-from wmrgen.exact.evaluate import fix, number
+from wmrgen.exact.evaluate import fix, number, parameters_in, substituted
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups
-from wmrgen.layout.expressions import PI, evaluate, to_poly
+from wmrgen.layout.expressions import PI, to_poly
 from wmrgen.layout.extras import Extras
 from wmrgen.layout.records import Geometry, Interval, Parameter, Robot, Wheel
 from wmrgen.layout.snap import snap
 from wmrgen.spec.records import Limit, Quantity, RobotSpec, WheelSpec
+from wmrgen.spec.records import Parameter as ParameterSpec
 
 HALF_PI = PI.scale(Fraction(1, 2))
 Values = Mapping[str, Poly]
@@ -26,8 +27,8 @@ Values = Mapping[str, Poly]
 def build(spec: RobotSpec) -> Robot:
     """The exact layout of a robot file. RobotFileError where a value makes no sense."""
     parameters, values = _parameters(spec)
-    tunable = frozenset(p.name for p in parameters if p.tunable)
-    known = {name: value for name, value in values.items() if name not in tunable}
+    tunable = frozenset(p.name for p in parameters if parameters_in(p.working))
+    known = {p.name: p.working for p in parameters if not p.tunable}
     notes: list[str] = []
     wheels = tuple(
         _wheel(i, w, values, known, tunable if spec.snap else None, notes) for i, w in enumerate(spec.wheels)
@@ -43,7 +44,7 @@ def build(spec: RobotSpec) -> Robot:
         steer_group=groups(spec, "steer"),
         spin_group=groups(spec, "spin"),
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
-        limits=_limits(spec.limits, values),
+        limits=_limits(spec.limits, values, known),
         notes=tuple(notes),
         virtual=extras.virtual(wheels),
         trailers=extras.trailers(),
@@ -56,39 +57,31 @@ def build(spec: RobotSpec) -> Robot:
 
 
 def _parameters(spec: RobotSpec) -> tuple[tuple[Parameter, ...], dict[str, Poly]]:
-    """Parameters and their nominal values, other parameters resolved, pi kept."""
+    """Parameters, each after those it uses, and their nominal values."""
     values: dict[str, Poly] = {}
+    working: dict[str, Poly] = {}
     found: list[Parameter] = []
-    pending = list(spec.parameters)
-    while pending:
-        ready = [p for p in pending if _uses(p.value) <= values.keys()]
-        if not ready:
-            raise RobotFileError("parameters refer to each other in a circle", pending[0].value.mark)
-        for p in ready:
-            symbolic = to_poly(p.value, values)
-            values[p.name] = symbolic.substitute(lambda g: values.get(g.name) if g.kind == "param" else None)
-            found.append(Parameter(p.name, symbolic, values[p.name], number(symbolic, values), p.tunable))
-            pending.remove(p)
-    order = [p.name for p in spec.parameters]
-    return tuple(sorted(found, key=lambda p: order.index(p.name))), values
+    for p in spec.parameters:
+        symbolic = to_poly(p.value, values)
+        values[p.name] = substituted(symbolic, values)
+        own = substituted(symbolic, working)
+        if p.tunable:
+            _check_independent(p, own)
+            own = Poly.gen("param", p.name)
+        working[p.name] = own
+        found.append(Parameter(p.name, symbolic, values[p.name], own, number(symbolic, values), p.tunable))
+    return tuple(found), values
 
 
-def _uses(quantity: Quantity) -> set[str]:
-    from wmrgen.spec.records import Binary, Call, Expr, Neg, Param
-
-    def walk(expr: Expr) -> set[str]:
-        match expr:
-            case Param(name):
-                return {name}
-            case Neg(arg):
-                return walk(arg)
-            case Binary(_, left, right):
-                return walk(left) | walk(right)
-            case Call(_, args):
-                return set().union(*(walk(a) for a in args))
-        return set()
-
-    return walk(quantity.expr)
+def _check_independent(p: ParameterSpec, own: Poly) -> None:
+    """A tunable parameter is an input: another one cannot decide its value."""
+    names = sorted(parameters_in(own))
+    if names:
+        raise RobotFileError(
+            f"parameter {p.name} is tunable and computed from {names[0]}, which is tunable too", p.value.mark,
+            f"when {names[0]} changes it is not clear whether {p.name} follows or keeps its value",
+            f"delete tunable: true of {p.name}, which then follows {names[0]}; or give {p.name} a number",
+        )  # fmt: skip
 
 
 class _Reader:
@@ -160,7 +153,7 @@ def _wheel(
             working=Geometry(*(fix(getattr(symbolic, f.name), known) for f in fields(Geometry))),
             nominal=nominal, l=0.0, alpha=float(number(alpha, values)), beta=0.0,
             gamma=float(number(gamma, values)), heading=float(number(heading, values)),
-            actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, values),
+            actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, values, known),
         )
     )  # fmt: skip
 
@@ -204,13 +197,26 @@ def _check_names(spec: RobotSpec, parameters: tuple[Parameter, ...]) -> None:
             raise RobotFileError(f"parameter {p.name} has the name of a joint or wheel", read.value.mark)
 
 
-def _limits(limits: tuple[Limit, ...], values: Values) -> dict[str, Interval]:
+def _limits(limits: tuple[Limit, ...], values: Values, known: Values) -> dict[str, Interval]:
+    """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
     result = {}
     for limit in limits:
-        low, high = evaluate(limit.low, values), evaluate(limit.high, values)
+        high, low = (_limit(limit, end, values, known) for end in (limit.high, limit.low))
         if low > high:
             raise RobotFileError(
                 f"limit {limit.name}: {limit.low.text} is above {limit.high.text}", limit.low.mark
             )
         result[limit.name] = Interval(low, high)
     return result
+
+
+def _limit(limit: Limit, end: Quantity, values: Values, known: Values) -> Exact:
+    symbolic = to_poly(end, values)
+    names = sorted(parameters_in(substituted(symbolic, known)))
+    if names:
+        raise RobotFileError(
+            f"limit {limit.name}: {end.text} depends on the tunable parameter {names[0]}", end.mark,
+            "limits are constants of the generated code and of its proved bounds",
+            f"write a number, or delete tunable: true of {names[0]}",
+        )  # fmt: skip
+    return number(symbolic, values)

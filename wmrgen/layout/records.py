@@ -77,11 +77,16 @@ class Wheel:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A named length or angle; ``symbolic`` may refer to other parameters, ``value`` does not and keeps pi."""
+    """A named length or angle; pi is kept.
+
+    ``symbolic`` may refer to other parameters, ``working`` to tunable ones alone (to itself where it is tunable),
+    ``value`` to none.
+    """
 
     name: str
     symbolic: Poly
     value: Poly
+    working: Poly
     nominal: Exact
     tunable: bool
 
@@ -159,8 +164,8 @@ class Robot:
 
     @property
     def constants(self) -> dict[str, Poly]:
-        """The values of the parameters that are not tunable."""
-        return {p.name: p.value for p in self.parameters if not p.tunable}
+        """The parameters that are not tunable: values, or polynomials in tunable ones."""
+        return {p.name: p.working for p in self.parameters if not p.tunable}
 
     def limit(self, wheel: Wheel, quantity: str) -> Interval | None:
         """The wheel's own limit of ``steer``, ``steer_rate`` or ``spin``, else the robot's."""

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from wmrgen.exact.angles import pi_multiple, pi_rational
-from wmrgen.exact.evaluate import angle_value, number
-from wmrgen.exact.poly import Gen, Poly
+from wmrgen.exact.evaluate import angle_value, number, parameters_in
+from wmrgen.exact.poly import Poly
 
 TOLERANCE = Fraction(1, 1000)
 SUSPICIOUS = Fraction(1, 200)  # nearer than this, but not snapped: 3.14 for pi
@@ -26,7 +26,7 @@ def snap(
 
     An angle that depends on a tunable parameter is left alone: it is an input.
     """
-    if _depends(angle, tunable):
+    if parameters_in(angle) & tunable:
         return angle, None
     exact = pi_multiple(angle_value(angle, values))
     if exact is not None and (12 * exact).denominator == 1:
@@ -46,13 +46,6 @@ def snap(
     if error < _SAME:
         return snapped, None
     return snapped, f"{what}: {float(value):.12g} rad taken as {pi_text(k)} ({float(error):.2g} rad away)"
-
-
-def _depends(poly: Poly, names: frozenset[str]) -> bool:
-    def in_gen(gen: Gen) -> bool:
-        return (gen.kind == "param" and gen.name in names) or any(_depends(a, names) for a in gen.args)
-
-    return any(in_gen(g) for g in poly.generators)
 
 
 def pi_text(k: int) -> str:

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from wmrgen.backends.report.markdown import code, escape, listed, table
 from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import Subject
+from wmrgen.exact.evaluate import parameters_in
 
 if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot, Wheel
+    from wmrgen.layout.records import Parameter, Robot, Wheel
 
 _KINDS = {
     "fixed": "fixed",
@@ -172,11 +173,19 @@ def _parameters(robot: Robot) -> list[str]:
         [
             code(p.name),
             plain(p.nominal),
-            "tunable: an input of the generated code" if p.tunable else "constant",
+            _in_code(p),
         ]
         for p in robot.parameters
     ]
     return table(["parameter", "value", "in the code"], rows, "lrl")
+
+
+def _in_code(p: Parameter) -> str:
+    """What the generated code makes of a parameter."""
+    if p.tunable:
+        return "tunable: an input of the generated code"
+    names = ", ".join(code(name) for name in sorted(parameters_in(p.working)))
+    return f"computed from the tunable {names}" if names else "constant"
 
 
 def _remarks(robot: Robot) -> list[str]:

@@ -5,7 +5,8 @@ With e the rolling direction and n = z x e, a contact at B = A + d e + o n gives
     rolling  [ e_x,  e_y,  x e_y - y e_x - o ] xi - o steer_rate = r spin
     sliding  [ n_x,  n_y,  x n_y - y n_x + d ] xi + d steer_rate = 0
 
-A Swedish wheel rolls along e turned by gamma, with r cos gamma for r, and has no sliding row.
+A Swedish wheel rolls along e turned by gamma, with r cos gamma for r, and has no sliding row. Of any other wheel
+gamma is 0, and d and o are 0 of a contact under its pivot: one form of each row serves every wheel type.
 
 xi = (vx, vy, omega) in the robot frame [m/s, m/s, rad/s]. Rows are in m/s.
 """
@@ -39,12 +40,18 @@ class Constraints:
     """Every row of the robot, in the order of the file."""
 
     robot: Robot
-    rolling: tuple[ConstraintRow, ...]  # fixed, steered, castor, swedish
-    sliding: tuple[ConstraintRow, ...]  # fixed, steered, castor
+    rolling: tuple[ConstraintRow, ...]
+    sliding: tuple[ConstraintRow, ...]
 
-    def sliding_of(self, wheel_type: str) -> tuple[ConstraintRow, ...]:
-        """The sliding rows of one wheel type: fixed gives C1f, steered gives C1s."""
-        return tuple(c for c in self.sliding if c.wheel.type == wheel_type)
+    @property
+    def sliding_fixed(self) -> tuple[ConstraintRow, ...]:
+        """C1f: the sliding rows of axles that stand fixed in the body."""
+        return tuple(c for c in self.sliding if c.wheel.kind.fixed_axle)
+
+    @property
+    def sliding_steered(self) -> tuple[ConstraintRow, ...]:
+        """C1s: the sliding rows of steered wheels."""
+        return tuple(c for c in self.sliding if c.wheel.kind.steers)
 
     @property
     def joints(self) -> tuple[tuple[int, str], ...]:
@@ -92,29 +99,31 @@ def _plus(row: Row, third: Poly) -> Row:
     return row[0], row[1], row[2] + third
 
 
+def rolling_direction(wheel: Wheel, g: Geometry[Poly]) -> tuple[Poly, Poly]:
+    """(cos, sin) of the direction that the rolling row measures: e turned by gamma."""
+    c, s = heading(wheel, g)
+    return c * g.cg - s * g.sg, s * g.cg + c * g.sg
+
+
 def rolling_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
     """Siegwart (3.12), (3.15), (3.17) and, for a Swedish wheel, (3.19)."""
-    c, s = heading(wheel, g)
-    if wheel.type == "swedish":
-        e = (c * g.cg - s * g.sg, s * g.cg + c * g.sg)
-        return ConstraintRow(wheel, "rolling", along(e, g), (((wheel.index, "spin"), -(g.r * g.cg)),))
-    rates = [((wheel.index, "spin"), -g.r)]
+    rates = [((wheel.index, "spin"), -(g.r * g.cg))]
     if wheel.turns and g.o:
         rates.append(((wheel.index, "steer"), -g.o))
-    return ConstraintRow(wheel, "rolling", _plus(along((c, s), g), -g.o), tuple(rates))
+    return ConstraintRow(wheel, "rolling", _plus(along(rolling_direction(wheel, g), g), -g.o), tuple(rates))
 
 
 def sliding_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
     """Siegwart (3.13), (3.16) and, for a castor, (3.18)."""
     c, s = heading(wheel, g)
-    rates = (((wheel.index, "steer"), g.d),) if wheel.type == "castor" else ()
+    rates = (((wheel.index, "steer"), g.d),) if wheel.kind.swivels else ()
     return ConstraintRow(wheel, "sliding", _plus(along((-s, c), g), g.d), rates)
 
 
 def constrain(robot: Robot, view: View = working_view) -> Constraints:
     """All rows of the robot in one view of its geometry."""
     rolling = tuple(rolling_row(w, view(w)) for w in robot.wheels if w.has_spin)
-    sliding = tuple(sliding_row(w, view(w)) for w in robot.wheels if w.type in ("fixed", "steered", "castor"))
+    sliding = tuple(sliding_row(w, view(w)) for w in robot.wheels if w.kind.sliding_row)
     return Constraints(robot, rolling, sliding)
 
 

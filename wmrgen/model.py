@@ -33,8 +33,8 @@ def model(d: Derivation) -> dict[str, Any]:
         **_mobility(m),
         "J1": strings([r.row for r in c.rolling]),
         "J2": strings(diagonal),
-        "C1f": strings([r.row for r in c.sliding_of("fixed")]),
-        "C1s": strings([r.row for r in c.sliding_of("steered")]),
+        "C1f": strings([r.row for r in c.sliding_fixed]),
+        "C1s": strings([r.row for r in c.sliding_steered]),
         "null_space": [[text(column[i]) for column in m.null_space] for i in range(3)],
         "functions": {
             f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}

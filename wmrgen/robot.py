@@ -106,12 +106,12 @@ class Derivation:
     @cached_property
     def C1f(self) -> sympy.Matrix:
         """Sliding rows of fixed wheels, N x 3 (Siegwart (3.26))."""
-        return self._matrix([c.row for c in self.constraints.sliding_of("fixed")])
+        return self._matrix([c.row for c in self.constraints.sliding_fixed])
 
     @cached_property
     def C1s(self) -> sympy.Matrix:
         """Sliding rows of steered wheels, N x 3 (Siegwart (3.26))."""
-        return self._matrix([c.row for c in self.constraints.sliding_of("steered")])
+        return self._matrix([c.row for c in self.constraints.sliding_steered])
 
     @cached_property
     def pfaffian(self) -> sympy.Matrix:

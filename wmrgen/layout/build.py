@@ -19,6 +19,7 @@ from wmrgen.layout.records import Geometry, Interval, Parameter, Robot, Wheel
 from wmrgen.layout.snap import snap
 from wmrgen.spec.records import Limit, Quantity, RobotSpec, WheelSpec
 from wmrgen.spec.records import Parameter as ParameterSpec
+from wmrgen.wheels import WHEEL_TYPES
 
 HALF_PI = PI.scale(Fraction(1, 2))
 Values = Mapping[str, Poly]
@@ -166,25 +167,18 @@ def _display(wheel: Wheel) -> Wheel:
 
 
 def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
-    """What no value may be: r <= 0, a castor without offset, a roller axis across the wheel."""
-    if w.r is not None and w.type != "spherical" and g.r.sign <= 0:
+    """What no value may be: r <= 0, and what the wheel's type refuses."""
+    kind = WHEEL_TYPES[w.type]
+    if w.r is not None and "r" in kind.required and g.r.sign <= 0:
         raise RobotFileError(f"{w.name}: wheel radius r = {w.r.text} is not positive", w.r.mark, "",
                              "r is the radius in metres, not the diameter, and larger than 0")  # fmt: skip
     if w.r_sw is not None and g.r_sw.sign <= 0:
         raise RobotFileError(f"{w.name}: roller radius r_sw = {w.r_sw.text} is not positive", w.r_sw.mark)
-    if w.type == "castor" and w.d is not None and not g.d:
-        raise RobotFileError(
-            f"{w.name}: a castor with d = 0 is a steered wheel", w.d.mark,
-            "with the contact point under the pivot the wheel cannot follow: it constrains the robot",
-            "write type: steered, or give d, the distance from the pivot to the contact along the rolling direction",
-        )  # fmt: skip
-    if w.type == "swedish" and w.gamma is not None and abs(float(g.cg)) < 1e-9:
-        raise RobotFileError(
-            f"{w.name}: gamma = {w.gamma.text} puts the roller axis across the wheel plane", w.gamma.mark,
-            "the wheel could not drive: its rim speed would turn the rollers only",
-            "gamma is the angle from the wheel plane to the roller axis at the ground: "
-            "0 for an omni wheel, 45 deg or -45 deg for a mecanum wheel",
-        )  # fmt: skip
+    for check in kind.checks:
+        quantity = getattr(w, check.key)
+        if quantity is not None and check.bad(g):
+            problem = check.problem.format(name=w.name, text=quantity.text)
+            raise RobotFileError(problem, quantity.mark, check.why, check.instead)
 
 
 def _check_names(spec: RobotSpec, parameters: tuple[Parameter, ...]) -> None:

@@ -12,6 +12,7 @@ from typing import Generic, TypeVar
 from wmrgen.errors import Mark
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
 
@@ -51,7 +52,7 @@ class Wheel:
 
     index: int
     name: str
-    type: str  # fixed steered castor swedish spherical
+    type: str  # a name of WHEEL_TYPES
     symbolic: Geometry[Poly]
     working: Geometry[Poly]
     nominal: Geometry[Exact]
@@ -65,14 +66,19 @@ class Wheel:
     limits: dict[str, Interval]
 
     @property
+    def kind(self) -> WheelType:
+        """What the wheel's type says of it."""
+        return WHEEL_TYPES[self.type]
+
+    @property
     def has_spin(self) -> bool:
-        """Every wheel but a spherical one rolls about an axle."""
-        return self.type != "spherical"
+        """It rolls about an axle."""
+        return self.kind.has_spin
 
     @property
     def turns(self) -> bool:
-        """True for steered and castor wheels: the orientation is a joint."""
-        return self.type in ("steered", "castor")
+        """Its rolling direction is a joint."""
+        return self.kind.turns
 
 
 @dataclass(frozen=True, slots=True)

@@ -67,7 +67,7 @@ def analyse(robot: Robot) -> Mobility:
     mobility = 3 - rank.value
     steerability = max(picked.dimension - mobility, 0) if mobility else 0
     basis = _basis(robot, constant, picked, at, rank)
-    rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_of("fixed")]))
+    rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_fixed]))
     dof = closure(_all_twists(c, [row for row, _ in constant], picked))
     now = null_basis(unit_rows(at)) if mobility else np.zeros((0, 3))
     growth = growth_vector(now, picked.tangent, steerability)

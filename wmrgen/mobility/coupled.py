@@ -73,7 +73,7 @@ def constant_rows(c: Constraints, has_steered: frozenset[int]) -> list[tuple[Row
         free = {id(r) for r in members if r.kind == "sliding" and not r.rates}
         rows += [(r.row, r.wheel.index) for r in members if id(r) in free]
         rows += [(row, None) for row in eliminate(c.robot, [r for r in members if id(r) not in free])]
-    rows += [(r.row, r.wheel.index) for r in c.sliding_of("fixed") if r.wheel.index not in inside]
+    rows += [(r.row, r.wheel.index) for r in c.sliding_fixed if r.wheel.index not in inside]
     return [(row, wheel) for row, wheel in rows if any(row)]
 
 

@@ -30,7 +30,7 @@ def coincidences(robot: Robot) -> tuple[str, ...]:
 
     here, there = constrain(robot, nominal_view), constrain(robot, general)
     pairs = (
-        ("C1f", [c.row for c in here.sliding_of("fixed")], [c.row for c in there.sliding_of("fixed")]),
+        ("C1f", [c.row for c in here.sliding_fixed], [c.row for c in there.sliding_fixed]),
         (
             "J1",
             [c.row for c in here.rolling if not c.wheel.turns],

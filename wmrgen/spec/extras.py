@@ -14,6 +14,7 @@ from wmrgen.spec.quantities import read_quantity, scalar_of
 from wmrgen.spec.records import PointSpec, Quantity, TrailerSpec, VirtualSpec, WheelSpec
 from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import quoted, suggestion
+from wmrgen.wheels import WHEEL_TYPES
 
 MAX_TRAILERS = 16
 _TRAILER = "{length: 1.1, hitch: 0}"
@@ -66,7 +67,7 @@ def read_virtual(node: Node | None, wheels: Sequence[WheelSpec], scope: Scope) -
 
 def _members(node: Node, role: str, wheels: Sequence[WheelSpec]) -> tuple[str, ...]:
     types = {w.name: w.type for w in wheels}
-    wanted = ("steered",) if role == "steers" else ("fixed", "steered")
+    wanted = [k.name for k in WHEEL_TYPES.values() if (k.steers if role == "steers" else k.constrains)]
     names: list[str] = []
     for item in list_of(node, role, f"{role}: [front_left, front_right]").items:
         scalar = scalar_of(item, f"an item of {role}")

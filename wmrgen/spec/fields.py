@@ -2,54 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from wmrgen.spec.numbers import Kind
-
-
-@dataclass(frozen=True, slots=True)
-class WheelType:
-    """``keys``: those beyond the common ones. ``joints`` in the order of the contract."""
-
-    meaning: str
-    joints: tuple[str, ...]
-    actuated: tuple[str, ...]
-    keys: tuple[str, ...] = ()
-    required: tuple[str, ...] = ()
-    oriented: bool = True  # beta or heading must be given
-
-
-WHEEL_TYPES: dict[str, WheelType] = {
-    "fixed": WheelType("a standard wheel that does not steer", ("spin",), ("spin",), required=("r",)),
-    "steered": WheelType(
-        "a standard wheel that steers about its own contact point",
-        ("spin", "steer"), ("spin", "steer"), ("offset_y",), ("r",),
-    ),
-    "castor": WheelType(
-        "a wheel whose contact point trails its steering axis by d",
-        ("spin", "steer"), (), ("d", "offset_y"), ("r", "d"), oriented=False,
-    ),
-    "swedish": WheelType(
-        "an omni or mecanum wheel: rollers on its rim", ("spin",), ("spin",), ("gamma", "r_sw"), ("r",)
-    ),
-    "spherical": WheelType("a ball that rolls every way", (), (), oriented=False),
-}  # fmt: skip
-
-# Nearest types for what people also call wheels.
-TYPE_ALIASES = {
-    **dict.fromkeys(("caster", "trailing"), "Did you mean castor?"),
-    **dict.fromkeys(
-        ("omni", "omniwheel", "swedish90", "swedish-90"),
-        "Did you mean swedish? An omni wheel is swedish with gamma: 0.",
-    ),
-    **dict.fromkeys(
-        ("mecanum", "swedish45", "swedish-45"),
-        "Did you mean swedish? A mecanum wheel is swedish with gamma: 45 deg or -45 deg at the ground.",
-    ),
-    **dict.fromkeys(("standard", "drive", "driven", "wheel", "conventional"), "Did you mean fixed?"),
-    **dict.fromkeys(("steerable", "swerve", "orientable", "centered"), "Did you mean steered?"),
-    **dict.fromkeys(("ball", "sphere", "slider"), "Did you mean spherical?"),
-}  # fmt: skip
 
 # Key -> (what it measures, meaning). Order is the order of messages and of the schema.
 QUANTITIES: dict[str, tuple[Kind, str]] = {
@@ -154,25 +107,21 @@ KEY_ALIASES = {
     "distance": "Did you mean l?",
 }
 
-# (type, key) and (any, key): why a key that exists does not fit, and what to write.
-MISFITS: dict[tuple[str, str], tuple[str, str]] = {
-    ("steered", "d"): (
-        "d moves the contact point behind the steering axis, which makes the wheel a castor.",
-        "Write type: castor, or delete d (a lateral axle offset is offset_y).",
-    ),
-    ("", "d"): (
+# Key -> why it does not fit a wheel type that lacks it, and what to write; a type's own words come first.
+MISFITS: dict[str, tuple[str, str]] = {
+    "d": (
         "d is the castor offset from the steering axis, and this wheel has none.",
         "Put the contact point itself in l, alpha or x, y.",
     ),
-    ("", "offset_y"): (
+    "offset_y": (
         "offset_y is the lateral offset from the steering axis, and this wheel has none.",
         "Put the contact point itself in l, alpha or x, y.",
     ),
-    ("", "gamma"): (
+    "gamma": (
         "gamma is the roller axis at the ground against the wheel plane; only swedish wheels have rollers.",
         "Write type: swedish for an omni or mecanum wheel, or delete gamma.",
     ),
-    ("", "r_sw"): (
+    "r_sw": (
         "r_sw is the roller radius; only swedish wheels have rollers.",
         "Write type: swedish for an omni or mecanum wheel, or delete r_sw.",
     ),
@@ -183,7 +132,6 @@ MISSING: dict[str, tuple[str, str]] = {
     "wmrgen": ("It tells the format version.", "Begin the file with wmrgen: 1."),
     "name": ("Names become identifiers in the generated code.", "Write name: and a word such as front_left."),
     "wheels": ("A robot without wheels has no kinematics.", "Write wheels: and a list of wheels."),
-    "type": ("It decides what the wheel constrains.", f"Write type: and one of {' '.join(WHEEL_TYPES)}."),
     "r": ("The radius turns spin [rad/s] into speed [m/s].", "Write r: and the radius, such as r: 50 mm."),
     "d": (
         "d is how far the contact point trails the steering axis; with d = 0 it is a steered wheel.",

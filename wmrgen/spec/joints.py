@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from wmrgen.spec.fields import LIMITS, LIMITS_OF_JOINT, WHEEL_TYPES
+from wmrgen.spec.fields import LIMITS, LIMITS_OF_JOINT
 from wmrgen.spec.mappings import Table, table_of
 from wmrgen.spec.nodes import Node, Scalar, Sequence, kind_of
 from wmrgen.spec.quantities import read_quantity, scalar_of
 from wmrgen.spec.records import Binary, Coupling, Limit, Neg, Num, Pi, Quantity, WheelSpec
 from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import quoted, suggestion
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 
 def list_of(node: Node, what: str, example: str) -> Sequence:
@@ -20,11 +21,11 @@ def list_of(node: Node, what: str, example: str) -> Sequence:
     return node
 
 
-def read_joints(node: Node | None, key: str, type_name: str, default: tuple[str, ...]) -> tuple[str, ...]:
+def read_joints(node: Node | None, key: str, kind: WheelType, default: tuple[str, ...]) -> tuple[str, ...]:
     """``actuated`` or ``sensed``, in the order spin, steer."""
     if node is None:
         return default
-    joints = WHEEL_TYPES[type_name].joints
+    joints = kind.joints
     found: list[str] = []
     for item in list_of(node, key, f"{key}: [{', '.join(joints)}]").items:
         scalar = scalar_of(item, f"an item of {key}")
@@ -32,7 +33,7 @@ def read_joints(node: Node | None, key: str, type_name: str, default: tuple[str,
             raise scalar.error(f"{quoted(scalar.text)} stands twice in {key}", "", "Delete one of them.")
         if scalar.text not in joints:
             raise scalar.error(
-                f"a {type_name} wheel has no joint {quoted(scalar.text)}",
+                f"a {kind.name} wheel has no joint {quoted(scalar.text)}",
                 f"Its joints are: {' '.join(joints)}." if joints else "It has no joint.",
                 suggestion(scalar.text, joints) if joints else f"Write {key}: [] or delete the key.",
             )
@@ -40,9 +41,9 @@ def read_joints(node: Node | None, key: str, type_name: str, default: tuple[str,
     return tuple(joint for joint in joints if joint in found)
 
 
-def limits_of_type(type_name: str) -> tuple[str, ...]:
+def limits_of_type(kind: WheelType) -> tuple[str, ...]:
     """Names of the limits that a wheel of this type can have."""
-    return tuple(name for joint in WHEEL_TYPES[type_name].joints for name in LIMITS_OF_JOINT[joint])
+    return tuple(name for joint in kind.joints for name in LIMITS_OF_JOINT[joint])
 
 
 def read_limits(node: Node | None, valid: tuple[str, ...], what: str, scope: Scope) -> tuple[Limit, ...]:

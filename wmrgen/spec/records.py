@@ -88,10 +88,10 @@ class WheelSpec:
     """
 
     name: str
-    type: str  # fixed steered castor swedish spherical
+    type: str  # a name of WHEEL_TYPES
     mark: Mark
     marks: dict[str, Mark]
-    r: Quantity | None  # None for a spherical wheel only
+    r: Quantity | None  # None where the type does not require it
     l: Quantity | None = None
     alpha: Quantity | None = None
     x: Quantity | None = None

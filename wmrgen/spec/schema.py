@@ -13,13 +13,13 @@ from wmrgen.spec.fields import (
     OPTIONAL_FUNCTIONS,
     QUANTITIES,
     ROBOT_REQUIRED,
-    WHEEL_TYPES,
 )
 from wmrgen.spec.joints import limits_of_type
 from wmrgen.spec.load import FORMAT, MAX_PARAMETERS, MAX_TEXT
 from wmrgen.spec.names import NAME_PATTERN
 from wmrgen.spec.numbers import Kind, units_of
 from wmrgen.spec.wheels import MAX_WHEELS
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 Schema = dict[str, Any]
 
@@ -62,7 +62,7 @@ def json_schema() -> Schema:
         "$defs": {
             "name": {"type": "string", "pattern": NAME_PATTERN},
             **{kind.name.lower(): _quantity(kind) for kind in Kind},
-            **{name: _wheel(name) for name in WHEEL_TYPES},
+            **{name: _wheel(kind) for name, kind in WHEEL_TYPES.items()},
         },
     }
 
@@ -139,16 +139,15 @@ def _list(item: Schema) -> Schema:
     return {"type": "array", "items": item}
 
 
-def _wheel(type_name: str) -> Schema:
+def _wheel(wheel: WheelType) -> Schema:
     """One wheel type: its keys, and the alternatives of place and orientation."""
-    wheel = WHEEL_TYPES[type_name]
     joints = {"type": "array", "uniqueItems": True, "items": {"enum": list(wheel.joints)}}
-    properties: Schema = {"name": {"$ref": "#/$defs/name"}, "type": {"const": type_name}}
+    properties: Schema = {"name": {"$ref": "#/$defs/name"}, "type": {"const": wheel.name}}
     for key, (kind, meaning) in QUANTITIES.items():
         if key in COMMON_KEYS or key in wheel.keys:
             for spelling in (key, *_GREEK.get(key, "")):
                 properties[spelling] = {**_ref(kind), "description": meaning}
-    properties |= {"actuated": joints, "sensed": joints, "limits": _limits(limits_of_type(type_name))}
+    properties |= {"actuated": joints, "sensed": joints, "limits": _limits(limits_of_type(wheel))}
     return {
         "type": "object",
         "description": wheel.meaning,

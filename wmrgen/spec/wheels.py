@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.spec.fields import COMMON_KEYS, MISFITS, QUANTITIES, TYPE_ALIASES, WHEEL_KEYS, WHEEL_TYPES
+from wmrgen.spec.fields import COMMON_KEYS, MISFITS, QUANTITIES, WHEEL_KEYS
 from wmrgen.spec.joints import limits_of_type, list_of, read_joints, read_limits
 from wmrgen.spec.mappings import Table, table_of
 from wmrgen.spec.names import wheel_name
@@ -12,6 +12,7 @@ from wmrgen.spec.quantities import read_quantity, scalar_of
 from wmrgen.spec.records import Quantity, WheelSpec
 from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import quoted, suggestion
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 MAX_WHEELS = 64
 _EXAMPLE = "{name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.05}"
@@ -48,25 +49,24 @@ def read_wheels(node: Node, scope: Scope) -> tuple[WheelSpec, ...]:
 def _wheel(node: Node, scope: Scope) -> WheelSpec:
     table = table_of(node, WHEEL_KEYS, "a wheel", _EXAMPLE)
     name = wheel_name(scalar_of(table.require("name", "the wheel"), "name"))
-    type_name = _type(table, name)
-    _refuse_misfits(table, name, type_name)
+    kind = _type(table, name)
+    what = f"the {kind.name} wheel {name}"
+    _refuse_misfits(table, what, kind)
     _check_placement(table, name)
-    _check_orientation(table, name, type_name)
-    for key in WHEEL_TYPES[type_name].required:
-        table.require(key, f"the {type_name} wheel {name}")
+    _check_orientation(table, name, kind)
+    for key in kind.required:
+        table.require(key, what)
     quantities = {key: _quantity(table, key, name, scope) for key in QUANTITIES}
-    actuated = read_joints(table.get("actuated"), "actuated", type_name, WHEEL_TYPES[type_name].actuated)
+    actuated = read_joints(table.get("actuated"), "actuated", kind, kind.actuated)
     return WheelSpec(
         name=name,
-        type=type_name,
+        type=kind.name,
         mark=table.mark,
         marks=_marks(table),
         **quantities,
         actuated=actuated,
-        sensed=read_joints(table.get("sensed"), "sensed", type_name, actuated),
-        limits=read_limits(
-            table.get("limits"), limits_of_type(type_name), f"the {type_name} wheel {name}", scope
-        ),
+        sensed=read_joints(table.get("sensed"), "sensed", kind, actuated),
+        limits=read_limits(table.get("limits"), limits_of_type(kind), what, scope),
     )
 
 
@@ -79,22 +79,34 @@ def _quantity(table: Table, key: str, wheel: str, scope: Scope) -> Quantity | No
     return None if node is None else read_quantity(node, QUANTITIES[key][0], f"{key} of {wheel}", scope)
 
 
-def _type(table: Table, wheel: str) -> str:
-    node = scalar_of(table.require("type", f"the wheel {wheel}"), "type")
+def _type(table: Table, wheel: str) -> WheelType:
+    names = " ".join(WHEEL_TYPES)
+    if "type" not in table.values:
+        what, why = f"the wheel {wheel} has no type", "It decides what the wheel constrains."
+        raise table.node.error(what, why, f"Write type: and one of {names}.")
+    node = scalar_of(table.values["type"], "type")
     if node.text not in WHEEL_TYPES:
         raise node.error(
             f"unknown wheel type {quoted(node.text)}",
-            f"The types are {' '.join(WHEEL_TYPES)}.",
-            suggestion(node.text, WHEEL_TYPES, TYPE_ALIASES),
+            f"The types are {names}.",
+            suggestion(node.text, WHEEL_TYPES, _aliases()),
         )
-    return node.text
+    return WHEEL_TYPES[node.text]
 
 
-def _refuse_misfits(table: Table, wheel: str, type_name: str) -> None:
+def _aliases() -> dict[str, str]:
+    """What people also call wheels, with the type that is meant."""
+    return {
+        alias: f"Did you mean {kind.name}? {hint}".rstrip()
+        for kind in WHEEL_TYPES.values()
+        for alias, hint in kind.aliases.items()
+    }
+
+
+def _refuse_misfits(table: Table, what: str, kind: WheelType) -> None:
     for key, node in table.keys.items():
-        if key not in COMMON_KEYS and key not in WHEEL_TYPES[type_name].keys:
-            why, instead = MISFITS.get((type_name, key)) or MISFITS["", key]
-            raise node.error(f"the {type_name} wheel {wheel} has the key {key}", why, instead)
+        if key not in COMMON_KEYS and key not in kind.keys:
+            raise node.error(f"{what} has the key {key}", *(kind.misfits.get(key) or MISFITS[key]))
 
 
 def _check_placement(table: Table, wheel: str) -> None:
@@ -118,7 +130,7 @@ def _check_placement(table: Table, wheel: str) -> None:
         table.require(key, f"the wheel {wheel}")
 
 
-def _check_orientation(table: Table, wheel: str, type_name: str) -> None:
+def _check_orientation(table: Table, wheel: str, kind: WheelType) -> None:
     """beta or heading, not both; wheels without a working direction need neither."""
     if "beta" in table.keys and "heading" in table.keys:
         later = max("beta", "heading", key=list(table.keys).index)
@@ -127,9 +139,9 @@ def _check_orientation(table: Table, wheel: str, type_name: str) -> None:
             "Both give the orientation: heading = alpha + beta - pi/2.",
             "Keep one of them.",
         )
-    if WHEEL_TYPES[type_name].oriented and "beta" not in table.keys and "heading" not in table.keys:
+    if kind.oriented and "beta" not in table.keys and "heading" not in table.keys:
         raise table.node.error(
-            f"the {type_name} wheel {wheel} has no beta or heading",
+            f"the {kind.name} wheel {wheel} has no beta or heading",
             "The rolling direction decides what the wheel allows; where it steers it is the zero of steer.",
             "Write heading: 0 for a wheel that rolls forward, or beta: as in the literature.",
         )

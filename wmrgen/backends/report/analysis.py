@@ -105,7 +105,7 @@ def _generic(s: Subject) -> list[str]:
         free = p.symbolic.constant is not None
         values[p.name] = Poly.of(p.nominal * Fraction(101 + 7 * k, 97)) if free else p.symbolic
     lines = []
-    pairs = [("C<sub>1f</sub>", s.rows.sliding_of("fixed"), s.values.sliding_of("fixed"))]
+    pairs = [("C<sub>1f</sub>", s.rows.sliding_fixed, s.values.sliding_fixed)]
     if not any(w.turns for w in s.robot.wheels):
         pairs.append(("J₁", s.rows.rolling, s.values.rolling))
     for name, letters, numbers in pairs:

@@ -33,12 +33,16 @@ def matrices(s: Subject) -> list[str]:
     if c.rolling:
         lines += _shown("J_1", c.rolling, s.values.rolling)
         lines += _diagonal([poly(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling])
-    for label, kind, index in (("C_{1f}", "fixed", "1f"), ("C_{1s}", "steered", "1s")):
-        found = c.sliding_of(kind)
-        if found:
-            lines += _shown(label, found, s.values.sliding_of(kind))
-        else:
-            lines += [f"There is no {kind} wheel, so C<sub>{index}</sub> has no rows.", ""]
+    for label, absent, letters, numbers in (
+        ("C_{1f}", "There is no fixed wheel, so C<sub>1f</sub>", c.sliding_fixed, s.values.sliding_fixed),
+        (
+            "C_{1s}",
+            "There is no steered wheel, so C<sub>1s</sub>",
+            c.sliding_steered,
+            s.values.sliding_steered,
+        ),
+    ):
+        lines += _shown(label, letters, numbers) if letters else [f"{absent} has no rows.", ""]
     return lines + _pfaffian(s)
 
 
@@ -140,7 +144,7 @@ def _independent(s: Subject) -> tuple[list[Row], bool]:
     working = constrain(s.robot, working_view).sliding
     letters = {w.row: r.row for w, r in zip(reversed(working), reversed(s.rows.sliding), strict=True)}
     basis = s.mobility.basis_rows
-    count = len(s.rows.sliding_of("fixed")) + len(s.rows.sliding_of("steered"))
+    count = len(s.rows.sliding_fixed) + len(s.rows.sliding_steered)
     return [letters.get(row, row) for row in basis], count == len(basis)
 
 

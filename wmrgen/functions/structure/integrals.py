@@ -115,7 +115,7 @@ def _combinations(robot: Robot) -> tuple[Integral, ...]:
     wheels = _rolling(robot)
     c = constrain(robot, nominal_view)
     rows = [_numbers(rolling_row(w, nominal_view(w)).row) for w in wheels]
-    rows += [_numbers(r.row) for r in c.sliding_of("fixed")]
+    rows += [_numbers(r.row) for r in c.sliding_fixed]
     if not wheels:
         return ()
     found = []

@@ -1,0 +1,29 @@
+"""Wheel types by name: one module each. Every stage asks the record for a property, never for its name."""
+
+from wmrgen.wheels.castor import CASTOR
+from wmrgen.wheels.fixed import FIXED
+from wmrgen.wheels.record import Check, Glyph, WheelType, Words
+from wmrgen.wheels.spherical import SPHERICAL
+from wmrgen.wheels.steered import STEERED
+from wmrgen.wheels.swedish import SWEDISH
+
+__all__ = ["WHEEL_TYPES", "Check", "Glyph", "WheelType", "Words", "register"]
+
+WHEEL_TYPES: dict[str, WheelType] = {}
+
+
+def register(kind: WheelType) -> None:
+    """Adds a wheel type. ValueError where its name is taken, or where it says what no wheel can be."""
+    if kind.name in WHEEL_TYPES:
+        raise ValueError(f"there is a wheel type {kind.name} already; give the new one another name")
+    if kind.turns and not kind.sliding_row:
+        raise ValueError(
+            f"{kind.name}: a wheel that steers needs a sliding row, which decides its angle or its rate"
+        )
+    if not set(kind.actuated) <= set(kind.joints):
+        raise ValueError(f"{kind.name}: actuated names {kind.actuated}, of the joints {kind.joints}")
+    WHEEL_TYPES[kind.name] = kind
+
+
+for _kind in (FIXED, STEERED, CASTOR, SWEDISH, SPHERICAL):
+    register(_kind)

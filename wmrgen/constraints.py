@@ -107,7 +107,7 @@ def rolling_direction(wheel: Wheel, g: Geometry[Poly]) -> tuple[Poly, Poly]:
 
 def rolling_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
     """Siegwart (3.12), (3.15), (3.17) and, for a Swedish wheel, (3.19)."""
-    rates = [((wheel.index, "spin"), -(g.r * g.cg))]
+    rates = [((wheel.index, "spin"), -g.rolling_radius)]
     if wheel.turns and g.o:
         rates.append(((wheel.index, "steer"), -g.o))
     return ConstraintRow(wheel, "rolling", _plus(along(rolling_direction(wheel, g), g), -g.o), tuple(rates))

@@ -144,11 +144,11 @@ def _wheel(w: Wheel) -> dict[str, Any]:
         "name": w.name, "type": w.type, "x": float(g.x), "y": float(g.y), "l": w.l, "alpha": w.alpha, "beta": w.beta,
         "heading": w.heading, "r": float(g.r),
     }  # fmt: skip
-    if w.type == "swedish":
+    if w.kind.rollers:
         entry["gamma"] = w.gamma
         if g.r_sw:
             entry["r_sw"] = float(g.r_sw)
-    if w.type == "castor":
+    if w.kind.swivels:
         entry["d"] = float(g.d)
     if w.turns:
         entry["offset_y"] = float(g.o)

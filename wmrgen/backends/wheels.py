@@ -39,7 +39,7 @@ def wheel_line(wheel: Wheel) -> str:
         parts.append(f"d {_number(g.d)} m")
     if g.o:
         parts.append(f"offset_y {_number(g.o)} m")
-    if wheel.type == "swedish":
+    if wheel.kind.rollers:
         parts.append(f"gamma {_number(degrees(wheel.gamma))} deg")
     return ", ".join(parts)
 

@@ -31,7 +31,7 @@ class CastorMotion:
 
 def castor_motion(robot: Robot, twist: Row, names: Locals) -> dict[int, CastorMotion]:
     """The motion of every castor, by wheel index."""
-    castors = [w for w in robot.wheels if w.type == "castor"]
+    castors = [w for w in robot.wheels if w.kind.swivels]
     alike = Counter(working_view(w).d.key for w in castors)
     return {w.index: _motion(w, twist, names, alike[working_view(w).d.key] >= _MANY) for w in castors}
 

@@ -6,7 +6,7 @@ sign). A sphere rolls along the velocity of its contact (Siegwart (3.21), (3.22)
 
 from __future__ import annotations
 
-from wmrgen.constraints import along, working_view
+from wmrgen.constraints import along, rolling_direction, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Formula, Locals, given, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -25,9 +25,9 @@ def contacts(robot: Robot) -> Formula | None:
     twist: Row = (given("vx"), given("vy"), given("omega"))
     outputs: Outputs = []
     for w in robot.wheels:
-        if w.type == "swedish" and w.nominal.r_sw:
+        if w.kind.rollers and w.nominal.r_sw:
             outputs.append(_roller(w, twist))
-        if w.type == "spherical" and w.nominal.r:
+        if not w.has_spin and w.nominal.r:
             outputs += _sphere(w, twist, names)
     if not outputs:
         return None
@@ -43,7 +43,7 @@ def contacts(robot: Robot) -> Formula | None:
 def _roller(w: Wheel, twist: Row) -> tuple[Port, Expr]:
     """(n_g . v_A + tan gamma e_g . v_A) / r_sw, e_g the rolling direction turned by gamma."""
     g = working_view(w)
-    e = (g.ch * g.cg - g.sh * g.sg, g.sh * g.cg + g.ch * g.sg)
+    e = rolling_direction(w, g)
     across = dot(along((-e[1], e[0]), g), twist)
     drive = dot(along(e, g), twist) * g.sg * g.cg.inverse()
     text = "roller rate, positive moves the hub along the roller's own rolling direction n_gamma"

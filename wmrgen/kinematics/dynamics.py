@@ -63,7 +63,7 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
 def _swivelling(robot: Robot, columns: tuple[Row, ...]) -> list[Wheel]:
     """Castors whose angle the null space depends on (coupled ones): states that the motion turns."""
     seen = {g.name for column in columns for p in column for g in p.generators if g.kind in ("cos", "sin")}
-    return [w for w in robot.wheels if w.type == "castor" and w.name in seen]
+    return [w for w in robot.wheels if w.kind.swivels and w.name in seen]
 
 
 def _swivel_rate(w: Wheel, names: Locals) -> Expr:

@@ -49,7 +49,7 @@ Steering = Callable[[Robot, Row, Locals], dict[int, Target]]  # driven twist -> 
 def inverse(robot: Robot, mobility: Mobility) -> Formula:
     """vx vy omega and the present steering angles to every joint's command."""
     text = "twist of P in the robot frame to joint commands"
-    if any(w.type == "steered" for w in robot.wheels):
+    if any(w.kind.steers for w in robot.wheels):
         text += "; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill"
     return joint_commands(robot, mobility, nearest_steering, "inverse", text)
 
@@ -113,7 +113,7 @@ def steered_groups(robot: Robot) -> list[list[Wheel]]:
     """The steered wheels, those that one motor turns together."""
     groups: dict[int, list[Wheel]] = {}
     for w in robot.wheels:
-        if w.type == "steered":
+        if w.kind.steers:
             groups.setdefault(robot.steer_group[w.index], []).append(w)
     return list(groups.values())
 
@@ -144,7 +144,7 @@ def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Pol
     """
     groups: dict[int, list[Wheel]] = {}
     for w in robot.wheels:
-        if w.type == "castor":
+        if w.kind.swivels:
             groups.setdefault(robot.steer_group[w.index], []).append(w)
     rates: dict[int, Poly] = {}
     left_over: list[Poly] = []
@@ -169,16 +169,16 @@ def _joints(
     seen: dict[int, CastorMotion],
 ) -> Joints:
     g = working_view(w)
-    if w.type == "steered":
+    if w.kind.steers:
         target = targets[w.index]
         rim = subtract(target.rim, expression(g.o * twist[2])) if g.o else target.rim
         return Joints(rim, g.r, target.steer)
-    if w.type == "castor":
+    if w.kind.swivels:
         rate, rolling = swivels[w.index], seen[w.index].rolling
         rim_speed = rolling - g.o * rate if g.o else rolling
         return Joints(expression(rim_speed), g.r, None, expression(rate))
     rolling = dot(rolling_row(w, g).row, twist)
-    return Joints(expression(rolling), g.r * g.cg)
+    return Joints(expression(rolling), g.rolling_radius)
 
 
 def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:

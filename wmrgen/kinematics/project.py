@@ -35,7 +35,7 @@ class Projection:
 def project(robot: Robot, mobility: Mobility) -> Projection:
     """The driven twist of a commanded one, and the residuals of the difference."""
     twist: Row = (given("vx"), given("vy"), given("omega"))
-    fixed = [w for w in robot.wheels if w.type == "fixed"]
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     picked = mobility.admissible
     if len(picked.chosen) == 1 and mobility.rank_C1f.value == 1:
         nx, ny, k = sliding_row(fixed[0], working_view(fixed[0])).row
@@ -73,12 +73,12 @@ def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
     """Rim-speed differences that equal spins cannot follow (unsteered wheels)."""
     groups: dict[int, list[int]] = {}
     for w in robot.wheels:
-        if w.type in ("fixed", "swedish"):
+        if w.has_spin and not w.turns:
             groups.setdefault(robot.spin_group[w.index], []).append(w.index)
     found: list[Poly] = []
     for members in (m for m in groups.values() if len(m) > 1):
         views = [working_view(robot.wheels[i]) for i in members]
-        radii = [g.r * g.cg for g in views]
+        radii = [g.rolling_radius for g in views]
         rims = [dot(rolling_row(robot.wheels[i], g).row, twist) for i, g in zip(members, views, strict=True)]
         total = Poly.sum(r * r for r in radii).inverse()
         speed = Poly.sum(r * z for r, z in zip(radii, rims, strict=True)) * total
@@ -88,7 +88,7 @@ def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
 
 def _translate(robot: Robot, twist: Row) -> Projection:
     """Rotation taken away about the centroid of the steered wheels."""
-    wheels = [working_view(w) for w in robot.wheels if w.type == "steered"]
+    wheels = [working_view(w) for w in robot.wheels if w.kind.steers]
     share = Fraction(1, len(wheels))
     gx = Poly.sum(g.x for g in wheels).scale(share)
     gy = Poly.sum(g.y for g in wheels).scale(share)

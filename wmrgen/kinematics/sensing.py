@@ -1,7 +1,7 @@
 """What the sensed joint rates say about the twist: velocities of contact points, and single rows.
 
-A wheel with both rows known measures the velocity of its contact point B:
-v_B = (r spin + o steer_rate) e - d steer_rate n. A wheel with one row known measures one component.
+A wheel with a sliding row tells it, and a wheel whose spin is sensed its rolling row. Both together measure the
+velocity of the contact point B: v_B = (r spin + o steer_rate) e - d steer_rate n. One row measures one component.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Component:
 def sensed_joints(w: Wheel) -> tuple[str, ...]:
     """The joints of a wheel that are inputs of ``forward``."""
     joints: list[str] = [j for j in ("spin", "steer") if j in w.sensed]
-    if "steer" in joints and (w.type == "castor" or w.nominal.o):
+    if "steer" in joints and (w.kind.swivels or w.nominal.o):
         joints.append("steer_rate")
     return tuple(joints)
 
@@ -49,26 +49,28 @@ def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
     for w in robot.wheels:
         g = working_view(w)
         joints = sensed_joints(w)
-        if w.type == "spherical" or (w.turns and "steer" not in joints):
+        if w.turns and "steer" not in joints:
             continue
-        spin = given(f"{w.name}.spin") if "spin" in joints else None
         rate = given(f"{w.name}.steer_rate") if "steer_rate" in joints else Poly({})
-        if w.type == "swedish":
-            if spin is not None:
-                components.append(Component(w, rolling_row(w, g).row, g.r * g.cg * spin))
-            continue
-        c, s = heading(w, g)
-        if spin is None:
+        spin = given(f"{w.name}.spin") if "spin" in joints else None
+        if spin is not None and w.kind.sliding_row:
+            contacts.append(_contact(w, spin, rate))
+        elif spin is not None:
+            components.append(Component(w, rolling_row(w, g).row, g.rolling_radius * spin + g.o * rate))
+        elif w.kind.sliding_row:
             components.append(Component(w, sliding_row(w, g).row, -(g.d * rate)))
-            continue
-        along, across = g.r * spin + g.o * rate, -(g.d * rate)
-        contacts.append(
-            Contact(
-                w,
-                g.x + g.d * c - g.o * s,
-                g.y + g.d * s + g.o * c,
-                along * c - across * s,
-                along * s + across * c,
-            )
-        )
     return contacts, components
+
+
+def _contact(w: Wheel, spin: Poly, rate: Poly) -> Contact:
+    """Both rows of a wheel, solved for the velocity of its contact point."""
+    g = working_view(w)
+    c, s = heading(w, g)
+    along, across = g.r * spin + g.o * rate, -(g.d * rate)
+    return Contact(
+        w,
+        g.x + g.d * c - g.o * s,
+        g.y + g.d * s + g.o * c,
+        along * c - across * s,
+        along * s + across * c,
+    )

@@ -37,6 +37,11 @@ class Geometry(Generic[T]):
     o: T
     r_sw: T
 
+    @property
+    def rolling_radius(self) -> T:
+        """r cos gamma [m]: speed in the rolling row per spin. Without rollers gamma is 0."""
+        return self.r * self.cg
+
 
 @dataclass(frozen=True, slots=True)
 class Interval:

@@ -17,14 +17,12 @@ def actuation(f: Findings) -> tuple[str, ...]:
     spins = [w for w in robot.wheels if "spin" in w.actuated]
     free = null_basis(unit_rows(f.at)) if f.at.size else np.eye(3)
     rows = [_rate_row(w, f) for w in spins]
-    rows += [_castor_row(w) for w in robot.wheels if w.type == "castor" and "steer" in w.actuated]
+    rows += [_castor_row(w) for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
     grip = int(np.linalg.matrix_rank(np.array(rows) @ free.T, tol=1e-9)) if rows and len(free) else 0
     motors = len({robot.spin_group[w.index] for w in spins}) + sum(
-        r.type == "castor" and "steer" in r.actuated for r in robot.wheels
+        r.kind.swivels and "steer" in r.actuated for r in robot.wheels
     )
-    steering = {
-        robot.steer_group[w.index] for w in robot.wheels if w.type == "steered" and "steer" in w.actuated
-    }
+    steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}
     said = [_balance("driving", motors, grip, f.mobility)]
     if f.steerability or steering:
         said.append(_balance("steering", len(steering), min(len(steering), f.steerability), f.steerability))
@@ -44,13 +42,12 @@ def _balance(what: str, motors: int, grip: int, need: int) -> str:
 def _rate_row(w: Wheel, f: Findings) -> Array:
     """The twist row of a wheel's spin at the sample configuration (rates of castors at their zero angle)."""
     g = w.nominal
-    c, s = steering_for(w, f.admissible.sample) if w.type == "steered" else (float(g.ch), float(g.sh))
-    if w.type == "swedish":
-        cg, sg = float(g.cg), float(g.sg)
-        c, s = c * cg - s * sg, s * cg + c * sg
+    c, s = steering_for(w, f.admissible.sample) if w.kind.steers else (float(g.ch), float(g.sh))
+    cg, sg = float(g.cg), float(g.sg)
+    c, s = c * cg - s * sg, s * cg + c * sg
     x, y = float(g.x), float(g.y)
     row = np.array([c, s, x * s - y * c - float(g.o)])
-    return row + float(g.o) / float(g.d) * _castor_slide(w) if w.type == "castor" else row
+    return row + float(g.o) / float(g.d) * _castor_slide(w) if w.kind.swivels else row
 
 
 def _castor_slide(w: Wheel) -> Array:

@@ -48,12 +48,12 @@ def quadrics(robot: Robot) -> list[Array]:
     forms: list[Array] = []
     for i, leader in enumerate(robot.steer_group):
         a, b = robot.wheels[leader], robot.wheels[i]
-        if i != leader and a.type == b.type == "steered":
+        if i != leader and a.kind.steers and b.kind.steers:
             p, q = _pivot(a, True), _pivot(b, True)
             forms.append(np.outer(p[0], q[1]) - np.outer(p[1], q[0]))
     for i, leader in enumerate(robot.spin_group):
         a, b = robot.wheels[leader], robot.wheels[i]
-        if i != leader and "steered" in (a.type, b.type) and not (a.nominal.o or b.nominal.o):
+        if i != leader and (a.kind.steers or b.kind.steers) and not (a.nominal.o or b.nominal.o):
             forms.append(_speed(a) * float(b.nominal.r) ** 2 - _speed(b) * float(a.nominal.r) ** 2)
     forms = [(f + f.T) / 2 for f in forms]
     return [f for f in forms if np.abs(f).max() > SMALL]
@@ -62,7 +62,7 @@ def quadrics(robot: Robot) -> list[Array]:
 def _speed(w: Wheel) -> Array:
     """The form of the squared rim speed."""
     p = _pivot(w, True)
-    return p.T @ p if w.type == "steered" else np.outer(p[0], p[0])
+    return p.T @ p if w.kind.steers else np.outer(p[0], p[0])
 
 
 def components(constant_null: Array, forms: list[Array]) -> list[Component]:

@@ -101,7 +101,7 @@ def _basis(
         coupled.append(picked.normal)
         values = [p.constant for p in picked.normal]
         head = np.vstack([head, [[float(v) if v is not None else 0.0 for v in values]]])
-    steered = [w.index for w in robot.wheels if w.type == "steered"]
+    steered = [w.index for w in robot.wheels if w.kind.steers]
     rows = unit_rows(np.vstack([head, at[len(picked.chosen) : len(picked.chosen) + len(steered)]]))
     chosen = _chosen(robot, rows, len(head), steered, rank.value)
     keep = [i for i in chosen if i < len(head)]

@@ -29,7 +29,7 @@ def castor_angles(robot: Robot, seed: int) -> dict[Gen, Poly]:
     """Rational points of the circle for the castors' joint angles; coupled castors share one."""
     values: dict[Gen, Poly] = {}
     for w in robot.wheels:
-        if w.type != "castor":
+        if not w.kind.swivels:
             continue
         t = Fraction(2 + 3 * robot.steer_group[w.index] + seed, 7 + 2 * seed)
         c, s = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
@@ -108,7 +108,7 @@ def rows_at(robot: Robot, twist: Array, constant: Array) -> Array:
     free = steered_sets(robot)
     rows = [constant]
     for w in robot.wheels:
-        if w.type == "steered":
+        if w.kind.steers:
             c, s = steering_for(w, twist)
             x, y = float(w.nominal.x), float(w.nominal.y)
             rows.append(np.array([[-s, c, x * c + y * s]]))
@@ -125,9 +125,7 @@ def _coupled_spins(robot: Robot, twist: Array, free: frozenset[int]) -> Array:
             continue
         speeds = []
         for w in pair:
-            c, s = (
-                steering_for(w, twist) if w.type == "steered" else (float(w.nominal.ch), float(w.nominal.sh))
-            )
+            c, s = steering_for(w, twist) if w.kind.steers else (float(w.nominal.ch), float(w.nominal.sh))
             x, y, r = float(w.nominal.x), float(w.nominal.y), float(w.nominal.r)
             speeds.append(np.array([c, s, x * s - y * c]) / r)
         sign = 1.0 if speeds[0] @ twist * (speeds[1] @ twist) >= 0 else -1.0
@@ -154,7 +152,7 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
         twist = [sum((b[k] * w for b, w in zip(basis, weights, strict=False)), ZERO) for k in range(3)]
         rows: list[ExactRow] = list(numbers)
         for w in robot.wheels:
-            if w.type == "steered":
+            if w.kind.steers:
                 a = twist[0] - w.nominal.y * twist[2]
                 b = twist[1] + w.nominal.x * twist[2]
                 rows.append((-b, a, w.nominal.x * a + w.nominal.y * b))

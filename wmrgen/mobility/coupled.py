@@ -79,5 +79,5 @@ def constant_rows(c: Constraints, has_steered: frozenset[int]) -> list[tuple[Row
 
 def steered_sets(robot: Robot) -> frozenset[int]:
     """Wheels that are coupled, directly or through others, to a steered wheel."""
-    sets = [s for s in coupled_sets(robot) if any(robot.wheels[i].type == "steered" for i in s)]
+    sets = [s for s in coupled_sets(robot) if any(robot.wheels[i].kind.steers for i in s)]
     return frozenset[int]().union(*sets)

@@ -22,22 +22,17 @@ def reasons(f: Findings) -> tuple[str, ...]:
 
 
 def _free_wheels(f: Findings) -> list[str]:
-    free = [w for w in f.robot.wheels if w.type not in ("fixed", "steered")]
+    free = [w for w in f.robot.wheels if not w.kind.constrains]
     if not free:
         return []
-    why = {
-        "castor": "a castor swivels into any motion",
-        "swedish": "the rollers of a Swedish wheel give way across the wheel",
-        "spherical": "a sphere rolls any way",
-    }
-    kinds = "; ".join(why[t] for t in dict.fromkeys(w.type for w in free))
+    kinds = "; ".join(dict.fromkeys(w.kind.words.free for w in free))
     return [
         f"{listed([w.name for w in free])} impose{'s' if len(free) == 1 else ''} no sliding constraint: {kinds}."
     ]
 
 
 def _fixed(f: Findings) -> list[str]:
-    fixed = [w for w in f.robot.wheels if w.type == "fixed"]
+    fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
     if not fixed:
         return []
     lines = axle_lines(fixed)
@@ -97,7 +92,7 @@ def _couplings(f: Findings) -> list[str]:
 
 
 def _steered(f: Findings) -> list[str]:
-    steered = [w for w in f.robot.wheels if w.type == "steered"]
+    steered = [w for w in f.robot.wheels if w.kind.steers]
     if not steered or not f.mobility:
         return []
     lead = [w.name for w in f.basis_wheels][: f.steerability]
@@ -125,7 +120,7 @@ def _verdict(f: Findings) -> list[str]:
     pair = (f.mobility, f.steerability)
     if not f.degenerate:
         return []
-    fixed = [w for w in f.robot.wheels if w.type == "fixed"]
+    fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
     lines = axle_lines(fixed)
     if f.mobility == 0:
         why = "no motion is free of sliding"

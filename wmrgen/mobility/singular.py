@@ -28,7 +28,7 @@ def _icr_on_pivot(found: Findings) -> list[Singularity]:
     result = []
     one, zero = Poly.of(1), Poly({})
     for w in found.robot.wheels:
-        if w.type != "steered":
+        if not w.kind.steers:
             continue
         g = working_view(w)
         conditions: tuple[Row, ...] = ((one, zero, -g.y), (zero, one, g.x))
@@ -45,7 +45,7 @@ def _shared_axles(found: Findings) -> list[Singularity]:
     if len(wheels) == 2:
         a, b = wheels
         conditions = (_towards(a, b), _towards(b, a))
-        many = sum(w.type == "steered" for w in found.robot.wheels) > 2 and not _pivots_in_line(found)
+        many = sum(w.kind.steers for w in found.robot.wheels) > 2 and not _pivots_in_line(found)
         what = (
             f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
             if many
@@ -53,7 +53,7 @@ def _shared_axles(found: Findings) -> list[Singularity]:
         )
         text = f"the axles of {a.name} and {b.name} lie on one line: {what}"
         return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
-    fixed = [w for w in found.robot.wheels if w.type == "fixed"]
+    fixed = [w for w in found.robot.wheels if w.kind.fixed_axle]
     if not fixed:
         return []
     f, s = fixed[0], wheels[0]
@@ -80,9 +80,7 @@ def _parallel(a: Wheel, b: Wheel) -> Poly:
 
 
 def _pivots_in_line(found: Findings) -> bool:
-    points = np.array(
-        [(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.type == "steered"]
-    )
+    points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.kind.steers])
     return int(np.linalg.matrix_rank(points - points[0], tol=1e-9)) < 2
 
 
@@ -111,12 +109,8 @@ def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
 
 def _rolling_rank(found: Findings) -> list[Singularity]:
     """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
-    wheels = [w for w in found.robot.wheels if w.type == "swedish"]
-    if (
-        found.mobility != 3
-        or not wheels
-        or any(w.type == "castor" and w.actuated for w in found.robot.wheels)
-    ):
+    wheels = [w for w in found.robot.wheels if w.kind.rollers]
+    if found.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in found.robot.wheels):
         return []
     rows = [[p.constant or Exact(0) for p in rolling_row(w, nominal_view(w)).row] for w in wheels]
     rank, _ = numeric_rank(unit_rows(to_array(rows)))

@@ -38,7 +38,7 @@ def extent(wheels: tuple[Wheel, ...]) -> tuple[Point, float]:
 
 def example(robot: Robot, mobility: Mobility) -> Example:
     """A steering of all wheels that lets the robot move, inside the steering limits if a candidate is."""
-    steered = [w for w in robot.wheels if w.type == "steered"]
+    steered = [w for w in robot.wheels if w.kind.steers]
     headings = {w.name: w.heading for w in robot.wheels}
     twist = _twist(robot, mobility, steered)
     if twist is None:

@@ -65,7 +65,7 @@ def _points(robot: Robot, shown: Example) -> list[Point]:
         x, y = contact(w, h)
         points.append((float(w.nominal.x), float(w.nominal.y)))
         points += [(x + k * r * cos(h), y + k * r * sin(h)) for k in (-1, 1)]
-        if w.type == "spherical":
+        if not w.has_spin:
             points += [(x, y - r), (x, y + r)]
     r = 2.5 * max(float(w.nominal.r) for w in robot.wheels)  # a lone wheel does not fill the page
     return [*points, (-r, -r), (r, r), *([shown.icr] if shown.icr else [])]
@@ -79,9 +79,9 @@ def _axles(placed: list[Placed], shown: Example, view: View) -> list[tuple[Point
     found: dict[tuple[float, float], tuple[Point, Point]] = {}
     target = view.at(*shown.icr) if shown.icr else None
     for p in placed:
-        if p.wheel.type not in ("fixed", "steered"):
+        if not p.wheel.kind.constrains:
             continue
-        if target is None or p.wheel.type == "fixed":
+        if target is None or p.wheel.kind.fixed_axle:
             cut = clip(p.centre, p.left, view.area)
         else:
             cut = _towards(p, target, view.area)
@@ -170,7 +170,7 @@ def _names(placed: list[Placed], paper: Paper, axles: list[tuple[Point, Point]])
     """Names of all wheels, clear of what is drawn."""
     for p in placed:
         paper.boxes.append(p.box())
-        if p.wheel.type != "spherical":
+        if p.wheel.has_spin:
             reach = (p.centre[0] + p.half[0] * p.ahead[0], p.centre[1] + p.half[0] * p.ahead[1])
             paper.boxes.append(bounds([reach, p.nose()], 4))
         if p.wheel.turns:
@@ -180,7 +180,7 @@ def _names(placed: list[Placed], paper: Paper, axles: list[tuple[Point, Point]])
     away = ((middle[0] + middle[2]) / 2, (middle[1] + middle[3]) / 2)
     labels: list[Label | None] = []
     for p in placed:
-        swing = hypot(p.centre[0] - p.pivot[0], p.centre[1] - p.pivot[1]) if p.wheel.type == "castor" else 0.0
+        swing = hypot(p.centre[0] - p.pivot[0], p.centre[1] - p.pivot[1]) if p.wheel.kind.swivels else 0.0
         target = _around(p.box(), bounds([p.pivot], swing)) if p.wheel.turns else p.box()
         labels.append(paper.put(p.wheel.name, target, away, len(placed) > _CROWD))
     lines: list[str] = []

@@ -66,7 +66,7 @@ def contact(w: Wheel, heading: float) -> Point:
 def place(w: Wheel, heading: float, view: View) -> Placed:
     """The wheel on paper at a heading [rad]."""
     radius = max(float(w.nominal.r) * view.scale, 2.5)
-    width = radius if w.type == "spherical" else max(_WIDTH[w.type] * radius / 2, min(3.5, 0.9 * radius))
+    width = radius if not w.has_spin else max(_WIDTH[w.type] * radius / 2, min(3.5, 0.9 * radius))
     return Placed(
         w, view.at(float(w.nominal.x), float(w.nominal.y)), view.at(*contact(w, heading)),
         view.turn(cos(heading), sin(heading)), (radius, width), heading,
@@ -76,15 +76,15 @@ def place(w: Wheel, heading: float, view: View) -> Placed:
 def body(p: Placed) -> list[str]:
     """Tyre or ball, rollers, the arm of a castor, the pivot."""
     w = p.wheel
-    if w.type == "spherical":
+    if not w.has_spin:
         return [circle(p.centre, p.half[0], "wheel spherical"), circle(p.centre, 1.6, "dot")]
     lines = []
-    if w.type == "castor":
+    if w.kind.swivels:
         lines.append(circle(p.pivot, _distance(p.pivot, p.centre), "swivel"))
     lines.append(
         bar(p.centre, (p.half[1], p.half[0]), min(3.0, p.half[1]), -degrees(p.heading), f"wheel {w.type}")
     )
-    if w.type == "swedish":
+    if w.kind.rollers:
         lines += [line(a, b, "roller") for a, b in _rollers(p)]
     if w.turns:
         if _distance(p.pivot, p.centre) > 0.5:
@@ -95,7 +95,7 @@ def body(p: Placed) -> list[str]:
 
 def direction(p: Placed) -> list[str]:
     """The arrow of positive rolling."""
-    if p.wheel.type == "spherical":
+    if not p.wheel.has_spin:
         return []
     start = (p.centre[0] + (p.half[0] + 2) * p.ahead[0], p.centre[1] + (p.half[0] + 2) * p.ahead[1])
     return arrow(start, p.nose(), "roll", 4.2)

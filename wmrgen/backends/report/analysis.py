@@ -25,7 +25,7 @@ def analysis(s: Subject) -> list[str]:
     m = s.mobility
     lines = ["## 5 Mobility", "", "The argument:", ""]
     lines += [f"{i}. {sentence(r)}" for i, r in enumerate(m.reasons, 1)] + [""]
-    steered = any(w.type == "steered" for w in s.robot.wheels)
+    steered = any(w.kind.steers for w in s.robot.wheels)
     lines += [
         "In ranks" + (", taken at a steering for which all axles agree on one ICR:" if steered else ":")
     ]
@@ -79,7 +79,7 @@ def _steering(m: Mobility) -> str:
 
 def _remark(s: Subject) -> list[str]:
     """Why (3.41) is not taken literally."""
-    if not any(w.type == "steered" for w in s.robot.wheels):
+    if not any(w.kind.steers for w in s.robot.wheels):
         return []
     if _plain_steering(s.mobility):
         return [

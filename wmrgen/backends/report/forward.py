@@ -52,7 +52,7 @@ def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
             f"{speed}, with e the rolling direction" + (" and n = ẑ × e." if moving else ".")
         )
     for kind, words in (("rolling", "the rolling row"), ("sliding", "the sliding row")):
-        found = [c for c in components if (c.wheel.type == "swedish") == (kind == "rolling")]
+        found = [c for c in components if c.wheel.kind.sliding_row == (kind == "sliding")]
         if found:
             more = " and others" if len(found) > CAP else ""
             lines.append(f"* Only {words} is known of {listed([c.wheel.name for c in found[:CAP]])}{more}.")

@@ -10,11 +10,11 @@ from wmrgen.layout.records import Wheel
 
 def integrability(s: Subject) -> list[str]:
     """c . curl c of the sliding rows in world coordinates, and what all rows do together."""
-    wheels = [w for w in s.robot.wheels if w.type in ("fixed", "steered")]
+    wheels = [w for w in s.robot.wheels if w.kind.constrains]
     if not wheels:
         return []
     who = listed([w.name for w in wheels[:CAP]]) + (" and others" if len(wheels) > CAP else "")
-    held = ", the steering angle held" if any(w.type == "steered" for w in wheels) else ""
+    held = ", the steering angle held" if any(w.kind.steers for w in wheels) else ""
     values = {curl_product(w) for w in wheels}
     value = " or ".join(f"{float(v):g}" for v in sorted(values, key=float))
     return [

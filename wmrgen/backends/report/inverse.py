@@ -35,9 +35,9 @@ def inverse(s: Subject) -> list[str]:
     twist = _driven(projection)
     if not wheels:
         return [*lines, "There is no joint to command.", ""]
-    plain_wheels = [w for w in wheels if w.type in ("fixed", "swedish")]
-    castors = [w for w in wheels if w.type == "castor"]
-    steered = [w for w in wheels if w.type == "steered"]
+    plain_wheels = [w for w in wheels if not w.turns]
+    castors = [w for w in wheels if w.kind.swivels]
+    steered = [w for w in wheels if w.kind.steers]
     if plain_wheels:
         lines += ["The rolling equation of a wheel that does not steer, solved for its rate:"]
         lines += aligned(f"{_rate(w)} &= {_sum(_spin(w, twist))}" for w in plain_wheels)
@@ -59,7 +59,7 @@ def _rate(w: Wheel, joint: str = "spin") -> str:
 
 def _spin(w: Wheel, twist: Row) -> Poly:
     g = working_view(w)
-    return dot(rolling_row(w, g).row, twist) * (g.r * g.cg).inverse()
+    return dot(rolling_row(w, g).row, twist) * g.rolling_radius.inverse()
 
 
 def _castor(w: Wheel, twist: Row) -> list[str]:
@@ -121,7 +121,7 @@ def _coupled(s: Subject, twist: Row) -> list[str]:
 
 def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
     said = _forbidden(projection)
-    held = [w.name for w in s.letters.wheels if w.type == "steered" and _held(s, w, twist)]
+    held = [w.name for w in s.letters.wheels if w.kind.steers and _held(s, w, twist)]
     if not held:
         return said
     return [

@@ -124,7 +124,7 @@ def _check(s: Subject, columns: Sequence[Row]) -> list[str]:
     left, right = rows(chosen), matrix([[poly(c[i]) for c in columns] for i in range(3)])
     words = "Check"
     if not every:
-        steered = any(w.type == "steered" for w in s.robot.wheels)
+        steered = any(w.kind.steers for w in s.robot.wheels)
         words += ", with rows of C₁ that are independent" + (
             " at a generic admissible steering" if steered else ""
         )

@@ -106,22 +106,22 @@ def layout(s: Subject) -> list[str]:
 
 
 def _caption(s: Subject) -> list[str]:
-    if any(w.type == "steered" for w in s.robot.wheels):
+    if any(w.kind.steers for w in s.robot.wheels):
         return ["The steered wheels are drawn at one admissible setting: all zero-motion lines agree.", ""]
     return []
 
 
 def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
     """The layout table, with the columns that occur."""
-    swedish = any(w.type == "swedish" for w in wheels)
-    castors = any(w.type == "castor" for w in wheels)
+    swedish = any(w.kind.rollers for w in wheels)
+    castors = any(w.kind.swivels for w in wheels)
     shifted = any(w.nominal.o for w in wheels)
     rollers = any(w.nominal.r_sw for w in wheels)
     head = ["wheel", "type", "driven", "x", "y", "l", "α", "β", "heading"]
     head += ["γ"] * swedish + ["r"] + ["r<sub>sw</sub>"] * rollers + ["d"] * castors + ["offset o"] * shifted
     rows = []
     for w in wheels:
-        g, ball = w.nominal, w.type == "spherical"
+        g, ball = w.nominal, not w.has_spin
         row = [
             code(w.name),
             _KINDS[w.type],
@@ -131,9 +131,9 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
             _short(w.l),
         ]
         row += [_angle(w.alpha), "—" if ball else _angle(w.beta), "—" if ball else _angle(w.heading)]
-        row += [_angle(w.gamma) if w.type == "swedish" else "—"] * swedish + [plain(g.r)]
+        row += [_angle(w.gamma) if w.kind.rollers else "—"] * swedish + [plain(g.r)]
         row += [plain(g.r_sw) if g.r_sw else "—"] * rollers
-        row += [plain(g.d) if w.type == "castor" else "—"] * castors
+        row += [plain(g.d) if w.kind.swivels else "—"] * castors
         row += [plain(g.o) if w.turns else "—"] * shifted
         rows.append(row)
     return table(head, rows, "lllr")
@@ -199,7 +199,7 @@ def _remarks(robot: Robot) -> list[str]:
             "(the track); "
             "their y is the half-track."
         )
-    swedish = [w for w in robot.wheels if w.type == "swedish"]
+    swedish = [w for w in robot.wheels if w.kind.rollers]
     if swedish:
         text = "Roller axes are given, and drawn, at the ground. Seen from above, the rollers on top lean the other way"
         pattern = _pattern(swedish)

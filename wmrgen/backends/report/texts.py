@@ -59,7 +59,7 @@ def citations(robot: Robot) -> list[Citation]:
 
 
 def _constraining(robot: Robot) -> list[Wheel]:
-    return [w for w in robot.wheels if w.type in ("fixed", "steered", "swedish")]
+    return [w for w in robot.wheels if w.has_spin and not w.kind.swivels]
 
 
 def _rows(wheels: Iterable[Wheel]) -> Rows:
@@ -67,7 +67,7 @@ def _rows(wheels: Iterable[Wheel]) -> Rows:
     found = []
     for w in wheels:
         g = nominal_view(w)
-        scale = (g.r * g.cg).inverse()
+        scale = g.rolling_radius.inverse()
         a, b, c = ((p * scale).constant for p in rolling_row(w, g).row)
         found.append((a or ZERO, b or ZERO, c or ZERO))
     return tuple(found)
@@ -92,7 +92,7 @@ def _names(wheels: Iterable[Wheel]) -> tuple[str, ...]:
 def _differential(robot: Robot) -> list[Citation]:
     """Two fixed wheels on one axle, the same on both sides of x."""
     wheels = sorted(_constraining(robot), key=lambda w: float(w.nominal.y))
-    if len(wheels) != 2 or any(w.type != "fixed" or not _ahead(w) for w in wheels):
+    if len(wheels) != 2 or any(not w.kind.fixed_axle or not _ahead(w) for w in wheels):
         return []
     right, left = wheels
     a, b, r = left.nominal.y, left.nominal.x, left.nominal.r
@@ -115,7 +115,7 @@ def _differential(robot: Robot) -> list[Citation]:
 
 def _unicycle(robot: Robot) -> list[Citation]:
     wheels = _constraining(robot)
-    if len(wheels) != 1 or wheels[0].type != "fixed" or not _ahead(wheels[0]):
+    if len(wheels) != 1 or not wheels[0].kind.fixed_axle or not _ahead(wheels[0]):
         return []
     g = wheels[0].nominal
     if not _same(g.x, ZERO) or not _same(g.y, ZERO):
@@ -129,7 +129,7 @@ def _unicycle(robot: Robot) -> list[Citation]:
 def _car(robot: Robot) -> list[Citation]:
     """Fixed wheels on the axle through P, steered wheels in front."""
     wheels = _constraining(robot)
-    fixed, steered = ([w for w in wheels if w.type == t] for t in ("fixed", "steered"))
+    fixed, steered = [w for w in wheels if w.kind.fixed_axle], [w for w in wheels if w.kind.steers]
     if not fixed or not steered or len(fixed) + len(steered) < len(wheels):
         return []
     if not all(_same(w.nominal.x, ZERO) and _ahead(w) for w in fixed):
@@ -162,7 +162,7 @@ def _car(robot: Robot) -> list[Citation]:
 def _omni(robot: Robot) -> list[Citation]:
     """Omni wheels that drive along the tangent of one circle."""
     wheels = _constraining(robot)
-    if len(wheels) < 3 or any(w.type != "swedish" or not _same(w.nominal.sg, ZERO) for w in wheels):
+    if len(wheels) < 3 or any(not w.kind.rollers or not _same(w.nominal.sg, ZERO) for w in wheels):
         return []
     r, first = wheels[0].nominal.r, _rows(wheels)[0][2] * wheels[0].nominal.r
     tangential = all(_same(w.nominal.x * w.nominal.ch + w.nominal.y * w.nominal.sh, ZERO) for w in wheels)
@@ -203,7 +203,7 @@ def _ring(wheels: list[Wheel], twelfths: tuple[int, ...], equation: str, letters
 def _mecanum(robot: Robot) -> list[Citation]:
     """Four Swedish 45 degree wheels in a rectangle, roller axes at the ground through its middle lines."""
     wheels = _constraining(robot)
-    if len(wheels) != 4 or any(w.type != "swedish" or not _ahead(w) or not w.nominal.sg for w in wheels):
+    if len(wheels) != 4 or any(not w.kind.rollers or not _ahead(w) or not w.nominal.sg for w in wheels):
         return []
     ordered = sorted(wheels, key=lambda w: (w.nominal.x.sign < 0, w.nominal.y.sign * w.nominal.x.sign))
     front = ordered[0].nominal
@@ -220,7 +220,7 @@ def _mecanum(robot: Robot) -> list[Citation]:
 
 def _all_steered(robot: Robot) -> list[Citation]:
     wheels = _constraining(robot)
-    if len(wheels) < 2 or any(w.type != "steered" for w in wheels):
+    if len(wheels) < 2 or any(not w.kind.steers for w in wheels):
         return []
     if robot.couplings:
         parallel = (
@@ -248,7 +248,7 @@ def _all_steered(robot: Robot) -> list[Citation]:
 
 
 def _castors(robot: Robot) -> list[Citation]:
-    powered = [w for w in robot.wheels if w.type == "castor" and "steer" in w.actuated]
+    powered = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
     if not powered:
         return []
     return [
@@ -262,7 +262,7 @@ def _locked_bicycle(robot: Robot) -> list[Citation]:
     """Two fixed wheels in line, one behind the other."""
     wheels = _constraining(robot)
     if len(wheels) != 2 or any(
-        w.type != "fixed" or not _same(w.nominal.y, ZERO) or not _same(w.nominal.sh, ZERO) for w in wheels
+        not w.kind.fixed_axle or not _same(w.nominal.y, ZERO) or not _same(w.nominal.sh, ZERO) for w in wheels
     ):
         return []
     l1, l2 = sorted((w.nominal.x for w in wheels), key=float, reverse=True)

@@ -143,7 +143,7 @@ def _plugged(w: Wheel) -> list[str]:
     """sin and cos of alpha + beta (+ gamma): e = (sin, -cos)."""
     ex, ey = heading(w, symbolic_view(w))
     a, b = r"\alpha+\beta", r"(t)" if w.turns else ""
-    if w.type == "swedish":
+    if w.kind.rollers:
         g = symbolic_view(w)
         ex, ey = ex * g.cg - ey * g.sg, ey * g.cg + ex * g.sg
         a += r"+\gamma"

@@ -66,9 +66,7 @@ def _kept(rate: _Rate, scale: Expr) -> Expr:
 
 def _rates(robot: Robot) -> list[_Rate]:
     rates = [_Rate(w, "spin", robot.limit(w, "spin")) for w in robot.wheels if w.has_spin]
-    rates += [
-        _Rate(w, "steer_rate", robot.limit(w, "steer_rate")) for w in robot.wheels if w.type == "castor"
-    ]
+    rates += [_Rate(w, "steer_rate", robot.limit(w, "steer_rate")) for w in robot.wheels if w.kind.swivels]
     missing = [
         r.wheel.name for r in rates if r.joint == "spin" and "spin" in r.wheel.actuated and not r.limit
     ]

@@ -49,7 +49,7 @@ def reference(robot: Robot, mobility: Mobility, function: str) -> Reference:
     A skid-steer robot slides as it turns; its reference is the centre of its fixed wheels. NotDerivableError
     where the robot cannot drive (v, 0, omega).
     """
-    fixed = [w for w in robot.wheels if w.type == "fixed"]
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     found = _centre(fixed) if fixed else Reference(Poly({}), Poly({}), Poly.of(1), Poly({}))
     if _drives(robot, mobility) or _skids(robot, mobility, fixed):
         return found
@@ -78,7 +78,7 @@ def _backwards(c: Exact, s: Exact) -> bool:
 
 def _nominal(robot: Robot) -> Array:
     """(x, y, c, s) with the tunable parameters at their nominal values."""
-    fixed = [w.nominal for w in robot.wheels if w.type == "fixed"]
+    fixed = [w.nominal for w in robot.wheels if w.kind.fixed_axle]
     if not fixed:
         return np.array([0.0, 0.0, 1.0, 0.0])
     sign = -1.0 if _backwards(fixed[0].ch, fixed[0].sh) else 1.0

@@ -134,7 +134,7 @@ def _projections(
 def _car(robot: Robot, ref: Reference, names: Locals) -> _Car:
     """What the limits of the file allow a wheel on the centre line."""
     base = wheelbase(robot, ref)
-    steered = [w for w in robot.wheels if w.type == "steered"]
+    steered = [w for w in robot.wheels if w.kind.steers]
     if base is None:
         raise _refusal(robot, "its bounds are those of a car: a fixed axle and wheels steered in one line")
     bends = [_sharpest(robot, w, ref) for w in steered]

@@ -58,8 +58,8 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
 
 def wheelbase(robot: Robot, ref: Reference) -> Poly | None:
     """D [m], from the fixed axle to the steered wheels along the heading; None unless all have the same."""
-    if not any(w.type == "fixed" for w in robot.wheels):
+    if not any(w.kind.fixed_axle for w in robot.wheels):
         return None
-    views = [working_view(w) for w in robot.wheels if w.type == "steered"]
+    views = [working_view(w) for w in robot.wheels if w.kind.steers]
     found = {(g.x - ref.x) * ref.c + (g.y - ref.y) * ref.s for g in views}
     return found.pop() if len(found) == 1 else None

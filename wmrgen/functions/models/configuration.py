@@ -26,7 +26,7 @@ def configuration_system(robot: Robot, mobility: Mobility, symbolic: bool = Fals
     """Posture model extended by castor angles and wheel angles; inputs as in the posture model."""
     motion = best_motion(robot, mobility, symbolic)
     coordinates = motion.frame.wheels
-    castors = tuple(w for w in robot.wheels if w.type == "castor")
+    castors = tuple(w for w in robot.wheels if w.kind.swivels)
     rolling = tuple(
         w for w in robot.wheels if w.has_spin and (direct(motion.frame, w) or len(motion.etas[0]) == 1)
     )
@@ -54,9 +54,9 @@ def _castor(motion: Motion, w: Wheel, k: int) -> Poly:
 def _spin(motion: Motion, w: Wheel, k: int) -> Poly:
     """(rim speed - o steer_rate) / r; the steering of castors stands in their rim speed already."""
     g = motion.frame.view(w)
-    radius = g.r * g.cg if w.type == "swedish" else g.r
+    radius = g.rolling_radius
     rim = _per_input(motion, rim_row(motion.frame, w), k)
-    if w.type == "steered" and g.o:
+    if w.kind.steers and g.o:
         name = motion.inputs[k].name.removesuffix(".steer_rate")
         rim = rim - g.o * rate_row(motion.frame, w).get(name, ZERO)
     return clean(rim * radius.inverse())

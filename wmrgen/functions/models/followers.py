@@ -48,7 +48,7 @@ def turned(frame: Frame, wheel: Wheel, row: Row) -> Row:
 
 def direct(frame: Frame, wheel: Wheel) -> bool:
     """True for a wheel whose heading is constant, its own state, or a coordinate."""
-    return wheel.type != "steered" or frame.leader(wheel) is not None
+    return not wheel.kind.steers or frame.leader(wheel) is not None
 
 
 def rim_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
@@ -56,7 +56,7 @@ def rim_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
     g = frame.view(wheel)
     if direct(frame, wheel):
         row = turned(frame, wheel, rolling_row(wheel, g).row)
-        if wheel.type == "castor" and g.o:
+        if wheel.kind.swivels and g.o:
             slide = sliding_row(wheel, g).row
             ratio = g.o * g.d.inverse()
             row = row[0] + ratio * slide[0], row[1] + ratio * slide[1], row[2] + ratio * slide[2]

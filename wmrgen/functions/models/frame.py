@@ -74,7 +74,7 @@ def constant_rows(robot: Robot, mobility: Mobility) -> list[Row]:
     for row in mobility.basis_rows:
         if steered & angles_in(row):
             continue
-        fixed_wheels = (w for w in robot.wheels if w.type == "fixed")
+        fixed_wheels = (w for w in robot.wheels if w.kind.fixed_axle)
         source = next((w for w in fixed_wheels if sliding_row(w, working_view(w)).row == row), None)
         found.append(row if source is None else sliding_row(source, symbolic_view(source)).row)
     return found

@@ -55,16 +55,16 @@ def candidates(frame: Frame) -> list[Drive]:
             taken.add(robot.spin_group[w.index])
             if direct(frame, w) or len(frame.columns) == 1:
                 found.append(_spin(frame, w))
-        if w.type == "castor" and "steer" in w.actuated:
+        if w.kind.swivels and "steer" in w.actuated:
             found.append(_swivel(frame, w))
     return found
 
 
 def _spin(frame: Frame, w: Wheel) -> Drive:
     g = frame.view(w)
-    radius = g.r * g.cg if w.type == "swedish" else g.r
+    radius = g.rolling_radius
     offsets = {}
-    if w.type == "steered" and g.o:
+    if w.kind.steers and g.o:
         offsets = {name: g.o * rate for name, rate in rate_row(frame, w).items()}
     return Drive(joint_port(w, "spin", Role.COMMAND), rim_row(frame, w), radius, offsets)
 
@@ -123,7 +123,7 @@ def _missing(frame: Frame, found: list[Drive], idle: list[str]) -> str:
     have = ", ".join(d.port.name for d in found) or "nothing"
     beside = f"; {', '.join(idle)} adds nothing that is independent" if idle else ""
     free = [f"{w.name}.spin" for w in robot.wheels if w.has_spin and "spin" not in w.actuated]
-    free += [f"{w.name}.steer_rate" for w in robot.wheels if w.type == "castor" and "steer" not in w.actuated]
+    free += [f"{w.name}.steer_rate" for w in robot.wheels if w.kind.swivels and "steer" not in w.actuated]
     missing = need - len(found)
     advice = (
         f"actuate {missing} more of {', '.join(free)}"

@@ -50,7 +50,7 @@ class Motion:
     def swivels(self) -> tuple[Wheel, ...]:
         """Castors whose angle the motion depends on: states of the posture model."""
         seen = angles_in(tuple(p for twist in self.twists for p in twist))
-        return tuple(w for w in self.robot.wheels if w.type == "castor" and w.name in seen)
+        return tuple(w for w in self.robot.wheels if w.kind.swivels and w.name in seen)
 
     @property
     def geometry(self) -> tuple[Port, ...]:

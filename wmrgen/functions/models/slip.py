@@ -24,7 +24,7 @@ TEXT = {
 def slip_port(w: Wheel, name: str) -> Port:
     """``<wheel>.slip_x`` or ``<wheel>.slip_y``"""
     text = TEXT[name]
-    if w.type == "swedish":
+    if w.kind.rollers:
         text = "slip along the roller axis: what the rim adds there minus the contact's velocity"
     return Port(f"{w.name}.{name}", Role.COMMAND, "m/s", text)
 
@@ -46,9 +46,9 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
         rate = given(f"{w.name}.steer_rate") if _swings(w) else Poly({})
         inputs.append(slip_port(w, "slip_x"))
         rim = dot(rolling_row(w, g).row, twist) - g.o * rate + given(f"{w.name}.slip_x")
-        radius = g.r * g.cg if w.type == "swedish" else g.r
+        radius = g.rolling_radius
         outputs.append((joint_port(w, "spin", Role.COMMAND), expression(rim * radius.inverse())))
-        if w.type != "swedish":
+        if w.kind.sliding_row:
             lateral = dot(sliding_row(w, g).row, twist) + g.d * rate
             outputs.append((slip_port(w, "slip_y"), expression(lateral)))
     return Formula(

@@ -173,7 +173,7 @@ def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
             "  Write virtual: [{name: front, steers: [front_left, front_right]}]."
         )
     found = steering_frame(robot, mobility)
-    followers = [w for w in robot.wheels if w.type == "steered"]
+    followers = [w for w in robot.wheels if w.kind.steers]
     followers += [as_wheel(robot, v) for v in wheels[mobility.degree_of_steerability :]]
     return _angles(
         "virtual_steering", found, followers, robot, "angles of the virtual wheels to those of the real ones"

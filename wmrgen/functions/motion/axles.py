@@ -45,8 +45,8 @@ FLOOR = Exact(Fraction(1, 10**9))  # [m] wheels this near to each other stand on
 
 def axles(robot: Robot, mobility: Mobility) -> Formula:
     """Steering angles to the ICR of the axles, its curvature, the mismatch and each wheel's error."""
-    fixed = [w for w in robot.wheels if w.type == "fixed"]
-    steered = [w for w in robot.wheels if w.type == "steered"]
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
+    steered = [w for w in robot.wheels if w.kind.steers]
     rank = mobility.rank_C1f.value
     _derivable(robot, steered, rank)
     names = Locals()

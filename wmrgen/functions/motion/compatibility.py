@@ -58,7 +58,7 @@ def _row(w: Wheel, view: View) -> Row:
     """Rolling row on the twist; the steering rate of a castor with an axle offset follows from the twist."""
     g = view(w)
     row = rolling_row(w, g).row
-    if w.type != "castor" or not g.o:
+    if not w.kind.swivels or not g.o:
         return row
     slide, share = sliding_row(w, g).row, g.o * g.d.inverse()
     return row[0] + slide[0] * share, row[1] + slide[1] * share, row[2] + slide[2] * share
@@ -66,7 +66,7 @@ def _row(w: Wheel, view: View) -> Row:
 
 def _radius(w: Wheel, view: View) -> Poly:
     g = view(w)
-    return g.r * g.cg if w.type == "swedish" else g.r
+    return g.rolling_radius
 
 
 def _float(robot: Robot, poly: Poly) -> float:

@@ -70,14 +70,14 @@ def steer_to(robot: Robot, mobility: Mobility) -> Formula:
 
     Each wheel takes the nearer of its two branches, as in ``inverse``; fixed wheels pull the centre to their axle.
     """
-    if not any(w.type == "steered" for w in robot.wheels):
+    if not any(w.kind.steers for w in robot.wheels):
         raise NotDerivableError(f"{robot.name} has no steer_to: none of its wheels is steered")
     names = Locals()
     x, y, w = centre_ports()
     formula = inverse(robot, mobility)
     turned = {"vx": signal("icr.y"), "vy": times(-1, signal("icr.x")), "omega": signal("icr.w")}
     found = include(formula, turned, names)
-    steers = {f"{w.name}.steer" for w in robot.wheels if w.type == "steered"}
+    steers = {f"{w.name}.steer" for w in robot.wheels if w.kind.steers}
     outputs = tuple((p, found[p.name]) for p, _ in formula.outputs if p.name in steers)
     inputs = (x, y, w, *(p for p in formula.inputs if p.name in steers or p.role is Role.GEOMETRY))
     text = "centre of rotation to steering angles; a point has icr.w = 1, a direction of infinity icr.w = 0"

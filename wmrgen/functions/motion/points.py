@@ -115,7 +115,7 @@ def projections(robot: Robot, _: Mobility) -> Formula:
     outputs: list[tuple[Port, Expr]] = []
     for p, (a, b) in zip(points, velocities(points, names), strict=True):
         w = p.wheel
-        if w.type != "spherical":
+        if w.has_spin:
             g = working_view(w)
             ex, ey = heading(w, g)
             vx, vy = Poly.gen("local", f"{w.name}_x"), Poly.gen("local", f"{w.name}_y")

@@ -80,7 +80,7 @@ def plan(
     NotDerivableError for driven castors, whose commands change on the way; UsageError for a motion that the wheels
     forbid. A degenerate robot slides where it must: see ``slip``.
     """
-    castors = [w.name for w in robot.wheels if w.type == "castor" and w.actuated]
+    castors = [w.name for w in robot.wheels if w.kind.swivels and w.actuated]
     if castors:
         raise NotDerivableError(
             f"{robot.name} has no segments: the commands of its castor {castors[0]} change within a constant twist"
@@ -92,7 +92,7 @@ def plan(
         twist = _twist(part, pose, call)
         present = {f"{name}.steer": angle for name, angle in now.items()}
         joints = call("inverse", {**dict(zip(TWIST, twist, strict=True)), **present})
-        target = {w.name: joints[f"{w.name}.steer"] for w in robot.wheels if w.type == "steered"}
+        target = {w.name: joints[f"{w.name}.steer"] for w in robot.wheels if w.kind.steers}
         wait = _wait(robot, k, now, target, pose)
         phases += [wait] if wait is not None else []
         now |= target
@@ -159,4 +159,4 @@ def _held(w: Wheel, swing: Exact, dt: Exact) -> Exact:
 
 
 def _commanded(robot: Robot, angles: Values) -> dict[str, Exact]:
-    return {w.name: angles[w.name] for w in robot.wheels if w.type == "steered"}
+    return {w.name: angles[w.name] for w in robot.wheels if w.kind.steers}

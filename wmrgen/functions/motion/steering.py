@@ -37,13 +37,13 @@ class SteeringCheck:
 
 def check_steering(robot: Robot, steer: Mapping[str, float]) -> SteeringCheck:
     """``steer``: joint angle [rad] by wheel name, 0 where not given."""
-    wheels = [w for w in robot.wheels if w.type in ("fixed", "steered")]
+    wheels = [w for w in robot.wheels if w.kind.constrains]
     rows = np.array([_row(w, steer) for w in wheels]).reshape(-1, 3)
     rank, singular = _rank(rows)
     odd = [
         w.name
         for i, w in enumerate(wheels)
-        if rank == 3 and w.type == "steered" and _rank(np.delete(rows, i, axis=0))[0] == 2
+        if rank == 3 and w.kind.steers and _rank(np.delete(rows, i, axis=0))[0] == 2
     ]
     return SteeringCheck(rank, singular, tuple(odd))
 
@@ -56,7 +56,7 @@ def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float,
     """How far the axle line of each fixed or steered wheel passes from a point of the robot frame [m]."""
     found = {}
     for w in robot.wheels:
-        if w.type in ("fixed", "steered"):
+        if w.kind.constrains:
             b, a, k = _row(w, steer)  # (-s, c, x c + y s)
             found[w.name] = abs(a * point[0] - b * point[1] - k)
     return found
@@ -65,6 +65,6 @@ def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float,
 def _row(w: Wheel, steer: Mapping[str, float]) -> list[float]:
     """Sliding row of the pivot: [-s, c, x c + y s]."""
     ch, sh, x, y = (float(v) for v in (w.nominal.ch, w.nominal.sh, w.nominal.x, w.nominal.y))
-    angle = steer.get(w.name, 0.0) if w.type == "steered" else 0.0
+    angle = steer.get(w.name, 0.0) if w.kind.steers else 0.0
     c, s = ch * cos(angle) - sh * sin(angle), sh * cos(angle) + ch * sin(angle)
     return [-s, c, x * c + y * s]

@@ -58,12 +58,12 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
         outputs.append(
             (_port(w, "spin_rate", "rad/s^2", "angular acceleration about the axle"), rates[w.index])
         )
-        if w.type == "steered":
+        if w.kind.steers:
             outputs.append((joint_port(w, "steer", Role.COMMAND), commands[f"{w.name}.steer"]))
         if w.turns:
             turn = turns[w.index]
             outputs.append((joint_port(w, "steer_rate", Role.COMMAND), turn.rate))
-        if w.type == "castor" or _offset(w):
+        if w.kind.swivels or _offset(w):
             text = "derivative of the steering rate"
             outputs.append((_port(w, "steer_acceleration", "rad/s^2", text), turn.acceleration))
     twist, rest = first.inputs[:3], first.inputs[3:]
@@ -80,7 +80,7 @@ def _port(w: Wheel, joint: str, unit: str, text: str) -> Port:
 
 def _offset(w: Wheel) -> bool:
     """True for a steered wheel whose contact lies beside its steering axis."""
-    return w.type == "steered" and bool(working_view(w).o)
+    return w.kind.steers and bool(working_view(w).o)
 
 
 def _spins(
@@ -93,7 +93,7 @@ def _spins(
         if not w.has_spin:
             continue
         g = working_view(w)
-        radius = g.r * g.cg if w.type == "swedish" else g.r
+        radius = g.rolling_radius
         rim, change = _rims(w, motion, turns, commands, names)
         now[w.index], rates[w.index] = Joints(rim, radius), Joints(change, radius)
     speeds = spins(robot, now)
@@ -113,7 +113,7 @@ def _rims(
         row = rolling_row(w, g).row
         return expression(dot(row, motion.twist)), expression(dot(row, motion.rate))
     turn, o = turns[w.index], expression(g.o)
-    if w.type == "castor":
+    if w.kind.swivels:
         (ahead, aside), (ahead1, _) = speeds_at(w, motion.twist), speeds_at(w, motion.rate)
         along, across, change = expression(ahead), expression(aside), expression(ahead1)
     else:

@@ -141,7 +141,7 @@ def _rolling(robot: Robot) -> list[Wheel]:
 
 
 def _radius(w: Wheel) -> Exact:
-    return w.nominal.r * w.nominal.cg if w.type == "swedish" else w.nominal.r
+    return w.nominal.rolling_radius
 
 
 def _numbers(row: Row) -> tuple[Exact, Exact, Exact]:
@@ -182,7 +182,7 @@ def wheel_angles(robot: Robot, mobility: Mobility) -> Formula:
     for w in _rolling(robot):
         g = working_view(w)
         row = rolling_row(w, g).row
-        inverse = (g.r * g.cg).inverse() if w.type == "swedish" else g.r.inverse()
+        inverse = g.rolling_radius.inverse()
         port = Port(f"{w.name}.angle", Role.STATE, "rad", "angle of the wheel about its axle")
         if circle:
             column = mobility.null_space[0]

@@ -47,7 +47,7 @@ class Body:
 def body_of(robot: Robot, mobility: Mobility, view: View) -> Body:
     """The centre of the fixed wheels, which lies on their axle, or P."""
     one, zero = Poly.of(1), Poly({})
-    wheels = [w for w in robot.wheels if w.type == "fixed"]
+    wheels = [w for w in robot.wheels if w.kind.fixed_axle]
     if not wheels or mobility.rank_C1f.value != 1:
         return Body(zero, zero, one, zero, False)
     g = [view(w) for w in wheels]

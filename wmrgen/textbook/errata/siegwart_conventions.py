@@ -130,11 +130,11 @@ RANK_S, RANK, RANK_F = (symbol(rf"\mathrm{{rank}}\,{n}") for n in ("C_{1s}", "C_
 
 def literal_rank(d: Derivation) -> int:
     """rank C1s with all wheels steered to one ICR, (0, 2) in the robot frame or (0.2, 2) without fixed wheels."""
-    fixed = any(w.type == "fixed" for w in d.robot.wheels)
+    fixed = any(w.kind.fixed_axle for w in d.robot.wheels)
     icr = (sympy.S.Zero if fixed else sympy.Rational(1, 5), sympy.Integer(2))
     known = {}
     for w in d.robot.wheels:
-        if w.type == "steered":
+        if w.kind.steers:
             x, y = (number_of(e) for e in (w.nominal.x, w.nominal.y))
             known[signal(f"{w.name}.steer")] = sympy.atan2(x - icr[0], icr[1] - y)
     return generic_rank(d.C1s.xreplace(known))

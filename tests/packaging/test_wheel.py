@@ -52,8 +52,8 @@ def test_the_wheel_holds_the_package_and_the_templates_and_nothing_else(wheel: P
 
 def test_it_derives_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     (tmp_path / "pair.yaml").write_text(DIFFERENTIAL)
-    python = (str(installed), "-m", "wmrgen")
-    where = [str(installed), "-c", "import wmrgen; print(wmrgen.__file__)"]
+    python = (str(installed), "-E", "-m", "wmrgen")
+    where = [str(installed), "-E", "-c", "import wmrgen; print(wmrgen.__file__)"]
     home = subprocess.run(where, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
     assert str(installed.parent.parent) in home, "the wheel is what runs, not the checkout"
     done = process("derive", "pair.yaml", cwd=tmp_path, python=python)
@@ -61,6 +61,13 @@ def test_it_derives_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     here = process("derive", "pair.yaml", "-o", "here", cwd=tmp_path)
     assert here.code == 0, here.err
     assert tree(tmp_path / "generated") == tree(tmp_path / "here"), "same bytes as from the checkout"
+
+
+def test_without_the_textbook_library_it_says_so(installed: Path, tmp_path: Path) -> None:
+    for words in (("eval", "textbook", "pursuit"), ("textbook",)):
+        done = process(*words, cwd=tmp_path, python=(str(installed), "-E", "-m", "wmrgen"))
+        assert done.code == 4 and "wmrgen[textbook]" in done.err and done.out == ""
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_declared_version_is_the_package_s(wheel: Path) -> None:

@@ -80,7 +80,8 @@ BY_START = {"S-3.6": "functions/control/test_polar.py", "S-F3.20": "functions/co
 
 def test_every_case_is_run_somewhere() -> None:
     """Each id stands in a test module that runs it, or in the list that test_seeds runs."""
-    modules = [p for p in sorted(HERE.rglob("*.py")) if p.parent.name != "report"]
+    folders = (HERE, HERE.parent / "textbook" / "tests")
+    modules = [p for f in folders for p in sorted(f.rglob("*.py")) if p.parent.name != "report"]
     text = "\n".join(p.read_text(encoding="utf-8") for p in modules)
     for start, module in BY_START.items():
         assert f'n.startswith("{start}")' in (HERE / module).read_text(encoding="utf-8")

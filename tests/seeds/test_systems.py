@@ -14,6 +14,7 @@ import pytest
 
 import wmrgen
 from tests.seeds.systems import ROBOTS, SYSTEMS, TEXTBOOK, asked, robot_file
+from textbook.library import textbook
 from wmrgen.backends.c99.emit import sources, unit
 from wmrgen.backends.c99.evaluate import answer, calls, driver, request
 from wmrgen.backends.meta import Meta
@@ -26,7 +27,6 @@ from wmrgen.layout import build
 from wmrgen.program import OPTIONAL
 from wmrgen.spec.fields import OPTIONAL_FUNCTIONS
 from wmrgen.spec.load import read_text
-from wmrgen.textbook.library import textbook
 
 IN_C = frozenset((*OPTIONAL_FUNCTIONS, *OPTIONAL))
 PAGE = Path(__file__).parents[1] / "README.md"
@@ -45,7 +45,7 @@ def report(robot: str) -> str:
     from wmrgen.emit import meta
 
     if robot == TEXTBOOK:
-        from wmrgen.textbook.emit import artifacts
+        from textbook.emit import artifacts
 
         return artifacts()["report.md"].decode()
     d = derivation(robot)

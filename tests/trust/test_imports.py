@@ -40,8 +40,6 @@ MAY_IMPORT["model"] |= {"bounds"}
 # Code comes from the IR alone; the report and the wheel table of the banners show the stages themselves.
 SHOWS_STAGES = {"backends/report", "backends/wheels"}
 MAY_IMPORT["emit"] = {*MAY_IMPORT["robot"], "robot", "backends"}
-# The textbook is a program without a robot: it uses the whole line, and checks the texts against the engine.
-MAY_IMPORT["textbook"] = {*MAY_IMPORT["robot"], "robot", "backends", "render"}
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
 
 
@@ -71,6 +69,15 @@ def test_imports_point_left(module: str) -> None:
             assert stage in MAY_IMPORT, f"say in this test where {stage} stands"
             shown = (*STAGES, "bounds") if "/".join(module.split("/")[:2]) in SHOWS_STAGES else ()
             assert parts[1] in {*MAY_IMPORT[stage], *shown}, f"wmrgen/{module}.py imports {name}"
+
+
+def test_nothing_imports_the_textbook() -> None:
+    """The textbook library stands outside: it imports wmrgen, wmrgen only looks whether it is there."""
+    for module, path in SOURCES.items():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert not [n for n in names if n.split(".")[0] in ("textbook", "tests", "benchmarks")], module
 
 
 @pytest.mark.parametrize("module", [m for m in SOURCES if m.startswith("backends/")])

@@ -9,8 +9,13 @@ from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).resolve().parents[2] / "wmrgen"
-SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(PACKAGE.rglob("*.py"))}
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE, TEXTBOOK = ROOT / "wmrgen", ROOT / "textbook"
+SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(PACKAGE.rglob("*.py"))} | {
+    p.relative_to(ROOT).with_suffix("").as_posix(): p
+    for p in sorted(TEXTBOOK.rglob("*.py"))
+    if "tests" not in p.relative_to(TEXTBOOK).parts
+}
 
 FORBIDDEN_CALLS = {
     "eval", "exec", "compile", "__import__", "sympify", "S", "parse_expr", "parse_latex", "parse_mathematica",

@@ -193,9 +193,9 @@ def textbook(out: Out = Path("generated")) -> int:
     Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (misprints of
     the texts, each with the check that decides it). `wmrgen eval textbook FUNCTION` computes one of the formulas.
     """
-    from wmrgen.cli.textbook import run
+    from wmrgen.cli.textbook import installed
 
-    return run(out)
+    return installed().run(out)
 
 
 @app.command(short_help="Say where constant wheel speeds take a robot.")

@@ -39,7 +39,11 @@ def run(paths: Sequence[Path], out: Path) -> int:
     if not paths and not code:
         from wmrgen.cli.textbook import ERRATA, FOLDER, differing
 
-        found += differing(out)
+        try:
+            found += differing(out)
+        except WmrgenError as error:  # the folder is here, the library is not
+            console.failure(str(error))
+            code = error.exit_code
         found += [Difference(p, "not produced") for p in _strangers(out, {*names, FOLDER, ERRATA})]
     for difference in found:
         console.result(f"{difference.path.as_posix()}: {_WHY[difference.why]}")

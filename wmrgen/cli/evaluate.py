@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, cast
 
 import wmrgen
 from wmrgen.cli import console
@@ -16,9 +16,23 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 
 if TYPE_CHECKING:
-    from wmrgen.ir.nodes import Function
-    from wmrgen.robot import Derivation
-    from wmrgen.textbook import Textbook
+    from wmrgen.ir.nodes import Function, Module
+
+
+class Modules(Protocol):
+    """Where functions are taken from: a derivation, or the textbook library."""
+
+    @property
+    def raw_module(self) -> Module:
+        """As written: what the exact backend evaluates."""
+
+    @property
+    def module(self) -> Module:
+        """Optimised."""
+
+    @property
+    def c_module(self) -> Module:
+        """Cut for C."""
 
 
 def run(
@@ -55,12 +69,12 @@ def run(
     return 0
 
 
-def _source(path: Path, name: str) -> Derivation | Textbook:
+def _source(path: Path, name: str) -> Modules:
     """The function of a robot; of the library where ``path`` is the word textbook and no such file is there."""
-    if path == Path("textbook") and not path.exists():
-        from wmrgen.cli.textbook import library
+    if path == Path("textbook") and not path.is_file():
+        from wmrgen.cli.textbook import installed
 
-        return library(name)
+        return cast(Modules, installed().library(name))
     robot = wmrgen.load(path)
     for text in robot.notes:
         console.note(f"{robot.name}: note: {text}")
@@ -92,7 +106,7 @@ def _say_zeros(function: Function, cases: Sequence[Case]) -> None:
 
 
 def _compute(
-    derivation: Derivation | Textbook,
+    derivation: Modules,
     function: Function,
     cases: Sequence[dict[str, Exact]],
     backend: str,

@@ -17,14 +17,14 @@ _NAMES = {"length": "D_r", "width": "d", "half_chord": "b"}
 
 def run(radius: str, count: str, angle: str, *, as_json: bool) -> int:
     """Print roller length D_r, wheel width d and half chord b in metres."""
-    from wmrgen.ir.interpret import EXACT, evaluate_module
-    from wmrgen.textbook import textbook
+    from wmrgen.ir.interpret import EXACT, evaluate
+    from wmrgen.kinematics.rollers import mecanum_roller
+    from wmrgen.lower import lower
 
-    module = textbook("mecanum_roller").raw_module
-    function = module.functions[0]
+    function = lower(mecanum_roller())
     case = dict(from_words([f"radius={radius}", f"count={count}", f"angle={angle}"], function.inputs))
     _refuse_impossible(case, angle)
-    found = evaluate_module(module, function.name, case, EXACT)
+    found = evaluate(function, case, EXACT)
     size = float(case["radius"])
     values = {_NAMES[k]: v if abs(v) > NEGLIGIBLE * size else 0.0 for k, v in
               ((k, float(v)) for k, v in found.items())}  # fmt: skip

@@ -1,55 +1,45 @@
-"""``wmrgen textbook``: the library and the errata; ``wmrgen eval textbook FUNCTION``."""
+"""The way to the textbook library, a package of its own beside this one: `wmrgen textbook`, `wmrgen eval textbook`."""
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, Protocol, cast
 
-from wmrgen.artifacts import Difference, differences, file_difference, write_file, write_tree
-from wmrgen.cli import console
-from wmrgen.errors import UsageError
-from wmrgen.spec.text import suggestion
+from wmrgen.artifacts import Difference
+from wmrgen.errors import EnvironmentFailure
 
-if TYPE_CHECKING:
-    from wmrgen.textbook import Textbook
-
-FOLDER, ERRATA = "textbook", "errata.md"
+FOLDER, ERRATA = "textbook", "errata.md"  # what it writes into the output directory
 
 
-def library(name: str) -> Textbook:
-    """One function of the library. UsageError for a name that it does not have."""
-    from wmrgen.textbook import FUNCTIONS, textbook
+class Library(Protocol):
+    """What the module ``textbook.command`` offers."""
 
-    if name not in FUNCTIONS:
-        hint = suggestion(name, list(FUNCTIONS))
-        every = "" if hint.startswith("Valid") else f" It has: {' '.join(FUNCTIONS)}"
-        raise UsageError(f"the textbook library has no function {name!r}. {hint}{every}")
-    return textbook(name)
+    def library(self, name: str) -> Any:
+        """One function, with modules as a Derivation has them. UsageError for a name that there is not."""
+
+    def run(self, out: Path) -> int:
+        """Write the library and the errata into ``out``."""
+
+    def differing(self, out: Path) -> list[Difference]:
+        """What is not as `run` would leave it."""
 
 
-def run(out: Path) -> int:
-    """Write both, then say what was written."""
-    from wmrgen.textbook.emit import artifacts, errata
-
-    with console.progress() as step:
-        step("writing down the library")
-        files = artifacts()
-        step("running the checks of the errata")
-        page = errata()
-    written = write_tree(out / FOLDER, files)
-    changed = write_file(out / ERRATA, page)
-    state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
-    console.result(f"{(out / FOLDER).as_posix()}/ ({state}): {len(files)} files")
-    console.result(f"{(out / ERRATA).as_posix()} ({'new or changed' if changed else 'up to date'})")
-    for name in written.removed:
-        console.note(f"{FOLDER}: removed {name}, which is no longer produced")
-    return 0
+def installed() -> Library:
+    """The textbook library. EnvironmentFailure where it is not installed."""
+    try:
+        return cast(Library, import_module("textbook.command"))
+    except ModuleNotFoundError as error:
+        if error.name not in ("textbook", "textbook.command"):
+            raise
+        raise EnvironmentFailure(
+            "the textbook library is not installed: it is a package of its own. Install wmrgen[textbook], or run "
+            "wmrgen from a checkout"
+        ) from error
 
 
 def differing(out: Path) -> list[Difference]:
-    """What is not as `run` would leave it; nothing is asked of a folder that holds neither."""
+    """What of the library under ``out`` is not fresh; nothing is asked of a directory that holds none of it."""
     if not (out / FOLDER).is_dir() and not (out / ERRATA).exists():
         return []
-    from wmrgen.textbook.emit import artifacts, errata
-
-    return [*differences(out / FOLDER, artifacts()), *file_difference(out / ERRATA, errata())]
+    return installed().differing(out)

@@ -96,6 +96,12 @@ def _repaired(name: str) -> str:
 
 def robot_name(node: Scalar) -> str:
     """A robot's name, which also names its files and folder."""
+    if node.text == "textbook":
+        raise node.error(
+            "the robot name 'textbook' is reserved",
+            "Beside the robots' folders, `wmrgen textbook` writes a folder of that name: one would replace the other.",
+            "Write textbook_robot.",
+        )
     if node.text in _FILE_NAMES:
         raise node.error(
             f"the robot name {quoted(node.text)} is reserved",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +25,6 @@ from tests.functions.control.common import (
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.passes.guards import findings
 from wmrgen.symbolic import signal
-from wmrgen.textbook import INPUT_SETS
 
 ACKERMANN = next(p for p in ROBOTS if p.stem == "ackermann_car")
 
@@ -137,12 +135,6 @@ def test_case_a_reduction(tmp_path: Path) -> None:
     )
     twist = driven(path, joints)
     assert [twist["vx"], twist["omega"]] == pytest.approx([expect["v"], expect["omega"]], abs=1e-9)
-
-
-def test_case_t_rs_dubins() -> None:
-    expect = CASES["T-RS-Dubins"]["expect"]
-    assert list(INPUT_SETS["reeds_shepp"]) == [Fraction(v) for v in expect["reeds_shepp_v1"]]
-    assert list(INPUT_SETS["dubins"]) == [Fraction(v) for v in expect["dubins_v1"]]
 
 
 @pytest.mark.parametrize("base", (0.7, 1.0, 2.3))

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from tests.functions.control.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.functions.space.vectors import Frame, Point, cross, plus, scaled, seen_from_before
 from wmrgen.symbolic import signal
-from wmrgen.textbook import textbook
 
 Array = NDArray[np.float64]
 OFFSET = """\
@@ -65,30 +64,6 @@ def test_kelly_4_24_and_4_25_corrected_as_matrices() -> None:
     omega = sympy.Matrix.hstack(skew(mw) ** 2, 2 * skew(mw))
     assert vanishes(found.v, h * sympy.Matrix([mvf, mw]) + mv)
     assert vanishes(found.a, h * sympy.Matrix([ma, mal]) + omega * sympy.Matrix([mr, mv]) + mao)
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("name", ["KE-4.30", "KE-4.31"])
-def test_case_of_the_articulated_wheel(name: str, backend: str) -> None:
-    """Through the library's function, whose inputs are the case's vectors."""
-    from tests.textbook.common import call as book_call
-    from tests.textbook.common import vector as numbers
-
-    g, expect = CASES[name]["given"], CASES[name]["expect"]
-    function = {"KE-4.30": "articulated_wheel_velocity", "KE-4.31": "articulated_wheel_acceleration"}[name]
-    ports = {p.name.rpartition(".")[0] for p in textbook(function).formulas[0].inputs}
-    spelled = {
-        "r_vehicle": "r_c_v", "r_steer": "r_c_s", "v_vehicle": "v_v", "omega_vehicle": "omega_v",
-        "v_steer": "v_s_v", "omega_steer": "omega_s", "v_o": "v_c_s", "a_vehicle": "a_v", "a_o": "a_c_s",
-        "alpha_vehicle": "alpha_v", "a_steer": "a_s_v", "alpha_steer": "alpha_s",
-    }  # fmt: skip
-    given = {port: g[spelled[port]] for port in ports if spelled[port] in g}
-    if name == "KE-4.31":  # the velocity that the case gives as seen from the vehicle
-        seen = np.array(g["v_c_v"]) - np.cross(g["omega_s"], g["r_c_s"]) - g["v_c_s"]
-        given["v_steer"] = list(seen)
-    found = book_call(backend, function, **given)
-    key = "v" if name == "KE-4.30" else "a"
-    assert numbers(found, key) == pytest.approx(expect[f"{key}_c"], abs=1e-9)
 
 
 def rotation(axis: Array, angle: float) -> Array:

@@ -1,0 +1,55 @@
+"""`wmrgen rollers`: sizes from Tzafestas (2.86)-(2.91), and designs that cannot be."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+
+import pytest
+
+from tests.conftest import Outcome
+
+Cli = Callable[..., Outcome]
+
+
+def rollers(cli: Cli, radius: str, count: str, angle: str, *more: str) -> Outcome:
+    return cli("rollers", "--radius", radius, "--count", count, "--angle", angle, *more)
+
+
+@pytest.mark.parametrize("words", [("150mm", "8", "45deg"), ("0.15", "8", "pi/4"), ("15 cm", "8", "45 deg")])
+def test_rollers_of_tzafestas_2_88(wmrgen_cli: Cli, words: tuple[str, str, str]) -> None:
+    done = rollers(wmrgen_cli, *words)
+    assert done.code == 0 and done.err == ""
+    half = 0.15 * math.sin(math.pi / 8)
+    found = {line.split()[0]: float(line.split()[2]) for line in done.out.splitlines()[:3]}
+    assert found == pytest.approx({"D_r": 2 * half * math.sqrt(2), "d": 2 * half, "b": half})
+    assert all(" m  " in line for line in done.out.splitlines()[:3])
+    assert "gamma of the robot file: ±45 deg" in done.out
+
+
+def test_rollers_as_json(wmrgen_cli: Cli) -> None:
+    found = json.loads(rollers(wmrgen_cli, "150mm", "6", "90deg", "--json").out)
+    assert found["d"] == 0.0 and found["gamma_deg"] == 0.0
+    assert found["D_r"] == pytest.approx(2 * 0.15 * math.sin(math.pi / 6))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("0", "8", "45deg"), "the radius is not positive"),
+        (("-150mm", "8", "45deg"), "the radius is not positive"),
+        (("150mm", "2", "45deg"), "at least 3"),
+        (("150mm", "7.5", "45deg"), "whole number"),
+        (("150mm", "8", "0deg"), "impossible"),
+        (("150mm", "8", "91deg"), "impossible"),
+        (("150mm", "8", "45"), "write 45deg"),
+        (("150kg", "8", "45deg"), "not a unit"),
+        (("150deg", "8", "45deg"), "is a length"),
+        (("150mm", "eight", "45deg"), "eight"),
+    ],
+)
+def test_rollers_refuse_what_cannot_be(wmrgen_cli: Cli, words: tuple[str, str, str], said: str) -> None:
+    done = rollers(wmrgen_cli, *words)
+    assert (done.code, done.out) == (2, "")
+    assert said in done.err and "Traceback" not in done.err

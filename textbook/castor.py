@@ -1,0 +1,78 @@
+"""The swivel of a towed castor in closed form, from Siegwart (3.18).
+
+At constant pivot velocity V along nu without turning, beta' = -(V/d) cos(alpha + beta - nu). With
+psi = alpha + beta - nu this is the inverse Gudermannian running at -V/d, so that tan(pi/4 + psi/2) decays
+by exp(-V t/d). The contact is B = A + d e: a castor with d > 0 trails with its wheel running backwards.
+"""
+
+from __future__ import annotations
+
+import sympy
+
+from textbook.page import Page
+from wmrgen.kinematics.records import Formula
+from wmrgen.symbolic import Expr, absolute, angle_of, maximum, minimum, root, select
+
+HALVINGS, TERMS = 6, 15
+LARGEST = 40  # beyond, the wheel is within exp(-40) of its equilibrium
+# |x| / 2**6 <= 5/8: the first term left out is (5/8)**16/16! = 2.6e-17, raised 64 times: 1.7e-15 of the value.
+
+
+def exponential(page: Page, name: str, x: Expr) -> Expr:
+    """exp(x) for x clamped to [-40, 40], to within 2e-15 of its value by the series.
+
+    The report shows the local ``NAME_exp`` as the exponential of ``NAME_exp_of``.
+    """
+    exponent = page.let(f"{name}_exp_of", x)
+    clamped = minimum(maximum(exponent, -LARGEST), LARGEST)
+    y = page.let(f"{name}_exp_part", clamped / 2**HALVINGS)
+    series: Expr = sympy.S.One
+    for k in range(TERMS, 0, -1):
+        series = 1 + sympy.Mul(y / k, series, evaluate=False)
+    # The root halves the exponent once more: it leaves exact arithmetic 60 digits to square, not thousands.
+    value = page.let(f"{name}_exp_root", root(series))
+    for k in range(HALVINGS):
+        value = page.let(f"{name}_exp_{k}", value * value)
+    return page.let(f"{name}_exp", value * value)
+
+
+def castor_swivel() -> Formula:
+    """The angle of a castor's joint after a time at constant pivot velocity."""
+    page = Page("castor_swivel", "angle of a towed castor after a time, Siegwart (3.18) integrated")
+    beta = page.given("beta", "rad", "joint angle at time 0")
+    alpha = page.given("alpha", "rad", "direction of the pivot from P")
+    d = page.given("d", "m", "contact minus pivot along the rolling direction")
+    vx, vy = (
+        page.given("vx", "m/s", "velocity of the pivot"),
+        page.given("vy", "m/s", "velocity of the pivot"),
+    )
+    t = page.given("t", "s", "time")
+    speed = page.let("speed", root(vx**2 + vy**2))
+    growth = exponential(page, "growth", page.quotient("exponent", -speed * t, d))
+    quarter = page.let("quarter", (alpha + beta - angle_of(vy, vx)) / 2 + sympy.pi / 4)
+    c, s = page.let("c", sympy.cos(quarter)), page.let("s", sympy.sin(quarter))
+    swing = angle_of(c * s * (growth - 1), c * c + s * s * growth)
+    page.gives("beta", "rad", beta + 2 * swing, "joint angle at time t")
+    return page.formula()
+
+
+def castor_alignment() -> Formula:
+    """Equilibria of (3.18): stable with the contact behind the pivot, and how fast it is reached."""
+    page = Page("castor_alignment", "where a towed castor comes to rest, Siegwart (3.18)")
+    alpha = page.given("alpha", "rad", "direction of the pivot from P")
+    d = page.given("d", "m", "contact minus pivot along the rolling direction")
+    r = page.given("r", "m", "radius")
+    vx, vy = (
+        page.given("vx", "m/s", "velocity of the pivot"),
+        page.given("vy", "m/s", "velocity of the pivot"),
+    )
+    speed = page.let("speed", root(vx**2 + vy**2))
+    side = page.let("side", select(sympy.S.Zero, d, sympy.S.One, sympy.S.NegativeOne))
+    # e = -+ V / |V| at beta = nu - alpha -+ pi/2
+    ahead = page.let("ahead", angle_of(vy, vx) - alpha)
+    c, s = page.let("c", sympy.cos(ahead)), page.let("s", sympy.sin(ahead))
+    page.gives("beta_stable", "rad", angle_of(-side * c, side * s), "contact behind the pivot")
+    page.gives("beta_unstable", "rad", angle_of(side * c, -side * s), "contact ahead of the pivot")
+    page.gives("rate", "1/s", -page.quotient("fall", speed, absolute(d)), "of the approach to beta_stable")
+    page.gives("spin", "rad/s", -side * page.quotient("turning", speed, r), "wheel speed at beta_stable")
+    return page.formula()

@@ -1,0 +1,44 @@
+"""``wmrgen textbook``: the library and the errata; ``wmrgen eval textbook FUNCTION``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from textbook.emit import artifacts, errata
+from textbook.library import FUNCTIONS, Textbook, textbook
+from wmrgen.artifacts import Difference, differences, file_difference, write_file, write_tree
+from wmrgen.cli import console
+from wmrgen.cli.textbook import ERRATA, FOLDER
+from wmrgen.errors import UsageError
+from wmrgen.spec.text import suggestion
+
+
+def library(name: str) -> Textbook:
+    """One function of the library. UsageError for a name that it does not have."""
+    if name not in FUNCTIONS:
+        hint = suggestion(name, list(FUNCTIONS))
+        every = "" if hint.startswith("Valid") else f" It has: {' '.join(FUNCTIONS)}"
+        raise UsageError(f"the textbook library has no function {name!r}. {hint}{every}")
+    return textbook(name)
+
+
+def run(out: Path) -> int:
+    """Write both, then say what was written."""
+    with console.progress() as step:
+        step("writing down the library")
+        files = artifacts()
+        step("running the checks of the errata")
+        page = errata()
+    written = write_tree(out / FOLDER, files)
+    changed = write_file(out / ERRATA, page)
+    state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
+    console.result(f"{(out / FOLDER).as_posix()}/ ({state}): {len(files)} files")
+    console.result(f"{(out / ERRATA).as_posix()} ({'new or changed' if changed else 'up to date'})")
+    for name in written.removed:
+        console.note(f"{FOLDER}: removed {name}, which is no longer produced")
+    return 0
+
+
+def differing(out: Path) -> list[Difference]:
+    """What is not as `run` would leave it."""
+    return [*differences(out / FOLDER, artifacts()), *file_difference(out / ERRATA, errata())]

@@ -1,0 +1,78 @@
+"""The files of the library, and the page of errata, in memory."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import cache
+from typing import Any
+
+import sympy
+
+from textbook.library import Textbook, textbook
+from textbook.report import report
+from wmrgen import __version__
+from wmrgen.backends.meta import Meta
+from wmrgen.backends.registry import BACKENDS
+from wmrgen.kinematics.records import Formula
+from wmrgen.ports import Port
+from wmrgen.render import render
+
+DESCRIPTION = "Formulas of the texts that need no robot, in their corrected form"
+
+
+def artifacts(scalar: str = "float") -> dict[str, bytes]:
+    """File name -> content of everything in ``DIR/textbook/``, the manifest aside."""
+    return dict(_artifacts(scalar))
+
+
+@cache
+def _artifacts(scalar: str) -> dict[str, bytes]:
+    book = textbook()
+    facts = (json.dumps(_functions(book), indent=2, ensure_ascii=False) + "\n").encode()
+    digest = hashlib.sha256(facts)
+    digest.update(repr(book.raw_module).encode())
+    digest.update(f"{scalar} {__version__}".encode())
+    meta = Meta(
+        description=DESCRIPTION,
+        model_hash=digest.hexdigest()[:32],
+        wmrgen_version=__version__,
+        sympy_version=sympy.__version__,
+        scalar=scalar,
+    )
+    files = {"functions.json": facts}
+    for entry in BACKENDS.values():
+        if entry.source != "itself":  # those draw and report robots
+            files |= entry.load().emit(getattr(book, entry.source), meta)
+    return files | {"report.md": page(report(book))}
+
+
+@cache
+def errata() -> bytes:
+    """The content of ``DIR/errata.md``, from running every check."""
+    from textbook.errata.page import lines
+
+    return page(lines())
+
+
+def page(lines: list[str]) -> bytes:
+    """Markdown, without double empty lines."""
+    kept = [line for i, line in enumerate(lines) if line or not i or lines[i - 1]]
+    return render("report/report.md.j2", lines=kept).encode()
+
+
+def _functions(book: Textbook) -> list[dict[str, Any]]:
+    return [_facts(f) for f in book.formulas]
+
+
+def _facts(f: Formula) -> dict[str, Any]:
+    return {
+        "name": f.name,
+        "text": f.text,
+        "inputs": [_port(p) for p in f.inputs],
+        "outputs": [_port(p) for p, _ in f.outputs],
+    }
+
+
+def _port(p: Port) -> dict[str, str]:
+    return {"name": p.name, "unit": p.unit, "text": p.text}

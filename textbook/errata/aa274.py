@@ -1,0 +1,121 @@
+"""What AA274, lecture 1, prints and what holds only under a condition."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import sympy
+
+from textbook.errata import engine
+from textbook.errata.checks import number, rights
+from textbook.errata.engine import ALPHA, BETA
+from textbook.errata.engine import L as LEVER
+from textbook.errata.forms import EQ, Form, form, forms, symbol
+from textbook.errata.records import Check, Finding, Record
+
+TEXT = "AA274"
+M = sympy.Matrix
+cos, sin, tan = sympy.cos, sympy.sin, sympy.tan
+xi, u1, L = symbol(r"\xi"), symbol("u_1"), symbol("L")
+
+
+def _front(turn: sympy.Expr) -> list[sympy.Expr]:
+    """Front wheel at (L, 0) and heading xi: wmrgen's rows with twist (u1 cos xi, 0, turn) and rim speed u1."""
+    known = {ALPHA: sympy.S.Zero, BETA: xi + sympy.pi / 2, LEVER: L}
+    twist = M([u1 * cos(xi), 0, turn])
+    rows = engine.rolling("steered").xreplace(known), engine.sliding("steered").xreplace(known)
+    return [(rows[0] * twist)[0] - u1, (rows[1] * twist)[0]]
+
+
+_SAYS = "wmrgen's rolling and sliding row of the front wheel"
+TRICYCLE = Record(
+    TEXT, "tricycle", rights(_front, _SAYS),
+    form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1), form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1 / L),
+    part=rights(_front, f"{_SAYS}, with L = 1", {L: sympy.S.One}), condition="wheelbase L = 1",
+)  # fmt: skip
+
+V, W, TOP, ZMAX = symbol("v"), symbol(r"\omega"), symbol(r"u_1^{max}"), symbol(r"\zeta_{max}")
+_TOP, _ZETA = sympy.S.One, sympy.pi / 6
+_GRID = [(sympy.Rational(a, 5), sympy.Rational(b, 5)) for a, b in product(range(-5, 6), range(-3, 4))]
+
+
+def _attained(v: sympy.Expr, w: sympy.Expr) -> bool:
+    """(v, omega) = u1 (cos zeta, sin zeta) for some |u1| <= 1 and |zeta| <= 30 deg (L = 1)."""
+    return bool(v**2 + w**2 <= 1) and bool(3 * w**2 <= v**2)
+
+
+def _set(inner: bool) -> Check:
+    """The bounds describe the inputs of the car exactly; with ``inner``: no more than those."""
+
+    def check(f: Form) -> Finding:
+        extra, lost = [], []
+        for v, w in _GRID:
+            known = {V: v, W: w, TOP: _TOP, ZMAX: _ZETA}
+            said = all(bool(r.xreplace(known)) for r in f.values)
+            if said and not _attained(v, w):
+                extra.append((v, w))
+            if not said and _attained(v, w):
+                lost.append((v, w))
+        wrong = extra if inner else extra + lost
+        of = f"{len(_GRID)} points (v, ω), u₁ᵐᵃˣ = 1, ζ_max = 30°, L = 1"
+        if wrong:
+            v, w = wrong[-1]
+            what = "allowed but not attained" if wrong[-1] in extra else "attained but excluded"
+            return Finding(False, f"{of}: {len(wrong)} wrong, as ({number(v)}, {number(w)}), {what}")
+        return Finding(True, f"{of}: {'all that it allows are attained' if inner else 'all agree'}")
+
+    return check
+
+
+SLOPE = sympy.LessThan(sympy.Abs(W), sympy.Abs(V) * tan(ZMAX), evaluate=False)
+BOUNDS = Record(
+    TEXT, "bounds", _set(False),
+    forms((sympy.LessThan(sympy.Abs(V), TOP * cos(ZMAX), evaluate=False),), (SLOPE,)),
+    forms((sympy.LessThan(V**2 + W**2, TOP**2, evaluate=False),), (SLOPE,)),
+    part=_set(True), condition="as an inner approximation (ζ = ξ, L = 1)",
+)  # fmt: skip
+
+CONCURRENT = """
+name: a, type: fixed, l: 0.3, alpha: pi/3, beta: 0, r: 0.1
+name: b, type: fixed, l: 0.3, alpha: pi, beta: 0, r: 0.1
+name: c, type: fixed, l: 0.3, alpha: -pi/3, beta: 0, r: 0.1
+"""
+APART = """
+name: a, type: fixed, x: 0.3, y: 0, heading: pi/6, r: 0.1
+name: b, type: fixed, x: -0.2, y: 0.3, heading: pi/3, r: 0.1
+name: c, type: fixed, x: -0.2, y: -0.3, heading: -pi/4, r: 0.1
+"""
+RANK, DELTA = symbol(r"\mathrm{rank}\,C_1"), symbol(r"\delta_m")
+
+
+def _mobility(robots: tuple[str, ...]) -> Check:
+    """The claim against wmrgen's degree of mobility."""
+
+    def check(f: Form) -> Finding:
+        found = []
+        for text in robots:
+            m = engine.robot(text).mobility
+            said = f.rights[0].xreplace({RANK: sympy.Integer(m.rank_C1.value)})
+            name = "axles in one point" if text is CONCURRENT else "axles apart"
+            found.append(
+                (
+                    said == m.degree_of_mobility,
+                    f"{name}: rank {m.rank_C1.value}, mobility {m.degree_of_mobility}",
+                )
+            )
+        wrong = [text for right, text in found if not right]
+        return Finding(
+            not wrong, "three fixed wheels at different angles, " + "; ".join(wrong or [t for _, t in found])
+        )
+
+    return check
+
+
+THREE_FIXED = Record(
+    TEXT, "degree of mobility, three fixed wheels", _mobility((CONCURRENT, APART)),
+    form(DELTA, EQ, sympy.S.Zero), form(DELTA, EQ, 3 - RANK),
+    part=_mobility((APART,)), condition="the axles do not meet in one point",
+)  # fmt: skip
+
+ERRATA: tuple[Record, ...] = ()
+CONVENTIONS = (TRICYCLE, BOUNDS, THREE_FIXED)

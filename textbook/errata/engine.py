@@ -1,0 +1,111 @@
+"""What wmrgen derives from a robot file, as the truth that the texts are held against."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy
+
+from textbook.errata.forms import symbol
+from wmrgen.layout import build
+from wmrgen.robot import Derivation, derive
+from wmrgen.spec.load import read_text
+from wmrgen.symbolic import Expr, Parameter, signal
+
+ONE_OF_EACH = """\
+wmrgen: 1
+name: one_of_each
+parameters: {l: 0.7, alpha: 0.8, beta: 0.45, g: 0.6, r: 0.12, d: 0.09}
+wheels:
+  - {name: fixed, type: fixed, l: l, alpha: alpha, beta: beta, r: r}
+  - {name: swedish, type: swedish, l: l, alpha: alpha, beta: beta, gamma: g, r: r}
+  - {name: castor, type: castor, l: l, alpha: alpha, beta: beta, d: d, r: r}
+  - {name: steered, type: steered, l: l, alpha: alpha, beta: beta, r: r}
+"""
+ALPHA, BETA, GAMMA = symbol(r"\alpha"), symbol(r"\beta"), symbol(r"\gamma")
+L, R, D = symbol("l"), symbol("r"), symbol("d")
+_NAMES = {"l": L, "alpha": ALPHA, "beta": BETA, "g": GAMMA, "r": R, "d": D}
+
+
+@cache
+def derived(text: str) -> Derivation:
+    """The derivation of a robot file given as text."""
+    return derive(build(read_text(text, "errata")))
+
+
+def shown(matrix: sympy.Matrix) -> sympy.Matrix:
+    """Parameters by the letters of the texts, steering joints at their zero."""
+    swap: dict[Expr, Expr] = {
+        s: _NAMES.get(s.name, s) for s in matrix.free_symbols if isinstance(s, Parameter)
+    }
+    swap |= {signal("castor.steer"): sympy.S.Zero, signal("steered.steer"): sympy.S.Zero}
+    return matrix.applyfunc(lambda e: e.xreplace(swap))
+
+
+def rolling(wheel: str) -> sympy.Matrix:
+    """The rolling row, 1 x 3, of a wheel at (l, alpha) with beta (and gamma), in symbols."""
+    order = ("fixed", "swedish", "castor", "steered")
+    return shown(derived(ONE_OF_EACH).J1[order.index(wheel), :])
+
+
+def radius(wheel: str) -> Expr:
+    """What multiplies the wheel speed in the rolling row."""
+    k = ("fixed", "swedish", "castor", "steered").index(wheel)
+    return shown(derived(ONE_OF_EACH).J2[k : k + 1, k : k + 1])[0]
+
+
+def sliding(wheel: str) -> sympy.Matrix:
+    """The sliding row, 1 x 3, of a wheel at (l, alpha) with beta, in symbols."""
+    d = derived(ONE_OF_EACH)
+    rows = {"fixed": 0, "castor": 1, "steered": 2}
+    return shown(d.pfaffian[d.J1.rows + rows[wheel], :3])
+
+
+def castor_rate() -> Expr:
+    """What multiplies the castor's steering rate in its sliding row."""
+    d = derived(ONE_OF_EACH)
+    column = d.pfaffian_rates.index("castor.steer_rate")
+    return shown(d.pfaffian[d.J1.rows + 1 : d.J1.rows + 2, column])[0]
+
+
+def inverse(m: sympy.Matrix) -> sympy.Matrix:
+    """The inverse by cofactors, as it stands: no pivot has to be recognised as 0."""
+    return m.adjugate() / m.det(method="berkowitz")
+
+
+def robot(wheels: str, name: str = "robot") -> Derivation:
+    """The derivation of a robot whose wheels are given as lines of a robot file, without parameters."""
+    lines = "".join(f"  - {{{line.strip()}}}\n" for line in wheels.strip().splitlines())
+    return derived(f"wmrgen: 1\nname: {name}\nwheels:\n{lines}")
+
+
+CARTESIAN = """\
+wmrgen: 1
+name: cartesian
+parameters: {px: 0.7, py: 0.2, h: 0.45, r: 0.12, o: 0.06}
+wheels:
+  - {name: fixed, type: fixed, x: px, y: py, heading: h, r: r}
+  - {name: steered, type: steered, x: px, y: py, heading: h, r: r, offset_y: o}
+"""
+X, Y, H, O = symbol("x"), symbol("y"), symbol("h"), symbol("o")
+
+
+def wheel(x: Expr, y: Expr, heading: Expr) -> tuple[sympy.Matrix, sympy.Matrix]:
+    """Rolling and sliding row of a wheel at (x, y) whose rolling direction is ``heading``."""
+    d = derived(CARTESIAN)
+    known = {"px": x, "py": y, "h": heading}
+    swap = {s: known[s.name] for s in d.J1[0, :].free_symbols if s.name in known}
+    return d.J1[0, :].xreplace(swap), d.C1f[0, :].xreplace(swap)
+
+
+def offset_wheel() -> tuple[sympy.Matrix, sympy.Matrix]:
+    """Rolling and sliding row of a steered wheel with axle offset o at (x, y), heading h, over
+    (vx, vy, omega, steering rate)."""
+    d = derived(CARTESIAN)
+    column = d.pfaffian_rates.index("steered.steer_rate")
+    known = {"px": X, "py": Y, "h": H, "o": O}
+    rows = [d.pfaffian[k, :3].row_join(d.pfaffian[k : k + 1, column]) for k in (1, d.J1.rows + 1)]
+    names = {s for row in rows for s in row.free_symbols}
+    swap: dict[Expr, Expr] = {s: known[s.name] for s in names if s.name in known}
+    swap[signal("steered.steer")] = sympy.S.Zero
+    return rows[0].xreplace(swap), rows[1].xreplace(swap)

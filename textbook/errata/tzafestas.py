@@ -1,0 +1,301 @@
+"""Misprints of Tzafestas, chapter 2."""
+
+from __future__ import annotations
+
+import sympy
+
+from textbook.canonical import brockett
+from textbook.errata import engine
+from textbook.errata.checks import identity, rights, shape_of, undefined, vanishes
+from textbook.errata.forms import BAR, EQ, PLUS, TIMES, Form, form, forms, symbol
+from textbook.errata.motion import cross
+from textbook.errata.records import Finding, Record
+from textbook.library import formula
+from textbook.transforms import rotation_rows, world_to_robot_rows
+
+TEXT = "Tzafestas"
+M = sympy.Matrix
+cos, sin, half, sqrt = sympy.cos, sympy.sin, sympy.Rational(1, 2), sympy.sqrt
+phi, psi, zeta, beta, gamma = (symbol(rf"\{n}") for n in ("phi", "psi", "zeta", "beta", "gamma"))
+phid = symbol(r"\dot{\phi}")
+r, b, D, v, w, z, theta_d = (symbol(n) for n in ("r", "b", "D", "v", "w", "z", r"\dot{\theta}"))
+u1, u2, v1 = symbol("u_1"), symbol("u_2"), symbol("v_1")
+
+
+# ---- (2.15b)
+
+RY = M(rotation_rows("y", phi))
+RY_DOT = symbol("R_y")
+
+
+def _right_handed(matrix: sympy.Matrix) -> sympy.Matrix:
+    """dR/dphi - [e_y]x R, which is 0 for the right-handed rotation about y that is 1 at phi = 0."""
+    return sympy.diff(matrix, phi) - cross(M([0, 1, 0])) * matrix
+
+
+ROTATION = Record(
+    TEXT, "(2.15b)",
+    rights(_right_handed, "dR/dφ = [e_y]× R, as for a right-handed rotation"),
+    form(RY_DOT, EQ, RY.T), form(RY_DOT, EQ, RY),
+    remark="The printed matrix is R_y(−φ); R_x and R_z of (2.15a, c) are right-handed.",
+)  # fmt: skip
+
+# ---- (2.23)
+
+Q = [symbol(f"q_{k}") for k in (1, 2, 3)]
+QD = [symbol(rf"\dot{{q}}_{k}") for k in (1, 2, 3)]
+MU = symbol(r"\mu(q)\,\dot{q}")
+SUM = sympy.Add(*(a * c for a, c in zip(Q, QD, strict=True)))
+
+
+def _equation_to_zero(f: Form) -> str:
+    return (
+        ""
+        if f.rights[-1] == 0
+        else "the line names a sum and sets it equal to nothing: no motion is excluded"
+    )
+
+
+SPHERE = Record(
+    TEXT, "(2.23)",
+    identity(
+        lambda left, _: [sympy.diff(left, qd) - sympy.diff(sum(q**2 for q in Q) / 2, q)
+                         for q, qd in zip(Q, QD, strict=True)],
+        "the coefficients are the gradient of (q₁² + q₂² + q₃²)/2, so the constraint is integrable",
+    ),
+    form(MU, EQ, SUM), form(SUM, EQ, sympy.S.Zero), slip=_equation_to_zero,
+    remark="Shown for three coordinates.",
+)  # fmt: skip
+
+# ---- Example 2.1 and 2.2
+
+XR, YR, VQ, V0 = symbol(r"\dot{x}_r"), symbol(r"\dot{y}_r"), symbol("v_Q"), symbol("v_0")
+UNICYCLE = formula("unicycle").closed()
+
+
+def _robot_to_world(x: sympy.Expr, y: sympy.Expr) -> sympy.Matrix:
+    back = M(world_to_robot_rows(phi)).T * M([x, y, 0])
+    return back[:2, :] - VQ * M([cos(phi), sin(phi)])
+
+
+EXAMPLE_21 = Record(
+    TEXT, "Example 2.1, (2.44)",
+    rights(_robot_to_world, "turned into the world frame the velocity is (2.35), v_Q (cos φ, sin φ)"),
+    forms((XR, EQ, V0), (YR, EQ, symbol(r"0\,\cos/\sin{}-\sin/\cos"))),
+    forms((XR, EQ, VQ), (YR, EQ, sympy.S.Zero)),
+    slip=undefined(XR, YR, VQ, phi),
+)  # fmt: skip
+
+
+def _slipping(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
+    """(r theta' - w) e + z n: velocity of a slipping contact of a wheel turned by zeta."""
+    row = engine.rolling("steered").xreplace({engine.ALPHA: sympy.S.Zero, engine.BETA: zeta + sympy.pi / 2})
+    across = engine.sliding("steered").xreplace(
+        {engine.ALPHA: sympy.S.Zero, engine.BETA: zeta + sympy.pi / 2}
+    )
+    return [x - (r * theta_d - w) * row[0] - z * across[0], y - (r * theta_d - w) * row[1] - z * across[1]]
+
+
+_SAYS = "velocity of the contact of a wheel at angle ζ, from wmrgen's rolling and sliding rows"
+SLIP_ZETA = Record(
+    TEXT, "Example 2.2, slip with ζ ≠ 0", rights(_slipping, _SAYS),
+    forms((symbol("v_x"), EQ, (r * theta_d - w) * cos(zeta)), (symbol("v_y"), EQ, z * cos(zeta))),
+    forms((symbol("v_x"), EQ, (r * theta_d - w) * cos(zeta) - z * sin(zeta)),
+          (symbol("v_y"), EQ, (r * theta_d - w) * sin(zeta) + z * cos(zeta))),
+    part=rights(_slipping, _SAYS, {zeta: sympy.S.Zero}), condition="ζ = 0", claimed=True,
+)  # fmt: skip
+
+# ---- canonical forms
+
+T = sympy.Symbol("t")
+X1, X2, X3 = (sympy.Function(f"x_{k}")(T) for k in (1, 2, 3))
+
+
+def _double_integrator(f: Form) -> Finding:
+    """The first two lines set second derivatives; the third is Brockett's with rates for inputs."""
+    a, c, third = (line[0] for line in f.lines)
+    orders = [sympy.Integer(e.derivative_count) for e in (a, c)]
+    rates = {X1: symbol("x_1"), X2: symbol("x_2")}
+    dots = {sympy.diff(X1, T): u1, sympy.diff(X2, T): u2}
+    last = f.lines[2][-1].xreplace(dots).xreplace(rates)
+    texts = {p.name: e for p, e in brockett().outputs}
+    names = {"x1": "x_1", "x2": "x_2", "u1": "u_1", "u2": "u_2"}
+    known = {s: symbol(names[s.name]) for s in texts["x3_rate"].free_symbols}
+    as_259 = vanishes(last - texts["x3_rate"].xreplace(known), "the third line is that of (2.59)")
+    if orders != [2, 2]:
+        return Finding(False, f"the inputs set derivatives of order {orders[0]} and {orders[1]}: "
+                              "the three lines are those of (2.59), which integrates once")  # fmt: skip
+    return Finding(
+        as_259.holds and third == sympy.diff(X3, T), f"both inputs are accelerations; {as_259.text}"
+    )
+
+
+def _brockett(order: int) -> Form:
+    return forms(
+        (sympy.diff(X1, T, order), EQ, u1), (sympy.diff(X2, T, order), EQ, u2),
+        (sympy.diff(X3, T), EQ, X1 * sympy.diff(X2, T) - X2 * sympy.diff(X1, T)),
+    )  # fmt: skip
+
+
+DOUBLE = Record(TEXT, "(2.60)", _double_integrator, _brockett(1), _brockett(2))
+
+Z = [symbol(rf"\dot{{z}}_{k}") for k in (1, 2, 3)]
+
+
+def _chain_rates(*right: sympy.Expr) -> list[sympy.Expr]:
+    """Right-hand sides against the rates of z of (2.62) along the unicycle."""
+    book = formula("unicycle_to_chain").closed()
+    at = {s.name: s for e in book.values() for s in e.free_symbols}
+    speed, turn, heading = at["v"], at["omega"], at["theta"]
+    flow = {at["x"]: speed * cos(heading), at["y"]: speed * sin(heading), heading: turn}
+    known = {u1: book["u1"], u2: book["u2"], symbol("z_2"): book["z2"]}
+    return [
+        sympy.Add(*(sympy.diff(book[f"z{k}"], s) * rate for s, rate in flow.items())) - e.xreplace(known)
+        for k, e in enumerate(right, 1)
+    ]
+
+
+CHAIN_MISSING = Record(
+    TEXT, "(2.63)",
+    rights(_chain_rates, "rates of z of (2.62) along the unicycle (2.26)"),
+    None,
+    forms((Z[0], EQ, u1), (Z[1], EQ, u2), (Z[2], EQ, symbol("z_2") * u1)),
+    remark="The display is missing; u₁ = v_φ, u₂ = v_Q − z₃ u₁.",
+)  # fmt: skip
+
+# ---- trailers
+
+PHI = [symbol(rf"\phi_{k}") for k in range(4)]
+PHID = [symbol(rf"\dot{{\phi}}_{k}") for k in range(4)]
+LEN = [symbol(f"L_{k}") for k in range(4)]
+XQ, YQ = symbol(r"\dot{x}_Q"), symbol(r"\dot{y}_Q")
+SECOND = 2  # the trailer that is shown
+
+
+def sideways(i: int) -> sympy.Expr:
+    """Velocity of trailer i's axle across its heading, by differentiating x_i = x_Q - sum L_j cos phi_j."""
+    x, y = XQ, YQ
+    for j in range(1, i + 1):
+        x += LEN[j] * sin(PHI[j]) * PHID[j]
+        y -= LEN[j] * cos(PHI[j]) * PHID[j]
+    return x * sin(PHI[i]) - y * cos(PHI[i])
+
+
+def _constraint(rates: list[sympy.Expr]) -> Form:
+    i = SECOND
+    terms = [rates[j] * LEN[j] * cos(PHI[i] - PHI[j]) for j in range(1, i + 1)]
+    return form(XQ * sin(PHI[i]) - YQ * cos(PHI[i]) + sympy.Add(*terms), EQ, sympy.S.Zero)
+
+
+TRAILER_CONSTRAINT = Record(
+    TEXT, "2.3.6, constraint of trailer i",
+    identity(lambda left, _: left - sideways(SECOND), "sideways velocity of the trailer, by differentiation"),
+    _constraint([PHID[SECOND]] * 4), _constraint(PHID),
+    remark="Shown for i = 2. Printed with the rate of trailer i in every term (and i for the bound index).",
+)  # fmt: skip
+
+
+def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
+    found = []
+    for i in (1, 2, 3):
+        product = sympy.Mul(*(cos(PHI[j - 1] - PHI[j]) for j in range(1, i)))
+        found.append(speed / LEN[i] * product * sin(PHI[i - 1] - PHI[i]))
+    return found
+
+
+def _trailers_roll(*right: sympy.Expr) -> list[sympy.Expr]:
+    known = {XQ: v1 * cos(PHI[0]), YQ: v1 * sin(PHI[0]), **dict(zip(PHID[1:], right, strict=True))}
+    return [sideways(i).xreplace(known) for i in (1, 2, 3)]
+
+
+TRAILER_RATES = Record(
+    TEXT, "(2.70)",
+    rights(_trailers_roll, "the three trailers roll without slipping while Q drives at v₁ along φ₀"),
+    forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(sympy.S.One), 1))),
+    forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(v1), 1))),
+    remark="Printed without v₁, which leaves a drift at standstill.",
+)  # fmt: skip
+
+# ---- omnidirectional wheels
+
+VH, VI, VR, VB = (symbol(n) for n in ("v_h", "v_i", r"v_{\mathrm{roller}}", "v_b"))
+PAIR = formula("omni_wheel").closed()
+
+
+def _pythagoras(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
+    known = {VI: VH * cos(gamma - beta), VR: VH * sin(gamma - beta)}
+    return (right - left).xreplace(known)
+
+
+OMNI_PAIR = Record(
+    TEXT, "(2.71a)",
+    identity(_pythagoras, "with v_i = v_h cos(γ − β) and the rest taken up by the roller"),
+    form(VB**2, EQ, VI**2 + VR**2), form(VH**2, EQ, VI**2 + VR**2),
+    slip=undefined(VH, VI, VR, beta, gamma),
+)  # fmt: skip
+
+BETAS = [symbol(rf"\beta_{k}") for k in (1, 2, 3, 4)]
+UT = M([[-sin(e), cos(e)] for e in BETAS])
+BACK = M([[cos(phi), sin(phi)], [-sin(phi), cos(phi)]])
+DD3, DD4 = M([D, D, D]), M([D, D, D, D])
+
+
+def _omni4(f: Form) -> Finding:
+    """(1/r) [U^T R^-1 | D] against wmrgen's rolling rows of four omni wheels at position angles beta_i."""
+    _, scale, left, right = f.values
+    sign = f.lines[0][-2]
+    if sign is PLUS and left.shape != right.shape:
+        return Finding(False, f"a sum of {shape_of(left)} and {shape_of(right)} does not exist")
+    if left.rows != right.rows:
+        return Finding(False, f"{shape_of(left)} and {shape_of(right)} do not stand side by side")
+    made = scale * (left.row_join(right) if sign is BAR else left + right)
+    known = {engine.BETA: sympy.pi, engine.GAMMA: sympy.S.Zero, engine.L: D}
+    rows = [engine.rolling("swedish").xreplace({engine.ALPHA: e, **known}) for e in BETAS]
+    truth = M.vstack(*rows) * M(world_to_robot_rows(phi)) / r
+    return vanishes(made - truth, f"{shape_of(made)}, against wmrgen's rolling rows of four omni wheels")
+
+
+JINV, ONE_R = symbol("J^{-1}"), 1 / r
+OMNI4 = Record(
+    TEXT, "(2.75c, d)", _omni4,
+    form(JINV, EQ, ONE_R, TIMES, UT * BACK, PLUS, DD3), form(JINV, EQ, ONE_R, TIMES, UT * BACK, BAR, DD4),
+    remark="βᵢ is the angle of the wheel's position here, unlike in (2.72); shown with UᵀR⁻¹(φ) multiplied out.",
+)  # fmt: skip
+
+RR, RS, D1, D2 = (symbol(n) for n in ("R", "r", "d_1", "d_2"))
+S = D1 + D2
+IK4 = M([[-1, 1, S], [1, 1, -S], [-1, 1, -S], [1, 1, S]]) / RR  # (2.84)
+SIGNS = (-1, 1, -1, 1)
+
+
+def jacobians(third: list[tuple[sympy.Expr, sympy.Expr]]) -> list[sympy.Matrix]:
+    """J_i of (2.79) for the four wheels, with the third columns (dy, -dx)."""
+    return [
+        M([[0, s * RS / sqrt(2), a], [RR, -RS / sqrt(2), c], [0, 0, 1]])
+        for s, (a, c) in zip(SIGNS, third, strict=True)
+    ]
+
+
+def _mecanum(f: Form) -> Finding:
+    """Wheel rates from the J_i, against (2.84), and their rank where d1 = d2."""
+    rows = M.vstack(*(engine.inverse(J)[0, :] for J in f.rights)).applyfunc(sympy.cancel)
+    rank = rows.xreplace({D2: D1}).rank()
+    found = vanishes(rows - IK4, "wheel rates from the Jᵢ⁻¹ against (2.84)")
+    return Finding(found.holds, f"{found.text}; their rank at d₁ = d₂ is {rank}")
+
+
+def _mecanum_form(third: list[tuple[sympy.Expr, sympy.Expr]]) -> Form:
+    return forms(*((symbol(f"J_{k}"), EQ, J) for k, J in enumerate(jacobians(third), 1)))
+
+
+PRINTED_THIRD = [(D2, D1), (D2, -D1), (-D2, -D1), (-D2, D1)]
+THIRD = [(D2, -D1), (D2, D1), (-D2, D1), (-D2, -D1)]
+MECANUM = Record(
+    TEXT, "(2.81)", _mecanum, _mecanum_form(PRINTED_THIRD), _mecanum_form(THIRD),
+    remark="y forward; wheels 1 to 4 are front right, front left, rear left, rear right.",
+)  # fmt: skip
+
+ERRATA = (
+    ROTATION, SPHERE, EXAMPLE_21, SLIP_ZETA, DOUBLE, CHAIN_MISSING, TRAILER_CONSTRAINT, TRAILER_RATES, OMNI_PAIR,
+    OMNI4, MECANUM,
+)  # fmt: skip

@@ -1,0 +1,30 @@
+"""Functions of the library as the texts write them: without the guards of their quotients."""
+
+from __future__ import annotations
+
+import sympy
+
+from wmrgen.kinematics.records import Formula
+from wmrgen.kinematics.rollers import TINY
+from wmrgen.symbolic import Expr, substituted
+
+
+def unguarded(expr: Expr) -> Expr:
+    """The expression with every choice about a divisor of at most 1e-12 decided for the quotient."""
+    if not expr.args or not expr.has(sympy.Piecewise):
+        return expr
+    if isinstance(expr, sympy.Piecewise):
+        then, condition = expr.args[0]
+        if condition.lts == TINY:
+            return unguarded(then)
+        return expr
+    return expr.func(*(unguarded(a) for a in expr.args))
+
+
+def plain(formula: Formula) -> dict[str, Expr]:
+    """Output name -> expression in the inputs alone, without guards."""
+    known: dict[Expr, Expr] = {}
+    memo: dict[Expr, Expr] = {}
+    for symbol, expr in formula.locals:
+        known[symbol] = substituted(unguarded(expr), known, memo)
+    return {port.name: substituted(unguarded(expr), known, memo) for port, expr in formula.outputs}

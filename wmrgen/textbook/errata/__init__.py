@@ -1,6 +1,0 @@
-"""Errata of the source texts: what is printed, what holds, and the check that decides it."""
-
-from wmrgen.textbook.errata.records import Judgement, Record, judge
-from wmrgen.textbook.errata.texts import RECORDS
-
-__all__ = ["RECORDS", "Judgement", "Record", "judge"]

@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* ackermann_car_inverse() and ackermann_car_inverse_slip(). Columns: vx, vy, omega,
  * front_left.steer, front_right.steer; expected and tolerance of rear_left.spin,
  * rear_right.spin, front_left.spin, front_left.steer, front_right.spin, front_right.steer, slip. */
-static const float inverse_rows[68][19] = {
+static const float inverse_rows[67][19] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 22e-9f, 0.0f,
      1e-12f, 0.0f, 22e-9f, 0.0f, 1e-12f},
@@ -46,17 +46,26 @@ static const float inverse_rows[68][19] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 0.4375f, -0.109375f, -3.75f, 57e-8f, -3.75f, 57e-8f, -3.75f, 14e-7f,
      0.0f, 16e-9f, -3.75f, 14e-7f, 0.0f, 16e-9f, 0.0f, 18e-9f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 0.4375f, -0.109375f, -3.75f, 57e-8f, -3.75f, 57e-8f, -3.75f, 14e-7f,
+     0.0f, 16e-9f, -3.75f, 14e-7f, 0.0f, 16e-9f, 0.0f, 18e-9f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 22e-9f, 0.0f,
      1e-12f, 0.0f, 22e-9f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.4375f, -0.109375f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.4375f,
      49e-9f, 0.0f, 1e-12f, -0.109375f, 29e-9f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.4375f, -0.109375f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.4375f,
+     49e-9f, 0.0f, 1e-12f, -0.109375f, 29e-9f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 0.0f, -3.75f, 57e-8f, 3.75f, 57e-8f, -10.907512f, 85e-7f, -0.6981317f,
      78e-8f, 10.907512f, 85e-7f, 0.6981317f, 78e-8f, 2.1495306f, 17e-7f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 0.4375f, -0.109375f, 3.75f, 57e-8f, -3.75f, 57e-8f, 10.907512f, 85e-7f,
+     -0.6981317f, 78e-8f, -10.907512f, 85e-7f, 0.6981317f, 78e-8f, 2.1495306f, 17e-7f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 0.4375f, -0.109375f, 3.75f, 57e-8f, -3.75f, 57e-8f, 10.907512f, 85e-7f,
      -0.6981317f, 78e-8f, -10.907512f, 85e-7f, 0.6981317f, 78e-8f, 2.1495306f, 17e-7f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -0.28125f, 0.2421875f, -7.34375f, 12e-7f, 1.09375f, 17e-8f,
@@ -208,9 +217,6 @@ static const float inverse_rows[68][19] = {
     {1.7132605f, 0.09651149f, 0.45957854f, 0.13787356f, -1.2684368f, 4.561922f, 11e-7f, 6.8598146f,
      16e-7f, 5.9563966f, 43e-7f, 0.6981317f, 74e-8f, 7.8564997f, 49e-7f, 0.50919175f, 53e-8f,
      0.09651199f, 19e-9f},
-    {-0.15468974f, -0.043652408f, 0.06943314f, -0.31621423f, 0.13826604f, -0.6892153f, 15e-8f,
-     -0.34204963f, 73e-9f, -0.89989257f, 62e-8f, -0.6981317f, 73e-8f, -0.6339482f, 59e-8f,
-     -0.6981317f, 89e-8f, 0.064427316f, 52e-9f},
     {0.39913186f, 0.4263454f, 0.6773147f, 0.6984808f, -0.7801214f, -0.3628472f, 19e-8f, 3.0237262f,
      75e-8f, -3.9060361f, 49e-6f, -0.6981317f, 81e-7f, 5.944388f, 64e-7f, 0.6981317f, 99e-8f,
      1.0907187f, 37e-7f},
@@ -229,27 +235,18 @@ static const float inverse_rows[68][19] = {
     {1.7125454f, 0.09639417f, 0.45901984f, 0.13770595f, -1.2668948f, 4.560935f, 11e-7f, 6.8560343f,
      16e-7f, 5.952648f, 43e-7f, 0.69788545f, 74e-8f, 7.8509297f, 49e-7f, 0.5089087f, 53e-8f,
      0.09639417f, 19e-9f},
-    {-0.15463245f, -0.043669324f, 0.069314726f, -0.3162168f, 0.13825843f, -0.68872833f, 16e-8f,
-     -0.34215468f, 84e-9f, -0.89888525f, 64e-8f, -0.69788545f, 74e-8f, -0.6333944f, 64e-8f,
-     -0.6981317f, 94e-8f, 0.06431042f, 56e-9f},
     {0.39873293f, 0.42591926f, 0.6766377f, 0.69778264f, -0.77934164f, -0.3624845f, 19e-8f,
      3.020704f, 75e-8f, -3.902132f, 49e-6f, -0.6981317f, 81e-7f, 5.9384465f, 64e-7f, 0.6981317f,
      99e-8f, 1.0896286f, 37e-7f},
     {1.7132605f, 0.09651149f, 0.45957854f, 0.13787356f, -1.2684368f, 4.561922f, 11e-7f, 6.8598146f,
      16e-7f, 5.9563966f, 43e-7f, 0.6981317f, 74e-8f, 7.8564997f, 49e-7f, 0.50919175f, 53e-8f,
      0.09651199f, 19e-9f},
-    {-0.15468974f, -0.043652408f, 0.06943314f, -0.31621423f, 0.13826604f, -0.6892153f, 15e-8f,
-     -0.34204963f, 73e-9f, -0.89989257f, 62e-8f, -0.6981317f, 73e-8f, -0.6339482f, 59e-8f,
-     -0.6981317f, 89e-8f, 0.064427316f, 52e-9f},
     {0.99344087f, -0.8078f, -0.2664884f, -0.96168256f, 0.8326649f, 3.9776905f, 89e-8f, 2.6452487f,
      61e-8f, 4.555622f, 29e-7f, -0.5091917f, 53e-8f, 3.45384f, 25e-7f, -0.6981317f, 74e-8f,
      0.8078f, 16e-8f},
     {1.7125454f, 0.09639417f, 0.45901984f, 0.13770595f, -1.2668948f, 4.560935f, 11e-7f, 6.8560343f,
      16e-7f, 5.952648f, 43e-7f, 0.69788545f, 74e-8f, 7.8509297f, 49e-7f, 0.5089087f, 53e-8f,
      0.09639417f, 19e-9f},
-    {-0.15463245f, -0.043669324f, 0.069314726f, -0.3162168f, 0.13825843f, -0.68872833f, 16e-8f,
-     -0.34215468f, 84e-9f, -0.89888525f, 64e-8f, -0.69788545f, 74e-8f, -0.6333944f, 64e-8f,
-     -0.6981317f, 94e-8f, 0.06431042f, 56e-9f},
     {0.9934448f, -0.8075995f, -0.26627666f, -0.96139205f, 0.8323658f, 3.9771743f, 85e-8f,
      2.645791f, 57e-8f, 4.5543113f, 28e-7f, -0.5089087f, 52e-8f, 3.4531214f, 24e-7f, -0.69788545f,
      73e-8f, 0.8075995f, 16e-8f},
@@ -406,7 +403,7 @@ static int forward_misses(const float *row)
 
 /* ackermann_car_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -417,16 +414,25 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -500,13 +506,13 @@ static const float odometry_rows[43][13] = {
     {-1.3125f, 1.75f, 1.3125f, 0.7421875f, -0.015625f, 1.0f, 0.15625f, -1.2893406f, 28e-8f,
      1.8635366f, 67e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on rear_left */
-    {-1.3125f, 1.75f, 1.3125f, 0.75f, 0.0f, 1.0f, 0.15625f, -1.2915215f, 27e-8f, 1.8651733f,
+    {-1.3125f, 1.75f, 1.3125f, 0.75f, -0.0f, 1.0f, 0.15625f, -1.2915215f, 27e-8f, 1.8651733f,
      67e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near rear_right */
     {1.0625f, 0.5f, -0.1875f, -0.7578125f, -0.015625f, 1.0f, 0.1953125f, 0.9150475f, 58e-8f,
      0.5102242f, 14e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation on rear_right */
-    {1.0625f, 0.5f, -0.1875f, -0.75f, 0.0f, 1.0f, 0.1953125f, 0.9168382f, 58e-8f, 0.51312214f,
+    {1.0625f, 0.5f, -0.1875f, -0.75f, -0.0f, 1.0f, 0.1953125f, 0.9168382f, 58e-8f, 0.51312214f,
      14e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation near front_left */
     {-0.5625f, -0.8125f, -1.59375f, 0.7421875f, -2.515625f, 1.0f, 0.234375f, -1.1318108f, 18e-7f,
@@ -542,13 +548,46 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* ackermann_car_forward() after ackermann_car_inverse(). Columns: vx, vy, omega,
+ * front_left.steer, front_right.steer; expected and tolerance of vx, vy, omega. */
+static const float law_of_inverse_rows[2][11] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, -1.0f, 93e-7f, 0.0f, 5e-7f, 0.0f, 29e-8f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.0f, 93e-7f, 0.0f, 5e-7f, 0.0f, 29e-8f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    ackermann_car_inverse_in in0;
+    ackermann_car_inverse_out out0;
+    ackermann_car_forward_in in1;
+    ackermann_car_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    in0.front_left.steer = row[3];
+    in0.front_right.steer = row[4];
+    ackermann_car_inverse(&in0, &out0);
+    in1.rear_left.spin = out0.rear_left.spin;
+    in1.rear_right.spin = out0.rear_right.spin;
+    in1.front_left.steer = out0.front_left.steer;
+    in1.front_right.steer = out0.front_right.steer;
+    ackermann_car_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[5]);
+    misses += miss(out1.vy, &row[7]);
+    misses += miss(out1.omega, &row[9]);
+    return misses;
+}
+
 int ackermann_car_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 68U; ++k) {
+    for (k = 0U; k < 67U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -560,9 +599,15 @@ int ackermann_car_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 2U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

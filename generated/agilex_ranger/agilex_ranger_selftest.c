@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * front_left.steer, front_right.steer, rear_left.steer, rear_right.steer; expected and tolerance
  * of front_left.spin, front_left.steer, front_right.spin, front_right.steer, rear_left.spin,
  * rear_left.steer, rear_right.spin, rear_right.steer, slip. */
-static const float inverse_rows[69][25] = {
+static const float inverse_rows[73][25] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 56e-9f, 0.0f, 1e-12f, 0.0f,
      56e-9f, 0.0f, 1e-12f, 0.0f, 56e-9f, 0.0f, 1e-12f, 0.0f, 56e-9f, 0.0f, 1e-12f},
@@ -49,6 +49,10 @@ static const float inverse_rows[69][25] = {
     {-1.125f, 0.0f, 0.0f, 0.984375f, -0.2421875f, -1.421875f, 0.4921875f, -9.375f, 45e-7f, 0.0f,
      56e-9f, -9.375f, 45e-7f, 0.0f, 56e-9f, -9.375f, 45e-7f, 0.0f, 56e-9f, -9.375f, 45e-7f, 0.0f,
      56e-9f, 0.0f, 35e-8f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 0.984375f, -0.2421875f, -1.421875f, 0.4921875f, -9.375f, 45e-7f, 0.0f,
+     56e-9f, -9.375f, 45e-7f, 0.0f, 56e-9f, -9.375f, 45e-7f, 0.0f, 56e-9f, -9.375f, 45e-7f, 0.0f,
+     56e-9f, 0.0f, 35e-8f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.984375f, -0.2421875f, -1.421875f, 0.4921875f, -9.374997f, 46e-7f,
      1.57f, 19e-7f, 9.374997f, 46e-7f, -1.57f, 16e-7f, 9.374997f, 46e-7f, -1.57f, 16e-7f,
@@ -59,6 +63,10 @@ static const float inverse_rows[69][25] = {
      22e-7f, -1.014197f, 16e-7f, 0.0f, 98e-8f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -0.5859375f, 0.984375f, -0.2421875f, -1.421875f, 0.4921875f, 2.5878906f, 22e-7f,
+     -1.014197f, 21e-7f, -2.5878906f, 22e-7f, 1.014197f, 16e-7f, 2.5878906f, 22e-7f, 1.014197f,
+     21e-7f, -2.5878906f, 22e-7f, -1.014197f, 16e-7f, 0.0f, 12e-7f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -0.5859375f, 0.984375f, -0.2421875f, -1.421875f, 0.4921875f, 2.5878906f, 22e-7f,
      -1.014197f, 21e-7f, -2.5878906f, 22e-7f, 1.014197f, 16e-7f, 2.5878906f, 22e-7f, 1.014197f,
      21e-7f, -2.5878906f, 22e-7f, -1.014197f, 16e-7f, 0.0f, 12e-7f},
     /* generic */
@@ -244,6 +252,9 @@ static const float inverse_rows[69][25] = {
      -0.049429942f, -0.60157776f, 51e-8f, -1.57f, 28e-7f, -1.1019518f, 87e-8f, -0.57748723f,
      83e-8f, 2.0853708f, 16e-7f, 1.57f, 27e-7f, -2.2806087f, 18e-7f, -1.1540047f, 17e-7f,
      0.00010398122f, 72e-8f},
+    {1.27425e-05f, 1.1249872f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 9.374891f, 63e-7f, 1.57f, 2e-6f,
+     9.374891f, 63e-7f, 1.57f, 2e-6f, 9.374891f, 63e-7f, 1.57f, 2e-6f, 9.374891f, 63e-7f, 1.57f,
+     2e-6f, 0.0008831149f, 46e-7f},
     {-0.9780359f, 0.6816614f, 0.23709962f, -3.26012f, 1.570785f, 1.6004225f, 3.4972193f,
      -10.904658f, 81e-7f, -0.64658135f, 84e-8f, -10.043681f, 74e-7f, -0.71300054f, 15e-7f,
      -9.935234f, 74e-7f, -0.5032353f, 12e-7f, -8.981806f, 67e-7f, -0.56268f, 13e-7f, 0.0f, 32e-7f},
@@ -266,6 +277,9 @@ static const float inverse_rows[69][25] = {
      -0.049429942f, -0.60157776f, 51e-8f, -1.57f, 28e-7f, -1.1019518f, 87e-8f, -0.57748723f,
      83e-8f, 2.0853708f, 16e-7f, 1.57f, 27e-7f, -2.2806087f, 18e-7f, -1.1540047f, 17e-7f,
      0.00010398122f, 72e-8f},
+    {1.27425e-05f, 1.1249872f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 9.374891f, 63e-7f, 1.57f, 2e-6f,
+     9.374891f, 63e-7f, 1.57f, 2e-6f, 9.374891f, 63e-7f, 1.57f, 2e-6f, 9.374891f, 63e-7f, 1.57f,
+     2e-6f, 0.0008831149f, 46e-7f},
     {-0.9780359f, 0.6816614f, 0.23709962f, -3.26012f, 1.570785f, 1.6004225f, 3.4972193f,
      -10.904658f, 81e-7f, -0.64658135f, 84e-8f, -10.043681f, 74e-7f, -0.71300054f, 15e-7f,
      -9.935234f, 74e-7f, -0.5032353f, 12e-7f, -8.981806f, 67e-7f, -0.56268f, 13e-7f, 0.0f, 32e-7f},
@@ -452,7 +466,7 @@ static int forward_misses(const float *row)
 
 /* agilex_ranger_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -463,15 +477,24 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.5859375f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -0.5859375f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -0.5859375f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -591,7 +614,7 @@ static int odometry_misses(const float *row)
 /* agilex_ranger_forward() after agilex_ranger_inverse(). Columns: vx, vy, omega,
  * front_left.steer, front_right.steer, rear_left.steer, rear_right.steer; expected and tolerance
  * of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[10][13] = {
     /* there and back */
     {-0.9375f, 0.1875f, 0.6640625f, -0.640625f, 0.5390625f, -1.421875f, -0.296875f, -0.9375f,
      14e-7f, 0.1875f, 9e-7f, 0.6640625f, 28e-7f},
@@ -605,9 +628,16 @@ static const float law_rows[6][13] = {
      19e-7f, -0.703125f, 13e-7f, 0.7109375f, 39e-7f},
     {-0.984375f, 1.3125f, 0.34375f, -0.046875f, -0.734375f, -1.421875f, 0.984375f, -0.984375f,
      31e-7f, 1.3125f, 3e-6f, 0.34375f, 74e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 11e-7f, 0.0f, 31e-8f, 0.0f, 13e-7f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 1.0f, 11e-7f, 0.0f,
+     31e-8f, 0.0f, 13e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 11e-7f, 0.0f, 94e-8f, -1.0f, 28e-7f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 12e-7f, 0.0f,
+     11e-7f, 1.0f, 31e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     agilex_ranger_inverse_in in0;
     agilex_ranger_inverse_out out0;
@@ -644,7 +674,7 @@ int agilex_ranger_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 69U; ++k) {
+    for (k = 0U; k < 73U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -656,15 +686,15 @@ int agilex_ranger_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 10U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* andino_inverse() and andino_inverse_slip(). Columns: vx, vy, omega, caster.steer; expected and
  * tolerance of right.spin, left.spin, caster.spin, caster.steer_rate, slip. */
-static const float inverse_rows[37][14] = {
+static const float inverse_rows[40][14] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -44,17 +44,26 @@ static const float inverse_rows[37][14] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 1.875f, -33.987915f, 73e-7f, -33.987915f, 73e-7f, 22.465014f, 26e-6f,
      67.08416f, 39e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -33.987915f, 73e-7f, -33.987915f, 73e-7f, 22.465014f, 26e-6f,
+     67.08416f, 39e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
      71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
      71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
+     71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 3.0589123f, 59e-8f, -3.0589123f, 59e-8f, 0.0f, 1e-12f, -10.453125f,
      36e-7f, 0.02775f, 56e-10f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -3.0589123f, 59e-8f, 3.0589123f, 59e-8f, 9.111519f, 57e-7f,
+     -1.1817609f, 31e-7f, 0.02775f, 56e-10f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -3.0589123f, 59e-8f, 3.0589123f, 59e-8f, 9.111519f, 57e-7f,
      -1.1817609f, 31e-7f, 0.02775f, 56e-10f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, -24.881987f, 59e-7f, -31.76454f, 67e-7f, -11.466384f,
@@ -236,7 +245,7 @@ static int forward_misses(const float *row)
 
 /* andino_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -247,16 +256,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -360,13 +378,43 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* andino_forward() after andino_inverse(). Columns: vx, vy, omega, caster.steer; expected and
+ * tolerance of vx, vy, omega. */
+static const float law_of_inverse_rows[2][10] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 39e-8f, 0.0f, 42e-9f, 0.0f, 23e-7f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.0f, 39e-8f, 0.0f, 42e-9f, 0.0f, 23e-7f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    andino_inverse_in in0;
+    andino_inverse_out out0;
+    andino_forward_in in1;
+    andino_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    in0.caster.steer = row[3];
+    andino_inverse(&in0, &out0);
+    in1.right.spin = out0.right.spin;
+    in1.left.spin = out0.left.spin;
+    andino_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[4]);
+    misses += miss(out1.vy, &row[6]);
+    misses += miss(out1.omega, &row[8]);
+    return misses;
+}
+
 int andino_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 37U; ++k) {
+    for (k = 0U; k < 40U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -378,9 +426,15 @@ int andino_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 2U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

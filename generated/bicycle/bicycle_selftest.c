@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* bicycle_inverse() and bicycle_inverse_slip(). Columns: vx, vy, omega, front.steer; expected
  * and tolerance of rear.spin, front.spin, front.steer, slip. */
-static const float inverse_rows[57][12] = {
+static const float inverse_rows[59][12] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 31e-9f, 0.0f, 1e-12f},
     /* standstill */
@@ -42,10 +42,15 @@ static const float inverse_rows[57][12] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 0.65625f, -3.3088236f, 49e-8f, -3.3088236f, 16e-7f, 0.0f, 31e-9f, 0.0f,
      32e-8f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 0.65625f, -3.3088236f, 49e-8f, -3.3088236f, 16e-7f, 0.0f, 31e-9f, 0.0f,
+     32e-8f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 31e-9f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.65625f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.65625f, 12e-8f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.65625f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.65625f, 12e-8f, 1.125f, 71e-9f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 0.65625f, 0.0f, 1e-12f, -4.20277f, 15e-6f, 1.0471976f, 25e-7f, 0.825f,
      77e-7f},
@@ -119,7 +124,7 @@ static const float inverse_rows[57][12] = {
     {-0.0078125f, -0.015625f, 1.0f, -0.03125f, -0.02297794f, 34e-10f, -2.813336f, 87e-7f,
      -1.0471976f, 22e-7f, 0.5434588f, 46e-7f},
     /* centre of rotation on rear */
-    {0.0f, 0.0f, 1.0f, -0.03125f, 0.0f, 1e-12f, -2.801847f, 97e-7f, -1.0471976f, 25e-7f, 0.55f,
+    {0.0f, -0.0f, 1.0f, -0.03125f, 0.0f, 1e-12f, -2.801847f, 97e-7f, -1.0471976f, 25e-7f, 0.55f,
      51e-7f},
     /* centre of rotation near front */
     {-0.0078125f, -1.115625f, 1.0f, -0.359375f, -0.02297794f, 34e-10f, -2.813336f, 87e-7f,
@@ -273,7 +278,7 @@ static int forward_misses(const float *row)
 
 /* bicycle_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -284,16 +289,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -367,7 +381,7 @@ static const float odometry_rows[39][13] = {
     {-1.3125f, 1.75f, 1.3125f, -0.0078125f, -0.015625f, 1.0f, 0.15625f, -1.3103191f, 18e-8f,
      1.7483633f, 23e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on rear */
-    {-1.3125f, 1.75f, 1.3125f, 0.0f, 0.0f, 1.0f, 0.15625f, -1.3125f, 83e-9f, 1.75f, 11e-8f,
+    {-1.3125f, 1.75f, 1.3125f, 0.0f, -0.0f, 1.0f, 0.15625f, -1.3125f, 83e-9f, 1.75f, 11e-8f,
      1.46875f, 92e-9f},
     /* centre of rotation near front */
     {1.0625f, 0.5f, -0.1875f, -0.0078125f, -1.115625f, 1.0f, 0.1953125f, 1.0414635f, 25e-8f,
@@ -399,15 +413,18 @@ static int odometry_misses(const float *row)
 
 /* bicycle_forward() after bicycle_inverse(). Columns: vx, vy, omega, front.steer; expected and
  * tolerance of vx, vy, omega. */
-static const float law_rows[4][10] = {
+static const float law_of_inverse_rows[6][10] = {
     /* there and back */
     {0.84375f, 0.0f, 0.75f, -0.75f, 0.84375f, 12e-6f, 0.0f, 1e-12f, 0.75f, 15e-6f},
     {-0.375f, 0.0f, -0.25f, 0.984375f, -0.375f, 37e-7f, 0.0f, 1e-12f, -0.25f, 4e-6f},
     {1.40625f, 0.0f, -1.1875f, 0.65625f, 1.40625f, 19e-6f, 0.0f, 1e-12f, -1.1875f, 23e-6f},
     {-0.984375f, 0.0f, 0.875f, -0.03125f, -0.984375f, 14e-6f, 0.0f, 1e-12f, 0.875f, 17e-6f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 2e-6f, 0.0f, 1e-12f, 0.0f, 77e-8f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.0f, 2e-6f, 0.0f, 1e-12f, 0.0f, 77e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     bicycle_inverse_in in0;
     bicycle_inverse_out out0;
@@ -435,7 +452,7 @@ int bicycle_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 57U; ++k) {
+    for (k = 0U; k < 59U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -447,15 +464,15 @@ int bicycle_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 4U; ++k) {
+    for (k = 0U; k < 6U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

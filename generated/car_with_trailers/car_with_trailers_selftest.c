@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* car_with_trailers_inverse() and car_with_trailers_inverse_slip(). Columns: vx, vy, omega,
  * front_left.steer, front_right.steer; expected and tolerance of rear_left.spin,
  * rear_right.spin, front_left.spin, front_left.steer, front_right.spin, front_right.steer, slip. */
-static const float inverse_rows[61][19] = {
+static const float inverse_rows[60][19] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 22e-9f, 0.0f,
      1e-12f, 0.0f, 22e-9f, 0.0f, 1e-12f},
@@ -46,17 +46,26 @@ static const float inverse_rows[61][19] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 0.4375f, -0.109375f, -10.227273f, 14e-7f, -10.227273f, 14e-7f,
      -10.227273f, 37e-7f, 0.0f, 16e-9f, -10.227273f, 37e-7f, 0.0f, 16e-9f, 0.0f, 18e-9f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 0.4375f, -0.109375f, -10.227273f, 14e-7f, -10.227273f, 14e-7f,
+     -10.227273f, 37e-7f, 0.0f, 16e-9f, -10.227273f, 37e-7f, 0.0f, 16e-9f, 0.0f, 18e-9f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 22e-9f, 0.0f,
      1e-12f, 0.0f, 22e-9f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.4375f, -0.109375f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.4375f,
      49e-9f, 0.0f, 1e-12f, -0.109375f, 29e-9f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.4375f, -0.109375f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.4375f,
+     49e-9f, 0.0f, 1e-12f, -0.109375f, 29e-9f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 0.75f, 0.0f, 0.0f, -2.7272727f, 76e-8f, 2.7272727f, 76e-8f, -8.224912f, 16e-6f,
      -0.6981317f, 16e-7f, 8.224912f, 16e-6f, 0.6981317f, 16e-7f, 0.6115104f, 97e-8f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -0.75f, 0.4375f, -0.109375f, 2.7272727f, 76e-8f, -2.7272727f, 76e-8f, 8.224912f,
+     16e-6f, -0.6981317f, 16e-7f, -8.224912f, 16e-6f, 0.6981317f, 16e-7f, 0.6115104f, 97e-8f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -0.75f, 0.4375f, -0.109375f, 2.7272727f, 76e-8f, -2.7272727f, 76e-8f, 8.224912f,
      16e-6f, -0.6981317f, 16e-7f, -8.224912f, 16e-6f, 0.6981317f, 16e-7f, 0.6115104f, 97e-8f},
     /* generic */
     {-0.9375f, 0.1875f, 0.84375f, -0.28125f, 0.2421875f, -11.590909f, 26e-7f, -5.4545455f, 14e-7f,
@@ -184,9 +193,6 @@ static const float inverse_rows[61][19] = {
     {1.0965878f, 0.33384395f, 0.530362f, 0.5469358f, -0.6108634f, 8.040391f, 18e-7f, 11.897569f,
      26e-7f, 10.498153f, 76e-7f, 0.6981317f, 76e-8f, 13.679016f, 86e-7f, 0.5160646f, 55e-8f,
      0.333844f, 63e-9f},
-    {-0.43218008f, 0.038286425f, 0.34093788f, -0.30382013f, 0.17510408f, -5.168684f, 12e-7f,
-     -2.6891356f, 63e-8f, -6.7486315f, 49e-7f, -0.6981317f, 76e-8f, -4.8491874f, 5e-6f,
-     -0.6981317f, 96e-8f, 0.12987134f, 19e-8f},
     {0.39913186f, 0.4263454f, 0.6773147f, 0.6984808f, -0.7801214f, 1.165509f, 43e-8f, 6.091434f,
      14e-7f, 6.433898f, 31e-6f, 0.6981317f, 34e-7f, 10.207376f, 96e-7f, 0.6981317f, 91e-8f,
      0.65790963f, 94e-8f},
@@ -205,27 +211,18 @@ static const float inverse_rows[61][19] = {
     {1.0966101f, 0.33358157f, 0.5299452f, 0.546506f, -0.6103833f, 8.042109f, 18e-7f, 11.8962555f,
      26e-7f, 10.496059f, 76e-7f, 0.69788545f, 76e-8f, 13.675257f, 86e-7f, 0.51577455f, 55e-8f,
      0.33358157f, 63e-9f},
-    {-0.4300171f, 0.03764773f, 0.33878565f, -0.30391672f, 0.17481694f, -5.1411943f, 12e-7f,
-     -2.6772988f, 63e-8f, -6.709966f, 49e-7f, -0.69788545f, 76e-8f, -4.8225126f, 49e-7f,
-     -0.6981317f, 96e-8f, 0.12868926f, 19e-8f},
     {0.39873293f, 0.42591926f, 0.6766377f, 0.69778264f, -0.77934164f, 1.1643441f, 43e-8f,
      6.0853457f, 14e-7f, 6.4274673f, 31e-6f, 0.6981317f, 34e-7f, 10.197173f, 96e-7f, 0.6981317f,
      91e-8f, 0.657252f, 94e-8f},
     {1.0965878f, 0.33384395f, 0.530362f, 0.5469358f, -0.6108634f, 8.040391f, 18e-7f, 11.897569f,
      26e-7f, 10.498153f, 76e-7f, 0.6981317f, 76e-8f, 13.679016f, 86e-7f, 0.5160646f, 55e-8f,
      0.333844f, 63e-9f},
-    {-0.43218008f, 0.038286425f, 0.34093788f, -0.30382013f, 0.17510408f, -5.168684f, 12e-7f,
-     -2.6891356f, 63e-8f, -6.7486315f, 49e-7f, -0.6981317f, 76e-8f, -4.8491874f, 5e-6f,
-     -0.6981317f, 96e-8f, 0.12987134f, 19e-8f},
     {-0.23722197f, 0.03889245f, 0.11473183f, -0.13194147f, -0.009463963f, -2.57377f, 55e-8f,
      -1.7393568f, 38e-8f, -2.9591458f, 19e-7f, -0.5160646f, 55e-8f, -2.271038f, 17e-7f,
      -0.6981317f, 76e-8f, 0.038892478f, 74e-10f},
     {1.0966101f, 0.33358157f, 0.5299452f, 0.546506f, -0.6103833f, 8.042109f, 18e-7f, 11.8962555f,
      26e-7f, 10.496059f, 76e-7f, 0.69788545f, 76e-8f, 13.675257f, 86e-7f, 0.51577455f, 55e-8f,
      0.33358157f, 63e-9f},
-    {-0.4300171f, 0.03764773f, 0.33878565f, -0.30391672f, 0.17481694f, -5.1411943f, 12e-7f,
-     -2.6772988f, 63e-8f, -6.709966f, 49e-7f, -0.69788545f, 76e-8f, -4.8225126f, 49e-7f,
-     -0.6981317f, 96e-8f, 0.12868926f, 19e-8f},
     {-0.23705612f, 0.038857255f, 0.11455918f, -0.1319061f, -0.009523563f, -2.5716345f, 55e-8f,
      -1.7384768f, 38e-8f, -2.9562042f, 19e-7f, -0.51577455f, 55e-8f, -2.2689517f, 17e-7f,
      -0.69788545f, 76e-8f, 0.038857255f, 73e-10f},
@@ -382,7 +379,7 @@ static int forward_misses(const float *row)
 
 /* car_with_trailers_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -393,15 +390,24 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.75f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -0.75f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -0.75f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -476,13 +482,13 @@ static const float odometry_rows[43][13] = {
     {-1.3125f, 1.75f, 1.3125f, 0.3921875f, -0.015625f, 1.0f, 0.15625f, -1.2991306f, 23e-8f,
      1.8097891f, 46e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on rear_left */
-    {-1.3125f, 1.75f, 1.3125f, 0.4f, 0.0f, 1.0f, 0.15625f, -1.3013115f, 22e-8f, 1.8114258f, 46e-8f,
-     1.46875f, 92e-9f},
+    {-1.3125f, 1.75f, 1.3125f, 0.4f, -0.0f, 1.0f, 0.15625f, -1.3013115f, 22e-8f, 1.8114258f,
+     46e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near rear_right */
     {1.0625f, 0.5f, -0.1875f, -0.4078125f, -0.015625f, 1.0f, 0.1953125f, 0.98302305f, 38e-8f,
      0.50410056f, 96e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on rear_right */
-    {1.0625f, 0.5f, -0.1875f, -0.4f, 0.0f, 1.0f, 0.1953125f, 0.9848137f, 37e-8f, 0.5069985f,
+    {1.0625f, 0.5f, -0.1875f, -0.4f, -0.0f, 1.0f, 0.1953125f, 0.9848137f, 37e-8f, 0.5069985f,
      11e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation near front_left */
     {-0.5625f, -0.8125f, -1.59375f, 0.3921875f, -1.415625f, 1.0f, 0.234375f, -0.88343024f, 11e-7f,
@@ -753,7 +759,7 @@ static int trailer_misses(const float *row)
 
 /* car_with_trailers_forward() after car_with_trailers_inverse(). Columns: vx, vy, omega,
  * front_left.steer, front_right.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[4][11] = {
+static const float law_of_inverse_rows[6][11] = {
     /* there and back */
     {0.84375f, 0.0f, 0.375f, -0.5f, 0.1328125f, 0.84375f, 18e-6f, 0.0f, 3e-6f, 0.375f, 81e-7f},
     {-0.375f, 0.0f, -0.125f, 0.65625f, 0.0234375f, -0.375f, 65e-7f, 0.0f, 11e-7f, -0.125f, 24e-7f},
@@ -761,9 +767,12 @@ static const float law_rows[4][11] = {
      13e-6f},
     {-0.984375f, 0.0f, 0.4375f, -0.0234375f, -0.328125f, -0.984375f, 21e-6f, 0.0f, 35e-7f, 0.4375f,
      94e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, -1.0f, 95e-7f, 0.0f, 5e-7f, 0.0f, 52e-8f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.0f, 95e-7f, 0.0f, 5e-7f, 0.0f, 52e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     car_with_trailers_inverse_in in0;
     car_with_trailers_inverse_out out0;
@@ -794,7 +803,7 @@ int car_with_trailers_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 61U; ++k) {
+    for (k = 0U; k < 60U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -806,7 +815,7 @@ int car_with_trailers_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
@@ -824,9 +833,9 @@ int car_with_trailers_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 4U; ++k) {
+    for (k = 0U; k < 6U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

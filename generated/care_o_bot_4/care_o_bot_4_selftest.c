@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* care_o_bot_4_inverse() and care_o_bot_4_inverse_slip(). Columns: vx, vy, omega, fl.steer,
  * b.steer, fr.steer; expected and tolerance of fl.spin, fl.steer, b.spin, b.steer, fr.spin,
  * fr.steer, slip. */
-static const float inverse_rows[43][20] = {
+static const float inverse_rows[44][20] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
      0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -46,6 +46,9 @@ static const float inverse_rows[43][20] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 15.0f, 23e-7f, 3.1415927f, 69e-8f, -15.0f,
      23e-7f, 0.0f, 1e-12f, 15.0f, 23e-7f, -3.1415927f, 69e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 15.0f, 23e-7f, 3.1415927f, 69e-8f,
+     -15.0f, 23e-7f, 0.0f, 1e-12f, 15.0f, 23e-7f, -3.1415927f, 69e-8f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, -15.0f, 23e-7f, 1.5707964f, 19e-7f, 15.0f,
      23e-7f, -1.5707964f, 16e-7f, 15.0f, 23e-7f, -1.5707964f, 16e-7f, 0.0f, 1e-12f},
@@ -332,7 +335,7 @@ static int forward_misses(const float *row)
 
 /* care_o_bot_4_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x,
  * y, theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -343,16 +346,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -458,7 +470,7 @@ static int odometry_misses(const float *row)
 
 /* care_o_bot_4_forward() after care_o_bot_4_inverse(). Columns: vx, vy, omega, fl.steer,
  * b.steer, fr.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][12] = {
+static const float law_of_inverse_rows[9][12] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -0.9375f, 11e-7f, 0.1875f, 95e-8f,
      1.6875f, 5e-6f},
@@ -472,9 +484,15 @@ static const float law_rows[6][12] = {
      12e-7f, 1.8125f, 62e-7f},
     {-0.984375f, 1.3125f, 0.875f, -0.09375f, -1.40625f, -2.71875f, -0.984375f, 28e-7f, 1.3125f,
      25e-7f, 0.875f, 14e-6f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 4e-7f, 0.0f, 1e-12f, 0.0f, 35e-8f},
+    {-0.0f, 1.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 18e-7f, 1.0f, 65e-8f, 0.0f,
+     56e-7f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 44e-8f, 0.0f, 28e-8f, 1.0f,
+     17e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     care_o_bot_4_inverse_in in0;
     care_o_bot_4_inverse_out out0;
@@ -508,7 +526,7 @@ int care_o_bot_4_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -520,15 +538,15 @@ int care_o_bot_4_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* clearpath_a200_inverse() and clearpath_a200_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of front_left.spin, front_right.spin, rear_left.spin, rear_right.spin, slip. */
-static const float inverse_rows[33][13] = {
+static const float inverse_rows[36][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -43,15 +43,23 @@ static const float inverse_rows[33][13] = {
     /* vx alone, backwards */
     {-0.75f, 0.0f, 0.0f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f,
      -4.5427012f, 95e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.75f, -0.0f, -0.0f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f,
+     -4.5427012f, 95e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, -2.5211992f, 53e-8f, 2.5211992f, 53e-8f, -2.5211992f, 53e-8f, 2.5211992f,
      53e-8f, 0.384f, 16e-8f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 2.5211992f, 53e-8f, -2.5211992f, 53e-8f, 2.5211992f, 53e-8f, -2.5211992f,
+     53e-8f, 0.384f, 16e-8f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 2.5211992f, 53e-8f, -2.5211992f, 53e-8f, 2.5211992f, 53e-8f, -2.5211992f,
      53e-8f, 0.384f, 16e-8f},
     /* generic */
     {-0.625f, 0.1875f, 1.6875f, -6.6219335f, 14e-7f, -0.9492353f, 67e-8f, -6.6219335f, 14e-7f,
@@ -255,7 +263,7 @@ static int forward_misses(const float *row)
 
 /* clearpath_a200_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -266,16 +274,25 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.75f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.75f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -391,13 +408,43 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* clearpath_a200_forward() after clearpath_a200_inverse(). Columns: vx, vy, omega; expected and
+ * tolerance of vx, vy, omega. */
+static const float law_of_inverse_rows[1][9] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 44e-8f, 0.0f, 1e-12f, 0.0f, 41e-8f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    clearpath_a200_inverse_in in0;
+    clearpath_a200_inverse_out out0;
+    clearpath_a200_forward_in in1;
+    clearpath_a200_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    clearpath_a200_inverse(&in0, &out0);
+    in1.front_left.spin = out0.front_left.spin;
+    in1.front_right.spin = out0.front_right.spin;
+    in1.rear_left.spin = out0.rear_left.spin;
+    in1.rear_right.spin = out0.rear_right.spin;
+    clearpath_a200_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[3]);
+    misses += miss(out1.vy, &row[5]);
+    misses += miss(out1.omega, &row[7]);
+    return misses;
+}
+
 int clearpath_a200_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 33U; ++k) {
+    for (k = 0U; k < 36U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -409,9 +456,15 @@ int clearpath_a200_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 1U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

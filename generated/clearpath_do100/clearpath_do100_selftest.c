@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* clearpath_do100_inverse() and clearpath_do100_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of front_left.spin, front_right.spin, rear_left.spin, rear_right.spin, slip. */
-static const float inverse_rows[33][13] = {
+static const float inverse_rows[36][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -43,18 +43,27 @@ static const float inverse_rows[33][13] = {
     /* vx alone, backwards */
     {-0.9765625f, 0.0f, 0.0f, -19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f,
      -19.53125f, 13e-7f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.9765625f, -0.0f, -0.0f, -19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f,
+     -19.53125f, 13e-7f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 0.9765625f, 0.0f, -19.53125f, 13e-7f, 19.53125f, 13e-7f, 19.53125f, 13e-7f, -19.53125f,
      13e-7f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -0.9765625f, 0.0f, 19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f, 19.53125f,
      13e-7f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -0.9765625f, -0.0f, 19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f,
+     19.53125f, 13e-7f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, -14.862f, 29e-7f, 14.862f, 29e-7f, -14.862f, 29e-7f, 14.862f, 29e-7f, 0.0f,
      1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 14.862f, 29e-7f, -14.862f, 29e-7f, 14.862f, 29e-7f, -14.862f, 29e-7f, 0.0f,
      1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 14.862f, 29e-7f, -14.862f, 29e-7f, 14.862f, 29e-7f, -14.862f, 29e-7f,
+     0.0f, 1e-12f},
     /* generic */
     {-0.8125f, 0.1640625f, 1.6875f, -36.251f, 56e-7f, 3.751f, 16e-7f, -29.6885f, 48e-7f, -2.8115f,
      15e-7f, 0.0f, 1e-12f},
@@ -257,7 +266,7 @@ static int forward_misses(const float *row)
 
 /* clearpath_do100_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -268,16 +277,25 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.9765625f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.9765625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.9765625f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -0.9765625f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.9765625f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -395,7 +413,7 @@ static int odometry_misses(const float *row)
 
 /* clearpath_do100_forward() after clearpath_do100_inverse(). Columns: vx, vy, omega; expected
  * and tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[9][9] = {
     /* there and back */
     {-0.8125f, 0.1640625f, 1.6875f, -0.8125f, 33e-8f, 0.1640625f, 2e-7f, 1.6875f, 69e-8f},
     {0.734375f, -0.6875f, 0.75f, 0.734375f, 28e-8f, -0.6875f, 27e-8f, 0.75f, 41e-8f},
@@ -403,9 +421,13 @@ static const float law_rows[6][9] = {
     {1.21875f, 0.2421875f, -1.1875f, 1.21875f, 44e-8f, 0.2421875f, 2e-7f, -1.1875f, 56e-8f},
     {0.203125f, -0.609375f, 1.8125f, 0.203125f, 17e-8f, -0.609375f, 3e-7f, 1.8125f, 73e-8f},
     {-0.8515625f, 1.140625f, 0.875f, -0.8515625f, 33e-8f, 1.140625f, 41e-8f, 0.875f, 54e-8f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 1e-12f, -1.0f, 15e-8f, 0.0f, 1e-12f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 63e-9f, 0.0f, 94e-9f, -1.0f, 41e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     clearpath_do100_inverse_in in0;
     clearpath_do100_inverse_out out0;
@@ -434,7 +456,7 @@ int clearpath_do100_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 33U; ++k) {
+    for (k = 0U; k < 36U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -446,15 +468,15 @@ int clearpath_do100_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

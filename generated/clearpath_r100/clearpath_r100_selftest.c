@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* clearpath_r100_inverse() and clearpath_r100_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of front_left.spin, front_right.spin, rear_left.spin, rear_right.spin, slip. */
-static const float inverse_rows[33][13] = {
+static const float inverse_rows[36][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -43,17 +43,26 @@ static const float inverse_rows[33][13] = {
     /* vx alone, backwards */
     {-0.828125f, 0.0f, 0.0f, -10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f,
      -10.910738f, 4e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.828125f, -0.0f, -0.0f, -10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f,
+     -10.910738f, 4e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 0.828125f, 0.0f, -10.910738f, 4e-6f, 10.910738f, 4e-6f, 10.910738f, 4e-6f, -10.910738f,
      4e-6f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -0.828125f, 0.0f, 10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f, 10.910738f,
      4e-6f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -0.828125f, -0.0f, 10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f,
+     10.910738f, 4e-6f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, -11.749012f, 44e-7f, 11.749012f, 44e-7f, -11.749012f, 44e-7f, 11.749012f,
      44e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 11.749012f, 44e-7f, -11.749012f, 44e-7f, 11.749012f, 44e-7f, -11.749012f,
+     44e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 11.749012f, 44e-7f, -11.749012f, 44e-7f, 11.749012f, 44e-7f, -11.749012f,
      44e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.6875f, 0.140625f, 1.6875f, -24.128376f, 88e-7f, 6.012434f, 63e-7f, -20.422842f, 81e-7f,
@@ -265,7 +274,7 @@ static int forward_misses(const float *row)
 
 /* clearpath_r100_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -276,16 +285,25 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.828125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.828125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.828125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -0.828125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.828125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -403,7 +421,7 @@ static int odometry_misses(const float *row)
 
 /* clearpath_r100_forward() after clearpath_r100_inverse(). Columns: vx, vy, omega; expected and
  * tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[9][9] = {
     /* there and back */
     {-0.6875f, 0.140625f, 1.6875f, -0.6875f, 74e-8f, 0.140625f, 6e-7f, 1.6875f, 15e-7f},
     {0.6171875f, -0.5859375f, 0.75f, 0.6171875f, 63e-8f, -0.5859375f, 62e-8f, 0.75f, 98e-8f},
@@ -411,9 +429,13 @@ static const float law_rows[6][9] = {
     {1.03125f, 0.203125f, -1.1875f, 1.03125f, 89e-8f, 0.203125f, 62e-8f, -1.1875f, 14e-7f},
     {0.171875f, -0.515625f, 1.8125f, 0.171875f, 55e-8f, -0.515625f, 7e-7f, 1.8125f, 15e-7f},
     {-0.71875f, 0.9609375f, 0.875f, -0.71875f, 81e-8f, 0.9609375f, 89e-8f, 0.875f, 13e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 66e-8f, 0.0f, 3e-7f, 0.0f, 5e-7f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 3e-7f, -1.0f, 66e-8f, 0.0f, 61e-8f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 19e-8f, 0.0f, 22e-8f, -1.0f, 69e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     clearpath_r100_params params;
     clearpath_r100_prepared prepared;
@@ -446,7 +468,7 @@ int clearpath_r100_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 33U; ++k) {
+    for (k = 0U; k < 36U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -458,15 +480,15 @@ int clearpath_r100_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

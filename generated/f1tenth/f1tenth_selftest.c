@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* f1tenth_inverse() and f1tenth_inverse_slip(). Columns: vx, vy, omega, front.steer; expected
  * and tolerance of front.spin, front.steer, rear.spin, slip. */
-static const float inverse_rows[51][12] = {
+static const float inverse_rows[53][12] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 13e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,10 +41,15 @@ static const float inverse_rows[51][12] = {
     {1.125f, 0.0f, 0.0f, 0.0f, 22.5f, 78e-7f, 0.0f, 12e-9f, 22.5f, 15e-7f, 0.0f, 13e-9f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 0.265625f, -22.5f, 78e-7f, 0.0f, 12e-9f, -22.5f, 15e-7f, 0.0f, 13e-9f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 0.265625f, -22.5f, 78e-7f, 0.0f, 12e-9f, -22.5f, 15e-7f, 0.0f, 13e-9f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 13e-9f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.265625f, 0.0f, 1e-12f, 0.265625f, 29e-9f, 0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.265625f, 0.0f, 1e-12f, 0.265625f, 29e-9f, 0.0f, 1e-12f, 1.125f,
+     71e-9f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -0.171875f, -21.661753f, 12e-6f, -0.41887903f, 45e-8f, -18.75f,
      12e-7f, 0.16334304f, 21e-8f},
@@ -263,7 +268,7 @@ static int forward_misses(const float *row)
 
 /* f1tenth_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -274,16 +279,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -387,13 +401,43 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* f1tenth_forward() after f1tenth_inverse(). Columns: vx, vy, omega, front.steer; expected and
+ * tolerance of vx, vy, omega. */
+static const float law_of_inverse_rows[2][10] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 23e-7f, 0.0f, 14e-8f, 0.0f, 8e-7f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.0f, 23e-7f, 0.0f, 14e-8f, 0.0f, 8e-7f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    f1tenth_inverse_in in0;
+    f1tenth_inverse_out out0;
+    f1tenth_forward_in in1;
+    f1tenth_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    in0.front.steer = row[3];
+    f1tenth_inverse(&in0, &out0);
+    in1.front.steer = out0.front.steer;
+    in1.rear.spin = out0.rear.spin;
+    f1tenth_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[4]);
+    misses += miss(out1.vy, &row[6]);
+    misses += miss(out1.omega, &row[8]);
+    return misses;
+}
+
 int f1tenth_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 51U; ++k) {
+    for (k = 0U; k < 53U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -405,9 +449,15 @@ int f1tenth_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 2U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

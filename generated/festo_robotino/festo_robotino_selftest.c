@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* festo_robotino_inverse() and festo_robotino_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of wheel0.spin, wheel1.spin, wheel2.spin, slip. */
-static const float inverse_rows[31][11] = {
+static const float inverse_rows[34][11] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,14 +41,20 @@ static const float inverse_rows[31][11] = {
     {1.125f, 0.0f, 0.0f, -24.356964f, 5e-6f, 0.0f, 1e-12f, 24.356964f, 5e-6f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 24.356964f, 5e-6f, 0.0f, 1e-12f, -24.356964f, 5e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 24.356964f, 5e-6f, 0.0f, 1e-12f, -24.356964f, 5e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 14.0625f, 89e-8f, -28.125f, 18e-7f, 14.0625f, 89e-8f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, -14.0625f, 89e-8f, 28.125f, 18e-7f, -14.0625f, 89e-8f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, -14.0625f, 89e-8f, 28.125f, 18e-7f, -14.0625f, 89e-8f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 4.791105f, 13e-7f, 4.875f, 31e-8f, 4.791105f, 13e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, -4.791105f, 13e-7f, -4.875f, 31e-8f, -4.791105f, 13e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, -4.791105f, 13e-7f, -4.875f, 31e-8f, -4.791105f, 13e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, 28.031214f, 6e-6f, 0.796875f, 5e-8f, -12.563727f, 4e-6f, 0.0f,
      1e-12f},
@@ -227,7 +233,7 @@ static int forward_misses(const float *row)
 
 /* festo_robotino_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -238,16 +244,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -359,7 +374,7 @@ static int odometry_misses(const float *row)
 
 /* festo_robotino_forward() after festo_robotino_inverse(). Columns: vx, vy, omega; expected and
  * tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[9][9] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -0.9375f, 38e-8f, 0.1875f, 16e-8f, 1.6875f, 13e-7f},
     {0.84375f, -0.796875f, 0.75f, 0.84375f, 34e-8f, -0.796875f, 32e-8f, 0.75f, 92e-8f},
@@ -367,9 +382,13 @@ static const float law_rows[6][9] = {
     {1.40625f, 0.28125f, -1.1875f, 1.40625f, 52e-8f, 0.28125f, 21e-8f, -1.1875f, 12e-7f},
     {0.234375f, -0.703125f, 1.8125f, 0.234375f, 12e-8f, -0.703125f, 24e-8f, 1.8125f, 67e-8f},
     {-0.984375f, 1.3125f, 0.875f, -0.984375f, 42e-8f, 1.3125f, 5e-7f, 0.875f, 14e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 37e-8f, 0.0f, 83e-9f, 0.0f, 64e-8f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 1e-12f, -1.0f, 27e-8f, 0.0f, 1e-12f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 28e-9f, 0.0f, 29e-9f, -1.0f, 37e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     festo_robotino_inverse_in in0;
     festo_robotino_inverse_out out0;
@@ -397,7 +416,7 @@ int festo_robotino_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 31U; ++k) {
+    for (k = 0U; k < 34U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -409,15 +428,15 @@ int festo_robotino_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * right_front.steer, left_back.steer, right_back.steer; expected and tolerance of
  * left_front.spin, left_front.steer, right_front.spin, right_front.steer, left_back.spin,
  * left_back.steer, right_back.spin, right_back.steer, left_middle.spin, right_middle.spin, slip. */
-static const float inverse_rows[50][29] = {
+static const float inverse_rows[53][29] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
@@ -51,6 +51,10 @@ static const float inverse_rows[50][29] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 15.0f, 23e-7f, 3.1415927f, 69e-8f,
      -15.0f, 23e-7f, 0.0f, 1e-12f, 15.0f, 23e-7f, -3.1415927f, 69e-8f, -15.0f, 23e-7f, 0.0f,
      1e-12f, -15.0f, 32e-7f, -15.0f, 32e-7f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 15.0f, 23e-7f, 3.1415927f,
+     69e-8f, -15.0f, 23e-7f, 0.0f, 1e-12f, 15.0f, 23e-7f, -3.1415927f, 69e-8f, -15.0f, 23e-7f,
+     0.0f, 1e-12f, -15.0f, 32e-7f, -15.0f, 32e-7f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
@@ -59,12 +63,20 @@ static const float inverse_rows[50][29] = {
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 0.0f, 1e-12f, 1.875f, 12e-8f,
      0.0f, 1e-12f, -0.46875f, 3e-8f, 0.0f, 1e-12f, -2.71875f, 18e-8f, 0.0f, 1e-12f, 0.9375f,
      59e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 0.0f, 1e-12f, 1.875f, 12e-8f,
+     0.0f, 1e-12f, -0.46875f, 3e-8f, 0.0f, 1e-12f, -2.71875f, 18e-8f, 0.0f, 1e-12f, 0.9375f,
+     59e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 0.0f, 0.0f, -6.523956f, 25e-7f, -0.9972485f, 14e-7f, 6.523956f,
      25e-7f, 0.9972485f, 14e-7f, -7.1394396f, 28e-7f, 1.0519977f, 14e-7f, 7.1394396f, 28e-7f,
      -1.0519977f, 14e-7f, -5.06f, 12e-7f, 5.06f, 12e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -6.523956f, 25e-7f, 2.144344f,
+     18e-7f, -6.523956f, 25e-7f, 0.9972485f, 14e-7f, -7.1394396f, 28e-7f, -2.089595f, 19e-7f,
+     7.1394396f, 28e-7f, 2.089595f, 19e-7f, 5.06f, 12e-7f, -5.06f, 12e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -6.523956f, 25e-7f, 2.144344f,
      18e-7f, -6.523956f, 25e-7f, 0.9972485f, 14e-7f, -7.1394396f, 28e-7f, -2.089595f, 19e-7f,
      7.1394396f, 28e-7f, 2.089595f, 19e-7f, 5.06f, 12e-7f, -5.06f, 12e-7f, 0.0f, 1e-12f},
     /* generic */
@@ -197,7 +209,7 @@ static const float inverse_rows[50][29] = {
      19e-7f, 6.9836926f, 29e-7f, -0.63335824f, 82e-8f, -0.10416658f, 64e-8f, 6.6425f, 15e-7f,
      0.015625f, 98e-11f},
     /* centre of rotation on left_middle */
-    {0.253f, 0.0f, 1.0f, 2.0625f, 2.625f, -2.71875f, -2.15625f, 3.7912648f, 14e-7f, 1.300226f,
+    {0.253f, -0.0f, 1.0f, 2.0625f, 2.625f, -2.71875f, -2.15625f, 3.7912648f, 14e-7f, 1.300226f,
      19e-7f, -6.798379f, 28e-7f, 3.7089236f, 15e-7f, 4.255736f, 16e-7f, -1.330377f, 19e-7f,
      7.0679245f, 29e-7f, -0.62463546f, 81e-8f, -1.17619834e-07f, 64e-8f, 6.7466664f, 15e-7f, 0.0f,
      1e-12f},
@@ -207,7 +219,7 @@ static const float inverse_rows[50][29] = {
      14e-7f, 4.2817345f, 16e-7f, -1.8348464f, 22e-7f, -6.8508334f, 15e-7f, -0.10416655f, 66e-8f,
      0.015625f, 98e-11f},
     /* centre of rotation on right_middle */
-    {-0.253f, 0.0f, 1.0f, 1.125f, 2.15625f, -2.71875f, -1.6875f, 6.798379f, 28e-7f, 2.5742617f,
+    {-0.253f, -0.0f, 1.0f, 1.125f, 2.15625f, -2.71875f, -1.6875f, 6.798379f, 28e-7f, 2.5742617f,
      13e-7f, 3.7912648f, 14e-7f, 1.8413666f, 22e-7f, 7.0679245f, 29e-7f, -2.5169573f, 14e-7f,
      4.255736f, 16e-7f, -1.8112158f, 22e-7f, -6.7466664f, 15e-7f, 1.17619834e-07f, 64e-8f, 0.0f,
      1e-12f},
@@ -429,7 +441,7 @@ static int forward_misses(const float *row)
 
 /* jpl_osr_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[45][13] = {
+static const float odometry_rows[48][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -440,16 +452,25 @@ static const float odometry_rows[45][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -541,14 +562,14 @@ static const float odometry_rows[45][13] = {
     {0.25f, 0.625f, 1.5f, 0.2451875f, -0.015625f, 1.0f, -0.1796875f, 0.2401948f, 73e-9f,
      0.58201706f, 22e-8f, 1.3203125f, 83e-9f},
     /* centre of rotation on left_middle */
-    {0.25f, 0.625f, 1.5f, 0.253f, 0.0f, 1.0f, -0.1796875f, 0.24273829f, 65e-9f, 0.5801847f, 23e-8f,
-     1.3203125f, 83e-9f},
+    {0.25f, 0.625f, 1.5f, 0.253f, -0.0f, 1.0f, -0.1796875f, 0.24273829f, 65e-9f, 0.5801847f,
+     23e-8f, 1.3203125f, 83e-9f},
     /* centre of rotation near right_middle */
     {-1.375f, -0.6875f, 0.09375f, -0.2608125f, -0.015625f, 1.0f, -0.140625f, -1.338415f, 32e-8f,
      -0.68444633f, 11e-8f, -0.046875f, 3e-9f},
     /* centre of rotation on right_middle */
-    {-1.375f, -0.6875f, 0.09375f, -0.253f, 0.0f, 1.0f, -0.140625f, -1.339461f, 32e-8f, -0.6866669f,
-     99e-9f, -0.046875f, 3e-9f},
+    {-1.375f, -0.6875f, 0.09375f, -0.253f, -0.0f, 1.0f, -0.140625f, -1.339461f, 32e-8f,
+     -0.6866669f, 99e-9f, -0.046875f, 3e-9f},
 };
 
 static int odometry_misses(const float *row)
@@ -573,7 +594,7 @@ static int odometry_misses(const float *row)
 
 /* jpl_osr_forward() after jpl_osr_inverse(). Columns: vx, vy, omega, left_front.steer,
  * right_front.steer, left_back.steer, right_back.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[9][13] = {
     /* there and back */
     {-0.9375f, 0.0f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -0.5625f, -0.9375f, 11e-7f, 0.0f,
      88e-8f, 1.6875f, 46e-7f},
@@ -587,9 +608,14 @@ static const float law_rows[6][13] = {
      63e-8f, 1.8125f, 39e-7f},
     {-0.984375f, 0.0f, 0.875f, -0.09375f, -1.40625f, -2.71875f, 1.875f, -0.984375f, 88e-8f, 0.0f,
      57e-8f, 0.875f, 31e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 46e-8f, 0.0f, 46e-10f, 0.0f, 39e-8f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 39e-8f, 0.0f, 33e-8f, -1.0f, 19e-7f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 42e-8f, 0.0f,
+     35e-8f, 1.0f, 21e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     jpl_osr_inverse_in in0;
     jpl_osr_inverse_out out0;
@@ -628,7 +654,7 @@ int jpl_osr_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 50U; ++k) {
+    for (k = 0U; k < 53U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -640,15 +666,15 @@ int jpl_osr_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 45U; ++k) {
+    for (k = 0U; k < 48U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

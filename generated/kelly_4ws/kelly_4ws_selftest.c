@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* kelly_4ws_inverse() and kelly_4ws_inverse_slip(). Columns: vx, vy, omega, w1.steer, w2.steer,
  * w3.steer, w4.steer; expected and tolerance of w1.spin, w1.steer, w2.spin, w2.steer, w3.spin,
  * w3.steer, w4.spin, w4.steer, slip. */
-static const float inverse_rows[45][25] = {
+static const float inverse_rows[47][25] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -48,6 +48,10 @@ static const float inverse_rows[45][25] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 11.25f, 71e-8f, 3.1415927f,
      69e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f, 11.25f, 71e-8f, -3.1415927f, 69e-8f, -11.25f, 71e-8f,
      0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 11.25f, 71e-8f, 3.1415927f,
+     69e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f, 11.25f, 71e-8f, -3.1415927f, 69e-8f, -11.25f, 71e-8f,
+     0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -11.25f, 71e-8f, 1.5707964f,
      19e-7f, 11.25f, 71e-8f, -1.5707964f, 16e-7f, 11.25f, 71e-8f, -1.5707964f, 16e-7f, -11.25f,
@@ -58,6 +62,10 @@ static const float inverse_rows[45][25] = {
      -1.0303768f, 13e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -7.696428f, 35e-7f, 2.1112158f,
+     18e-7f, -9.796428f, 37e-7f, 1.0303768f, 13e-7f, -7.696428f, 35e-7f, -2.1112158f, 18e-7f,
+     7.696428f, 35e-7f, 2.1112158f, 18e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -7.696428f, 35e-7f, 2.1112158f,
      18e-7f, -9.796428f, 37e-7f, 1.0303768f, 13e-7f, -7.696428f, 35e-7f, -2.1112158f, 18e-7f,
      7.696428f, 35e-7f, 2.1112158f, 18e-7f, 0.0f, 1e-12f},
     /* generic */
@@ -382,7 +390,7 @@ static int forward_misses(const float *row)
 
 /* kelly_4ws_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -393,16 +401,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -518,7 +535,7 @@ int kelly_4ws_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 45U; ++k) {
+    for (k = 0U; k < 47U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -530,7 +547,7 @@ int kelly_4ws_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;

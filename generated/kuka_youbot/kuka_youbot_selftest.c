@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* kuka_youbot_inverse() and kuka_youbot_inverse_slip(). Columns: vx, vy, omega; expected and
  * tolerance of fl.spin, fr.spin, bl.spin, br.spin, slip. */
-static const float inverse_rows[33][13] = {
+static const float inverse_rows[36][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -43,17 +43,26 @@ static const float inverse_rows[33][13] = {
     /* vx alone, backwards */
     {-0.6015625f, 0.0f, 0.0f, -12.03125f, 4e-6f, -12.03125f, 4e-6f, -12.03125f, 4e-6f, -12.03125f,
      4e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.6015625f, -0.0f, -0.0f, -12.03125f, 4e-6f, -12.03125f, 4e-6f, -12.03125f, 4e-6f,
+     -12.03125f, 4e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 0.6015625f, 0.0f, -12.03125f, 4e-6f, 12.03125f, 4e-6f, 12.03125f, 4e-6f, -12.03125f,
      4e-6f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -0.6015625f, 0.0f, 12.03125f, 4e-6f, -12.03125f, 4e-6f, -12.03125f, 4e-6f, 12.03125f,
      4e-6f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -0.6015625f, -0.0f, 12.03125f, 4e-6f, -12.03125f, 4e-6f, -12.03125f, 4e-6f, 12.03125f,
+     4e-6f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 0.8984375f, -6.9359374f, 25e-7f, 6.9359374f, 25e-7f, -6.9359374f, 25e-7f,
      6.9359374f, 25e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -0.8984375f, 6.9359374f, 25e-7f, -6.9359374f, 25e-7f, 6.9359374f, 25e-7f,
+     -6.9359374f, 25e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -0.8984375f, 6.9359374f, 25e-7f, -6.9359374f, 25e-7f, 6.9359374f, 25e-7f,
      -6.9359374f, 25e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.5f, 0.1015625f, 1.015625f, -19.871876f, 67e-7f, -0.128125f, 4e-6f, -15.809375f, 6e-6f,
@@ -264,7 +273,7 @@ static int forward_misses(const float *row)
 
 /* kuka_youbot_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x,
  * y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -275,15 +284,24 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.6015625f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.6015625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.6015625f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -0.6015625f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.6015625f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.8984375f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -0.8984375f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -0.8984375f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -402,7 +420,7 @@ static int odometry_misses(const float *row)
 
 /* kuka_youbot_forward() after kuka_youbot_inverse(). Columns: vx, vy, omega; expected and
  * tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[9][9] = {
     /* there and back */
     {-0.5f, 0.1015625f, 1.015625f, -0.5f, 4e-7f, 0.1015625f, 29e-8f, 1.015625f, 99e-8f},
     {0.453125f, -0.421875f, 0.453125f, 0.453125f, 38e-8f, -0.421875f, 37e-8f, 0.453125f, 79e-8f},
@@ -412,9 +430,13 @@ static const float law_rows[6][9] = {
     {0.125f, -0.375f, 1.0859375f, 0.125f, 26e-8f, -0.375f, 35e-8f, 1.0859375f, 97e-8f},
     {-0.5234375f, 0.703125f, 0.5234375f, -0.5234375f, 48e-8f, 0.703125f, 54e-8f, 0.5234375f,
      11e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 6e-7f, 0.0f, 27e-8f, 0.0f, 69e-8f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 27e-8f, -1.0f, 6e-7f, 0.0f, 86e-8f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 12e-8f, 0.0f, 14e-8f, -1.0f, 66e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     kuka_youbot_params params;
     kuka_youbot_prepared prepared;
@@ -447,7 +469,7 @@ int kuka_youbot_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 33U; ++k) {
+    for (k = 0U; k < 36U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -459,15 +481,15 @@ int kuka_youbot_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

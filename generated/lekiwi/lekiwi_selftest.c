@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* lekiwi_inverse() and lekiwi_inverse_slip(). Columns: vx, vy, omega; expected and tolerance of
  * left_wheel.spin, back_wheel.spin, right_wheel.spin, slip. */
-static const float inverse_rows[31][11] = {
+static const float inverse_rows[34][11] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,10 +41,16 @@ static const float inverse_rows[31][11] = {
     {0.2265625f, 0.0f, 0.0f, -3.9241776f, 95e-8f, 0.0f, 1e-12f, 3.9241776f, 95e-8f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-0.2265625f, 0.0f, 0.0f, 3.9241776f, 95e-8f, 0.0f, 1e-12f, -3.9241776f, 95e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.2265625f, -0.0f, -0.0f, 3.9241776f, 95e-8f, 0.0f, 1e-12f, -3.9241776f, 95e-8f, 0.0f,
+     1e-12f},
     /* vy alone */
     {0.0f, 0.2265625f, 0.0f, 2.265625f, 15e-8f, -4.53125f, 29e-8f, 2.265625f, 15e-8f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -0.2265625f, 0.0f, -2.265625f, 15e-8f, 4.53125f, 29e-8f, -2.265625f, 15e-8f, 0.0f,
+     1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -0.2265625f, -0.0f, -2.265625f, 15e-8f, 4.53125f, 29e-8f, -2.265625f, 15e-8f, 0.0f,
      1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.1796875f, 2.9492188f, 19e-8f, 2.9492188f, 19e-8f, 2.9492188f, 19e-8f, 0.0f,
@@ -52,6 +58,9 @@ static const float inverse_rows[31][11] = {
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.1796875f, -2.9492188f, 19e-8f, -2.9492188f, 19e-8f, -2.9492188f, 19e-8f, 0.0f,
      1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.1796875f, -2.9492188f, 19e-8f, -2.9492188f, 19e-8f, -2.9492188f, 19e-8f,
+     0.0f, 1e-12f},
     /* generic */
     {-0.1875f, 0.0390625f, 1.328125f, 6.958533f, 13e-7f, 2.5390625f, 16e-8f, 0.46334225f, 44e-8f,
      0.0f, 1e-12f},
@@ -227,7 +236,7 @@ static int forward_misses(const float *row)
 
 /* lekiwi_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -238,15 +247,24 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.2265625f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.2265625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.2265625f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -0.2265625f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.2265625f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.1796875f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.1796875f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.1796875f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -359,7 +377,7 @@ static int odometry_misses(const float *row)
 
 /* lekiwi_forward() after lekiwi_inverse(). Columns: vx, vy, omega; expected and tolerance of vx,
  * vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[9][9] = {
     /* there and back */
     {-0.1875f, 0.0390625f, 1.328125f, -0.1875f, 74e-9f, 0.0390625f, 38e-9f, 1.328125f, 55e-8f},
     {0.171875f, -0.15625f, 0.5859375f, 0.171875f, 67e-9f, -0.15625f, 56e-9f, 0.5859375f, 29e-8f},
@@ -368,9 +386,13 @@ static const float law_rows[6][9] = {
     {0.28125f, 0.0546875f, -0.9296875f, 0.28125f, 11e-8f, 0.0546875f, 46e-9f, -0.9296875f, 49e-8f},
     {0.046875f, -0.140625f, 1.421875f, 0.046875f, 23e-9f, -0.140625f, 47e-9f, 1.421875f, 45e-8f},
     {-0.1953125f, 0.265625f, 0.6875f, -0.1953125f, 79e-9f, 0.265625f, 96e-9f, 0.6875f, 42e-8f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 39e-8f, 0.0f, 11e-8f, 0.0f, 83e-8f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 1e-12f, -1.0f, 18e-8f, 0.0f, 1e-12f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.0f, 18e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     lekiwi_inverse_in in0;
     lekiwi_inverse_out out0;
@@ -398,7 +420,7 @@ int lekiwi_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 31U; ++k) {
+    for (k = 0U; k < 34U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -410,15 +432,15 @@ int lekiwi_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

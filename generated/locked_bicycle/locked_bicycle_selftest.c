@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* locked_bicycle_inverse() and locked_bicycle_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of front.spin, rear.spin, slip. */
-static const float inverse_rows[27][9] = {
+static const float inverse_rows[30][9] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,14 +41,20 @@ static const float inverse_rows[27][9] = {
     {1.125f, 0.0f, 0.0f, 11.25f, 71e-8f, 11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, -11.25f, 71e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, -11.25f, 71e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.9f, 35e-8f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.9f, 35e-8f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.9f, 35e-8f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -9.375f, 59e-8f, -9.375f, 59e-8f, 1.0297148f, 4e-7f},
     /* the same backwards */
@@ -178,7 +184,7 @@ static int forward_misses(const float *row)
 
 /* locked_bicycle_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[37][13] = {
+static const float odometry_rows[40][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -189,16 +195,25 @@ static const float odometry_rows[37][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -296,13 +311,41 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* locked_bicycle_forward() after locked_bicycle_inverse(). Columns: vx, vy, omega; expected and
+ * tolerance of vx, vy, omega. */
+static const float law_of_inverse_rows[1][9] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    locked_bicycle_inverse_in in0;
+    locked_bicycle_inverse_out out0;
+    locked_bicycle_forward_in in1;
+    locked_bicycle_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    locked_bicycle_inverse(&in0, &out0);
+    in1.front.spin = out0.front.spin;
+    in1.rear.spin = out0.rear.spin;
+    locked_bicycle_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[3]);
+    misses += miss(out1.vy, &row[5]);
+    misses += miss(out1.omega, &row[7]);
+    return misses;
+}
+
 int locked_bicycle_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 27U; ++k) {
+    for (k = 0U; k < 30U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -314,9 +357,15 @@ int locked_bicycle_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 37U; ++k) {
+    for (k = 0U; k < 40U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 1U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

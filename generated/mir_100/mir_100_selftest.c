@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * fr_caster.steer, bl_caster.steer, br_caster.steer; expected and tolerance of left.spin,
  * right.spin, fl_caster.spin, fl_caster.steer_rate, fr_caster.spin, fr_caster.steer_rate,
  * bl_caster.spin, bl_caster.steer_rate, br_caster.spin, br_caster.steer_rate, slip. */
-static const float inverse_rows[45][29] = {
+static const float inverse_rows[48][29] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
@@ -51,6 +51,10 @@ static const float inverse_rows[45][29] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -18.0f, 12e-7f, -18.0f, 12e-7f,
      -5.391603f, 69e-7f, 28.098076f, 19e-6f, 16.058407f, 12e-6f, -13.304788f, 13e-6f, -16.41467f,
      12e-6f, -12.085045f, 13e-6f, 10.652492f, 92e-7f, 23.7393f, 17e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -18.0f, 12e-7f, -18.0f, 12e-7f,
+     -5.391603f, 69e-7f, 28.098076f, 19e-6f, 16.058407f, 12e-6f, -13.304788f, 13e-6f, -16.41467f,
+     12e-6f, -12.085045f, 13e-6f, 10.652492f, 92e-7f, 23.7393f, 17e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
@@ -59,12 +63,21 @@ static const float inverse_rows[45][29] = {
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
      0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 0.0f, 1e-12f, 0.0f, 1e-12f,
+     0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
+     1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 0.75f, 0.0f, 0.0f, 0.0f, 0.0f, -2.671248f, 59e-8f, 2.671248f, 59e-8f, 2.436f,
      11e-7f, 5.9518194f, 19e-7f, -2.436f, 11e-7f, 5.9518194f, 19e-7f, 2.436f, 11e-7f, -6.0540705f,
      16e-7f, -2.436f, 11e-7f, -6.0540705f, 16e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -0.75f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 2.671248f, 59e-8f, -2.671248f,
+     59e-8f, 4.637744f, 3e-6f, -1.0451869f, 42e-7f, 0.32271308f, 27e-7f, -7.0295f, 51e-7f,
+     3.5517585f, 28e-7f, -2.4514112f, 39e-7f, -1.1715553f, 24e-7f, 7.1016946f, 47e-7f, 0.0f,
+     1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -0.75f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 2.671248f, 59e-8f, -2.671248f,
      59e-8f, 4.637744f, 3e-6f, -1.0451869f, 42e-7f, 0.32271308f, 27e-7f, -7.0295f, 51e-7f,
      3.5517585f, 28e-7f, -2.4514112f, 39e-7f, -1.1715553f, 24e-7f, 7.1016946f, 47e-7f, 0.0f,
      1e-12f},
@@ -188,7 +201,7 @@ static const float inverse_rows[45][29] = {
      95e-7f, -1.6016943f, 21e-7f, 5.575895f, 4e-6f, 6.126282f, 47e-7f, -9.31646f, 89e-7f,
      0.015625f, 98e-11f},
     /* centre of rotation on left */
-    {0.222604f, 0.0f, 1.0f, -0.09375f, -1.40625f, -2.71875f, 1.875f, 1.0446167e-07f, 34e-8f,
+    {0.222604f, -0.0f, 1.0f, -0.09375f, -1.40625f, -2.71875f, 1.875f, 1.0446167e-07f, 34e-8f,
      7.123328f, 13e-7f, 0.1989826f, 22e-7f, 7.944561f, 51e-7f, 4.2723103f, 48e-7f, 11.454696f,
      97e-7f, -1.4877036f, 22e-7f, 5.659819f, 41e-7f, 6.163724f, 48e-7f, -9.511585f, 91e-7f, 0.0f,
      1e-12f},
@@ -198,7 +211,7 @@ static const float inverse_rows[45][29] = {
      45e-7f, -8.097644f, 61e-7f, 0.793354f, 71e-7f, 2.7879434f, 25e-7f, 4.451882f, 41e-7f,
      0.015625f, 98e-11f},
     /* centre of rotation on right */
-    {-0.222604f, 0.0f, 1.0f, -1.03125f, -1.875f, -2.71875f, 2.34375f, -7.123328f, 13e-7f,
+    {-0.222604f, -0.0f, 1.0f, -1.03125f, -1.875f, -2.71875f, 2.34375f, -7.123328f, 13e-7f,
      -1.0446167e-07f, 34e-8f, 8.184124f, 59e-7f, -5.9680123f, 92e-7f, 5.116821f, 3e-6f, -4.16619f,
      44e-7f, -7.9836526f, 6e-6f, 0.8772779f, 7e-6f, 2.875225f, 24e-7f, 4.305479f, 4e-6f, 0.0f,
      1e-12f},
@@ -352,7 +365,7 @@ static int forward_misses(const float *row)
 
 /* mir_100_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[47][13] = {
+static const float odometry_rows[50][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -363,15 +376,24 @@ static const float odometry_rows[47][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.75f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -0.75f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -0.75f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -446,13 +468,13 @@ static const float odometry_rows[47][13] = {
     {-1.3125f, 1.75f, 1.3125f, 0.2147915f, -0.015625f, 1.0f, 0.15625f, -1.3040925f, 21e-8f,
      1.7825472f, 35e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on left */
-    {-1.3125f, 1.75f, 1.3125f, 0.222604f, 0.0f, 1.0f, 0.15625f, -1.3062735f, 2e-7f, 1.7841841f,
+    {-1.3125f, 1.75f, 1.3125f, 0.222604f, -0.0f, 1.0f, 0.15625f, -1.3062735f, 2e-7f, 1.7841841f,
      36e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near right */
     {1.0625f, 0.5f, -0.1875f, -0.2304165f, -0.015625f, 1.0f, 0.1953125f, 1.0174761f, 27e-8f,
      0.50099677f, 78e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on right */
-    {1.0625f, 0.5f, -0.1875f, -0.222604f, 0.0f, 1.0f, 0.1953125f, 1.0192668f, 27e-8f, 0.50389475f,
+    {1.0625f, 0.5f, -0.1875f, -0.222604f, -0.0f, 1.0f, 0.1953125f, 1.0192668f, 27e-8f, 0.50389475f,
      86e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation near fl_caster */
     {-0.5625f, -0.8125f, -1.59375f, 0.1951875f, -0.356971f, 1.0f, 0.234375f, -0.64130867f, 31e-8f,
@@ -502,7 +524,7 @@ static int odometry_misses(const float *row)
 
 /* mir_100_forward() after mir_100_inverse(). Columns: vx, vy, omega, fl_caster.steer,
  * fr_caster.steer, bl_caster.steer, br_caster.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[10][13] = {
     /* there and back */
     {-0.9375f, 0.0f, 0.84375f, -1.21875f, 1.03125f, -2.71875f, -0.5625f, -0.9375f, 26e-8f, 0.0f,
      1e-12f, 0.84375f, 53e-8f},
@@ -516,9 +538,16 @@ static const float law_rows[6][13] = {
      1e-12f, 0.90625f, 35e-8f},
     {-0.984375f, 0.0f, 0.4375f, -0.09375f, -1.40625f, -2.71875f, 1.875f, -0.984375f, 26e-8f, 0.0f,
      1e-12f, 0.4375f, 42e-8f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 63e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 1.0f, 63e-9f, 0.0f,
+     1e-12f, 0.0f, 1e-12f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 35e-9f, 0.0f, 1e-12f, -1.0f, 38e-8f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 35e-9f, 0.0f,
+     1e-12f, 1.0f, 38e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     mir_100_inverse_in in0;
     mir_100_inverse_out out0;
@@ -549,7 +578,7 @@ int mir_100_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 45U; ++k) {
+    for (k = 0U; k < 48U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -561,15 +590,15 @@ int mir_100_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 47U; ++k) {
+    for (k = 0U; k < 50U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 10U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -36,7 +36,7 @@ static int miss(const float value, const float *row)
  * castor_front_left.spin, castor_front_left.steer_rate, castor_back_left.spin,
  * castor_back_left.steer_rate, castor_front_right.spin, castor_front_right.steer_rate,
  * castor_back_right.spin, castor_back_right.steer_rate, slip. */
-static const float inverse_rows[43][29] = {
+static const float inverse_rows[46][29] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
@@ -53,6 +53,10 @@ static const float inverse_rows[43][29] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -14.705882f, 3e-6f, -14.705882f,
      3e-6f, -8.867768f, 10e-6f, 53.667324f, 28e-6f, 26.411854f, 16e-6f, -25.412146f, 21e-6f,
      -26.997812f, 16e-6f, -23.082436f, 2e-5f, 17.520544f, 13e-6f, 45.342064f, 26e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -14.705882f, 3e-6f, -14.705882f,
+     3e-6f, -8.867768f, 10e-6f, 53.667324f, 28e-6f, 26.411854f, 16e-6f, -25.412146f, 21e-6f,
+     -26.997812f, 16e-6f, -23.082436f, 2e-5f, 17.520544f, 13e-6f, 45.342064f, 26e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
@@ -61,12 +65,20 @@ static const float inverse_rows[43][29] = {
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
      0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 0.0f, 1e-12f, 0.0f, 1e-12f,
+     0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
+     1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 0.0f, 0.0f, 5.098039f, 11e-7f, -5.098039f, 11e-7f, 6.118421f,
      18e-7f, 10.875f, 69e-8f, 6.118421f, 18e-7f, -18.0f, 12e-7f, -6.118421f, 18e-7f, 10.875f,
      69e-8f, -6.118421f, 18e-7f, -18.0f, 12e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -5.098039f, 11e-7f, 5.098039f,
+     11e-7f, 8.046783f, 55e-7f, -5.88452f, 83e-7f, -1.535171f, 54e-7f, 21.47205f, 12e-6f,
+     -8.252251f, 56e-7f, 8.014716f, 83e-7f, -3.3792653f, 58e-7f, 20.635477f, 12e-6f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -5.098039f, 11e-7f, 5.098039f,
      11e-7f, 8.046783f, 55e-7f, -5.88452f, 83e-7f, -1.535171f, 54e-7f, 21.47205f, 12e-6f,
      -8.252251f, 56e-7f, 8.014716f, 83e-7f, -3.3792653f, 58e-7f, 20.635477f, 12e-6f, 0.0f, 1e-12f},
     /* generic */
@@ -179,7 +191,7 @@ static const float inverse_rows[43][29] = {
      16e-6f, -0.92547846f, 33e-7f, -10.838046f, 62e-7f, 4.6344147f, 4e-6f, 7.6765084f, 71e-7f,
      0.015625f, 98e-11f},
     /* centre of rotation on right */
-    {-0.26f, 0.0f, 1.0f, -0.09375f, -1.40625f, -2.71875f, 1.875f, 1.2466332e-07f, 52e-8f,
+    {-0.26f, -0.0f, 1.0f, -0.09375f, -1.40625f, -2.71875f, 1.875f, 1.2466332e-07f, 52e-8f,
      -6.7973857f, 14e-7f, 11.279571f, 82e-7f, 5.2713075f, 9e-6f, -3.922353f, 61e-7f, -23.271578f,
      16e-6f, -0.73799366f, 32e-7f, -10.677751f, 6e-6f, 4.6959963f, 39e-7f, 7.3038187f, 69e-7f,
      0.0f, 1e-12f},
@@ -189,7 +201,7 @@ static const float inverse_rows[43][29] = {
      67e-7f, 11.553511f, 81e-7f, -0.1688317f, 95e-7f, 11.626501f, 82e-7f, -7.893507f, 13e-6f,
      0.015625f, 98e-11f},
     /* centre of rotation on left */
-    {0.26f, 0.0f, 1.0f, -1.03125f, -1.875f, -2.71875f, 2.34375f, 6.7973857f, 14e-7f,
+    {0.26f, -0.0f, 1.0f, -1.03125f, -1.875f, -2.71875f, 2.34375f, 6.7973857f, 14e-7f,
      -1.2466332e-07f, 52e-8f, 2.3057103f, 32e-7f, 7.7426057f, 61e-7f, -4.6959963f, 39e-7f,
      7.3038187f, 69e-7f, 11.740995f, 83e-7f, -0.008537025f, 97e-7f, 11.770057f, 84e-7f, -8.173137f,
      13e-6f, 0.0f, 1e-12f},
@@ -340,7 +352,7 @@ static int forward_misses(const float *row)
 
 /* neobotix_mp_400_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[45][13] = {
+static const float odometry_rows[48][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -351,16 +363,25 @@ static const float odometry_rows[45][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -428,13 +449,13 @@ static const float odometry_rows[45][13] = {
     {-1.3125f, 1.75f, 1.3125f, -0.2678125f, -0.015625f, 1.0f, 0.15625f, -1.3175915f, 2e-7f,
      1.7084365f, 38e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on right */
-    {-1.3125f, 1.75f, 1.3125f, -0.26f, 0.0f, 1.0f, 0.15625f, -1.3197725f, 21e-8f, 1.7100732f,
+    {-1.3125f, 1.75f, 1.3125f, -0.26f, -0.0f, 1.0f, 0.15625f, -1.3197725f, 21e-8f, 1.7100732f,
      37e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near left */
     {1.0625f, 0.5f, -0.1875f, 0.2521875f, -0.015625f, 1.0f, 0.1953125f, 1.1112053f, 3e-7f,
      0.49255306f, 97e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on left */
-    {1.0625f, 0.5f, -0.1875f, 0.26f, 0.0f, 1.0f, 0.1953125f, 1.1129961f, 3e-7f, 0.495451f, 88e-9f,
+    {1.0625f, 0.5f, -0.1875f, 0.26f, -0.0f, 1.0f, 0.1953125f, 1.1129961f, 3e-7f, 0.495451f, 88e-9f,
      0.0078125f, 49e-11f},
     /* centre of rotation near castor_front_left */
     {-0.5625f, -0.8125f, -1.59375f, 0.1471875f, -0.180625f, 1.0f, 0.234375f, -0.6013112f, 2e-7f,
@@ -485,7 +506,7 @@ static int odometry_misses(const float *row)
 /* neobotix_mp_400_forward() after neobotix_mp_400_inverse(). Columns: vx, vy, omega,
  * castor_front_left.steer, castor_back_left.steer, castor_front_right.steer,
  * castor_back_right.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[10][13] = {
     /* there and back */
     {-0.9375f, 0.0f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -0.5625f, -0.9375f, 36e-8f, 0.0f,
      1e-12f, 1.6875f, 11e-7f},
@@ -499,9 +520,16 @@ static const float law_rows[6][13] = {
      1e-12f, 1.8125f, 73e-8f},
     {-0.984375f, 0.0f, 0.875f, -0.09375f, -1.40625f, -2.71875f, 1.875f, -0.984375f, 36e-8f, 0.0f,
      1e-12f, 0.875f, 79e-8f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 35e-8f, 0.0f, 1e-12f, 0.0f, 54e-8f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 1.0f, 35e-8f, 0.0f,
+     1e-12f, 0.0f, 54e-8f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 36e-9f, 0.0f, 1e-12f, -1.0f, 36e-8f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 36e-9f, 0.0f,
+     1e-12f, 1.0f, 36e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     neobotix_mp_400_inverse_in in0;
     neobotix_mp_400_inverse_out out0;
@@ -532,7 +560,7 @@ int neobotix_mp_400_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -544,15 +572,15 @@ int neobotix_mp_400_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 45U; ++k) {
+    for (k = 0U; k < 48U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 10U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * front_left.steer, back_left.steer, back_right.steer, front_right.steer; expected and tolerance
  * of front_left.spin, front_left.steer_rate, back_left.spin, back_left.steer_rate,
  * back_right.spin, back_right.steer_rate, front_right.spin, front_right.steer_rate, slip. */
-static const float inverse_rows[39][25] = {
+static const float inverse_rows[42][25] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -48,11 +48,19 @@ static const float inverse_rows[39][25] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 3.7441688f, 47e-7f, 23.852144f,
      17e-6f, -11.151671f, 78e-7f, -11.294287f, 11e-6f, 11.399076f, 79e-7f, -10.25886f, 11e-6f,
      -7.3975635f, 63e-7f, 20.152027f, 15e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 3.7441688f, 47e-7f, 23.852144f,
+     17e-6f, -11.151671f, 78e-7f, -11.294287f, 11e-6f, 11.399076f, 79e-7f, -10.25886f, 11e-6f,
+     -7.3975635f, 63e-7f, 20.152027f, 15e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 25.0f, 89e-7f, 0.0f, 1e-12f, 25.0f,
      89e-7f, 0.0f, 1e-12f, 25.0f, 89e-7f, 0.0f, 1e-12f, 25.0f, 89e-7f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -11.926072f, 81e-7f, 7.4883375f,
+     9e-6f, 5.6471434f, 55e-7f, -22.303343f, 15e-6f, 5.12943f, 53e-7f, 22.798153f, 15e-6f,
+     -10.076014f, 74e-7f, -14.795127f, 12e-6f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -11.926072f, 81e-7f, 7.4883375f,
      9e-6f, 5.6471434f, 55e-7f, -22.303343f, 15e-6f, 5.12943f, 53e-7f, 22.798153f, 15e-6f,
      -10.076014f, 74e-7f, -14.795127f, 12e-6f, 0.0f, 1e-12f},
     /* omega alone */
@@ -61,6 +69,10 @@ static const float inverse_rows[39][25] = {
      0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -4.764866f, 38e-7f, -2.1462753f,
+     6e-6f, 1.0180042f, 3e-6f, 11.498289f, 75e-7f, 1.2463485f, 31e-7f, -8.3943205f, 69e-7f,
+     -5.098374f, 39e-7f, 1.8707397f, 64e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -4.764866f, 38e-7f, -2.1462753f,
      6e-6f, 1.0180042f, 3e-6f, 11.498289f, 75e-7f, 1.2463485f, 31e-7f, -8.3943205f, 69e-7f,
      -5.098374f, 39e-7f, 1.8707397f, 64e-7f, 0.0f, 1e-12f},
     /* generic */
@@ -368,7 +380,7 @@ static int forward_misses(const float *row)
 
 /* neobotix_mpo_700_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -379,16 +391,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -501,7 +522,7 @@ static int odometry_misses(const float *row)
 /* neobotix_mpo_700_forward() after neobotix_mpo_700_inverse(). Columns: vx, vy, omega,
  * front_left.steer, back_left.steer, back_right.steer, front_right.steer; expected and tolerance
  * of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[12][13] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -0.5625f, -0.9375f, 19e-7f,
      0.1875f, 16e-7f, 1.6875f, 98e-7f},
@@ -515,9 +536,19 @@ static const float law_rows[6][13] = {
      -0.703125f, 14e-7f, 1.8125f, 72e-7f},
     {-0.984375f, 1.3125f, 0.875f, -0.09375f, -1.40625f, -2.71875f, 1.875f, -0.984375f, 24e-7f,
      1.3125f, 26e-7f, 0.875f, 12e-6f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 9e-7f, 0.0f, 56e-9f, 0.0f, 13e-7f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 1.0f, 16e-7f, 0.0f,
+     51e-8f, 0.0f, 47e-7f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, -1.0f, 86e-8f, 0.0f, 19e-7f},
+    {-0.0f, 1.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 7e-7f, 1.0f, 14e-7f,
+     0.0f, 44e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 12e-8f, 0.0f, 18e-8f, -1.0f, 14e-7f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 46e-8f, 0.0f,
+     37e-8f, 1.0f, 28e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     neobotix_mpo_700_inverse_in in0;
     neobotix_mpo_700_inverse_out out0;
@@ -558,7 +589,7 @@ int neobotix_mpo_700_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -570,15 +601,15 @@ int neobotix_mpo_700_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 12U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * castor2.steer, castor3.steer, castor4.steer; expected and tolerance of castor1.spin,
  * castor1.steer_rate, castor2.spin, castor2.steer_rate, castor3.spin, castor3.steer_rate,
  * castor4.spin, castor4.steer_rate, slip. */
-static const float inverse_rows[41][25] = {
+static const float inverse_rows[44][25] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -49,11 +49,19 @@ static const float inverse_rows[41][25] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 6.1268215f, 69e-7f, 53.667324f,
      28e-6f, -18.24819f, 11e-6f, -25.412146f, 21e-6f, 18.653034f, 11e-6f, -23.082436f, 2e-5f,
      -12.1051035f, 86e-7f, 45.342064f, 26e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 6.1268215f, 69e-7f, 53.667324f,
+     28e-6f, -18.24819f, 11e-6f, -25.412146f, 21e-6f, 18.653034f, 11e-6f, -23.082436f, 2e-5f,
+     -12.1051035f, 86e-7f, 45.342064f, 26e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 56.25f, 36e-7f, 0.0f, 1e-12f,
      56.25f, 36e-7f, 0.0f, 1e-12f, 56.25f, 36e-7f, 0.0f, 1e-12f, 56.25f, 36e-7f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -19.51539f, 11e-6f, 16.84876f,
+     18e-6f, 9.24078f, 78e-7f, -50.18252f, 24e-6f, 8.393613f, 75e-7f, 51.295845f, 24e-6f,
+     -16.488022f, 98e-7f, -33.289036f, 21e-6f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -19.51539f, 11e-6f, 16.84876f,
      18e-6f, 9.24078f, 78e-7f, -50.18252f, 24e-6f, 8.393613f, 75e-7f, 51.295845f, 24e-6f,
      -16.488022f, 98e-7f, -33.289036f, 21e-6f, 0.0f, 1e-12f},
     /* omega alone */
@@ -62,6 +70,10 @@ static const float inverse_rows[41][25] = {
      11e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -6.8379235f, 47e-7f, -8.318284f,
+     11e-6f, -2.4019759f, 38e-7f, -18.658577f, 12e-6f, -7.212439f, 48e-7f, -6.023576f, 10e-6f,
+     1.1687784f, 35e-7f, 22.468292f, 13e-6f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -6.8379235f, 47e-7f, -8.318284f,
      11e-6f, -2.4019759f, 38e-7f, -18.658577f, 12e-6f, -7.212439f, 48e-7f, -6.023576f, 10e-6f,
      1.1687784f, 35e-7f, 22.468292f, 13e-6f, 0.0f, 1e-12f},
     /* generic */
@@ -375,7 +387,7 @@ static int forward_misses(const float *row)
 
 /* nomad_xr4000_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x,
  * y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -386,16 +398,25 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -513,7 +534,7 @@ static int odometry_misses(const float *row)
 
 /* nomad_xr4000_forward() after nomad_xr4000_inverse(). Columns: vx, vy, omega, castor1.steer,
  * castor2.steer, castor3.steer, castor4.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[12][13] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -0.5625f, -0.9375f, 15e-7f,
      0.1875f, 12e-7f, 1.6875f, 72e-7f},
@@ -527,9 +548,19 @@ static const float law_rows[6][13] = {
      -0.703125f, 12e-7f, 1.8125f, 64e-7f},
     {-0.984375f, 1.3125f, 0.875f, -0.09375f, -1.40625f, -2.71875f, 1.875f, -0.984375f, 21e-7f,
      1.3125f, 23e-7f, 0.875f, 11e-6f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 62e-8f, 0.0f, 18e-9f, 0.0f, 87e-8f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 1.0f, 13e-7f, 0.0f,
+     51e-8f, 0.0f, 4e-6f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, -1.0f, 15e-8f, 0.0f, 1e-12f},
+    {-0.0f, 1.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 59e-8f, 1.0f,
+     13e-7f, 0.0f, 41e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 69e-9f, 0.0f, 14e-9f, -1.0f, 69e-8f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 34e-8f, 0.0f, 3e-7f,
+     1.0f, 23e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     nomad_xr4000_inverse_in in0;
     nomad_xr4000_inverse_out out0;
@@ -570,7 +601,7 @@ int nomad_xr4000_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -582,15 +613,15 @@ int nomad_xr4000_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 12U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

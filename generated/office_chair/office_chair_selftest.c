@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * c2.steer, c3.steer, c4.steer, c5.steer; expected and tolerance of c1.spin, c1.steer_rate,
  * c2.spin, c2.steer_rate, c3.spin, c3.steer_rate, c4.spin, c4.steer_rate, c5.spin,
  * c5.steer_rate, slip. */
-static const float inverse_rows[41][30] = {
+static const float inverse_rows[44][30] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
      0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
@@ -52,6 +52,11 @@ static const float inverse_rows[41][30] = {
      42.93386f, 25e-6f, -26.450426f, 24e-6f, 31.898903f, 29e-6f, -36.71115f, 29e-6f, -9.181487f,
      26e-6f, 0.18666658f, 21e-6f, -44.999443f, 33e-6f, 33.2847f, 28e-6f, -20.72838f, 22e-6f, 0.0f,
      1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -1.40625f, 11.232507f, 13e-6f,
+     42.93386f, 25e-6f, -26.450426f, 24e-6f, 31.898903f, 29e-6f, -36.71115f, 29e-6f, -9.181487f,
+     26e-6f, 0.18666658f, 21e-6f, -44.999443f, 33e-6f, 33.2847f, 28e-6f, -20.72838f, 22e-6f, 0.0f,
+     1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 45.0f, 29e-7f, 35.66462f,
      16e-6f, 13.905765f, 54e-7f, 22.041946f, 92e-7f, -36.405766f, 14e-6f, -22.041946f, 92e-7f,
@@ -61,12 +66,22 @@ static const float inverse_rows[41][30] = {
      13.479008f, 14e-6f, -26.582418f, 27e-6f, -31.74051f, 28e-6f, 7.6512394f, 22e-6f, -44.05338f,
      33e-6f, 37.499535f, 3e-5f, 0.2239999f, 27e-6f, 17.27365f, 2e-5f, 39.941635f, 33e-6f, 0.0f,
      1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -1.40625f, -35.778217f, 2e-5f,
+     13.479008f, 14e-6f, -26.582418f, 27e-6f, -31.74051f, 28e-6f, 7.6512394f, 22e-6f, -44.05338f,
+     33e-6f, 37.499535f, 3e-5f, 0.2239999f, 27e-6f, 17.27365f, 2e-5f, 39.941635f, 33e-6f, 0.0f,
+     1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 15.3f, 54e-7f, 0.0f, 1e-12f,
      15.3f, 65e-7f, 0.0f, 1e-12f, 15.3f, 65e-7f, 0.0f, 1e-12f, 15.3f, 65e-7f, 0.0f, 1e-12f, 15.3f,
      65e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -1.40625f, -13.357201f, 91e-7f,
+     6.5321627f, 61e-7f, 6.3248005f, 66e-7f, -13.487846f, 10e-6f, 5.7449617f, 63e-7f, 16.820358f,
+     11e-6f, -11.285135f, 9e-6f, -8.442326f, 8e-6f, 13.810899f, 11e-6f, -1.2519207f, 52e-7f, 0.0f,
+     1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -1.40625f, -13.357201f, 91e-7f,
      6.5321627f, 61e-7f, 6.3248005f, 66e-7f, -13.487846f, 10e-6f, 5.7449617f, 63e-7f, 16.820358f,
      11e-6f, -11.285135f, 9e-6f, -8.442326f, 8e-6f, 13.810899f, 11e-6f, -1.2519207f, 52e-7f, 0.0f,
      1e-12f},
@@ -293,7 +308,7 @@ static int forward_misses(const float *row)
 
 /* office_chair_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x,
  * y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -304,16 +319,25 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -435,7 +459,7 @@ int office_chair_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -447,7 +471,7 @@ int office_chair_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* pioneer3dx_inverse() and pioneer3dx_inverse_slip(). Columns: vx, vy, omega, tail.steer;
  * expected and tolerance of left.spin, right.spin, tail.spin, tail.steer_rate, slip. */
-static const float inverse_rows[39][14] = {
+static const float inverse_rows[42][14] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -44,17 +44,26 @@ static const float inverse_rows[39][14] = {
     /* vx alone, backwards */
     {-0.8984375f, 0.0f, 0.0f, 1.875f, -9.214744f, 27e-7f, -9.214744f, 27e-7f, -5.3822427f, 59e-7f,
      21.42966f, 11e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.8984375f, -0.0f, -0.0f, 1.875f, -9.214744f, 27e-7f, -9.214744f, 27e-7f, -5.3822427f,
+     59e-7f, 21.42966f, 11e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
      71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
      71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
+     71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, -2.5461538f, 9e-7f, 2.5461538f, 9e-7f, 0.0f, 1e-12f, -9.75f, 62e-8f,
      0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, 2.5461538f, 9e-7f, -2.5461538f, 9e-7f, -6.296966f, 34e-7f,
+     -0.9711514f, 26e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, 2.5461538f, 9e-7f, -2.5461538f, 9e-7f, -6.296966f, 34e-7f,
      -0.9711514f, 26e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.75f, 0.1875f, 1.6875f, -1.21875f, -10.556731f, 33e-7f, -4.8278847f, 26e-7f, -1.7973275f,
@@ -124,13 +133,13 @@ static const float inverse_rows[39][14] = {
     {0.1576875f, -0.015625f, 1.0f, -0.09375f, -0.0801282f, 67e-8f, 3.3147435f, 11e-7f, -3.551797f,
      28e-7f, -6.1068087f, 43e-7f, 0.015625f, 98e-11f},
     /* centre of rotation on left */
-    {0.1655f, 0.0f, 1.0f, -0.09375f, 1.2226594e-09f, 67e-8f, 3.3948717f, 11e-7f, -3.7073607f,
+    {0.1655f, -0.0f, 1.0f, -0.09375f, 1.2226594e-09f, 67e-8f, 3.3948717f, 11e-7f, -3.7073607f,
      29e-7f, -6.0885253f, 44e-7f, 0.0f, 1e-12f},
     /* centre of rotation near right */
     {-0.1733125f, -0.015625f, 1.0f, -1.03125f, -3.475f, 12e-7f, -0.08012821f, 69e-8f, -1.9941692f,
      31e-7f, -7.5429087f, 45e-7f, 0.015625f, 98e-11f},
     /* centre of rotation on right */
-    {-0.1655f, 0.0f, 1.0f, -1.03125f, -3.3948717f, 11e-7f, -1.2226594e-09f, 67e-8f, -2.0744421f,
+    {-0.1655f, -0.0f, 1.0f, -1.03125f, -3.3948717f, 11e-7f, -1.2226594e-09f, 67e-8f, -2.0744421f,
      3e-6f, -7.375342f, 44e-7f, 0.0f, 1e-12f},
     /* centre of rotation near tail */
     {-0.0078125f, 0.204375f, 1.0f, -1.96875f, -1.777564f, 63e-8f, 1.6173077f, 61e-8f, -4.1167183f,
@@ -244,7 +253,7 @@ static int forward_misses(const float *row)
 
 /* pioneer3dx_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x,
  * y, theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -255,16 +264,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.8984375f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.8984375f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -338,13 +356,13 @@ static const float odometry_rows[41][13] = {
     {-1.3125f, 1.75f, 1.3125f, 0.1576875f, -0.015625f, 1.0f, 0.15625f, -1.3056898f, 2e-7f,
      1.7737782f, 32e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on left */
-    {-1.3125f, 1.75f, 1.3125f, 0.1655f, 0.0f, 1.0f, 0.15625f, -1.3078707f, 19e-8f, 1.775415f,
+    {-1.3125f, 1.75f, 1.3125f, 0.1655f, -0.0f, 1.0f, 0.15625f, -1.3078707f, 19e-8f, 1.775415f,
      32e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near right */
     {1.0625f, 0.5f, -0.1875f, -0.1733125f, -0.015625f, 1.0f, 0.1953125f, 1.0285666f, 24e-8f,
      0.49999768f, 73e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on right */
-    {1.0625f, 0.5f, -0.1875f, -0.1655f, 0.0f, 1.0f, 0.1953125f, 1.0303572f, 23e-8f, 0.5028956f,
+    {1.0625f, 0.5f, -0.1875f, -0.1655f, -0.0f, 1.0f, 0.1953125f, 1.0303572f, 23e-8f, 0.5028956f,
      8e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation near tail */
     {-0.5625f, -0.8125f, -1.59375f, -0.0078125f, 0.204375f, 1.0f, 0.234375f, -0.5150931f, 2e-7f,
@@ -376,7 +394,7 @@ static int odometry_misses(const float *row)
 
 /* pioneer3dx_forward() after pioneer3dx_inverse(). Columns: vx, vy, omega, tail.steer; expected
  * and tolerance of vx, vy, omega. */
-static const float law_rows[6][10] = {
+static const float law_of_inverse_rows[10][10] = {
     /* there and back */
     {-0.75f, 0.0f, 1.6875f, -1.21875f, -0.75f, 45e-8f, 0.0f, 1e-12f, 1.6875f, 22e-7f},
     {0.671875f, 0.0f, 0.75f, -2.15625f, 0.671875f, 38e-8f, 0.0f, 1e-12f, 0.75f, 14e-7f},
@@ -384,9 +402,14 @@ static const float law_rows[6][10] = {
     {1.125f, 0.0f, -1.1875f, 1.875f, 1.125f, 63e-8f, 0.0f, 1e-12f, -1.1875f, 24e-7f},
     {0.1875f, 0.0f, 1.8125f, 0.9375f, 0.1875f, 18e-8f, 0.0f, 1e-12f, 1.8125f, 15e-7f},
     {-0.7890625f, 0.0f, 0.875f, -0.09375f, -0.7890625f, 44e-8f, 0.0f, 1e-12f, 0.875f, 17e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 52e-8f, 0.0f, 1e-12f, 0.0f, 14e-7f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.0f, 52e-8f, 0.0f, 1e-12f, 0.0f, 14e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 48e-9f, 0.0f, 1e-12f, -1.0f, 71e-8f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 0.0f, 48e-9f, 0.0f, 1e-12f, 1.0f, 71e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     pioneer3dx_params params;
     pioneer3dx_prepared prepared;
@@ -418,7 +441,7 @@ int pioneer3dx_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -430,15 +453,15 @@ int pioneer3dx_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 10U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

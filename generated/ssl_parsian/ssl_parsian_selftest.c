@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* ssl_parsian_inverse() and ssl_parsian_inverse_slip(). Columns: vx, vy, omega; expected and
  * tolerance of wheel1.spin, wheel2.spin, wheel3.spin, wheel4.spin, slip. */
-static const float inverse_rows[31][13] = {
+static const float inverse_rows[34][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -43,16 +43,24 @@ static const float inverse_rows[31][13] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, -36.084393f, 81e-7f, -29.462782f, 59e-7f, 29.462782f, 59e-7f, 36.084393f,
      81e-7f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, -36.084393f, 81e-7f, -29.462782f, 59e-7f, 29.462782f, 59e-7f,
+     36.084393f, 81e-7f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, -20.833334f, 53e-7f, 29.462782f, 78e-7f, 29.462782f, 78e-7f, -20.833334f,
      53e-7f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 20.833334f, 53e-7f, -29.462782f, 78e-7f, -29.462782f, 78e-7f, 20.833334f,
      53e-7f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 20.833334f, 53e-7f, -29.462782f, 78e-7f, -29.462782f, 78e-7f,
+     20.833334f, 53e-7f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, -5.0f, 14e-7f, -5.0f, 14e-7f, -5.0f, 14e-7f, -5.0f, 14e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 5.0f, 14e-7f, 5.0f, 14e-7f, 5.0f, 14e-7f, 5.0f, 14e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 5.0f, 14e-7f, 5.0f, 14e-7f, 5.0f, 14e-7f, 5.0f, 14e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -39.16755f, 92e-7f, -25.266855f, 59e-7f, 23.837782f, 57e-7f,
      20.973104f, 69e-7f, 0.0f, 1e-12f},
@@ -248,7 +256,7 @@ static int forward_misses(const float *row)
 
 /* ssl_parsian_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x,
  * y, theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -259,16 +267,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -380,7 +397,7 @@ static int odometry_misses(const float *row)
 
 /* ssl_parsian_forward() after ssl_parsian_inverse(). Columns: vx, vy, omega; expected and
  * tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[9][9] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -0.9375f, 43e-8f, 0.1875f, 29e-8f, 1.6875f, 21e-7f},
     {0.84375f, -0.796875f, 0.75f, 0.84375f, 44e-8f, -0.796875f, 52e-8f, 0.75f, 27e-7f},
@@ -388,9 +405,13 @@ static const float law_rows[6][9] = {
     {1.40625f, 0.28125f, -1.1875f, 1.40625f, 63e-8f, 0.28125f, 41e-8f, -1.1875f, 26e-7f},
     {0.234375f, -0.703125f, 1.8125f, 0.234375f, 21e-8f, -0.703125f, 4e-7f, 1.8125f, 21e-7f},
     {-0.984375f, 1.3125f, 0.875f, -0.984375f, 56e-8f, 1.3125f, 78e-8f, 0.875f, 4e-6f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 42e-8f, 0.0f, 2e-7f, 0.0f, 14e-7f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 15e-8f, -1.0f, 49e-8f, 0.0f, 22e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 25e-9f, 0.0f, 42e-9f, -1.0f, 48e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     ssl_parsian_inverse_in in0;
     ssl_parsian_inverse_out out0;
@@ -419,7 +440,7 @@ int ssl_parsian_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 31U; ++k) {
+    for (k = 0U; k < 34U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -431,15 +452,15 @@ int ssl_parsian_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

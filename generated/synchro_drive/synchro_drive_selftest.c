@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* synchro_drive_inverse() and synchro_drive_inverse_slip(). Columns: vx, vy, omega, w1.steer,
  * w2.steer, w3.steer; expected and tolerance of w1.spin, w1.steer, w2.spin, w2.steer, w3.spin,
  * w3.steer, slip. */
-static const float inverse_rows[40][20] = {
+static const float inverse_rows[42][20] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f,
      0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -46,6 +46,9 @@ static const float inverse_rows[40][20] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 11.25f,
      71e-8f, 3.1415927f, 69e-8f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f,
+     11.25f, 71e-8f, 3.1415927f, 69e-8f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, -11.25f, 71e-8f, 1.5707964f, 19e-7f,
      -11.25f, 71e-8f, 1.5707964f, 19e-7f, -11.25f, 71e-8f, 1.5707964f, 19e-7f, 0.0f, 1e-12f},
@@ -54,6 +57,9 @@ static const float inverse_rows[40][20] = {
      0.0f, 1e-12f, 0.0f, 1e-12f, 0.45f, 76e-9f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.0f, 1e-12f, 1.875f, 12e-8f, 0.0f, 1e-12f,
+     1.875f, 12e-8f, 0.0f, 1e-12f, 1.875f, 12e-8f, 0.45f, 76e-9f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.0f, 1e-12f, 1.875f, 12e-8f, 0.0f, 1e-12f,
      1.875f, 12e-8f, 0.0f, 1e-12f, 1.875f, 12e-8f, 0.45f, 76e-9f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -9.560661f, 24e-7f, -0.19739556f,
@@ -323,7 +329,7 @@ static int forward_misses(const float *row)
 
 /* synchro_drive_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -334,16 +340,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -447,13 +462,50 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* synchro_drive_forward() after synchro_drive_inverse(). Columns: vx, vy, omega, w1.steer,
+ * w2.steer, w3.steer; expected and tolerance of vx, vy, omega. */
+static const float law_of_inverse_rows[2][12] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 18e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    {-0.0f, 1.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 18e-7f, 1.0f, 6e-7f, 0.0f,
+     44e-7f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    synchro_drive_inverse_in in0;
+    synchro_drive_inverse_out out0;
+    synchro_drive_forward_in in1;
+    synchro_drive_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    in0.w1.steer = row[3];
+    in0.w2.steer = row[4];
+    in0.w3.steer = row[5];
+    synchro_drive_inverse(&in0, &out0);
+    in1.w1.spin = out0.w1.spin;
+    in1.w1.steer = out0.w1.steer;
+    in1.w2.spin = out0.w2.spin;
+    in1.w2.steer = out0.w2.steer;
+    in1.w3.spin = out0.w3.spin;
+    in1.w3.steer = out0.w3.steer;
+    synchro_drive_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[6]);
+    misses += miss(out1.vy, &row[8]);
+    misses += miss(out1.omega, &row[10]);
+    return misses;
+}
+
 int synchro_drive_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 40U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -465,9 +517,15 @@ int synchro_drive_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 2U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -313,7 +313,7 @@ static int world_to_robot_misses(const float *row)
 
 /* textbook_robot_to_world(). Columns: theta, vx, vy, omega; expected and tolerance of x_rate,
  * y_rate, theta_rate. */
-static const float robot_to_world_rows[33][10] = {
+static const float robot_to_world_rows[36][10] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -326,14 +326,20 @@ static const float robot_to_world_rows[33][10] = {
     {0.0f, 1.125f, 0.0f, 0.0f, 1.125f, 71e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, -1.125f, 71e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, -0.0f, -1.125f, 71e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 1.125f, 71e-9f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, 0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, -1.125f, 71e-9f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, -1.125f, 71e-9f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.5f, 94e-9f},
     /* omega alone, backwards */
     {0.0f, 0.0f, 0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.5f, 94e-9f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.5f, 94e-9f},
     /* generic */
     {-1.875f, 0.1875f, 1.265625f, -0.8125f, 1.1513523f, 59e-8f, -0.55798817f, 47e-8f, -0.8125f,
      51e-9f},
@@ -4293,7 +4299,7 @@ static int disk_constraint_misses(const float *row)
 
 /* textbook_unicycle(). Columns: theta, v, omega; expected and tolerance of x_rate, y_rate,
  * theta_rate. */
-static const float unicycle_rows[31][9] = {
+static const float unicycle_rows[32][9] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -4310,6 +4316,8 @@ static const float unicycle_rows[31][9] = {
     {0.0f, 0.0f, 1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.5f, 94e-9f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.5f, 94e-9f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.5f, 94e-9f},
     /* generic */
     {-1.875f, 0.1875f, 1.6875f, -0.056162532f, 54e-9f, -0.17889108f, 7e-8f, 1.6875f, 11e-8f},
     /* the same backwards */
@@ -5954,13 +5962,15 @@ static int brockett_to_chain_misses(const float *row)
 
 /* textbook_polar_coordinates(). Columns: x, y, theta; expected and tolerance of rho, alpha,
  * beta. */
-static const float polar_coordinates_rows[26][9] = {
+static const float polar_coordinates_rows[27][9] = {
     /* x alone, backwards */
     {-1.5f, 0.0f, 0.0f, 1.5f, 94e-9f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* y alone */
     {0.0f, 1.5f, 0.0f, 1.5f, 94e-9f, -1.5707964f, 13e-7f, 1.5707964f, 14e-7f},
     /* y alone, backwards */
     {0.0f, -1.5f, 0.0f, 1.5f, 94e-9f, 1.5707964f, 13e-7f, -1.5707964f, 14e-7f},
+    /* theta alone, backwards */
+    {0.0f, 0.0f, -2.25f, 0.0f, 1e-12f, 0.0f, 1e-12f, 2.25f, 15e-8f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, 1.2747549f, 16e-8f, -2.7286456f, 28e-7f, 0.19739556f, 26e-7f},
     /* the same backwards */
@@ -6643,17 +6653,21 @@ static int turning_radius_misses(const float *row)
 
 /* textbook_pursuit(). Columns: wheelbase, distance, epsilon; expected and tolerance of psi,
  * curvature, offset, gain, arc. */
-static const float pursuit_rows[28][13] = {
+static const float pursuit_rows[29][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* wheelbase alone */
     {1.5f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* wheelbase alone, backwards */
+    {-1.5f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* distance alone */
     {0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.8888889f, 17e-8f, 1.5f, 94e-9f},
     /* epsilon alone */
     {0.0f, 0.0f, 2.25f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* epsilon alone, backwards */
+    {0.0f, 0.0f, -2.25f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, -1.3980602f, 13e-7f, 4.5851865f, 29e-7f, 0.14328708f, 81e-9f, 32.0f,
      21e-7f, 1.1040992f, 69e-8f},
@@ -6709,9 +6723,6 @@ static const float pursuit_rows[28][13] = {
      20.48f, 39e-7f, -0.47435457f, 21e-8f},
     {0.5f, -1.5625f, -1.453125f, -2.5754256f, 23e-7f, 1.2711484f, 56e-8f, 1.5516949f, 59e-8f,
      0.8192f, 16e-8f, -2.2863183f, 11e-7f},
-    /* branch */
-    {0.14453125f, 0.0f, -0.038085938f, -1.5707964f, 13e-7f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
-     1e-12f, 0.0f, 1e-12f},
 };
 
 static int pursuit_misses(const float *row)
@@ -6934,7 +6945,7 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 33U; ++k) {
+    for (k = 0U; k < 36U; ++k) {
         ++number;
         if ((failed == 0) && (robot_to_world_misses(robot_to_world_rows[k]) != 0)) {
             failed = number;
@@ -7138,7 +7149,7 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 31U; ++k) {
+    for (k = 0U; k < 32U; ++k) {
         ++number;
         if ((failed == 0) && (unicycle_misses(unicycle_rows[k]) != 0)) {
             failed = number;
@@ -7252,7 +7263,7 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 26U; ++k) {
+    for (k = 0U; k < 27U; ++k) {
         ++number;
         if ((failed == 0) && (polar_coordinates_misses(polar_coordinates_rows[k]) != 0)) {
             failed = number;
@@ -7300,7 +7311,7 @@ int textbook_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 28U; ++k) {
+    for (k = 0U; k < 29U; ++k) {
         ++number;
         if ((failed == 0) && (pursuit_misses(pursuit_rows[k]) != 0)) {
             failed = number;

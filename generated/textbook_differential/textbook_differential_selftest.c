@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* textbook_differential_inverse() and textbook_differential_inverse_slip(). Columns: vx, vy,
  * omega; expected and tolerance of right.spin, left.spin, slip. */
-static const float inverse_rows[29][9] = {
+static const float inverse_rows[32][9] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,14 +41,20 @@ static const float inverse_rows[29][9] = {
     {1.125f, 0.0f, 0.0f, 11.25f, 71e-8f, 11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, -11.25f, 71e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, -11.25f, 71e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 9.0f, 57e-8f, -9.0f, 57e-8f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, -9.0f, 57e-8f, 9.0f, 57e-8f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, -9.0f, 57e-8f, 9.0f, 57e-8f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, 0.75f, 47e-9f, -19.5f, 13e-7f, 0.1875f, 12e-9f},
     /* the same backwards */
@@ -79,11 +85,11 @@ static const float inverse_rows[29][9] = {
     /* centre of rotation near right */
     {-0.6078125f, -0.015625f, 1.0f, -0.07812524f, 4e-7f, -12.078125f, 19e-7f, 0.015625f, 98e-11f},
     /* centre of rotation on right */
-    {-0.6f, 0.0f, 1.0f, -2.3841858e-07f, 38e-8f, -12.0f, 19e-7f, 0.0f, 1e-12f},
+    {-0.6f, -0.0f, 1.0f, -2.3841858e-07f, 38e-8f, -12.0f, 19e-7f, 0.0f, 1e-12f},
     /* centre of rotation near left */
     {0.5921875f, -0.015625f, 1.0f, 11.921875f, 19e-7f, -0.07812476f, 39e-8f, 0.015625f, 98e-11f},
     /* centre of rotation on left */
-    {0.6f, 0.0f, 1.0f, 12.0f, 19e-7f, 2.3841858e-07f, 38e-8f, 0.0f, 1e-12f},
+    {0.6f, -0.0f, 1.0f, 12.0f, 19e-7f, 2.3841858e-07f, 38e-8f, 0.0f, 1e-12f},
     /* centre of rotation near ball */
     {-0.0078125f, -0.415625f, 1.0f, 5.921875f, 38e-8f, -6.078125f, 39e-8f, 0.415625f, 27e-9f},
     /* centre of rotation on ball */
@@ -182,7 +188,7 @@ static int forward_misses(const float *row)
 
 /* textbook_differential_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and
  * tolerance of x, y, theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -193,16 +199,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -270,14 +285,14 @@ static const float odometry_rows[39][13] = {
     {-1.3125f, 1.75f, 1.3125f, -0.6078125f, -0.015625f, 1.0f, 0.15625f, -1.3271018f, 25e-8f,
      1.6562246f, 57e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on right */
-    {-1.3125f, 1.75f, 1.3125f, -0.6f, 0.0f, 1.0f, 0.15625f, -1.3292828f, 25e-8f, 1.6578614f,
+    {-1.3125f, 1.75f, 1.3125f, -0.6f, -0.0f, 1.0f, 0.15625f, -1.3292828f, 25e-8f, 1.6578614f,
      56e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near left */
     {1.0625f, 0.5f, -0.1875f, 0.5921875f, -0.015625f, 1.0f, 0.1953125f, 1.1772387f, 51e-8f,
      0.48660436f, 13e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation on left */
-    {1.0625f, 0.5f, -0.1875f, 0.6f, 0.0f, 1.0f, 0.1953125f, 1.1790295f, 52e-8f, 0.4895023f, 13e-8f,
-     0.0078125f, 49e-11f},
+    {1.0625f, 0.5f, -0.1875f, 0.6f, -0.0f, 1.0f, 0.1953125f, 1.1790295f, 52e-8f, 0.4895023f,
+     13e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation near ball */
     {-0.5625f, -0.8125f, -1.59375f, -0.0078125f, -0.415625f, 1.0f, 0.234375f, -0.65943f, 35e-8f,
      -0.8198262f, 15e-8f, -1.359375f, 86e-9f},
@@ -308,7 +323,7 @@ static int odometry_misses(const float *row)
 
 /* textbook_differential_forward() after textbook_differential_inverse(). Columns: vx, vy, omega;
  * expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[8][9] = {
     /* there and back */
     {-0.9375f, 0.0f, 1.6875f, -0.9375f, 14e-8f, 0.0f, 1e-12f, 1.6875f, 27e-8f},
     {0.84375f, 0.0f, 0.75f, 0.84375f, 12e-8f, 0.0f, 1e-12f, 0.75f, 12e-8f},
@@ -316,9 +331,12 @@ static const float law_rows[6][9] = {
     {1.40625f, 0.0f, -1.1875f, 1.40625f, 2e-7f, 0.0f, 1e-12f, -1.1875f, 19e-8f},
     {0.234375f, 0.0f, 1.8125f, 0.234375f, 34e-9f, 0.0f, 1e-12f, 1.8125f, 29e-8f},
     {-0.984375f, 0.0f, 0.875f, -0.984375f, 14e-8f, 0.0f, 1e-12f, 0.875f, 14e-8f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.0f, 16e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     textbook_differential_inverse_in in0;
     textbook_differential_inverse_out out0;
@@ -345,7 +363,7 @@ int textbook_differential_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 29U; ++k) {
+    for (k = 0U; k < 32U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -357,15 +375,15 @@ int textbook_differential_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 8U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* textbook_omni_steer_inverse() and textbook_omni_steer_inverse_slip(). Columns: vx, vy, omega,
  * front.steer; expected and tolerance of front.spin, front.steer, slip. */
-static const float inverse_rows[38][10] = {
+static const float inverse_rows[39][10] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,6 +41,8 @@ static const float inverse_rows[38][10] = {
     {1.125f, 0.0f, 0.0f, 0.0f, 11.25f, 71e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 1.875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -11.25f, 71e-8f, 1.5707964f, 19e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
@@ -217,7 +219,7 @@ static int forward_misses(const float *row)
 
 /* textbook_omni_steer_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and
  * tolerance of x, y, theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -228,16 +230,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -341,13 +352,42 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* textbook_omni_steer_forward() after textbook_omni_steer_inverse(). Columns: vx, vy, omega,
+ * front.steer; expected and tolerance of vx, vy, omega. */
+static const float law_of_inverse_rows[1][10] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    textbook_omni_steer_inverse_in in0;
+    textbook_omni_steer_inverse_out out0;
+    textbook_omni_steer_forward_in in1;
+    textbook_omni_steer_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    in0.front.steer = row[3];
+    textbook_omni_steer_inverse(&in0, &out0);
+    in1.front.spin = out0.front.spin;
+    in1.front.steer = out0.front.steer;
+    textbook_omni_steer_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[4]);
+    misses += miss(out1.vy, &row[6]);
+    misses += miss(out1.omega, &row[8]);
+    return misses;
+}
+
 int textbook_omni_steer_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 38U; ++k) {
+    for (k = 0U; k < 39U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -359,9 +399,15 @@ int textbook_omni_steer_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 1U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* textbook_omnidirectional_inverse() and textbook_omnidirectional_inverse_slip(). Columns: vx,
  * vy, omega; expected and tolerance of w1.spin, w2.spin, w3.spin, slip. */
-static const float inverse_rows[29][11] = {
+static const float inverse_rows[32][11] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,14 +41,20 @@ static const float inverse_rows[29][11] = {
     {1.125f, 0.0f, 0.0f, 12.178482f, 25e-7f, 0.0f, 1e-12f, -12.178482f, 25e-7f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, -12.178482f, 25e-7f, 0.0f, 1e-12f, 12.178482f, 25e-7f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, -12.178482f, 25e-7f, 0.0f, 1e-12f, 12.178482f, 25e-7f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, -7.03125f, 45e-8f, 14.0625f, 89e-8f, -7.03125f, 45e-8f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 7.03125f, 45e-8f, -14.0625f, 89e-8f, 7.03125f, 45e-8f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 7.03125f, 45e-8f, -14.0625f, 89e-8f, 7.03125f, 45e-8f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, -6.5625f, 42e-8f, -6.5625f, 42e-8f, -6.5625f, 42e-8f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 6.5625f, 42e-8f, 6.5625f, 42e-8f, 6.5625f, 42e-8f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 6.5625f, 42e-8f, 6.5625f, 42e-8f, 6.5625f, 42e-8f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -18.703423f, 32e-7f, -5.0390625f, 32e-8f, 1.5940477f, 10e-7f,
      0.0f, 1e-12f},
@@ -220,7 +226,7 @@ static int forward_misses(const float *row)
 
 /* textbook_omnidirectional_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and
  * tolerance of x, y, theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -231,16 +237,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -346,7 +361,7 @@ static int odometry_misses(const float *row)
 
 /* textbook_omnidirectional_forward() after textbook_omnidirectional_inverse(). Columns: vx, vy,
  * omega; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[9][9] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -0.9375f, 34e-8f, 0.1875f, 15e-8f, 1.6875f, 69e-8f},
     {0.84375f, -0.796875f, 0.75f, 0.84375f, 31e-8f, -0.796875f, 25e-8f, 0.75f, 39e-8f},
@@ -354,9 +369,13 @@ static const float law_rows[6][9] = {
     {1.40625f, 0.28125f, -1.1875f, 1.40625f, 51e-8f, 0.28125f, 19e-8f, -1.1875f, 64e-8f},
     {0.234375f, -0.703125f, 1.8125f, 0.234375f, 91e-9f, -0.703125f, 19e-8f, 1.8125f, 52e-8f},
     {-0.984375f, 1.3125f, 0.875f, -0.984375f, 37e-8f, 1.3125f, 41e-8f, 0.875f, 56e-8f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 37e-8f, 0.0f, 82e-9f, 0.0f, 24e-8f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 1e-12f, -1.0f, 16e-8f, 0.0f, 1e-12f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.0f, 17e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     textbook_omnidirectional_inverse_in in0;
     textbook_omnidirectional_inverse_out out0;
@@ -384,7 +403,7 @@ int textbook_omnidirectional_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 29U; ++k) {
+    for (k = 0U; k < 32U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -396,15 +415,15 @@ int textbook_omnidirectional_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 9U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -45,12 +45,18 @@ static const float inverse_rows[64][14] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 0.8203125f, -10.227273f, 21e-7f, -10.227273f, 21e-7f, -10.227273f,
      46e-7f, 0.0f, 25e-9f, 0.0f, 31e-8f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 0.8203125f, -10.227273f, 21e-7f, -10.227273f, 21e-7f, -10.227273f,
+     46e-7f, 0.0f, 25e-9f, 0.0f, 31e-8f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 25e-9f, 1.125f,
      71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.8203125f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.8203125f, 13e-8f,
      1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.8203125f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.8203125f,
+     13e-8f, 1.125f, 71e-9f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 0.8203125f, 5.4545455f, 12e-7f, -5.4545455f, 12e-7f, -18.440403f, 36e-6f,
      1.3089969f, 25e-7f, 0.54352f, 11e-6f},
@@ -125,13 +131,13 @@ static const float inverse_rows[64][14] = {
     {0.3921875f, -0.015625f, 1.0f, -0.0390625f, -0.071022674f, 61e-8f, 7.2017045f, 16e-7f,
      13.217229f, 86e-7f, 1.2976635f, 17e-7f, 0.015625f, 33e-10f},
     /* centre of rotation on rear_left */
-    {0.4f, 0.0f, 1.0f, -0.0390625f, 5.4186042e-08f, 61e-8f, 7.2727275f, 16e-7f, 13.236564f, 86e-7f,
-     1.2924967f, 17e-7f, 0.0f, 51e-7f},
+    {0.4f, -0.0f, 1.0f, -0.0390625f, 5.4186042e-08f, 61e-8f, 7.2727275f, 16e-7f, 13.236564f,
+     86e-7f, 1.2924967f, 17e-7f, 0.0f, 51e-7f},
     /* centre of rotation near rear_right */
     {-0.4078125f, -0.015625f, 1.0f, -0.453125f, -7.34375f, 16e-7f, -0.07102278f, 62e-8f,
      -13.25625f, 86e-7f, -1.287345f, 17e-7f, 0.015625f, 33e-10f},
     /* centre of rotation on rear_right */
-    {-0.4f, 0.0f, 1.0f, -0.453125f, -7.2727275f, 16e-7f, -5.4186042e-08f, 61e-8f, -13.236564f,
+    {-0.4f, -0.0f, 1.0f, -0.453125f, -7.2727275f, 16e-7f, -5.4186042e-08f, 61e-8f, -13.236564f,
      86e-7f, -1.2924967f, 17e-7f, 0.0f, 51e-7f},
     /* centre of rotation near front */
     {-0.0078125f, -1.415625f, 1.0f, -0.859375f, -3.7073863f, 82e-8f, 3.565341f, 8e-7f, -12.311983f,
@@ -165,8 +171,6 @@ static const float inverse_rows[64][14] = {
      29e-8f, 4.647203f, 7e-6f, -1.3089969f, 21e-7f, 0.10480181f, 23e-7f},
     {0.30130756f, -0.1088055f, -0.8053187f, 0.6696587f, 5.667591f, 12e-7f, -0.18927206f, 5e-7f,
      -9.19132f, 28e-6f, 1.3089969f, 21e-7f, 0.5929142f, 46e-7f},
-    {0.08328759f, -0.22167258f, 0.22260661f, -0.46239775f, -0.052318696f, 14e-8f, 1.5666385f,
-     33e-8f, -2.5406697f, 77e-7f, -1.3089969f, 21e-7f, 0.27403522f, 79e-8f},
     {0.5029116f, -0.677632f, 1.3441553f, 1.016448f, -0.31591362f, 84e-8f, 9.459762f, 2e-6f,
      17.707811f, 12e-6f, 1.3089969f, 18e-7f, 0.67763317f, 15e-8f},
     {-0.83774376f, -0.5493257f, 2.2390769f, -1.4905394f, -15.75795f, 33e-7f, 0.5262453f, 14e-7f,
@@ -183,8 +187,6 @@ static const float inverse_rows[64][14] = {
      29e-8f, 4.647203f, 7e-6f, -1.3089969f, 21e-7f, 0.10480181f, 23e-7f},
     {0.30130756f, -0.1088055f, -0.8053187f, 0.6696587f, 5.667591f, 12e-7f, -0.18927206f, 5e-7f,
      -9.19132f, 28e-6f, 1.3089969f, 21e-7f, 0.5929142f, 46e-7f},
-    {0.08328759f, -0.22167258f, 0.22260661f, -0.46239775f, -0.052318696f, 14e-8f, 1.5666385f,
-     33e-8f, -2.5406697f, 77e-7f, -1.3089969f, 21e-7f, 0.27403522f, 79e-8f},
     {0.5029116f, -0.677632f, 1.3441553f, 1.016448f, -0.31591362f, 84e-8f, 9.459762f, 2e-6f,
      17.707811f, 12e-6f, 1.3089969f, 18e-7f, 0.67763317f, 15e-8f},
     {-0.83774376f, -0.5493257f, 2.2390769f, -1.4905394f, -15.75795f, 33e-7f, 0.5262453f, 14e-7f,
@@ -343,7 +345,7 @@ static int forward_misses(const float *row)
 
 /* textbook_tricycle_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -354,16 +356,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -437,13 +448,13 @@ static const float odometry_rows[41][13] = {
     {-1.3125f, 1.75f, 1.3125f, 0.3921875f, -0.015625f, 1.0f, 0.15625f, -1.2991306f, 23e-8f,
      1.8097891f, 46e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on rear_left */
-    {-1.3125f, 1.75f, 1.3125f, 0.4f, 0.0f, 1.0f, 0.15625f, -1.3013115f, 22e-8f, 1.8114258f, 46e-8f,
-     1.46875f, 92e-9f},
+    {-1.3125f, 1.75f, 1.3125f, 0.4f, -0.0f, 1.0f, 0.15625f, -1.3013115f, 22e-8f, 1.8114258f,
+     46e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near rear_right */
     {1.0625f, 0.5f, -0.1875f, -0.4078125f, -0.015625f, 1.0f, 0.1953125f, 0.98302305f, 38e-8f,
      0.50410056f, 96e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on rear_right */
-    {1.0625f, 0.5f, -0.1875f, -0.4f, 0.0f, 1.0f, 0.1953125f, 0.9848137f, 37e-8f, 0.5069985f,
+    {1.0625f, 0.5f, -0.1875f, -0.4f, -0.0f, 1.0f, 0.1953125f, 0.9848137f, 37e-8f, 0.5069985f,
      11e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation near front */
     {-0.5625f, -0.8125f, -1.59375f, -0.0078125f, -1.415625f, 1.0f, 0.234375f, -0.89223146f, 11e-7f,
@@ -475,16 +486,19 @@ static int odometry_misses(const float *row)
 
 /* textbook_tricycle_forward() after textbook_tricycle_inverse(). Columns: vx, vy, omega,
  * front.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[5][10] = {
+static const float law_of_inverse_rows[7][10] = {
     /* there and back */
     {-0.9375f, 0.0f, 1.6875f, -0.53125f, -0.9375f, 2e-6f, 0.0f, 31e-8f, 1.6875f, 26e-7f},
     {0.84375f, 0.0f, 0.75f, -0.9375f, 0.84375f, 12e-7f, 0.0f, 2e-7f, 0.75f, 17e-7f},
     {-0.375f, 0.0f, -0.25f, 1.2265625f, -0.375f, 37e-8f, 0.0f, 62e-9f, -0.25f, 49e-8f},
     {1.40625f, 0.0f, -1.1875f, 0.8203125f, 1.40625f, 19e-7f, 0.0f, 32e-8f, -1.1875f, 27e-7f},
     {-0.984375f, 0.0f, 0.875f, -0.0390625f, -0.984375f, 12e-7f, 0.0f, 2e-7f, 0.875f, 16e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 6e-7f, 0.0f, 5e-8f, 0.0f, 23e-8f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.0f, 6e-7f, 0.0f, 5e-8f, 0.0f, 23e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     textbook_tricycle_inverse_in in0;
     textbook_tricycle_inverse_out out0;
@@ -526,15 +540,15 @@ int textbook_tricycle_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 5U; ++k) {
+    for (k = 0U; k < 7U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -33,7 +33,7 @@ static int miss(const float value, const float *row)
 /* textbook_two_steer_inverse() and textbook_two_steer_inverse_slip(). Columns: vx, vy, omega,
  * front.steer, rear.steer; expected and tolerance of front.spin, front.steer, rear.spin,
  * rear.steer, slip. */
-static const float inverse_rows[42][15] = {
+static const float inverse_rows[45][15] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f},
@@ -46,14 +46,23 @@ static const float inverse_rows[42][15] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, -11.25f, 71e-8f,
      0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, -11.25f, 71e-8f,
+     0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -11.25f, 71e-8f, 1.5707964f, 19e-7f, 11.25f, 71e-8f,
+     -1.5707964f, 16e-7f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -11.25f, 71e-8f, 1.5707964f, 19e-7f, 11.25f, 71e-8f,
      -1.5707964f, 16e-7f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 0.0f, -4.7434163f, 23e-7f, -1.2490457f, 2e-6f, -4.7434163f, 23e-7f,
      1.2490457f, 2e-6f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -4.7434163f, 23e-7f, 1.8925469f, 24e-7f, -4.7434163f,
+     23e-7f, -1.8925469f, 24e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -4.7434163f, 23e-7f, 1.8925469f, 24e-7f, -4.7434163f,
      23e-7f, -1.8925469f, 24e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -13.057864f, 53e-7f, -0.56012136f, 77e-8f,
@@ -123,7 +132,7 @@ static const float inverse_rows[42][15] = {
     {-0.3078125f, -0.015625f, 1.0f, -1.96875f, -2.34375f, -4.971722f, 22e-7f, -0.6089237f, 87e-8f,
      5.1568418f, 22e-7f, -2.4829412f, 15e-7f, 0.0f, 1e-12f},
     /* centre of rotation on ball */
-    {-0.3f, 0.0f, 1.0f, -1.96875f, -2.34375f, -5.0f, 22e-7f, -0.6435011f, 92e-8f, 5.0f, 22e-7f,
+    {-0.3f, -0.0f, 1.0f, -1.96875f, -2.34375f, -5.0f, 22e-7f, -0.6435011f, 92e-8f, 5.0f, 22e-7f,
      -2.4980915f, 15e-7f, 0.0f, 1e-12f},
     /* beside a wall */
     {0.06169974f, -0.10029731f, 0.050436992f, 6.8662734f, -0.21469478f, 1.0228974f, 4e-7f,
@@ -279,7 +288,7 @@ static int forward_misses(const float *row)
 
 /* textbook_two_steer_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -290,16 +299,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -379,7 +397,7 @@ static const float odometry_rows[39][13] = {
     {-0.5625f, -0.8125f, -1.59375f, -0.3078125f, -0.015625f, 1.0f, 0.234375f, -0.5729103f, 12e-8f,
      -0.7411846f, 29e-8f, -1.359375f, 86e-9f},
     /* centre of rotation on ball */
-    {-0.5625f, -0.8125f, -1.59375f, -0.3f, 0.0f, 1.0f, 0.234375f, -0.56910086f, 11e-8f,
+    {-0.5625f, -0.8125f, -1.59375f, -0.3f, -0.0f, 1.0f, 0.234375f, -0.56910086f, 11e-8f,
      -0.74265957f, 29e-8f, -1.359375f, 86e-9f},
 };
 
@@ -405,7 +423,7 @@ static int odometry_misses(const float *row)
 
 /* textbook_two_steer_forward() after textbook_two_steer_inverse(). Columns: vx, vy, omega,
  * front.steer, rear.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][11] = {
+static const float law_of_inverse_rows[10][11] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -0.9375f, 18e-7f, 0.1875f, 12e-7f, 1.6875f,
      42e-7f},
@@ -419,9 +437,14 @@ static const float law_rows[6][11] = {
      1.8125f, 26e-7f},
     {-0.984375f, 1.3125f, 0.875f, -0.09375f, -1.40625f, -0.984375f, 34e-7f, 1.3125f, 24e-7f,
      0.875f, 73e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, -1.0f, 21e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    {-0.0f, 1.0f, -0.0f, 1.5707964f, 1.5707964f, 0.0f, 19e-7f, 1.0f, 52e-8f, 0.0f, 11e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 87e-8f, 0.0f, 42e-8f, -1.0f, 16e-7f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 0.0f, 92e-8f, 0.0f, 43e-8f, 1.0f, 17e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     textbook_two_steer_inverse_in in0;
     textbook_two_steer_inverse_out out0;
@@ -452,7 +475,7 @@ int textbook_two_steer_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 42U; ++k) {
+    for (k = 0U; k < 45U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -464,15 +487,15 @@ int textbook_two_steer_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 10U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * caster_2.steer, caster_3.steer, caster_4.steer; expected and tolerance of caster_1.spin,
  * caster_1.steer_rate, caster_2.spin, caster_2.steer_rate, caster_3.spin, caster_3.steer_rate,
  * caster_4.spin, caster_4.steer_rate, slip. */
-static const float inverse_rows[39][25] = {
+static const float inverse_rows[42][25] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -49,6 +49,10 @@ static const float inverse_rows[39][25] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 12.294181f, 13e-6f, 76.623825f,
      5e-5f, -22.437363f, 19e-6f, -36.282333f, 35e-6f, 17.760487f, 18e-6f, -32.956074f, 33e-6f,
      -8.323255f, 15e-6f, 64.73738f, 46e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 12.294181f, 13e-6f, 76.623825f,
+     5e-5f, -22.437363f, 19e-6f, -36.282333f, 35e-6f, 17.760487f, 18e-6f, -32.956074f, 33e-6f,
+     -8.323255f, 15e-6f, 64.73738f, 46e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 5.933231f, 27e-7f, 80.31125f, 32e-6f, 5.933231f,
      27e-7f, 80.31125f, 32e-6f, 5.933231f, 27e-7f, 80.31125f, 32e-6f, 5.933231f, 27e-7f, 80.31125f,
@@ -57,12 +61,20 @@ static const float inverse_rows[39][25] = {
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -19.351667f, 18e-6f, 24.05591f,
      3e-5f, 4.7115464f, 14e-6f, -71.64838f, 48e-6f, 14.498241f, 15e-6f, 73.23793f, 49e-6f,
      -21.362522f, 18e-6f, -47.528606f, 39e-6f, 0.0f, 1e-12f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -19.351667f, 18e-6f, 24.05591f,
+     3e-5f, 4.7115464f, 14e-6f, -71.64838f, 48e-6f, 14.498241f, 15e-6f, 73.23793f, 49e-6f,
+     -21.362522f, 18e-6f, -47.528606f, 39e-6f, 0.0f, 1e-12f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 0.0f, 0.0f, 6.528386f, 33e-7f, 18.86158f, 82e-7f, -3.5198424f,
      29e-7f, 18.86158f, 82e-7f, -6.528386f, 33e-7f, -21.86158f, 85e-7f, 3.5198424f, 29e-7f,
      -21.86158f, 85e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -2.1171527f, 64e-7f, 24.982367f,
+     2e-5f, 6.284824f, 74e-7f, -8.433999f, 18e-6f, -7.70505f, 76e-7f, -9.591621f, 18e-6f,
+     3.5278423f, 64e-7f, 28.23684f, 21e-6f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -2.1171527f, 64e-7f, 24.982367f,
      2e-5f, 6.284824f, 74e-7f, -8.433999f, 18e-6f, -7.70505f, 76e-7f, -9.591621f, 18e-6f,
      3.5278423f, 64e-7f, 28.23684f, 21e-6f, 0.0f, 1e-12f},
     /* generic */
@@ -369,7 +381,7 @@ static int forward_misses(const float *row)
 
 /* tidybot2_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -380,16 +392,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -501,7 +522,7 @@ static int odometry_misses(const float *row)
 
 /* tidybot2_forward() after tidybot2_inverse(). Columns: vx, vy, omega, caster_1.steer,
  * caster_2.steer, caster_3.steer, caster_4.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[12][13] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -0.5625f, -0.9375f, 21e-7f,
      0.1875f, 17e-7f, 1.6875f, 12e-6f},
@@ -515,9 +536,19 @@ static const float law_rows[6][13] = {
      -0.703125f, 17e-7f, 1.8125f, 94e-7f},
     {-0.984375f, 1.3125f, 0.875f, -0.09375f, -1.40625f, -2.71875f, 1.875f, -0.984375f, 28e-7f,
      1.3125f, 31e-7f, 0.875f, 16e-6f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 11e-7f, 0.0f, 3e-8f, 0.0f, 21e-7f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 1.0f, 16e-7f, 0.0f,
+     11e-7f, 0.0f, 7e-6f},
+    {-0.0f, -1.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 31e-8f, -1.0f, 9e-7f, 0.0f, 28e-7f},
+    {-0.0f, 1.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 58e-8f, 1.0f,
+     17e-7f, 0.0f, 56e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 19e-8f, 0.0f, 14e-8f, -1.0f, 18e-7f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 35e-8f, 0.0f,
+     44e-8f, 1.0f, 31e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     tidybot2_inverse_in in0;
     tidybot2_inverse_out out0;
@@ -558,7 +589,7 @@ int tidybot2_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -570,15 +601,15 @@ int tidybot2_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 12U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

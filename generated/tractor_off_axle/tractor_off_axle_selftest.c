@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* tractor_off_axle_inverse() and tractor_off_axle_inverse_slip(). Columns: vx, vy, omega,
  * tail.steer; expected and tolerance of left.spin, right.spin, tail.spin, tail.steer_rate, slip. */
-static const float inverse_rows[37][14] = {
+static const float inverse_rows[40][14] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -44,17 +44,26 @@ static const float inverse_rows[37][14] = {
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 1.875f, -10.227273f, 21e-7f, -10.227273f, 21e-7f, 6.739504f, 74e-7f,
      -26.833662f, 14e-6f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -10.227273f, 21e-7f, -10.227273f, 21e-7f, 6.739504f, 74e-7f,
+     -26.833662f, 14e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
      71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
      71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 1.875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f,
+     71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, -3.6818182f, 76e-8f, 3.6818182f, 76e-8f, 0.0f, 1e-12f, -12.75f, 8e-7f,
      0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, 3.6818182f, 76e-8f, -3.6818182f, 76e-8f, -8.586772f, 45e-7f,
+     -1.8697519f, 36e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, 3.6818182f, 76e-8f, -3.6818182f, 76e-8f, -8.586772f, 45e-7f,
      -1.8697519f, 36e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, -12.664773f, 26e-7f, -4.380682f, 16e-7f, -15.969387f,
@@ -118,14 +127,14 @@ static const float inverse_rows[37][14] = {
     {0.2621875f, -0.015625f, 1.0f, -0.09375f, -0.07102263f, 39e-8f, 4.8380685f, 98e-8f, 4.6590466f,
      42e-7f, -9.0806675f, 62e-7f, 0.015625f, 98e-11f},
     /* centre of rotation on left */
-    {0.27f, 0.0f, 1.0f, -0.09375f, 9.753487e-08f, 38e-8f, 4.909091f, 10e-7f, 4.814611f, 42e-7f,
+    {0.27f, -0.0f, 1.0f, -0.09375f, 9.753487e-08f, 38e-8f, 4.909091f, 10e-7f, 4.814611f, 42e-7f,
      -9.098951f, 63e-7f, 0.0f, 1e-12f},
     /* centre of rotation near right */
     {-0.2778125f, -0.015625f, 1.0f, -1.03125f, -4.9801135f, 11e-7f, -0.07102282f, 4e-7f,
      -8.002157f, 49e-7f, 1.1055733f, 53e-7f, 0.015625f, 98e-11f},
     /* centre of rotation on right */
-    {-0.27f, 0.0f, 1.0f, -1.03125f, -4.909091f, 10e-7f, -9.753487e-08f, 38e-8f, -7.921884f, 49e-7f,
-     0.9380065f, 52e-7f, 0.0f, 1e-12f},
+    {-0.27f, -0.0f, 1.0f, -1.03125f, -4.909091f, 10e-7f, -9.753487e-08f, 38e-8f, -7.921884f,
+     49e-7f, 0.9380065f, 52e-7f, 0.0f, 1e-12f},
     /* centre of rotation near tail */
     {-0.0078125f, -0.315625f, 1.0f, -1.96875f, -2.5255682f, 53e-8f, 2.3835227f, 51e-8f,
      -5.4705834f, 3e-6f, 2.0865455f, 27e-7f, 0.315625f, 2e-8f},
@@ -230,7 +239,7 @@ static int forward_misses(const float *row)
 
 /* tractor_off_axle_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[39][13] = {
+static const float odometry_rows[42][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -241,16 +250,25 @@ static const float odometry_rows[39][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -318,13 +336,13 @@ static const float odometry_rows[39][13] = {
     {-1.3125f, 1.75f, 1.3125f, 0.2621875f, -0.015625f, 1.0f, 0.15625f, -1.3027668f, 21e-8f,
      1.7898257f, 38e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on left */
-    {-1.3125f, 1.75f, 1.3125f, 0.27f, 0.0f, 1.0f, 0.15625f, -1.3049477f, 21e-8f, 1.7914624f,
+    {-1.3125f, 1.75f, 1.3125f, 0.27f, -0.0f, 1.0f, 0.15625f, -1.3049477f, 21e-8f, 1.7914624f,
      39e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near right */
     {1.0625f, 0.5f, -0.1875f, -0.2778125f, -0.015625f, 1.0f, 0.1953125f, 1.0082711f, 3e-7f,
      0.50182605f, 83e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on right */
-    {1.0625f, 0.5f, -0.1875f, -0.27f, 0.0f, 1.0f, 0.1953125f, 1.0100617f, 3e-7f, 0.50472397f,
+    {1.0625f, 0.5f, -0.1875f, -0.27f, -0.0f, 1.0f, 0.1953125f, 1.0100617f, 3e-7f, 0.50472397f,
      9e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation near tail */
     {-0.5625f, -0.8125f, -1.59375f, -0.0078125f, -0.315625f, 1.0f, 0.234375f, -0.6361499f, 28e-8f,
@@ -459,7 +477,7 @@ static int trailer_misses(const float *row)
 
 /* tractor_off_axle_forward() after tractor_off_axle_inverse(). Columns: vx, vy, omega,
  * tail.steer; expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][10] = {
+static const float law_of_inverse_rows[10][10] = {
     /* there and back */
     {-0.9375f, 0.0f, 1.6875f, -1.21875f, -0.9375f, 35e-8f, 0.0f, 1e-12f, 1.6875f, 95e-8f},
     {0.84375f, 0.0f, 0.75f, -2.15625f, 0.84375f, 3e-7f, 0.0f, 1e-12f, 0.75f, 64e-8f},
@@ -467,9 +485,14 @@ static const float law_rows[6][10] = {
     {1.40625f, 0.0f, -1.1875f, 1.875f, 1.40625f, 49e-8f, 0.0f, 1e-12f, -1.1875f, 11e-7f},
     {0.234375f, 0.0f, 1.8125f, 0.9375f, 0.234375f, 14e-8f, 0.0f, 1e-12f, 1.8125f, 69e-8f},
     {-0.984375f, 0.0f, 0.875f, -0.09375f, -0.984375f, 35e-8f, 0.0f, 1e-12f, 0.875f, 74e-8f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 33e-8f, 0.0f, 1e-12f, 0.0f, 51e-8f},
+    {1.0f, -0.0f, -0.0f, 1.5707964f, 1.0f, 33e-8f, 0.0f, 1e-12f, 0.0f, 51e-8f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 39e-9f, 0.0f, 1e-12f, -1.0f, 35e-8f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 0.0f, 39e-9f, 0.0f, 1e-12f, 1.0f, 35e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     tractor_off_axle_inverse_in in0;
     tractor_off_axle_inverse_out out0;
@@ -497,7 +520,7 @@ int tractor_off_axle_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 37U; ++k) {
+    for (k = 0U; k < 40U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -509,7 +532,7 @@ int tractor_off_axle_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < 42U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
@@ -521,9 +544,9 @@ int tractor_off_axle_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 10U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* turtlebot3_burger_inverse() and turtlebot3_burger_inverse_slip(). Columns: vx, vy, omega;
  * expected and tolerance of left.spin, right.spin, slip. */
-static const float inverse_rows[31][9] = {
+static const float inverse_rows[34][9] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,14 +41,20 @@ static const float inverse_rows[31][9] = {
     {0.1640625f, 0.0f, 0.0f, 4.971591f, 99e-8f, 4.971591f, 99e-8f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-0.1640625f, 0.0f, 0.0f, -4.971591f, 99e-8f, -4.971591f, 99e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.1640625f, -0.0f, -0.0f, -4.971591f, 99e-8f, -4.971591f, 99e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, -3.6363637f, 8e-7f, 3.6363637f, 8e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 3.6363637f, 8e-7f, -3.6363637f, 8e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 3.6363637f, 8e-7f, -3.6363637f, 8e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.140625f, 0.1875f, 1.6875f, -8.352273f, 18e-7f, -0.17045455f, 72e-8f, 0.1875f, 12e-9f},
     /* the same backwards */
@@ -83,11 +89,11 @@ static const float inverse_rows[31][9] = {
     /* centre of rotation near left */
     {0.0721875f, -0.015625f, 1.0f, -0.23674248f, 42e-8f, 4.6117425f, 97e-8f, 0.015625f, 98e-11f},
     /* centre of rotation on left */
-    {0.08f, 0.0f, 1.0f, -5.4186042e-08f, 41e-8f, 4.848485f, 11e-7f, 0.0f, 1e-12f},
+    {0.08f, -0.0f, 1.0f, -5.4186042e-08f, 41e-8f, 4.848485f, 11e-7f, 0.0f, 1e-12f},
     /* centre of rotation near right */
     {-0.0878125f, -0.015625f, 1.0f, -5.085227f, 11e-7f, -0.23674238f, 46e-8f, 0.015625f, 98e-11f},
     /* centre of rotation on right */
-    {-0.08f, 0.0f, 1.0f, -4.848485f, 11e-7f, 5.4186042e-08f, 41e-8f, 0.0f, 1e-12f},
+    {-0.08f, -0.0f, 1.0f, -4.848485f, 11e-7f, 5.4186042e-08f, 41e-8f, 0.0f, 1e-12f},
     /* centre of rotation near ball */
     {-0.0078125f, 0.065375f, 1.0f, -2.6609848f, 58e-8f, 2.1875f, 52e-8f, 0.065375f, 41e-10f},
     /* centre of rotation on ball */
@@ -186,7 +192,7 @@ static int forward_misses(const float *row)
 
 /* turtlebot3_burger_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[41][13] = {
+static const float odometry_rows[44][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -197,16 +203,25 @@ static const float odometry_rows[41][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.1640625f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.1640625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -280,13 +295,13 @@ static const float odometry_rows[41][13] = {
     {-1.3125f, 1.75f, 1.3125f, 0.0721875f, -0.015625f, 1.0f, 0.15625f, -1.3080814f, 19e-8f,
      1.7606484f, 27e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on left */
-    {-1.3125f, 1.75f, 1.3125f, 0.08f, 0.0f, 1.0f, 0.15625f, -1.3102623f, 18e-8f, 1.7622851f,
+    {-1.3125f, 1.75f, 1.3125f, 0.08f, -0.0f, 1.0f, 0.15625f, -1.3102623f, 18e-8f, 1.7622851f,
      27e-8f, 1.46875f, 92e-9f},
     /* centre of rotation near right */
     {1.0625f, 0.5f, -0.1875f, -0.0878125f, -0.015625f, 1.0f, 0.1953125f, 1.0451721f, 19e-8f,
      0.49850175f, 72e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on right */
-    {1.0625f, 0.5f, -0.1875f, -0.08f, 0.0f, 1.0f, 0.1953125f, 1.0469627f, 18e-8f, 0.5013997f,
+    {1.0625f, 0.5f, -0.1875f, -0.08f, -0.0f, 1.0f, 0.1953125f, 1.0469627f, 18e-8f, 0.5013997f,
      71e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation near ball */
     {-0.5625f, -0.8125f, -1.59375f, -0.0078125f, 0.065375f, 1.0f, 0.234375f, -0.5474525f, 11e-8f,
@@ -318,7 +333,7 @@ static int odometry_misses(const float *row)
 
 /* turtlebot3_burger_forward() after turtlebot3_burger_inverse(). Columns: vx, vy, omega;
  * expected and tolerance of vx, vy, omega. */
-static const float law_rows[6][9] = {
+static const float law_of_inverse_rows[8][9] = {
     /* there and back */
     {-0.140625f, 0.0f, 1.6875f, -0.140625f, 59e-9f, 0.0f, 1e-12f, 1.6875f, 74e-8f},
     {0.125f, 0.0f, 0.75f, 0.125f, 47e-9f, 0.0f, 1e-12f, 0.75f, 44e-8f},
@@ -326,9 +341,12 @@ static const float law_rows[6][9] = {
     {0.203125f, 0.0f, -1.1875f, 0.203125f, 76e-9f, 0.0f, 1e-12f, -1.1875f, 7e-7f},
     {0.03125f, 0.0f, 1.8125f, 0.03125f, 32e-9f, 0.0f, 1e-12f, 1.8125f, 68e-8f},
     {-0.140625f, 0.0f, 0.875f, -0.140625f, 53e-9f, 0.0f, 1e-12f, 0.875f, 5e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 33e-8f, 0.0f, 1e-12f, 0.0f, 17e-7f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 13e-9f, 0.0f, 1e-12f, -1.0f, 36e-8f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     turtlebot3_burger_inverse_in in0;
     turtlebot3_burger_inverse_out out0;
@@ -355,7 +373,7 @@ int turtlebot3_burger_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 31U; ++k) {
+    for (k = 0U; k < 34U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -367,15 +385,15 @@ int turtlebot3_burger_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 41U; ++k) {
+    for (k = 0U; k < 44U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 8U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -32,7 +32,7 @@ static int miss(const float value, const float *row)
 
 /* unicycle_inverse() and unicycle_inverse_slip(). Columns: vx, vy, omega; expected and tolerance
  * of wheel.spin, slip. */
-static const float inverse_rows[25][7] = {
+static const float inverse_rows[28][7] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -41,14 +41,20 @@ static const float inverse_rows[25][7] = {
     {1.125f, 0.0f, 0.0f, 11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, -11.25f, 71e-8f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, -11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 1.125f, 71e-9f},
+    /* vy alone, beside -0 */
+    {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* omega alone */
     {0.0f, 0.0f, 1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -9.375f, 59e-8f, 0.1875f, 12e-9f},
     /* the same backwards */
@@ -79,7 +85,7 @@ static const float inverse_rows[25][7] = {
     /* centre of rotation near wheel */
     {-0.0078125f, -0.015625f, 1.0f, -0.078125f, 49e-10f, 0.015625f, 98e-11f},
     /* centre of rotation on wheel */
-    {0.0f, 0.0f, 1.0f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    {0.0f, -0.0f, 1.0f, 0.0f, 1e-12f, 0.0f, 1e-12f},
 };
 
 static int inverse_misses(const float *row)
@@ -166,7 +172,7 @@ static int forward_misses(const float *row)
 
 /* unicycle_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of x, y,
  * theta. */
-static const float odometry_rows[35][13] = {
+static const float odometry_rows[38][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -177,16 +183,25 @@ static const float odometry_rows[35][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -254,7 +269,7 @@ static const float odometry_rows[35][13] = {
     {-1.3125f, 1.75f, 1.3125f, -0.0078125f, -0.015625f, 1.0f, 0.15625f, -1.3103191f, 18e-8f,
      1.7483633f, 23e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on wheel */
-    {-1.3125f, 1.75f, 1.3125f, 0.0f, 0.0f, 1.0f, 0.15625f, -1.3125f, 83e-9f, 1.75f, 11e-8f,
+    {-1.3125f, 1.75f, 1.3125f, 0.0f, -0.0f, 1.0f, 0.15625f, -1.3125f, 83e-9f, 1.75f, 11e-8f,
      1.46875f, 92e-9f},
 };
 
@@ -278,13 +293,40 @@ static int odometry_misses(const float *row)
     return misses;
 }
 
+/* unicycle_forward() after unicycle_inverse(). Columns: vx, vy, omega; expected and tolerance of
+ * vx, vy, omega. */
+static const float law_of_inverse_rows[1][9] = {
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+};
+
+static int law_of_inverse_misses(const float *row)
+{
+    unicycle_inverse_in in0;
+    unicycle_inverse_out out0;
+    unicycle_forward_in in1;
+    unicycle_forward_out out1;
+    int misses = 0;
+
+    in0.vx = row[0];
+    in0.vy = row[1];
+    in0.omega = row[2];
+    unicycle_inverse(&in0, &out0);
+    in1.wheel.spin = out0.wheel.spin;
+    unicycle_forward(&in1, &out1);
+    misses += miss(out1.vx, &row[3]);
+    misses += miss(out1.vy, &row[5]);
+    misses += miss(out1.omega, &row[7]);
+    return misses;
+}
+
 int unicycle_selftest(void)
 {
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 25U; ++k) {
+    for (k = 0U; k < 28U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -296,9 +338,15 @@ int unicycle_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 35U; ++k) {
+    for (k = 0U; k < 38U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+            failed = number;
+        }
+    }
+    for (k = 0U; k < 1U; ++k) {
+        ++number;
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

@@ -34,7 +34,7 @@ static int miss(const float value, const float *row)
  * front_left.steer, front_right.steer, back_left.steer, back_right.steer; expected and tolerance
  * of front_left.spin, front_left.steer, front_right.spin, front_right.steer, back_left.spin,
  * back_left.steer, back_right.spin, back_right.steer, slip. */
-static const float inverse_rows[47][25] = {
+static const float inverse_rows[49][25] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f,
      1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -49,6 +49,10 @@ static const float inverse_rows[47][25] = {
     {-1.125f, 0.0f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 22.14567f, 3e-6f, 3.1415927f,
      69e-8f, -22.14567f, 3e-6f, 0.0f, 1e-12f, 22.14567f, 3e-6f, -3.1415927f, 69e-8f, -22.14567f,
      3e-6f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, 22.14567f, 3e-6f, 3.1415927f,
+     69e-8f, -22.14567f, 3e-6f, 0.0f, 1e-12f, 22.14567f, 3e-6f, -3.1415927f, 69e-8f, -22.14567f,
+     3e-6f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -22.14567f, 3e-6f, 1.5707964f,
      19e-7f, 22.14567f, 3e-6f, -1.5707964f, 16e-7f, 22.14567f, 3e-6f, -1.5707964f, 16e-7f,
@@ -59,6 +63,10 @@ static const float inverse_rows[47][25] = {
      77e-7f, -0.7853982f, 12e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -15.909903f, 77e-7f, 2.3561945f,
+     17e-7f, -15.909903f, 77e-7f, 0.7853982f, 12e-7f, -15.909903f, 77e-7f, -2.3561945f, 17e-7f,
+     15.909903f, 77e-7f, 2.3561945f, 17e-7f, 0.0f, 1e-12f},
+    /* omega alone, beside -0 */
+    {-0.0f, -0.0f, -1.5f, 1.875f, -0.46875f, -2.71875f, 0.9375f, -15.909903f, 77e-7f, 2.3561945f,
      17e-7f, -15.909903f, 77e-7f, 0.7853982f, 12e-7f, -15.909903f, 77e-7f, -2.3561945f, 17e-7f,
      15.909903f, 77e-7f, 2.3561945f, 17e-7f, 0.0f, 1e-12f},
     /* generic */
@@ -372,7 +380,7 @@ static int forward_misses(const float *row)
 
 /* wpilib_swervebot_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[43][13] = {
+static const float odometry_rows[46][13] = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* standstill */
@@ -383,16 +391,25 @@ static const float odometry_rows[43][13] = {
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, -1.125f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
+    /* vy alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
      -1.78125f, 12e-8f},
     /* omega alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
      12e-8f},
+    /* omega alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.0f, -0.0f, -1.5f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* dt alone, backwards */
@@ -511,7 +528,7 @@ static int odometry_misses(const float *row)
 /* wpilib_swervebot_forward() after wpilib_swervebot_inverse(). Columns: vx, vy, omega,
  * front_left.steer, front_right.steer, back_left.steer, back_right.steer; expected and tolerance
  * of vx, vy, omega. */
-static const float law_rows[6][13] = {
+static const float law_of_inverse_rows[10][13] = {
     /* there and back */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, 1.03125f, -2.71875f, -0.5625f, -0.9375f, 19e-7f,
      0.1875f, 16e-7f, 1.6875f, 47e-7f},
@@ -525,9 +542,16 @@ static const float law_rows[6][13] = {
      -0.703125f, 15e-7f, 1.8125f, 49e-7f},
     {-0.984375f, 1.3125f, 0.875f, -0.09375f, -1.40625f, -2.71875f, 1.875f, -0.984375f, 3e-6f,
      1.3125f, 27e-7f, 0.875f, 71e-7f},
+    /* there and back beside -0 */
+    {-1.0f, -0.0f, -0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -1.0f, 4e-7f, 0.0f, 1e-12f, 0.0f, 26e-8f},
+    {-0.0f, 1.0f, -0.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 18e-7f, 1.0f,
+     65e-8f, 0.0f, 3e-6f},
+    {-0.0f, -0.0f, -1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 77e-8f, 0.0f, 77e-8f, -1.0f, 24e-7f},
+    {-0.0f, -0.0f, 1.0f, 1.5707964f, 1.5707964f, 1.5707964f, 1.5707964f, 0.0f, 85e-8f, 0.0f,
+     85e-8f, 1.0f, 26e-7f},
 };
 
-static int law_misses(const float *row)
+static int law_of_inverse_misses(const float *row)
 {
     wpilib_swervebot_inverse_in in0;
     wpilib_swervebot_inverse_out out0;
@@ -564,7 +588,7 @@ int wpilib_swervebot_selftest(void)
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 47U; ++k) {
+    for (k = 0U; k < 49U; ++k) {
         ++number;
         if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
             failed = number;
@@ -576,15 +600,15 @@ int wpilib_swervebot_selftest(void)
             failed = number;
         }
     }
-    for (k = 0U; k < 43U; ++k) {
+    for (k = 0U; k < 46U; ++k) {
         ++number;
         if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 6U; ++k) {
+    for (k = 0U; k < 10U; ++k) {
         ++number;
-        if ((failed == 0) && (law_misses(law_rows[k]) != 0)) {
+        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
             failed = number;
         }
     }

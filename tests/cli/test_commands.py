@@ -331,3 +331,14 @@ def test_eval_in_c_takes_either_scalar(wmrgen_cli: Callable[..., Outcome]) -> No
         found = json.loads(wmrgen_cli(*words, "--backend", "c", "--scalar", scalar).out)
         worst[scalar] = max(abs(found[k] - exact[k]) for k in exact)
     assert worst["double"] < 1e-13 < worst["float"] < 1e-4
+
+
+@pytest.mark.parametrize("zero", ["-0", "-0.0", "-0e3", "-.0 rad"])
+def test_eval_hands_minus_zero_through(wmrgen_cli: Cli, robot_file: Path, zero: str) -> None:
+    """The C of odometry adds dt omega = -0 to theta: -0 only where both zeros keep their sign on the way."""
+    words = ("eval", robot_file, "odometry", "--backend", "c")
+    single = json.loads(wmrgen_cli(*words, f"theta={zero}", "omega=-0.0", "--json").out)
+    (case,) = json.loads(
+        wmrgen_cli(*words, "--cases", "-", stdin=f'[{{"theta": "{zero}", "omega": -0.0}}]').out
+    )
+    assert [math.copysign(1.0, found["theta"]) for found in (single, case)] == [-1.0, -1.0]

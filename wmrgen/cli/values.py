@@ -23,6 +23,16 @@ _KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.
 Case = Mapping[str, Exact]
 _PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?")
 _LARGEST = Fraction(2) ** 1024
+_MINUS_ZERO = re.compile(r"\s*-\s*(0+\.?0*|\.0+)([eE][+-]?\d+)?\s*[a-z/]*\s*")
+
+
+class _MinusZero(Exact):
+    """Zero, which floats take in as -0.0: generated C reads the sign."""
+
+    __slots__ = ()
+
+    def __float__(self) -> float:
+        return -0.0
 
 
 def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
@@ -91,7 +101,12 @@ def _port(name: str, ports: Sequence[Port], place: str) -> Port:
 
 
 def _number(text: str, port: Port, place: str) -> Exact:
-    """The exact SI value of ``text``, which may have a unit that fits the port."""
+    """The exact SI value of ``text``, which may have a unit that fits the port. A zero keeps its sign."""
+    value = _unsigned_zero(text, port, place)
+    return value if value or not _MINUS_ZERO.fullmatch(text) else _MinusZero(0)
+
+
+def _unsigned_zero(text: str, port: Port, place: str) -> Exact:
     what = f"{place}{port.name}"
     text = _without_unit(text, port, what)
     if _PLAIN.fullmatch(text) and abs(value := Fraction(text)) < _LARGEST:

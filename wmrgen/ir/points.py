@@ -1,8 +1,8 @@
 """Where a function is tested: inputs that between them take every branch and come close to what is singular.
 
-Standstill, each command alone in both signs, generic ones with their mirror images, declared limits, very slow and
-very fast ones, the centre of rotation beside each pivot and on it, and a pool to find the other branches in. Every
-number is a float32.
+Standstill, each command alone in both signs, also beside -0, generic ones with their mirror images, declared limits,
+very slow and very fast ones, the centre of rotation beside each pivot and on it, and a pool to find the other branches
+in. Every number is a float32.
 """
 
 from __future__ import annotations
@@ -59,7 +59,10 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
         alone[column] = grid.single[column]
         yield f"{ports[column].name} alone", alone
         if moving.sum() <= 4:
-            yield f"{ports[column].name} alone, backwards", np.where(moving, -alone, grid.rows[3])
+            backwards = np.where(moving, 0.0 - alone, grid.rows[3])
+            yield f"{ports[column].name} alone, backwards", backwards
+            if ports[column].name in TWIST and len(ports) <= _MANY:
+                yield f"{ports[column].name} alone, beside -0", np.where(backwards == 0, -0.0, backwards)
     generic = _GENERIC if len(ports) <= _MANY else _GENERIC - 1
     for row in range(generic):
         yield "generic", grid.rows[row]
@@ -101,7 +104,7 @@ def _scattered(ports: Sequence[Port], count: int) -> Array:
     mixed = (row * 0x9E3779B1 + column * 0x85EBCA6B + 0x27D4EB2F) & 0xFFFFFFFF
     for shift, factor in ((15, 0x2C1B3C6D), (12, 0x297A2D39)):
         mixed = ((mixed ^ mixed >> shift) * factor) & 0xFFFFFFFF
-    return np.rint(sizes * ((mixed >> 7) % 255 - 127)) / 128
+    return np.rint(sizes * ((mixed >> 7) % 255 - 127)) / 128 + 0.0
 
 
 def _extremes(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:

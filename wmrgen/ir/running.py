@@ -171,9 +171,10 @@ def _flip(unit: float, a: Bounded, n: Bounded) -> Bounded:
 
 
 def _less(a: Bounded, b: Bounded) -> Array:
-    """+1 where a < b for sure, -1 where a >= b for sure, 0 where rounding decides."""
+    """+1 where a < b for sure, -1 where a >= b for sure, 0 where rounding decides or code may read the sign of a 0."""
     gap, slack = b.value - a.value, a.error + b.error
-    sure = (np.abs(gap) > slack) | (slack == 0)
+    zeros = (gap == 0) & (np.signbit(a.value) != np.signbit(b.value))
+    sure = (np.abs(gap) > slack) | ((slack == 0) & ~zeros)
     return sure * np.where(gap > 0, 1, -1)
 
 

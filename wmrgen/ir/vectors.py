@@ -2,7 +2,7 @@
 
 A point where rounding decides between different results is left out. What is expected is the exact value, rounded
 once: float64 where its own error bound leaves no doubt about that, 60 digits where it does; what is below 1e-12 for
-sure is 0. Laws: forward after inverse gives the twist.
+sure is 0. Laws: forward after an inverse gives the twist, beside zeros of either sign too.
 """
 
 from __future__ import annotations
@@ -25,12 +25,14 @@ from wmrgen.ir.site import NO_SITE, Site
 _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything
 _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
 _FLOOR = 1e-12
+INVERSES = ("inverse", "inverse_together")
 _LAWS = 6
 _NUMBERS, _LEAST = (
     2400,
     8,
 )  # numbers in a table, and rows however long they are: tens of wheels have fewer rows
 _SPARE = 20  # points for branches
+THERE = "there and back"
 _RARE = 2  # points that a pair of outcomes should have
 
 
@@ -59,8 +61,8 @@ def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ..
     """A table per function with inputs and outputs (``f_slip`` in that of ``f``), then one for the law."""
     prepared = prepared_of(module, scalar)
     found = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
-    law = _law(module, scalar, site, prepared)
-    return tuple(t for t in (*found, law) if t is not None and t.vectors)
+    laws = [_law(module, name, scalar, site, prepared) for name in INVERSES]
+    return tuple(t for t in (*found, *laws) if t is not None and t.vectors)
 
 
 def contract(function: Function) -> tuple[Port, ...]:
@@ -199,30 +201,48 @@ def _rounded(value: Array, error: Array, scalar: str) -> tuple[Array, Array]:
     return value.astype(np.float32).astype(np.float64), nothing | (low == high)
 
 
-def _law(module: Module, scalar: str, site: Site, prepared: Mapping[str, Bounded]) -> Table | None:
+def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[str, Bounded]) -> Table | None:
     """Forward after inverse at twists that the wheels admit; None where forward asks for more than that."""
     by_name = {f.name: f for f in module.functions}
-    if not {"inverse", "forward"} <= by_name.keys():
+    if not {name, "forward"} <= by_name.keys():
         return None
-    inverse, forward = by_name["inverse"], by_name["forward"]
+    inverse, forward = by_name[name], by_name["forward"]
     ports = contract(inverse)
     names = _names(ports)
     given = {*names, *(p.name for p in inverse.outputs)}
     if not (set(TWIST) <= set(names) and {p.name for p in contract(forward)} <= given):
         return None
-    rows = Grid(ports, site).rows[:12]
-    ahead = rows[:6].copy()
-    ahead[:, names.index("vy")] = 0.0
-    tried: list[Point] = [("there and back", row) for row in (*rows, *ahead)]
-    columns = _columns(ports, tried, prepared)
+    tried = list(_there_and_back(ports, site))
+    # Zeros of both signs are one number to the law: which way a wheel then rolls does not matter.
+    columns = _columns(ports, [(text, row + 0.0) for text, row in tried], prepared)
     there = outputs(inverse, bounds(inverse, columns, scalar, len(tried)))
     back = outputs(forward, bounds(forward, {**columns, **there}, scalar, len(tried)))
     made = {n: Bounded(columns[n].value, back[n].error) for n in TWIST}
     missed = np.logical_or.reduce([np.abs(back[n].value - columns[n].value) > 1e-9 for n in TWIST])
-    picked = np.flatnonzero(_sound(made.values(), scalar) & ~missed)[:_LAWS].tolist()
+    sound = np.flatnonzero(_sound(made.values(), scalar) & ~missed).tolist()
+    generic = [k for k in sound if tried[k][0] == THERE]
+    picked = generic[:_LAWS] + [k for k in sound if tried[k][0] != THERE]
 
     def exactly(point: Array) -> dict[str, Exact]:
         return {n: Exact(Fraction(float(x))) for n, x in zip(names, point, strict=True)}
 
     vectors = tuple(_vectors(tried, made, picked, scalar, exactly))
-    return Table(("inverse", "forward"), names, TWIST, vectors, law=True)
+    return Table((name, "forward"), names, TWIST, vectors, law=True)
+
+
+def _there_and_back(ports: Sequence[Port], site: Site) -> Iterator[Point]:
+    """Generic motions, straight ones among them; each command alone beside -0, wheels at 0 or a quarter turn."""
+    names = _names(ports)
+    rows = Grid(ports, site).rows[:12]
+    ahead = rows[:6].copy()
+    ahead[:, names.index("vy")] = 0.0
+    for row in (*rows, *ahead):
+        yield THERE, row
+    angles = np.array([port.unit == "rad" for port in ports])
+    quarter = nearest_float32(np.pi / 2)
+    for command in TWIST:
+        for side, wheels in ((-1.0, 0.0), (1.0, quarter)) if angles.any() else ((-1.0, 0.0),):
+            row = np.where(angles, wheels, 0.0)
+            row[[names.index(n) for n in TWIST]] = -0.0
+            row[names.index(command)] = side
+            yield "there and back beside -0", row

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from pathlib import Path
@@ -9,9 +10,22 @@ from pathlib import Path
 import pytest
 
 from tests.depth import everyday
-from tests.functions.control.corners import CORNERS, SWERVE, call, derived, robot_text, steers, twists
+from tests.functions.control.corners import (
+    CORNERS,
+    FLOAT32,
+    SWERVE,
+    call,
+    derived,
+    robot_text,
+    steers,
+    twists,
+)
 from wmrgen.backends.c99 import evaluate_c
 from wmrgen.errors import NotDerivableError
+from wmrgen.ir.interpret import evaluate
+from wmrgen.ir.kernels import expand
+from wmrgen.ir.kernels.choice import TARGETS
+from wmrgen.ir.rounding import nearest_float32
 from wmrgen.robot import Derivation
 
 
@@ -150,3 +164,32 @@ def test_one_motor_needs_no_agreement(tmp_path: Path) -> None:
     text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer, bl.steer, br.steer]}]")
     with pytest.raises(NotDerivableError, match="one motor"):
         _ = derived(tmp_path, text, "inverse_together").program
+
+
+QUARTER = nearest_float32(math.pi / 2)
+ZEROS = [
+    dict(zip(("vx", "vy", "omega"), twist, strict=True)) | steers([angle] * 4)
+    for twist in itertools.product((0.0, -0.0, 1.0, -1.0), repeat=3)
+    for angle in (0.0, -0.0, QUARTER, -QUARTER, 2 * QUARTER)
+]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("limits", ["", "limits: {steer: 170 deg}"])
+def test_zeros_of_both_signs_and_exact_quarter_turns(target: str, limits: str, tmp_path: Path) -> None:
+    """All wheels drive the twist, on one branch, whichever sign a zero has (`{-0.0f, -1, 0}` did not)."""
+    d = derived(tmp_path, robot_text(SWERVE, limits), "inverse_together")
+    code = expand(d.c_module, "float", "inline", target)
+    for case in ZEROS:
+        got = evaluate(code.function("inverse_together"), case, FLOAT32)
+        back = call(d, "forward", got)
+        assert all(back[n] == pytest.approx(case[n], abs=2e-6) for n in ("vx", "vy", "omega")), case
+        spins = [got[f"{n}.spin"] for n in CORNERS]
+        assert all(s >= 0 for s in spins) or all(s <= 0 for s in spins), case
+
+
+def test_c_takes_the_branch_that_the_interpreter_predicts_beside_minus_zero(free: Derivation) -> None:
+    code = expand(free.c_module, "float", "inline", "m4f").function("inverse_together")
+    for case, answer in zip(ZEROS, evaluate_c(free.c_module, "inverse_together", ZEROS), strict=True):
+        predicted = evaluate(code, case, FLOAT32)
+        assert all(answer[k] == v for k, v in predicted.items() if k in answer), case

@@ -67,7 +67,7 @@ def _printed(table: Table, robot: str, steps: dict[str, Step], scalar: str) -> P
     lines = _Check(table, robot, steps).lines()
     rows = tuple(_rows(table.vectors, scalar))
     width = len(table.inputs) + 2 * len(table.outputs)
-    name = "law" if table.law else table.functions[0]
+    name = f"law_of_{table.functions[0]}" if table.law else table.functions[0]
     return Printed(name, tuple(block_comment([comment])), len(table.vectors), width, rows, lines)
 
 
@@ -153,7 +153,7 @@ def _rows(vectors: Sequence[Vector], scalar: str) -> Iterator[str]:
             before = vector.text
         numbers = [_literal(x, scalar) for x in vector.inputs]
         for expected, tolerance in zip(vector.expected, vector.tolerance, strict=True):
-            numbers += (_literal(expected, scalar), _upwards(tolerance, scalar))
+            numbers += (_literal(expected + 0.0, scalar), _upwards(tolerance, scalar))
         yield from _wrapped(numbers)
 
 
@@ -168,10 +168,10 @@ def _wrapped(numbers: Sequence[str]) -> Iterator[str]:
 
 
 def _literal(value: float, scalar: str) -> str:
-    """The shortest decimal of ``value``, a float32 for ``float``; never -0."""
+    """The shortest decimal of ``value``, a float32 for ``float``."""
     if scalar == "double":
-        return repr(value + 0.0)
-    return f"{np.float32(value + 0.0)!s}f"
+        return repr(value)
+    return f"{np.float32(value)!s}f"
 
 
 def _upwards(value: float, scalar: str) -> str:

@@ -3,7 +3,8 @@
 "-x where a < 0, else x" is x times the sign of a. Products, quotients, sines and arctangents hand a sign on, so it
 travels to where a constant takes it in, and the comparison is gone. Signs by the parity of a whole number travel too,
 to the very end, where they are stored with the value. (-0 counts as negative: it stands for a velocity
-of zero, and both directions of the line across it are right.)
+of zero, and both directions of the line across it are right. So that a function decides once, a comparison with zero
+becomes a sign only where every choice that asks it is one between a value and its opposite.)
 """
 
 from __future__ import annotations
@@ -42,6 +43,11 @@ class _Signs:
         self.function, self.tape = function, Tape()
         self.uses = Counter(a for node in function.nodes for a in node.args) + Counter(function.results)
         self.made: list[_Signed] = []
+        self.compared = {
+            node.args[:2]
+            for node in function.nodes
+            if node.op is Op.SELECT and not self._between_opposites(node)
+        }
 
     def run(self) -> Function:
         for i, node in enumerate(self.function.nodes):
@@ -108,6 +114,9 @@ class _Signs:
         return None
 
     def _chooses_sign(self, node: Node) -> bool:
+        return node.args[:2] not in self.compared and self._between_opposites(node)
+
+    def _between_opposites(self, node: Node) -> bool:
         nodes = self.function.nodes
         _, zero, x, y = node.args
         return nodes[zero].value == ZERO and opposite(nodes, x, y)

@@ -81,12 +81,7 @@ def differences(
     wanted = with_manifest(files, made_with)
     found = []
     for name, content in wanted.items():
-        path = directory / name
-        try:
-            if path.is_symlink() or path.read_bytes() != content:
-                found.append(Difference(path, "differs"))
-        except OSError:
-            found.append(Difference(path, "missing"))
+        found += file_difference(directory / name, content)
     kept = {directory / name for name in (*wanted, BUDGET)}
     extra = [p for p in sorted(directory.rglob("*")) if not p.is_dir() and p not in kept]
     return found + [Difference(p, "not produced") for p in extra]
@@ -114,11 +109,12 @@ def write_file(path: Path, content: bytes) -> bool:
 def file_difference(path: Path, content: bytes) -> list[Difference]:
     """How one file differs from what `write_file` would leave there."""
     try:
-        if not path.is_symlink() and path.read_bytes() == content:
-            return []
-        return [Difference(path, "differs")]
+        if not path.is_symlink() and not path.is_file():
+            return [Difference(path, "missing")]
+        same = not path.is_symlink() and path.read_bytes() == content
     except OSError:
         return [Difference(path, "missing")]
+    return [] if same else [Difference(path, "differs")]
 
 
 def write_log(text: str) -> Path:
@@ -218,9 +214,10 @@ def made_with(directory: Path) -> dict[str, str]:
 
 
 def _manifest(directory: Path) -> dict[str, Any]:
+    path = directory / MANIFEST
     try:
-        found = json.loads((directory / MANIFEST).read_bytes())
-    except (OSError, ValueError):
+        found = json.loads(path.read_bytes()) if path.is_file() else {}
+    except (OSError, ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from wmrgen.errors import EnvironmentFailure
@@ -39,16 +41,48 @@ def _run(
     both: bool = False,
 ) -> str:
     try:
-        done = subprocess.run(
-            command, input=stdin, capture_output=True, encoding="utf-8", errors="replace", timeout=_TIMEOUT,
-            env=None if env is None else {**os.environ, **env}, cwd=folder, check=False,
-        )  # fmt: skip
+        with subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
+            errors="replace", env=None if env is None else {**os.environ, **env}, cwd=folder,
+            process_group=0 if os.name == "posix" else None,
+        ) as process:  # fmt: skip
+            try:
+                printed, said = process.communicate(stdin, timeout=_TIMEOUT)
+            except BaseException:
+                _end(process)
+                raise
     except (OSError, subprocess.TimeoutExpired) as error:
         raise EnvironmentFailure(f"{what} failed: {error}{how}") from error
-    if done.returncode != 0:
-        message = "\n".join(done.stderr.splitlines()[:20])
-        raise EnvironmentFailure(f"{what} failed with status {done.returncode}:\n{message}")
-    return done.stdout + done.stderr if both else done.stdout
+    if process.returncode != 0:
+        message = "\n".join(said.splitlines()[:20])
+        raise EnvironmentFailure(f"{what} failed with status {process.returncode}:\n{message}")
+    return printed + said if both else printed
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """Kill a process and those it started: a compiler is a driver that waits for others."""
+    if os.name == "posix":
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+
+
+@contextlib.contextmanager
+def _folder_of(files: Mapping[str, str]) -> Iterator[Path]:
+    """A temporary folder that holds ``files`` (name -> text). EnvironmentFailure where it cannot be made."""
+    try:
+        folder = tempfile.TemporaryDirectory(prefix="wmrgen-")
+    except OSError as error:
+        raise EnvironmentFailure(f"no temporary folder can be made: {error}") from error
+    with folder as name:
+        try:
+            for file, text in files.items():
+                (Path(name) / file).write_text(text, encoding="utf-8", newline="\n")
+        except OSError as error:
+            raise EnvironmentFailure(
+                f"cannot write to the temporary folder {name}: {error.strerror}"
+            ) from error
+        yield Path(name)
 
 
 def compile_program(
@@ -76,10 +110,7 @@ def compile_and_run(
     env: Mapping[str, str] | None = None,
 ) -> str:
     """Compile every ``.c`` among ``files`` (name -> text) in a temporary folder and run it."""
-    with tempfile.TemporaryDirectory(prefix="wmrgen-") as name:
-        folder = Path(name)
-        for file, text in files.items():
-            (folder / file).write_text(text, encoding="utf-8", newline="\n")
+    with _folder_of(files) as folder:
         program = compile_program(folder, [file for file in files if file.endswith(".c")], cc, flags)
         return run_program(program, stdin, env)
 
@@ -94,8 +125,7 @@ def run_tool(command: Sequence[str], files: Mapping[str, str], both: bool = Fals
 
     ``both``: on stderr, too.
     """
-    with tempfile.TemporaryDirectory(prefix="wmrgen-") as name:
-        for file, text in files.items():
-            (Path(name) / file).write_text(text, encoding="utf-8", newline="\n")
+    with _folder_of(files) as folder:
         # Frama-C looks for its files in $PWD, whatever its working directory is.
+        name = str(folder)
         return _run(command, Path(command[0]).name, env={"PWD": name}, folder=name, how="", both=both)

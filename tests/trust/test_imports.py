@@ -18,12 +18,13 @@ SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(
 STAGES = (
     "spec layout constraints symbolic mobility kinematics functions program lower modules model robot"
 ).split()
-TOOLS = {"errors", "exact", "ports", "wheels"}
+TOOLS = {"errors", "exact", "ports", "wheels", "reading"}
 MAY_IMPORT = {stage: {*TOOLS, *STAGES[:k]} for k, stage in enumerate(STAGES)} | {
     "errors": set(),
     "exact": {"errors"},
     "ports": {"exact"},
     "wheels": set(),
+    "reading": set(),
     "ir": set(TOOLS),
     "render": {"errors"},
     "compiler": {"errors"},

@@ -177,7 +177,8 @@ def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]
     """Outputs by contract name for each case, in float64, computed for all cases at once."""
     wanted = next(f for f in inlined(module) if f.name == function)
     rows = [complete(wanted, case) for case in cases]
-    columns = _columns(wanted, {p.name: [row[k] for row in rows] for k, p in enumerate(wanted.inputs)})
+    with np.errstate(all="ignore"):  # infinities and NaN are results
+        columns = _columns(wanted, {p.name: [row[k] for row in rows] for k, p in enumerate(wanted.inputs)})
     if not wanted.inputs:
         return [{name: float(value) for name, value in columns.items()} for _ in cases]
     return [{name: float(column[k]) for name, column in columns.items()} for k in range(len(cases))]

@@ -8,56 +8,96 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
+import math
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from typing import NoReturn, TextIO
+from collections.abc import Callable, Iterator, Mapping
+from typing import BinaryIO, TextIO, cast
 
 from wmrgen.errors import EnvironmentFailure
 
 PATIENCE = 1.0  # seconds after which a progress line appears
+_PIPE = 141  # the exit code of a process that SIGPIPE ended
+
+
+class _Stream(io.TextIOWrapper):
+    """A standard stream in UTF-8. Where it cannot be written the process ends: a command that cannot say how it
+    went has not succeeded, and Python's own answer would be exit code 1, which means stale files."""
+
+    def __init__(self, stream: BinaryIO, title: str, lines: bool) -> None:
+        super().__init__(stream, encoding="utf-8", errors="backslashreplace", line_buffering=lines)
+        self.title = title
+
+    def write(self, text: str, /) -> int:
+        with self._or_end():
+            return super().write(text)
+
+    def flush(self) -> None:
+        with self._or_end():
+            super().flush()
+
+    @contextlib.contextmanager
+    def _or_end(self) -> Iterator[None]:
+        try:
+            yield
+        except BrokenPipeError:  # a reader that went away (``wmrgen … | head``) is no reason to complain
+            os._exit(_PIPE)
+        except OSError as error:
+            if self is not sys.stderr:
+                sys.stderr.write(f"{self.title} cannot be written: {error.strerror}\n")
+                sys.stderr.flush()
+            os._exit(EnvironmentFailure.exit_code)
 
 
 def prepare() -> None:
-    """Make both streams UTF-8, so that the locale has no say in what is printed."""
-    if sys.stderr is None:  # closed by the caller
-        sys.stderr = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
-    for stream in (sys.stdout, sys.stderr):
-        reconfigure = getattr(stream, "reconfigure", None)
-        if reconfigure is not None:
-            reconfigure(encoding="utf-8", errors="backslashreplace")
+    """Make both streams UTF-8, so that the locale has no say in what is printed, and say when they fail."""
+    for handle in (0, 1, 2):  # one that the caller closed: no file that is opened later may take its number
+        try:
+            os.fstat(handle)
+        except OSError:
+            os.open(
+                os.devnull, os.O_WRONLY if handle == 2 else os.O_RDONLY
+            )  # what is printed is missed, a note not
+    sys.stdout = _stream(sys.stdout, 1, "standard output")
+    sys.stderr = _stream(sys.stderr, 2, "standard error")
+
+
+def _stream(stream: TextIO | None, handle: int, title: str) -> TextIO:
+    if stream is None:
+        return _Stream(open(handle, "wb", closefd=False), title, True)
+    if not isinstance(stream, io.TextIOWrapper):
+        return stream
+    lines = handle == 2 or stream.line_buffering
+    return _Stream(cast(BinaryIO, stream.detach()), title, lines)
 
 
 def close() -> None:
-    """Flush stdout; a reader that went away (``wmrgen … | head``) is no reason to complain."""
-    if sys.stdout is None:
-        return
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:
-        _reader_left()
-    except OSError as error:
-        failure(f"standard output cannot be written: {error.strerror}")
-        sys.stderr.flush()
-        os._exit(EnvironmentFailure.exit_code)
-
-
-def _reader_left() -> NoReturn:
-    """End as a process killed by SIGPIPE would."""
-    os._exit(141)
+    """Write out what is buffered."""
+    sys.stdout.flush()
+    sys.stderr.flush()
 
 
 def result(text: str, style: str = "") -> None:
     """A line of the result, to stdout."""
-    if sys.stdout is None:
-        raise EnvironmentFailure("standard output is closed")
-    try:
-        _line(sys.stdout, text, style)
-    except BrokenPipeError:
-        _reader_left()
-    except OSError as error:
-        raise EnvironmentFailure(f"standard output cannot be written: {error.strerror}") from error
+    _line(sys.stdout, text, style)
+
+
+def data(value: object) -> None:
+    """A result as JSON, which has no word for infinity and NaN: null."""
+    result(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def _finite(value: object) -> object:
+    """``value`` with None in place of every number that is not finite."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {key: _finite(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(entry) for entry in value]
+    return value
 
 
 def note(text: str) -> None:

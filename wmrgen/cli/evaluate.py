@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
@@ -59,9 +58,9 @@ def run(
         results = _compute(derivation, function, complete, backend, choice)
     _say_zeros(function, given)
     if cases is not None:
-        console.result(json.dumps(results, indent=2))
+        console.data(results)
     elif as_json:
-        console.result(json.dumps(results[0], indent=2))
+        console.data(results[0])
     else:
         width = max(map(len, results[0]), default=0)
         for key, value in results[0].items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -45,7 +44,7 @@ def run(words: Sequence[str], *, as_json: bool) -> int:
         "eigenvalues": [[e.real + 0.0, e.imag + 0.0] for e in verdict.eigenvalues],
     }
     if as_json:
-        console.result(json.dumps(values, indent=2))
+        console.data(values)
         return 0
     width = max(map(len, values))
     for key, value in values.items():

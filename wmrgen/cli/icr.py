@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from math import atan2, hypot
 from pathlib import Path
@@ -41,7 +40,7 @@ def run(path: Path, words: Sequence[str], *, as_json: bool) -> int:
         else:
             found = _twist(derivation, given)
     if as_json:
-        console.result(json.dumps(found, indent=2))
+        console.data(found)
     else:
         show({k: v for k, v in found.items() if k != "wheels"})
         for name, facts in found.get("wheels", {}).items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,7 +25,7 @@ def run(path: Path, form: str, *, as_json: bool, as_latex: bool) -> int:
         sheets = _sheets(wmrgen.derive(robot), form)
         if as_json:
             found = [data(sheet) for sheet in sheets]
-            console.result(json.dumps(found[0] if len(found) == 1 else found, indent=2))
+            console.data(found[0] if len(found) == 1 else found)
             return 0
         written = [latex(sheet) if as_latex else "\n".join(lines(sheet)) for sheet in sheets]
     console.result("\n\n".join(written))

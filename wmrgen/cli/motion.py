@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -44,7 +43,7 @@ def run(path: Path, words: Sequence[str], *, time: str | None, segments: str | N
         else:
             found = _constant(derivation, [*words, f"dt={time}"])
     if as_json:
-        console.result(json.dumps(found, indent=2))
+        console.data(found)
     elif segments is not None:
         for line in _table(found["phases"]):
             console.result(line)

@@ -2,14 +2,43 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
+from types import FrameType
 
 from wmrgen import __version__
 from wmrgen.cli import console
 from wmrgen.errors import UsageError, WmrgenError
 
 _BUG = 70  # exit code of an internal error, as in sysexits.h
-_INTERRUPTED = 130
+_WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "the terminal was closed"}
+
+
+class Stopped(BaseException):
+    """A signal asks the process to end: what is staged is removed, what was started is stopped."""
+
+    def __init__(self, name: str, number: int) -> None:
+        super().__init__(name)
+        self.name, self.number = name, number
+
+
+def heed_signals() -> None:
+    """End by `Stopped` at signals that ask for an end, but for those that the caller ignores."""
+    for name in _WORDS:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
+
+
+def _stop(number: int, _: FrameType | None) -> None:
+    signal.signal(number, signal.SIG_DFL)  # a second one ends the process at once
+    raise Stopped(signal.Signals(number).name, number)
+
+
+def stopped(stop: Stopped) -> int:
+    """The exit code after a signal, as shells have it."""
+    console.failure(_WORDS[stop.name])
+    return 128 + stop.number
 
 
 def outcome(work: Callable[[], int]) -> int:
@@ -23,10 +52,9 @@ def outcome(work: Callable[[], int]) -> int:
         console.failure("a result is beyond the range of a double: give smaller values")
         return UsageError.exit_code
     except KeyboardInterrupt:
-        console.failure("interrupted")
-        return _INTERRUPTED
-    except BrokenPipeError:
-        raise
+        return stopped(Stopped("SIGINT", 2))
+    except Stopped as stop:
+        return stopped(stop)
     except (Exception, RecursionError) as error:
         console.failure(_bug(error))
         return _BUG

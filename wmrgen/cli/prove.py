@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -39,7 +38,7 @@ def run(path: Path, *, as_json: bool) -> int:
             raise NotDerivableError(_needed(robot.name, found))
         told = eva(derivation, found, step)
     if as_json:
-        console.result(json.dumps({"name": robot.name, **data(found), "eva": told}, indent=2))
+        console.data({"name": robot.name, **data(found), "eva": told})
     else:
         _show(robot.name, found, told)
     open_ = [f"{f.name}: {text}" for f in found.functions for text in f.alarms] + list(told.get("alarms", []))

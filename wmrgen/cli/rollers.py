@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 from wmrgen.cli import console
 from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
@@ -31,7 +29,7 @@ def run(radius: str, count: str, angle: str, *, as_json: bool) -> int:
     gamma = 90 - float(case["angle"] / pi_rational()) * 180
     gamma = round(gamma, 9) + 0.0
     if as_json:
-        console.result(json.dumps({**values, "gamma_deg": gamma}, indent=2))
+        console.data({**values, "gamma_deg": gamma})
         return 0
     for port in function.outputs:
         name = _NAMES[port.name]

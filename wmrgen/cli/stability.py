@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -39,7 +38,7 @@ def run(path: Path, words: Sequence[str], *, as_json: bool) -> int:
     edges = list(zip(corners, (*corners[1:], corners[0]), strict=True))
     result = _result(found, edges)
     if as_json:
-        console.result(json.dumps(result, indent=2))
+        console.data(result)
         return 0
     _show(result)
     return 0

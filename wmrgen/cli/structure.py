@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,8 +26,11 @@ def run(path: Path, *, as_json: bool) -> int:
         for text in robot.notes:
             console.note(f"{robot.name}: note: {text}")
         d = wmrgen.derive(robot)
-        text = json.dumps(_facts(d, exact), indent=2) if as_json else "\n".join(_lines(d))
-    console.result(text)
+        shown: object = _facts(d, exact) if as_json else "\n".join(_lines(d))
+    if as_json:
+        console.data(shown)
+    else:
+        console.result(str(shown))
     return 0
 
 

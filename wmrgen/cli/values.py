@@ -7,18 +7,19 @@ import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from pathlib import Path
 
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.exact.number import Exact
 from wmrgen.layout.expressions import evaluate
 from wmrgen.ports import Port
+from wmrgen.reading import read_at_most, read_stream
 from wmrgen.spec.nodes import Scalar
 from wmrgen.spec.numbers import Kind
 from wmrgen.spec.quantities import read_quantity
 from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import suggestion
 
+MAX_BYTES = 16 << 20  # of a file of cases: some 100,000 of them
 _KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}
 Case = Mapping[str, Exact]
 _PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?")
@@ -51,18 +52,38 @@ def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
 
 def from_file(file: str, ports: Sequence[Port]) -> list[Case]:
     """The list of {name: value} in a JSON file (``-``: stdin). Values are numbers or strings like "pi/2"."""
-    try:
-        data = sys.stdin.buffer.read() if file == "-" else Path(file).read_bytes()
-    except OSError as error:
-        raise EnvironmentFailure(f"cannot read {file}: {error.strerror}") from error
+    name = "standard input" if file == "-" else file
+    data = _content(file, name)
     try:
         # Numbers stay text until our own grammar has read them: exact, and NaN is no number.
         cases = json.loads(data, parse_float=str, parse_int=str, parse_constant=str, object_pairs_hook=_once)
     except (ValueError, RecursionError) as error:
-        raise UsageError(f"{file} is not JSON: {error}") from error
+        raise UsageError(f"{name} is not JSON: {error}") from error
     if not isinstance(cases, list) or not all(isinstance(case, dict) for case in cases):
-        raise UsageError(f'{file} must hold a list of objects: [{{"vx": 0.5}}, …]')
-    return [_case(case, f"{file}, case {k}: ", ports) for k, case in enumerate(cases)]
+        raise UsageError(f'{name} must hold a list of objects: [{{"vx": 0.5}}, …]')
+    return [_case(case, f"{name}, case {k}: ", ports) for k, case in enumerate(cases)]
+
+
+def _content(file: str, name: str) -> bytes:
+    """The bytes of a file of cases, ``-`` for stdin; ``name`` in messages."""
+    try:
+        if file != "-":
+            data = read_at_most(file, MAX_BYTES + 1)
+        elif sys.stdin is None:
+            raise EnvironmentFailure(f"cannot read {name}: it is closed")
+        else:
+            data = read_stream(sys.stdin.buffer, MAX_BYTES + 1)
+    except OSError as error:
+        raise EnvironmentFailure(f"cannot read {name}: {error.strerror}") from error
+    except ValueError as error:
+        raise UsageError(
+            f"cannot read {name}: {error}. Write the cases to a file, or pipe them to -."
+        ) from error
+    if len(data) > MAX_BYTES:
+        raise UsageError(
+            f"{name} is larger than {MAX_BYTES >> 20} MiB. Split it: each case is computed by itself."
+        )
+    return data
 
 
 def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:

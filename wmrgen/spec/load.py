@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from wmrgen.errors import RobotFileError
+from wmrgen.reading import read_at_most
 from wmrgen.spec.extras import read_functions, read_gains, read_point, read_trailers, read_virtual
 from wmrgen.spec.fields import LIMITS, ROBOT_KEYS, ROBOT_REQUIRED
 from wmrgen.spec.joints import read_couplings, read_limits
@@ -36,8 +37,7 @@ def read_robot(path: str | Path) -> RobotSpec:
 def _text_of(path: str | Path) -> str:
     name = printable(str(path))
     try:
-        with Path(path).open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
+        data = read_at_most(path, MAX_BYTES + 1)
     except FileNotFoundError:
         raise RobotFileError(f"{name}: no such file", None, "", "Give the path of a robot file.") from None
     except IsADirectoryError:

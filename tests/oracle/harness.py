@@ -38,6 +38,9 @@ def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra:
             keys.append(f"actuated: [{', '.join(w['actuated'])}]")
         if "sensed" in w:
             keys.append(f"sensed: [{', '.join(w['sensed'])}]")
+        if "limits" in w:
+            low, width = w["limits"]["steer"]
+            keys.append(f"limits: {{steer: [{low} deg, {low + width} deg]}}")
         lines.append("  - {" + ", ".join(keys) + "}")
     if layout.get("couplings"):
         lines.append("couplings:")

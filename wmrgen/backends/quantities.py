@@ -9,7 +9,7 @@ _OF_A_WHEEL = {
     "x": "a", "y": "b", "along": "u", "across": "w", "turn": "Delta",
     "size": "sqrt(a^2 + b^2)", "speed": "speed", "heading": "heading", "slope": "tan(heading / 2)",
     "p": "p", "q": "q", "tangent": "t", "rx": "row of H, vx", "ry": "row of H, vy", "rw": "row of H, omega",
-    "nearest": "nearer angle", "other": "angle half a turn on", "target": "angle inside the limits",
+    "nearest": "nearer angle", "target": "angle inside the limits",
     "bx": "contact point, x", "by": "contact point, y", "wx": "its velocity, x", "wy": "its velocity, y",
     "bx0": "contact point from the mean, x", "by0": "contact point from the mean, y",
 }  # fmt: skip

@@ -13,8 +13,9 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.constraints import heading, working_view
-from wmrgen.exact.angles import circle_point
+from wmrgen.exact.angles import add_angles, circle_point
 from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.line import STILL, Velocity, line, short, turned_by
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
@@ -40,6 +41,7 @@ from wmrgen.symbolic import (
 # 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
 WIDE = Exact(Fraction(315, 100))  # rad between limits, just over half a turn
+QUARTER = Exact(Fraction(1570796326794896619, 10**18))  # rad
 NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter turn
 
 
@@ -52,10 +54,19 @@ class Target:
     lateral: Expr | None = None
 
 
-def seen_from(w: Wheel, velocity: Velocity, names: Locals, lead: Wheel | None = None) -> tuple[Expr, Expr]:
-    """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``."""
+def seen_from(
+    w: Wheel,
+    velocity: Velocity,
+    names: Locals,
+    lead: Wheel | None = None,
+    at: tuple[Poly, Poly] | None = None,
+) -> tuple[Expr, Expr]:
+    """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``.
+
+    ``at``: (cos, sin) of another angle.
+    """
     g = working_view(w)
-    c, s = heading(w if lead is None else lead, g)
+    c, s = heading(w if lead is None else lead, g) if at is None else add_angles((g.ch, g.sh), at)
     a, b = (
         names.poly(f"{w.name}_{k}", p) if len(p.terms) > 1 else p for k, p in zip("ab", velocity, strict=True)
     )
@@ -77,8 +88,6 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     rim = times(alternating(turns), found.speed)
     if limits is None:
         return Target(steer, rim)
-    if limits.high - limits.low >= WIDE:
-        return _turned_back(w, limits, names.define(f"{w.name}_nearest", steer), rim, names)
     return _limited(w, limits, names.define(f"{w.name}_nearest", steer), rim, names)
 
 
@@ -90,28 +99,35 @@ def present(w: Wheel, limits: Interval | None) -> Expr:
     return kept_between(number(limits.low), now, number(limits.high))
 
 
-def _turned_back(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
-    """Limits more than half a turn apart: of a heading and its opposite one is always inside."""
-    low, high = number(limits.low), number(limits.high)
-    speed = names.define(f"{w.name}_rim", rim)
-    back = times(-1, speed)
-    target = select(high, steer, subtract(steer, sympy.pi), steer)
-    target = select(steer, low, add(steer, sympy.pi), target)
-    return Target(target, select(high, steer, back, select(steer, low, back, speed)))
-
-
 def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
-    """The nearest heading inside the limits; outside both, the limit nearest to it."""
-    low, high = number(limits.low), number(limits.high)
-    other = names.define(
-        f"{w.name}_other", select(high, steer, subtract(steer, sympy.pi), add(steer, sympy.pi))
-    )
-    inside = select(high, other, steer, select(other, low, steer, other))
-    kept = select(high, steer, inside, select(steer, low, inside, steer))
-    target = names.define(f"{w.name}_target", kept_between(low, kept, high))
-    excess = names.define(f"{w.name}_excess", subtract(target, steer))
+    """The nearest heading, or its opposite where that one fits the limits better, and no further than the limit."""
+    low, high = _turning_points(limits)
     speed = names.define(f"{w.name}_rim", rim)
+    target = _turned_back(steer, low, high)
+    if limits.high - limits.low >= WIDE:
+        back = times(-1, speed)
+        return Target(target, select(high, steer, back, select(steer, low, back, speed)))
+    target = names.define(f"{w.name}_target", kept_between(number(limits.low), target, number(limits.high)))
+    excess = names.define(f"{w.name}_excess", subtract(target, steer))
     return Target(target, times(speed, sympy.cos(excess)), times(-1, speed, sympy.sin(excess)))
+
+
+def _turning_points(limits: Interval) -> tuple[Expr, Expr]:
+    """The angles beyond which the opposite heading fits the limits better.
+
+    Both headings fit limits more than half a turn apart, and the wheel turns back where the nearer one ends. Of
+    narrower limits the middle decides: a stop slides by the sine of its distance from the line, so that the heading
+    less than a quarter turn from the middle is the one that fits, or that has the nearer stop.
+    """
+    middle = (limits.low + limits.high) / 2
+    reach = max((limits.high - limits.low) / 2, QUARTER)
+    return number(middle - reach), number(middle + reach)
+
+
+def _turned_back(steer: Expr, low: Expr, high: Expr) -> Expr:
+    """``steer``, or half a turn from it where that lies between ``low`` and ``high`` and it does not."""
+    target = select(high, steer, subtract(steer, sympy.pi), steer)
+    return select(steer, low, add(steer, sympy.pi), target)
 
 
 def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:
@@ -145,15 +161,21 @@ def steer_group(
     (sum of u**2 - w**2, sum of 2 u w), the nearest of the two branches.
     """
     lead = members[0]
-    seen = {w.index: seen_from(w, velocities[w.index], names, lead) for w in members}
+    limits = robot.limit(lead, "steer")
+    now = present(lead, limits)
+    at = None
+    if limits is not None:
+        now = names.define(f"{lead.name}_now", now)
+        at = names.poly(f"{lead.name}_c", sympy.cos(now)), names.poly(f"{lead.name}_s", sympy.sin(now))
+    seen = {w.index: seen_from(w, velocities[w.index], names, lead, at) for w in members}
     double = add(*(2 * u * v for u, v in seen.values()))
     difference = add(*(subtract(u**2, v**2) for u, v in seen.values()))
-    now = signal(f"{lead.name}.steer")
     swing = names.define(f"{lead.name}_swing", angle_of(double, difference) / 2)
-    limits = robot.limit(lead, "steer")
     target: Expr = add(now, swing)
     if limits is not None:
-        target = kept_between(number(limits.low), target, number(limits.high))
+        target = names.define(f"{lead.name}_nearest", target)
+        best = _turned_back(target, *_turning_points(limits))
+        target = kept_between(number(limits.low), best, number(limits.high))
     steer = names.define(f"{lead.name}_target", target)
     turn = names.define(f"{lead.name}_turn", subtract(steer, now))
     return {i: turned(steer, turn, u, v) for i, (u, v) in seen.items()}

@@ -20,6 +20,7 @@ _SIN = (  # of k pi/12, k = 0..6
 )  # fmt: skip
 _HALF_ANGLE_DIGITS = 20  # two of them multiply to the 40 digits of the point
 PRECISION = 60
+_MOST_TIMES = 4
 
 CosSin = tuple[Poly, Poly]
 
@@ -85,27 +86,22 @@ def pi_multiple(angle: Poly) -> Fraction | None:
 
 
 def cos_sin(angle: Poly) -> CosSin:
-    """(cos, sin) of an angle [rad] given as a polynomial in pi, numbers, parameters and atan2 terms."""
+    """(cos, sin) of an angle [rad] given as a polynomial in pi, numbers, parameters and functions of them."""
     number, turns = Fraction(0), Fraction(0)
     rest = Poly({})
     result: CosSin = (Poly.of(1), Poly.of(0))
     for monomial, coefficient in sorted(
         angle.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]
     ):
-        k = coefficient.parts[0] if coefficient.is_rational else None
         gen = monomial[0][0] if len(monomial) == 1 and monomial[0][1] == 1 else None
-        if not monomial and k is not None:
-            number += k
-        elif gen is not None and gen.kind == "pi" and k is not None:
-            turns += k
-        elif (
-            gen is not None
-            and gen.kind in ("param", "atan2")
-            and k is not None
-            and k.denominator == 1
-            and abs(k) <= 4
-        ):
-            result = add_angles(result, _multiple(_base(gen), int(k)))
+        if all(g.kind == "pi" for g, _ in monomial):
+            if gen is not None and coefficient.is_rational:
+                turns += coefficient.parts[0]
+            else:
+                power = monomial[0][1] if monomial else 0
+                number += coefficient.rational() * pi_rational() ** power
+        elif gen is not None and gen.kind in ("param", "atan2") and _is_small_integer(coefficient):
+            result = add_angles(result, _multiple(_base(gen), int(coefficient.parts[0])))
         else:
             rest = rest + Poly({monomial: coefficient})
     if rest:
@@ -119,6 +115,11 @@ def cos_sin(angle: Poly) -> CosSin:
         c, s = circle_point(number + turns * pi_rational())
         result = add_angles((Poly.of(c), Poly.of(s)), result)
     return result
+
+
+def _is_small_integer(value: Exact) -> bool:
+    """Whether the addition theorem is worth its terms."""
+    return value.is_rational and value.den == 1 and abs(value.num[0]) <= _MOST_TIMES
 
 
 def _base(gen: Gen) -> CosSin:

@@ -38,21 +38,34 @@ class Formula:
 
 
 class Locals:
-    """Collects intermediate results while a formula is written down."""
+    """Collects intermediate results while a formula is written down.
+
+    Each has a name of its own: a wheel called ``mean`` has a ``mean_bx``, and so may the formula.
+    """
 
     def __init__(self) -> None:
         self.items: list[tuple[Local, Expr]] = []
+        self._taken: set[str] = set()
 
     def define(self, name: str, value: Expr | Poly) -> Local:
-        """A new intermediate result; returns its symbol."""
-        symbol = local(name)
+        """A new intermediate result; returns its symbol, numbered where the name is taken."""
+        symbol, number = local(name), 2
+        while symbol.name in self._taken:
+            symbol, number = local(f"{name}_{number}"), number + 1
+        self._taken.add(symbol.name)
         self.items.append((symbol, expression(value) if isinstance(value, Poly) else value))
         return symbol
 
     def poly(self, name: str, value: Expr | Poly) -> Poly:
         """A new intermediate result as a generator of polynomials."""
-        self.define(name, value)
-        return Poly.gen("local", name)
+        return Poly.gen("local", self.define(name, value).name)
+
+    def adopt(self, formula: Formula, known: dict[Expr, Expr]) -> dict[str, Expr]:
+        """Add the locals of ``formula``, with ``known`` put in; output name -> expression."""
+        memo: dict[Expr, Expr] = {}
+        for symbol, value in formula.locals:
+            known[symbol] = self.define(symbol.name, substituted(value, known, memo))
+        return {port.name: substituted(value, known, memo) for port, value in formula.outputs}
 
 
 TWIST = (

@@ -83,10 +83,20 @@ def _factor(expr: Expr, known: Ports) -> Factor:
         return Factor(rf"\left|{total(terms(base.args[0], known))}\right|", n, 2, (8, ""))
     if isinstance(base, sympy.cos | sympy.sin):
         head = "\\cos" if isinstance(base, sympy.cos) else "\\sin"
-        return Factor(
-            f"{head}{names.port(known.get(base.args[0].name, base.args[0].name))}", n, 1, (0, str(head))
-        )
+        return Factor(f"{head}{_angle(base.args[0], known)}", n, 1, (0, str(head)))
+    if base is sympy.pi:
+        return Factor(r"\pi", n, 0, (0, "pi"))
+    if isinstance(base, sympy.atan2):
+        y, x = (total(terms(a, known)) for a in base.args)
+        return Factor(rf"\mathrm{{atan2}}\left({y},\, {x}\right)", n, 1, (8, ""))
     return Factor(total(terms(base, known)), n, 0, (2, ""), True)
+
+
+def _angle(angle: Expr, known: Ports) -> str:
+    """The argument of a sine: a joint's name, or an expression in parentheses."""
+    if isinstance(angle, sympy.Symbol):
+        return names.port(known.get(angle.name, angle.name))
+    return rf"\left({total(terms(angle, known))}\right)"
 
 
 class Printer(LatexPrinter):  # type: ignore[misc]

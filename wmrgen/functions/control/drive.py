@@ -16,7 +16,7 @@ from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Array, Mobility
 from wmrgen.ports import Port
-from wmrgen.symbolic import Expr, add, expression, signal, substituted, subtract, times
+from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
 
 _SMALL = 1e-9
 
@@ -122,8 +122,6 @@ def commands(
         "omega": omega,
     }
     known = {signal(name): names.define(f"{name}_driving", value) for name, value in twist.items()}
-    memo: dict[Expr, Expr] = {}
-    for symbol, expr in f.locals:
-        names.items.append((symbol, substituted(expr, known, memo)))
-    outputs = [(port, substituted(expr, known, memo)) for port, expr in f.outputs]
+    values = names.adopt(f, {**known})
+    outputs = [(port, values[port.name]) for port, _ in f.outputs]
     return tuple(p for p in f.inputs if p.name not in twist), outputs

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import sympy
 
 from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.symbolic import Expr, signal, substituted, times
+from wmrgen.symbolic import Expr, signal, times
 
 
 def include(formula: Formula, inputs: Mapping[str, Expr], names: Locals) -> dict[str, Expr]:
@@ -15,11 +15,7 @@ def include(formula: Formula, inputs: Mapping[str, Expr], names: Locals) -> dict
 
     ``inputs`` replaces inputs by port name; those that it does not name stay inputs.
     """
-    known = {signal(name): value for name, value in inputs.items()}
-    memo: dict[Expr, Expr] = {}
-    for symbol, value in formula.locals:
-        names.items.append((symbol, substituted(value, known, memo)))
-    return {port.name: substituted(value, known, memo) for port, value in formula.outputs}
+    return names.adopt(formula, {signal(name): value for name, value in inputs.items()})
 
 
 def named(outputs: Mapping[str, Expr], wanted: tuple[str, ...], suffix: str, names: Locals) -> list[Expr]:

@@ -45,8 +45,7 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
     """The twist, its derivative and the present steering angles to every joint's speed and acceleration."""
     first = inverse(robot, mobility)
     names = Locals()
-    names.items += first.locals
-    commands = {port.name: value for port, value in first.outputs}
+    commands = names.adopt(first, {})
     motion = motion_of(project(robot, mobility).twist)
     turns = steered_turns(robot, motion, commands, names) | castor_turns(robot, motion, names)
     speeds, rates = _spins(robot, motion, turns, commands, names)

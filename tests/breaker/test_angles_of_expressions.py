@@ -1,0 +1,99 @@
+"""Angles that are any expression: products, quotients and roots of parameters and numbers, tunable or not."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import wmrgen
+from tests.conftest import Outcome
+
+ROBOT = """\
+wmrgen: 1
+name: pair
+parameters: {{a: {0}, b: {1}}}
+wheels:
+  - {{name: left,  type: fixed, x: 0, y: 0.2, heading: '{2}', r: '{3}'}}
+  - {{name: right, type: steered, x: 0, y: -0.2, heading: 0, r: 0.1}}
+"""
+NUMBERS = {
+    "sqrt(2)/3": math.sqrt(2) / 3,
+    "pi*sqrt(2)/7": math.pi * math.sqrt(2) / 7,
+    "pi*pi/7": math.pi**2 / 7,
+    "1/pi": 1 / math.pi,
+    "atan2(1, 2)": math.atan2(1, 2),
+    "-atan2(sqrt(5), 2)/2 + sqrt(sqrt(2)) - pi/7": -math.atan2(5**0.5, 2) / 2 + 2**0.25 - math.pi / 7,
+}
+# Angle as written, and as Python computes it.
+TUNABLE: dict[str, Callable[[float, float], float]] = {
+    "a/2": lambda a, b: a / 2,
+    "a*pi/180": lambda a, b: a * math.pi / 180,
+    "a*b": lambda a, b: a * b,
+    "1/a": lambda a, b: 1 / a,
+    "5*a - pi/4 + sqrt(2)*b": lambda a, b: 5 * a - math.pi / 4 + math.sqrt(2) * b,
+    "atan2(a, b)/2": lambda a, b: math.atan2(a, b) / 2,
+    "atan2(sqrt(b), sin(a/3))": lambda a, b: math.atan2(math.sqrt(b), math.sin(a / 3)),
+    "tan(a*b)**2": lambda a, b: math.tan(a * b) ** 2,
+}
+
+
+def written(folder: Path, a: str, b: str, heading: str, r: str = "0.1") -> Path:
+    path = folder / "robot.yaml"
+    path.write_text(ROBOT.format(a, b, heading, r), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("text", NUMBERS)
+def test_an_angle_of_numbers(text: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
+    file = written(tmp_path, "1", "1", text, f"cos({text})**2")
+    wheel = wmrgen.load(file).wheels[0]
+    assert wheel.heading == pytest.approx(NUMBERS[text], rel=1e-15)
+    assert float(wheel.nominal.ch) == pytest.approx(math.cos(NUMBERS[text]), rel=1e-15)
+    assert float(wheel.nominal.sh) == pytest.approx(math.sin(NUMBERS[text]), rel=1e-15)
+    assert float(wheel.nominal.r) == pytest.approx(math.cos(NUMBERS[text]) ** 2, rel=1e-15)
+    assert abs(float(wheel.nominal.ch**2 + wheel.nominal.sh**2 - 1)) < 1e-30
+    assert wmrgen_cli("derive", file, "-o", tmp_path / "out").code == 0
+
+
+@pytest.mark.parametrize("text", TUNABLE)
+def test_an_angle_of_tunable_parameters(
+    text: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    """In all backends, at values that are not nominal, what the angle computed in advance gives."""
+    tunable = written(tmp_path, "{value: 0.5, tunable: true}", "{value: 0.7, tunable: true}", text)
+    assert wmrgen_cli("derive", tunable, "-o", tmp_path / "out").code == 0
+    a, b = 0.625, 0.5625
+    twist = ["vx=0.5", "vy=-0.25", "omega=1.5"]
+    found = {
+        backend: json.loads(
+            wmrgen_cli(
+                "eval", tunable, "inverse", *twist, f"a={a}", f"b={b}", "--backend", backend, "--json"
+            ).out
+        )
+        for backend in ("exact", "casadi", "c")
+    }
+    model = wmrgen.derive(wmrgen.load(tunable))
+    given = {"a": a} | ({"b": b} if "b" in text else {})
+    numbers = model.numpy().inverse(vx=0.5, vy=-0.25, omega=1.5, right_steer=0.0, **given)
+    plain = written(tmp_path, "1", "1", f"{TUNABLE[text](a, b):.17f}")
+    wanted = json.loads(wmrgen_cli("eval", plain, "inverse", *twist, "--json").out)
+    for backend, values in found.items():
+        assert values == pytest.approx(wanted, rel=2e-6, abs=2e-6), backend
+    assert {k: float(v) for k, v in numbers.items()} == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "d", ["sqrt(3 + 2*sqrt(2)) - 1 - sqrt(2)", "sqrt(5)*sqrt(7) - sqrt(35)", "sqrt(3 + 2*sqrt(2) - (1 + sqrt(2))**2)"]
+)  # fmt: skip
+def test_a_castor_with_an_offset_of_roots_that_is_zero(
+    d: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    file = written(tmp_path, "1", "1", "0")
+    with file.open("a", encoding="utf-8") as text:
+        text.write(f"  - {{name: c, type: castor, x: -0.2, y: 0, heading: 0, d: {d}, r: 0.03}}\n")
+    done = wmrgen_cli("derive", file, "-o", tmp_path / "out")
+    assert done.code == 2 and "a castor with d = 0 is a steered wheel" in done.err

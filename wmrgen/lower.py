@@ -25,7 +25,7 @@ def lower(formula: Formula) -> Function:
     results = [lowering.node(expr) for _, expr in formula.outputs]
     ports = tuple(port for port, _ in formula.outputs)
     function = lowering.builder.function(formula.name, formula.inputs, ports, results, formula.text)
-    return replace(function, named=lowering.named(results))
+    return replace(function, named=lowering.named(results), limits=formula.limits)
 
 
 class _Lowering:

@@ -70,9 +70,9 @@ def _domains(d: Derivation) -> dict[str, Any]:
     if not wanted:
         return {}
     from wmrgen.functions.models.sheet import data, sheet_of
-    from wmrgen.functions.models.systems import SYSTEMS
+    from wmrgen.functions.registry import has_system
 
-    names = [name for name in wanted if name in SYSTEMS]
+    names = [name for name in wanted if has_system(name)]
     found = {name: data(sheet_of(name, d.system(name)))["domain"] for name in names}
     return {"singular_models": found} if names else {}
 

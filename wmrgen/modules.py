@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.ir.pipeline import optimise
 from wmrgen.ir.select import keep_outputs, select
 from wmrgen.lower import lower
-from wmrgen.program import IN_C, Program
+from wmrgen.program import Program
 
 _TWIST = frozenset({"vx", "vy", "omega"})
 
@@ -25,25 +25,30 @@ def optimised(module: Module) -> Module:
     parts: list[Function] = []
     for f in whole.functions:
         if f.name == "forward":
-            residual = replace(f, name="forward_residual", text=f"{f.text}, with its residual")
+            residual = replace(
+                f, name="forward_residual", text=f"{f.text}, with its residual", variant_of="forward"
+            )
             parts += [keep_outputs(f, _TWIST, "forward_twist"), residual]
         elif f.name == "inverse":
             joints = frozenset(port.name for port in f.outputs if port.name != "slip")
             slip = keep_outputs(f, frozenset({"slip"}), "inverse_residual")
             text = "sliding that the ground must give when this twist is driven"
-            parts += [keep_outputs(f, joints, "inverse_joints"), replace(slip, text=text)]
+            parts += [
+                keep_outputs(f, joints, "inverse_joints"),
+                replace(slip, text=text, variant_of="inverse"),
+            ]
     return replace(whole, functions=(*whole.functions, *parts))
 
 
-def for_c(module: Module, functions: Iterable[str], asked: Collection[str]) -> Module:
+def for_c(module: Module, functions: Iterable[str]) -> Module:
     """Of an `optimised` module: forward with and without the residual, inverse without slip, which has a function
-    of its own, no posture model unless ``asked`` for."""
+    of its own."""
     names: dict[str, str] = {}
     for name in functions:
         if name == "forward":
             names |= {"forward_twist": "forward", "forward_residual": "forward_slip"}
         elif name == "inverse":
             names |= {"inverse_joints": "inverse", "inverse_residual": "inverse_slip"}
-        elif name in IN_C or name in asked:
+        else:
             names[name] = name
     return select(module, names)

@@ -17,6 +17,14 @@ class Role(StrEnum):
     COMMAND = "command"  # twists, joint rates, dt
 
 
+class Limits(StrEnum):
+    """Which inputs of a function the limits of the robot bound, as far as checked code is concerned."""
+
+    NONE = "none"
+    COMMANDED = "commanded"  # twists are commands, kept inside their limits; joints are measured
+    MEASURED = "measured"  # twists and joints are measured
+
+
 @dataclass(frozen=True, slots=True)
 class Port:
     """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.

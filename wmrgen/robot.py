@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wmrgen.functions.registry import check as check_functions
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout import Robot, build
 from wmrgen.spec.load import read_robot
@@ -30,7 +31,9 @@ if TYPE_CHECKING:
 
 def load(path: str | Path) -> Robot:
     """The exact layout of a robot file. RobotFileError when it cannot be accepted."""
-    return build(read_robot(path))
+    spec = read_robot(path)
+    check_functions(spec.functions)
+    return build(spec)
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
@@ -193,9 +196,9 @@ class Derivation:
 
         ``symbolic`` keeps every named parameter as a symbol, else only tunable ones.
         """
-        from wmrgen.functions.models.systems import SYSTEMS
+        from wmrgen.functions.registry import system_builder
 
-        return SYSTEMS[name](self.robot, self.mobility, symbolic)
+        return system_builder(name)(self.robot, self.mobility, symbolic)
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal."""
@@ -257,7 +260,7 @@ class Derivation:
         from wmrgen.program import asked
 
         wanted = asked(self.robot) if self._functions is None else self._functions
-        return for_c(self._optimised, (f.name for f in self.program.formulas), wanted)
+        return for_c(self._optimised, self.program.in_c(wanted))
 
     @cached_property
     def bounds(self) -> Bounds:

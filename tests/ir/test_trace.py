@@ -30,7 +30,7 @@ def test_names_are_true(robot: str) -> None:
     random = np.random.default_rng(4)
     seen = 0
     for function in module.functions:
-        formula = raw[function.name.removesuffix("_slip")]
+        formula = raw[function.variant_of or function.name]
         place = dict(formula.named)
         for _ in range(20):
             case = {port.name: float(random.uniform(-2, 2)) for port in contract(function)}

@@ -21,14 +21,13 @@ from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.exact.number import Exact
+from wmrgen.functions.registry import optional_names
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.layout import build
-from wmrgen.program import OPTIONAL
-from wmrgen.spec.fields import OPTIONAL_FUNCTIONS
 from wmrgen.spec.load import read_text
 
-IN_C = frozenset((*OPTIONAL_FUNCTIONS, *OPTIONAL))
+IN_C = frozenset(optional_names())
 PAGE = Path(__file__).parents[1] / "README.md"
 COLUMNS = ("derived", "CasADi", "C", "report")
 

@@ -85,7 +85,6 @@ def test_gains_may_be_tunable() -> None:
         ("gains: {k_rh: 3}\n", "Did you mean k_rho?"),
         ("gains: {k_rho: 1/0}\n", "division by zero"),
         ("gains: {k_rho: 3 m}\n", "has a unit"),
-        ("functions: [dynamcs]\n", "Did you mean dynamics?"),
         ("functions: [dynamics, dynamics]\n", "stands twice"),
         ("functions: dynamics\n", "must be a list"),
         ("slip: yes\n", "not known"),

@@ -84,11 +84,11 @@ def _source(path: Path, name: str) -> Modules:
 
 def known(robot: str, name: str) -> str:
     """The name, when a function has it."""
-    from wmrgen.program import functions
+    from wmrgen.functions.registry import has_function, names
 
-    if name not in functions():
+    if not has_function(name):
         raise UsageError(
-            f"{robot} has no function {name!r}; functions that a robot may have: {' '.join(functions())}"
+            f"{robot} has no function {name!r}; functions that a robot may have: {' '.join(names())}"
         )
     return name
 
@@ -122,7 +122,7 @@ def _compute(
     module = getattr(derivation, entry.source)
     has = [f.name for f in module.functions]
     # A backend may give the residual in a function of its own, so that who does not need it does not pay.
-    parts = [part for part in (function.name, f"{function.name}_slip") if part in has]
+    parts = [f.name for f in module.functions if (f.variant_of or f.name) == function.name]
     if not parts:
         raise UsageError(
             f"{backend} has no function {function.name!r} of {module.name}; it has: {' '.join(has)}"

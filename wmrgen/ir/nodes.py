@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from wmrgen.exact.number import Exact
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Limits, Port, Role
 
-__all__ = ["ARITY", "Function", "Module", "Node", "Op", "Port", "Role"]
+__all__ = ["ARITY", "Function", "Limits", "Module", "Node", "Op", "Port", "Role"]
 
 
 class Op(StrEnum):
@@ -76,6 +76,8 @@ class Function:
     """Straight-line code: ``outputs[k]`` is computed by node ``results[k]``.
 
     ``named``: intermediate results of the formula and their nodes, of code as lowered and not optimised.
+    ``variant_of``: the function whose inputs and intermediate results this one shares, where it gives other outputs
+    of the same formula. ``limits``: which inputs the limits of the robot bound.
     """
 
     name: str
@@ -85,6 +87,8 @@ class Function:
     results: tuple[int, ...]
     text: str = ""
     named: tuple[tuple[str, int], ...] = ()
+    variant_of: str = ""
+    limits: Limits = Limits.NONE
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,6 +38,8 @@ def optimise(functions: tuple[Function, ...], name: str, verify: bool = False) -
         verify_module(steps, module, "hoist")
     steps = tuple(_run(function, AFTER_HOIST, verify) for function in module.functions)
     prepare = None if module.prepare is None else _prepare(module.prepare, verify)
+    said = zip(steps, functions, strict=True)
+    steps = tuple(replace(step, variant_of=f.variant_of, limits=f.limits) for step, f in said)
     module = Module(name, steps, prepare)
     if verify:
         verify_module(functions, module, "the pipeline", 3)

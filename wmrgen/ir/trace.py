@@ -81,12 +81,12 @@ def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tupl
 
 
 def traced(module: Module, formulas: Sequence[Function]) -> Module:
-    """``module`` with the intermediate results of ``formulas`` (as lowered) named; ``f_slip`` has those of ``f``."""
+    """``module`` with the intermediate results of ``formulas`` (as lowered) named, variants of a function like it."""
     by_name = {f.name: f for f in formulas}
     known = nominal(module) if formulas else {}
     functions = []
     for function in module.functions:
-        formula = by_name.get(function.name) or by_name.get(function.name.removesuffix("_slip"))
+        formula = by_name.get(function.variant_of or function.name)
         found = labels(function, names_of(formula, known), known) if formula is not None else ()
         functions.append(replace(function, named=found))
     return replace(module, functions=tuple(functions))

@@ -58,7 +58,7 @@ class Table:
 
 
 def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ...]:
-    """A table per function with inputs and outputs (``f_slip`` in that of ``f``), then one for the law."""
+    """A table per function with inputs and outputs (a variant in that of its function), then one for the law."""
     prepared = prepared_of(module, scalar)
     found = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
     laws = [_law(module, name, scalar, site, prepared) for name in INVERSES]
@@ -71,12 +71,12 @@ def contract(function: Function) -> tuple[Port, ...]:
 
 
 def _groups(module: Module) -> list[list[Function]]:
-    """Functions in order, each with its ``_slip`` where the two take the same inputs."""
+    """Functions in order, each with its variants where they take the same inputs."""
     groups: dict[str, list[Function]] = {}
     for function in module.functions:
         if not function.outputs:
             continue
-        base = function.name.removesuffix("_slip")
+        base = function.variant_of or function.name
         if base in groups and _names(contract(groups[base][0])) == _names(contract(function)):
             groups[base].append(function)
         else:

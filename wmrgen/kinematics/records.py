@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Limits, Port, Role
 from wmrgen.symbolic import Expr, Local, expression, local, substituted
 
 JOINT_UNIT = {"spin": "rad/s", "steer": "rad", "steer_rate": "rad/s"}
@@ -20,13 +20,18 @@ JOINT_TEXT = {
 
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """One function of the model in symbols. ``locals`` may refer to earlier ones."""
+    """One function of the model in symbols. ``locals`` may refer to earlier ones.
+
+    ``source`` and ``limits`` are those of its declaration, see `wmrgen.functions.registry`.
+    """
 
     name: str
     inputs: tuple[Port, ...]
     locals: tuple[tuple[Local, Expr], ...]
     outputs: tuple[tuple[Port, Expr], ...]
     text: str
+    source: str = ""
+    limits: Limits = Limits.NONE
 
     def closed(self) -> dict[str, Expr]:
         """Output name -> expression in the inputs alone."""

@@ -52,7 +52,7 @@ def build(spec: RobotSpec) -> Robot:
         slip=spec.slip,
         cg=extras.point(),
         gains=extras.gains(),
-        functions=spec.functions,
+        functions=tuple(f.name for f in spec.functions),
     )
     return common_limits(spec, robot)
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wmrgen.spec.fields import GAINS, OPTIONAL_FUNCTIONS
+from wmrgen.spec.fields import GAINS
 from wmrgen.spec.joints import list_of
 from wmrgen.spec.mappings import Table, table_of
 from wmrgen.spec.names import wheel_name
 from wmrgen.spec.nodes import Node, Scalar
 from wmrgen.spec.numbers import Kind, plain_number
 from wmrgen.spec.quantities import read_quantity, scalar_of
-from wmrgen.spec.records import PointSpec, Quantity, TrailerSpec, VirtualSpec, WheelSpec
+from wmrgen.spec.records import FunctionSpec, PointSpec, Quantity, TrailerSpec, VirtualSpec, WheelSpec
 from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES
@@ -117,23 +117,17 @@ def _gain(node: Node, key: str, scope: Scope) -> Quantity:
     return read_quantity(scalar, Kind.ANY, key, scope)
 
 
-def read_functions(node: Node | None) -> tuple[str, ...]:
+def read_functions(node: Node | None) -> tuple[FunctionSpec, ...]:
     """Optional functions to be generated, in the order of the file."""
     if node is None:
         return ()
-    found: list[str] = []
-    for item in list_of(node, "functions", f"functions: [{OPTIONAL_FUNCTIONS[0]}]").items:
+    requests: list[FunctionSpec] = []
+    for item in list_of(node, "functions", "functions: [dynamics]").items:
         scalar = scalar_of(item, "an item of functions")
-        if scalar.text in ("inverse", "forward", "odometry"):
-            raise scalar.error(f"{scalar.text} is generated for every robot", "", "Leave it out here.")
-        if scalar.text not in OPTIONAL_FUNCTIONS:
-            raise scalar.error(
-                f"there is no function {quoted(scalar.text)}", "", suggestion(scalar.text, OPTIONAL_FUNCTIONS)
-            )
-        if scalar.text in found:
+        if scalar.text in (request.name for request in requests):
             raise scalar.error(f"{quoted(scalar.text)} stands twice in functions", "", "Delete one of them.")
-        found.append(scalar.text)
-    return tuple(found)
+        requests.append(FunctionSpec(scalar.text, scalar.mark))
+    return tuple(requests)
 
 
 def _own_name(table: Table, default: str, taken: dict[str, str], what: str) -> str:

@@ -30,51 +30,6 @@ ROBOT_KEYS = (
 )  # fmt: skip
 ROBOT_REQUIRED = ("wmrgen", "name", "wheels")
 
-# Functions that are generated where a robot file asks for them; `wmrgen eval` computes any of them.
-OPTIONAL_FUNCTIONS: tuple[str, ...] = (
-    "dynamics",
-    "contacts",
-    "motion",
-    "circle",
-    "icr",
-    "axles",
-    "steer_to",
-    "reach",
-    "contact_velocity",
-    "projections",
-    "inverse_world",
-    "forward_world",
-    "vaf",
-    "compatibility",
-    "heading",
-    "goto_pose",
-    "pursuit",
-    "posture",
-    "configuration",
-    "virtual_steering",
-    "virtual_angle",
-    "zeta",
-    "trailer",
-    "trailer_positions",
-    "steady_circle",
-    "slip_inverse",
-    "chained",
-    "chained_input",
-    "chained_rates",
-    "brockett",
-    "brockett_input",
-    "brockett_rates",
-    "desaturate",
-    "inverse_together",
-    "wheel_angles",
-    "flat",
-    "input_limits",
-    "accelerations",
-    "wheel_motion",
-    "stability",
-    "cg_force",
-)
-
 # Gain -> meaning.
 GAINS: dict[str, str] = {
     "k_rho": "speed per distance to the goal [1/s]; goto_pose",

@@ -147,6 +147,14 @@ class PointSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class FunctionSpec:
+    """A function that the file asks for; `wmrgen.functions.registry` knows which there are."""
+
+    name: str
+    mark: Mark
+
+
+@dataclass(frozen=True, slots=True)
 class RobotSpec:
     """A robot file, read and checked for form. Each parameter stands after those it uses."""
 
@@ -164,4 +172,4 @@ class RobotSpec:
     slip: bool = False
     cg: PointSpec | None = None
     gains: tuple[tuple[str, Quantity], ...] = ()
-    functions: tuple[str, ...] = ()
+    functions: tuple[FunctionSpec, ...] = ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from wmrgen.spec.expressions import MAX_CHARACTERS
@@ -10,7 +11,6 @@ from wmrgen.spec.fields import (
     COMMON_KEYS,
     GAINS,
     LIMITS,
-    OPTIONAL_FUNCTIONS,
     QUANTITIES,
     ROBOT_REQUIRED,
 )
@@ -27,9 +27,9 @@ _GREEK = {"alpha": "α", "beta": "β", "gamma": "γ"}
 _SI = {Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s", Kind.ANY: "SI"}
 
 
-def json_schema() -> Schema:
+def json_schema(functions: Sequence[str] = ()) -> Schema:
     """JSON Schema 2020-12 of a robot file. It admits a little more than the checks do: names may be
-    reserved and expressions wrong.
+    reserved and expressions wrong. ``functions``: those that a file may ask for; any name where none are listed.
     """
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -57,7 +57,7 @@ def json_schema() -> Schema:
             },
             "couplings": {"type": "array", "items": _coupling()},
             "limits": _limits(tuple(LIMITS)),
-            **_extras(),
+            **_extras(functions),
         },
         "$defs": {
             "name": {"type": "string", "pattern": NAME_PATTERN},
@@ -113,7 +113,7 @@ def _limits(names: tuple[str, ...]) -> Schema:
     return {"type": "object", "additionalProperties": False, "properties": properties}
 
 
-def _extras() -> Schema:
+def _extras(functions: Sequence[str]) -> Schema:
     """Keys beyond the wheels: virtual, trailers, slip, cg, gains, functions."""
     length, names = _ref(Kind.LENGTH), {"type": "array", "minItems": 1, "uniqueItems": True}
     virtual: Schema = {key: {**names, "items": {"$ref": "#/$defs/name"}} for key in ("steers", "drives")}
@@ -126,7 +126,7 @@ def _extras() -> Schema:
         "slip": {"type": "boolean", "default": False, "description": "slip variables per wheel"},
         "cg": _object({"x": length, "y": length, "z": length}, "x", "y", "z"),
         "gains": _object({k: {**_ref(Kind.ANY), "description": text} for k, text in GAINS.items()}),
-        "functions": {**names, "items": {"enum": list(OPTIONAL_FUNCTIONS)}},
+        "functions": {**names, "items": {"enum": list(functions)} if functions else {"$ref": "#/$defs/name"}},
     }
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from wmrgen.backends.c99.literal import literal
 from wmrgen.exact.number import Exact
-from wmrgen.ir.nodes import Function, Port, Role
+from wmrgen.ir.nodes import Function, Limits, Port, Role
 from wmrgen.ir.running import LARGEST_ANGLE
 from wmrgen.ir.site import Site
 
@@ -16,8 +16,6 @@ LARGEST = {"float": 1e9, "double": 1e100}
 # A step of odometry turns by no more than an angle that the kernels take: omega dt <= 2000 rad.
 _TURNING = {"float": {"omega": 200.0, "dt": 10.0}, "double": {"omega": 1e6, "dt": 1e2}}
 _TWIST = ("vx", "vy", "omega")
-_COMMANDED = ("inverse", "inverse_slip", "inverse_together", "slip_inverse")
-_MEASURED = ("forward", "forward_slip", "odometry")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,15 +43,15 @@ def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
     everything else, and what has no limits, only has to be of a size that gives finite results.
     """
     ports = (port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
-    return tuple(_range(port, function.name, scalar, site) for port in ports)
+    return tuple(_range(port, function.limits, scalar, site) for port in ports)
 
 
-def _range(port: Port, function: str, scalar: str, site: Site) -> Range:
+def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
     size = _TURNING[scalar].get(port.name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
     low, high = -size, size
-    if port.name in site.limits and function in (*_COMMANDED, *_MEASURED):
+    if port.name in site.limits and limits is not Limits.NONE:
         low, high = site.limits[port.name]
-        if port.name not in _TWIST or function in _MEASURED:
+        if port.name not in _TWIST or limits is Limits.MEASURED:
             middle, half = (low + high) / 2, OVERSHOOT * (high - low) / 2
             low, high = middle - half, middle + half
     return Range(port, _number(low, scalar), _number(high, scalar))

@@ -168,7 +168,7 @@ def step(
     contract = tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
     own: list[Struct] = []
     if contract:
-        same = inputs_of.get(contract) if function.name.endswith("_slip") else None
+        same = inputs_of.get(contract) if function.variant_of else None
         if same is None:
             own.append(struct(f"{name}_in", contract, scalar, f"Input of {name}()."))
             inputs_of.setdefault(contract, own[-1])

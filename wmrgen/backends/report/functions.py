@@ -5,7 +5,6 @@ from __future__ import annotations
 from wmrgen.backends.report import names
 from wmrgen.backends.report.expr import Printer
 from wmrgen.backends.report.markdown import aligned, code, sentence, table
-from wmrgen.backends.report.sources import SOURCES
 from wmrgen.backends.report.subject import Subject
 from wmrgen.kinematics.records import Formula
 from wmrgen.program import asked
@@ -25,8 +24,7 @@ def functions(s: Subject) -> list[str]:
 
 def _function(f: Formula) -> list[str]:
     lines = [f"### `{f.name}`", "", sentence(f.text[:1].upper() + f.text[1:]).removesuffix(".") + ".", ""]
-    if f.name in SOURCES:
-        lines += [f"In the texts: {SOURCES[f.name].replace('_', chr(92) + '_')}.", ""]
+    lines += [f"In the texts: {f.source.replace('_', chr(92) + '_')}.", ""]
     ports = [(p, "in") for p in f.inputs] + [(p, "out") for p, _ in f.outputs]
     rows = [[code(p.name), way, p.unit or "1", sentence(p.text)] for p, way in ports]
     lines += table(["port", "", "unit", "meaning"], rows, "l")

@@ -12,6 +12,7 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import ONE
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -32,6 +33,7 @@ class _Rate:
         return f"{self.wheel.name}.{self.joint}"
 
 
+@function("ours; the texts have none")
 def desaturate(robot: Robot, _: Mobility) -> Formula:
     """Every ``<wheel>.spin`` (and ``<castor>.steer_rate``) that `inverse` commands, times one ``scale`` <= 1.
 

@@ -16,6 +16,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.functions.control.drive import Reference, commands, reference
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot
@@ -48,6 +49,7 @@ _OUTPUTS = (
 )
 
 
+@function("Siegwart (3.50)-(3.58), (3.55) corrected")
 def goto_pose(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta relative to the goal, direction and present steering to every joint's command."""
     _require_stable(robot)

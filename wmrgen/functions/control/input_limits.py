@@ -23,6 +23,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.drive import Reference, reference
 from wmrgen.functions.control.pursuit import wheelbase
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -65,6 +66,7 @@ class _Car:
     top: Expr
 
 
+@function("AA274, bounds of the simplified car; Tzafestas 2.3.4")
 def input_limits(robot: Robot, mobility: Mobility) -> Formula:
     """v and omega to the bounds, the margins and the nearest commands in the exact and in the inner set."""
     ref = reference(robot, mobility, "input_limits")

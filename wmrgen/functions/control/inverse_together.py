@@ -17,12 +17,14 @@ import sympy
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Row
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.inverse import joint_commands, moves_as_one, steered_groups
 from wmrgen.kinematics.line import Velocity, pivot
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.kinematics.steer import Target, seen_from, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Limits
 from wmrgen.symbolic import (
     Expr,
     absolute,
@@ -62,6 +64,7 @@ class _Unit:
     limits: Interval | None
 
 
+@function("ours; the texts have none", limits=Limits.COMMANDED)
 def inverse_together(robot: Robot, mobility: Mobility) -> Formula:
     """As ``inverse``, with one decision for all modules. NotDerivableError where fewer than two steer."""
     count = len(steered_groups(robot))

@@ -12,6 +12,7 @@ from wmrgen.constraints import working_view
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.drive import Reference, commands, reference
 from wmrgen.functions.control.goto_pose import AT_GOAL
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
@@ -30,6 +31,7 @@ INPUTS = (
 )
 
 
+@function("Tzafestas (2.57)")
 def pursuit(robot: Robot, mobility: Mobility) -> Formula:
     """A look-ahead point and a speed to every joint's command; straight on where the point is reached."""
     ref = reference(robot, mobility, "pursuit")

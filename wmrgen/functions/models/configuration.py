@@ -12,8 +12,9 @@ from wmrgen.functions.models.fraction import quotient
 from wmrgen.functions.models.frame import clean
 from wmrgen.functions.models.posture import Motion, best_motion, world
 from wmrgen.functions.models.system import System
+from wmrgen.functions.registry import function, system
 from wmrgen.kinematics.odometry import POSE
-from wmrgen.kinematics.records import joint_port
+from wmrgen.kinematics.records import Formula, joint_port
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
@@ -22,6 +23,7 @@ from wmrgen.symbolic import Expr, expression
 ZERO = Poly({})
 
 
+@system("configuration")
 def configuration_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """Posture model extended by castor angles and wheel angles; inputs as in the posture model."""
     motion = best_motion(robot, mobility, symbolic)
@@ -66,3 +68,9 @@ def _per_input(motion: Motion, row: tuple[Poly, ...], k: int) -> Poly:
     """row . eta for one input."""
     above = Poly.sum(p * e for p, e in zip(row, motion.etas[k], strict=True))
     return quotient(clean(above), motion.divisor)
+
+
+@function("Siegwart (3.24)-(3.28), solved for the joint rates")
+def configuration(robot: Robot, mobility: Mobility) -> Formula:
+    """State and driven speeds to the rates of everything that moves."""
+    return configuration_system(robot, mobility).formula()

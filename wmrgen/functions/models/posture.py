@@ -18,8 +18,9 @@ from wmrgen.functions.models.frame import Frame, angles_in, clean, frame
 from wmrgen.functions.models.inputs import UnderactuatedError, choose, etas
 from wmrgen.functions.models.system import Domain, System
 from wmrgen.functions.models.virtual import steering_frame
+from wmrgen.functions.registry import function, system
 from wmrgen.kinematics.odometry import POSE
-from wmrgen.kinematics.records import joint_port, tunable_ports
+from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
@@ -120,14 +121,16 @@ def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Mot
         return replace(found, text=f"{found.text}: {error}")
 
 
+@system("posture")
 def posture_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """State x y theta, steering coordinates and the castors that matter; inputs as in `best_motion`."""
     return system_of("posture", best_motion(robot, mobility, symbolic))
 
 
-def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
-    """`dynamics` as a system."""
-    return system_of("dynamics", eta_motion(robot, mobility, symbolic))
+@function("Tzafestas (2.28), (2.38), (2.46), (2.55), (2.56a); AA274")
+def posture(robot: Robot, mobility: Mobility) -> Formula:
+    """State and driven speeds to the rates of the posture."""
+    return posture_system(robot, mobility).formula()
 
 
 def system_of(name: str, motion: Motion) -> System:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from wmrgen.constraints import rolling_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, given, joint_port, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Limits, Port, Role
 from wmrgen.symbolic import Expr, expression
 
 TEXT = {
@@ -29,6 +30,7 @@ def slip_port(w: Wheel, name: str) -> Port:
     return Port(f"{w.name}.{name}", Role.COMMAND, "m/s", text)
 
 
+@function("Tzafestas Example 2.2, corrected for steered wheels", limits=Limits.COMMANDED)
 def slip_inverse(robot: Robot, _: Mobility) -> Formula:
     """vx vy omega, steering angles and rates and slip_x to every wheel's spin and every standard wheel's slip_y.
 

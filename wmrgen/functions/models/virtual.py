@@ -13,6 +13,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.functions.models.followers import heading_row
 from wmrgen.functions.models.frame import Frame, constant_rows, fixed, frame, generic, nominal_at, straight
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Geometry, Robot, Virtual, Wheel
 from wmrgen.mobility.configure import pivot_velocity
@@ -164,6 +165,7 @@ def _check_drive(robot: Robot, v: Virtual) -> None:
         )
 
 
+@function("Tzafestas (2.49)-(2.51); Kelly 4.2.1.2, Ackermann")
 def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
     """Virtual angles to the steering angles of the real wheels: cot differences are the Ackermann condition."""
     wheels = steering(robot)
@@ -180,6 +182,7 @@ def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
     )
 
 
+@function("Tzafestas (2.49)-(2.51); Kelly 4.2.1.2, Ackermann")
 def virtual_angle(robot: Robot, mobility: Mobility) -> Formula:
     """The way back: steering angles of the wheels that decide to the angles of the virtual wheels."""
     virtual_steering(robot, mobility)

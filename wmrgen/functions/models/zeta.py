@@ -22,6 +22,7 @@ from wmrgen.functions.models.frame import Frame
 from wmrgen.functions.models.posture import geometry_ports
 from wmrgen.functions.models.system import Domain, System
 from wmrgen.functions.models.virtual import steering_frame
+from wmrgen.functions.registry import function, system
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -41,6 +42,7 @@ INPUTS = (
 )
 
 
+@system("zeta")
 def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """State xp yp theta zeta, inputs v1 v2. NotDerivableError unless one angle steers and one freedom drives."""
     degrees = (mobility.degree_of_mobility, mobility.degree_of_steerability)
@@ -72,6 +74,7 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
     )
 
 
+@function("Tzafestas (2.56b)")
 def zeta(robot: Robot, mobility: Mobility) -> Formula:
     """Rates of xp yp theta zeta, and u2 = zeta': with u1 = v1 the inputs of the unicycle (xp, yp, zeta)."""
     formula = zeta_system(robot, mobility).formula()

@@ -21,6 +21,7 @@ from wmrgen.functions.motion.circle import path
 from wmrgen.functions.motion.compose import over
 from wmrgen.functions.motion.eigen import smallest_eigenvector
 from wmrgen.functions.motion.icr import centre_ports
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.nullspace import null_columns
@@ -43,6 +44,7 @@ from wmrgen.symbolic import (
 FLOOR = Exact(Fraction(1, 10**9))  # [m] wheels this near to each other stand on one point
 
 
+@function("Kelly 4.2.1.2 (Jeantaud); Siegwart 3.3.1; Tzafestas (2.48)")
 def axles(robot: Robot, mobility: Mobility) -> Formula:
     """Steering angles to the ICR of the axles, its curvature, the mismatch and each wheel's error."""
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]

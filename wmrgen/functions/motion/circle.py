@@ -13,9 +13,10 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.exact.number import Exact
-from wmrgen.functions.motion.compose import include, over
-from wmrgen.functions.motion.joints import driven
-from wmrgen.kinematics.odometry import POSE, odometry
+from wmrgen.functions.motion.compose import over
+from wmrgen.functions.motion.joints import driven, geometry, joint_ports
+from wmrgen.functions.registry import function
+from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
@@ -49,18 +50,7 @@ CIRCLE = (
 )
 
 
-def motion(robot: Robot, _: Mobility) -> Formula:
-    """Sensed joint rates held for dt: the pose after it, exactly (a straight line or an arc)."""
-    names = Locals()
-    joints, twist = driven(robot, names)
-    ride = odometry()
-    end = include(ride, dict(zip(("vx", "vy", "omega"), twist, strict=True)), names)
-    outputs = tuple((port, end[port.name]) for port in POSE)
-    inputs = (*_joint_ports(joints), *POSE, ride.inputs[-1], *_geometry(joints))
-    text = "pose after holding constant joint rates for dt, steering held"
-    return Formula("motion", inputs, tuple(names.items), outputs, text)
-
-
+@function("Konstantinov, x_C, y_C and R (corrected); Tzafestas (2.43)")
 def circle(robot: Robot, _: Mobility) -> Formula:
     """Sensed joint rates and the pose to the circle or straight line that they drive."""
     names = Locals()
@@ -73,7 +63,7 @@ def circle(robot: Robot, _: Mobility) -> Formula:
     values["x_centre"] = add(signal("x"), times(-1, reach, sympy.sin(left)))
     values["y_centre"] = add(signal("y"), times(reach, sympy.cos(left)))
     outputs = tuple((Port(n, Role.COMMAND, unit, text), values[n]) for n, unit, text in CIRCLE)
-    inputs = (*_joint_ports(joints), *POSE, *_geometry(joints))
+    inputs = (*joint_ports(joints), *POSE, *geometry(joints))
     text = "circle or straight line that constant joint rates drive, steering held"
     return Formula("circle", inputs, tuple(names.items), outputs, text)
 
@@ -97,11 +87,3 @@ def path(twist: tuple[Expr, Expr, Expr], names: Locals) -> dict[str, Expr]:
         "speed": speed,
         "direction": angle_of(vy, vx),
     }
-
-
-def _joint_ports(ports: tuple[Port, ...]) -> tuple[Port, ...]:
-    return tuple(p for p in ports if p.role is not Role.GEOMETRY)
-
-
-def _geometry(ports: tuple[Port, ...]) -> tuple[Port, ...]:
-    return tuple(p for p in ports if p.role is Role.GEOMETRY)

@@ -14,6 +14,7 @@ from wmrgen.constraints import View, rolling_row, sliding_row, symbolic_view, wo
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, given, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.nullspace import IDENTITY
@@ -136,6 +137,7 @@ def _ratio(a: Poly, b: Poly) -> Poly | None:
     return Poly.of(ratio) if close else None
 
 
+@function("Tzafestas (2.84), the relation of its rows")
 def compatibility(robot: Robot, mobility: Mobility) -> Formula:
     """Wheel speeds to the residual of each compatibility row: 0 where they agree."""
     driven, found = relations(robot, mobility)

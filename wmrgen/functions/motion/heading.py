@@ -12,6 +12,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.motion.compose import include
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.forward import constant_normal, forward
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
@@ -23,6 +24,7 @@ from wmrgen.ports import Port, Role
 from wmrgen.symbolic import add, signal
 
 
+@function("Konstantinov (6); Tzafestas (2.36)")
 def heading(robot: Robot, _: Mobility) -> Formula:
     """Wheel angles turned since the heading was theta, to the heading now."""
     contacts, components = measurements(robot)

@@ -8,7 +8,7 @@ from wmrgen.functions.motion.compose import include, named
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot
-from wmrgen.ports import Port
+from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr
 
 TWIST = ("vx", "vy", "omega")
@@ -23,3 +23,13 @@ def driven(robot: Robot, names: Locals) -> tuple[tuple[Port, ...], list[Expr]]:
     held = {p.name: sympy.S.Zero for p in formula.inputs if p.name.endswith(".steer_rate")}
     twist = named(include(formula, held, names), TWIST, "driven", names)
     return tuple(p for p in formula.inputs if p.name not in held), twist
+
+
+def joint_ports(ports: tuple[Port, ...]) -> tuple[Port, ...]:
+    """The ports that change from step to step."""
+    return tuple(p for p in ports if p.role is not Role.GEOMETRY)
+
+
+def geometry(ports: tuple[Port, ...]) -> tuple[Port, ...]:
+    """The tunable parameters among ``ports``."""
+    return tuple(p for p in ports if p.role is Role.GEOMETRY)

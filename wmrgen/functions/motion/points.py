@@ -11,16 +11,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy
-
 from wmrgen.constraints import View, heading, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.odometry import POSE
-from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Locals, given, joint_port, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
+from wmrgen.symbolic import Expr
 
 ZERO, ONE = Poly({}), Poly.of(1)
 
@@ -75,7 +72,9 @@ def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Ex
     return result
 
 
-def _inputs(robot: Robot, points: tuple[ContactPoint, ...], theta: bool, headings: bool) -> tuple[Port, ...]:
+def point_inputs(
+    robot: Robot, points: tuple[ContactPoint, ...], theta: bool, headings: bool
+) -> tuple[Port, ...]:
     """Twist, the steering angles that matter, the rates of contacts that swing."""
     ports = [*twist_ports()]
     if theta:
@@ -88,48 +87,6 @@ def _inputs(robot: Robot, points: tuple[ContactPoint, ...], theta: bool, heading
     return (*ports, *tunable_ports(robot))
 
 
-def _port(w: Wheel, name: str, text: str) -> Port:
+def point_port(w: Wheel, name: str, text: str) -> Port:
+    """A component [m/s] of the velocity of a contact."""
     return Port(f"{w.name}.{name}", Role.COMMAND, "m/s", text)
-
-
-def contact_velocity(robot: Robot, _: Mobility) -> Formula:
-    """Twist, steering angles and steering rates to the velocity of every contact point, robot frame."""
-    names, points = Locals(), contact_points(robot)
-    outputs = []
-    for p, (a, b) in zip(points, velocities(points, names), strict=True):
-        outputs.append((_port(p.wheel, "vx", "velocity of the contact point, robot frame"), a))
-        outputs.append((_port(p.wheel, "vy", "velocity of the contact point, robot frame"), b))
-    inputs = _inputs(robot, points, theta=False, headings=False)
-    text = "velocity of every contact point in the robot frame: H xi + Q steer_rate"
-    return Formula("contact_velocity", inputs, tuple(names.items), tuple(outputs), text)
-
-
-def projections(robot: Robot, _: Mobility) -> Formula:
-    """Twist and heading to the contact velocities along e and n and in the world (Konstantinov (2), (3)).
-
-    ``along`` = e . v (lambda_i), ``across`` = n . v (mu_i); for a Swedish-90 wheel the rim and the roller speed.
-    """
-    names, points = Locals(), contact_points(robot)
-    c = names.define("cos_theta", sympy.cos(signal("theta")))
-    s = names.define("sin_theta", sympy.sin(signal("theta")))
-    outputs: list[tuple[Port, Expr]] = []
-    for p, (a, b) in zip(points, velocities(points, names), strict=True):
-        w = p.wheel
-        if w.has_spin:
-            g = working_view(w)
-            ex, ey = heading(w, g)
-            vx, vy = Poly.gen("local", f"{w.name}_x"), Poly.gen("local", f"{w.name}_y")
-            outputs += [
-                (
-                    _port(w, "along", "contact velocity along the rolling direction e"),
-                    expression(ex * vx + ey * vy),
-                ),
-                (_port(w, "across", "contact velocity along the lateral n"), expression(ex * vy - ey * vx)),
-            ]
-        outputs += [
-            (_port(w, "x_rate", "contact velocity along world x"), subtract(times(c, a), times(s, b))),
-            (_port(w, "y_rate", "contact velocity along world y"), add(times(s, a), times(c, b))),
-        ]
-    inputs = _inputs(robot, points, theta=True, headings=True)
-    text = "contact velocities along and across each wheel, and in the world"
-    return Formula("projections", inputs, tuple(names.items), tuple(outputs), text)

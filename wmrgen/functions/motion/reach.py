@@ -14,6 +14,7 @@ import sympy
 
 from wmrgen.exact.number import Exact
 from wmrgen.functions.motion.compose import include, over
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.odometry import POSE, odometry
 from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Robot
@@ -29,6 +30,7 @@ _TEXTS = (
 )
 
 
+@function("Siegwart figures 3.15 and 3.16, the twist of a segment")
 def reach(robot: Robot, _: Mobility) -> Formula:
     """Displacement x y theta in the robot frame and dt to the constant twist that makes it."""
     del robot

@@ -18,6 +18,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.motion.compose import over
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank, to_array
@@ -82,6 +83,7 @@ def _rim_numbers(w: Wheel) -> tuple[Exact, Exact]:
     return a or Exact(0), b or Exact(0)
 
 
+@function("Tzafestas 2.4.1, (2.71)")
 def vaf(robot: Robot, mobility: Mobility) -> Formula:
     """Direction of a translation in the robot frame to the velocity augmentation factor."""
     names = Locals()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.functions.motion.compose import include, named
+from wmrgen.functions.registry import function
 from wmrgen.kinematics.dynamics import RATES
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.inverse import inverse
@@ -26,6 +27,7 @@ def _turn(names: Locals) -> tuple[Expr, Expr]:
     return names.define("cos_theta", sympy.cos(theta)), names.define("sin_theta", sympy.sin(theta))
 
 
+@function("Siegwart (3.2); Tzafestas (2.41c), (2.75) corrected, (2.85); Konstantinov (4)")
 def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
     """theta, world velocity and present steering to every joint's command."""
     names = Locals()
@@ -41,6 +43,7 @@ def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
     return Formula("inverse_world", inputs, tuple(names.items), outputs, text)
 
 
+@function("Siegwart (3.9), (3.10); Tzafestas (2.37d), (2.83); Konstantinov (5)")
 def forward_world(robot: Robot, _: Mobility) -> Formula:
     """theta and sensed joint rates to the velocity in the world frame and ``slip``."""
     names = Locals()

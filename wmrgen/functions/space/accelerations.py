@@ -19,6 +19,7 @@ import sympy
 
 from wmrgen.constraints import rolling_row, working_view
 from wmrgen.exact.poly import dot
+from wmrgen.functions.registry import function
 from wmrgen.functions.space.turning import Motion, Turn, castor_turns, motion_of, speeds_at, steered_turns
 from wmrgen.kinematics.inverse import Joints, inverse, spins
 from wmrgen.kinematics.line import pivot
@@ -41,6 +42,7 @@ JERKS = (
 )
 
 
+@function("Kelly (4.31) in the plane; Siegwart (3.18)")
 def accelerations(robot: Robot, mobility: Mobility) -> Formula:
     """The twist, its derivative and the present steering angles to every joint's speed and acceleration."""
     first = inverse(robot, mobility)

@@ -19,6 +19,7 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
+from wmrgen.functions.registry import function
 from wmrgen.functions.space.support import Edge, Spot, edges, spots
 from wmrgen.functions.space.vectors import Vector, cross, dot
 from wmrgen.functions.space.wheel_motion import vector_ports
@@ -48,6 +49,7 @@ _TINY = number(Exact(Fraction(1, 10**12)))
 _ZERO = sympy.S.Zero
 
 
+@function("criterion of Kelly 4.1.3; the margin is ours")
 def stability(robot: Robot, _: Mobility) -> Formula:
     """Specific force and present steering angles to the margin of every edge of the support polygon."""
     c = centre_of_gravity(robot, "stability")

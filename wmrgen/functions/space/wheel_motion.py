@@ -12,6 +12,7 @@ import sympy
 
 from wmrgen.constraints import working_view
 from wmrgen.exact.poly import Poly
+from wmrgen.functions.registry import function
 from wmrgen.functions.space.vectors import Frame, Point, Vector, seen_from_before
 from wmrgen.kinematics.records import JOINT_TEXT, Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -44,6 +45,7 @@ _TRAVEL = (
 )
 
 
+@function("Kelly (4.23)-(4.31), (4.25) corrected")
 def wheel_motion(robot: Robot, _: Mobility) -> Formula:
     """Motion of the body, steering and suspension to velocity and acceleration of every contact."""
     names = Locals()

@@ -17,7 +17,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import rank
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.models.posture import eta_system
+from wmrgen.functions.models.eta import eta_system
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.functions.models.system import System
 from wmrgen.functions.models.vector_fields import Field, derivative, to_poly, value_at

@@ -9,20 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy
-
-from wmrgen.constraints import constrain, nominal_view, rolling_row, working_view
-from wmrgen.errors import NotDerivableError
+from wmrgen.constraints import constrain, nominal_view, rolling_row
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.linalg import left_null_space
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Row, dot
-from wmrgen.kinematics.odometry import POSE
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports
+from wmrgen.exact.poly import Row
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
 
 SMALL = 1e-12
 
@@ -41,7 +34,7 @@ class Integral:
 
 def integrals(robot: Robot, mobility: Mobility) -> tuple[Integral, ...]:
     """Relations that the constraints integrate to; where steered wheels decide the motion, those of the pose alone."""
-    twists = _constant_twists(robot, mobility)
+    twists = constant_twists(robot, mobility)
     if twists is None:  # a subalgebra of se(2) of dimension 2 is that of the translations
         return (Integral((("theta", 1.0),), "theta = const"),) if mobility.dof == 2 else ()
     if mobility.dof == 3:
@@ -49,7 +42,7 @@ def integrals(robot: Robot, mobility: Mobility) -> tuple[Integral, ...]:
     return (*_posture(twists), *_rolled(robot, twists))
 
 
-def _constant_twists(robot: Robot, mobility: Mobility) -> list[tuple[Exact, ...]] | None:
+def constant_twists(robot: Robot, mobility: Mobility) -> list[tuple[Exact, ...]] | None:
     """Columns of the null space as numbers; None where they turn with an angle."""
     values = {p.name: p.value for p in robot.parameters}
     found = []
@@ -84,7 +77,7 @@ def _rolled(robot: Robot, twists: list[tuple[Exact, ...]]) -> tuple[Integral, ..
     """Wheel angles as linear functions of the way, or of theta on a circle."""
     found = []
     way: tuple[tuple[str, float], ...]
-    for w in _rolling(robot):
+    for w in rolling_wheels(robot):
         row, radius = _numbers(rolling_row(w, nominal_view(w)).row), _radius(w)
         if len(twists) == 1 and abs(float(twists[0][2])) > SMALL:
             rate = sum((a * b for a, b in zip(row, twists[0], strict=True)), ZERO) / twists[0][2]
@@ -112,7 +105,7 @@ def _reachable(
 
 def _combinations(robot: Robot) -> tuple[Integral, ...]:
     """Sums of wheel angles that depend on the heading alone, or on nothing."""
-    wheels = _rolling(robot)
+    wheels = rolling_wheels(robot)
     c = constrain(robot, nominal_view)
     rows = [_numbers(rolling_row(w, nominal_view(w)).row) for w in wheels]
     rows += [_numbers(r.row) for r in c.sliding_fixed]
@@ -135,7 +128,7 @@ def _combinations(robot: Robot) -> tuple[Integral, ...]:
     return tuple(found)
 
 
-def _rolling(robot: Robot) -> list[Wheel]:
+def rolling_wheels(robot: Robot) -> list[Wheel]:
     """Wheels whose rolling row is constant."""
     return [w for w in robot.wheels if w.has_spin and not w.turns]
 
@@ -156,42 +149,3 @@ def _sum(terms: tuple[tuple[str, float], ...]) -> str:
         size = "" if abs(abs(c) - 1) < SMALL else f"{abs(c):.6g} "
         said += (f" {'-' if c < 0 else '+'} " if said else "-" if c < 0 else "") + size + name
     return said or "0"
-
-
-def wheel_angles(robot: Robot, mobility: Mobility) -> Formula:
-    """Position of P since the wheel angles were as given, to the wheel angles: holonomic robots that do not steer.
-
-    Body on a line or free to translate: x, y are the way of P in the world, theta the constant heading. Body on a
-    circle: theta is the angle turned (Siegwart 3.4.2).
-    """
-    twists = _constant_twists(robot, mobility)
-    if twists is None or mobility.dof == 3 or not twists or not _rolling(robot):
-        raise NotDerivableError(
-            f"{robot.name}: wheel angles are functions of the position only for holonomic robots that do not turn "
-            f"freely (DOF < 3) and do not steer; this one has DDOF {mobility.ddof}, DOF {mobility.dof}"
-        )
-    names = Locals()
-    circle = len(twists) == 1 and abs(float(twists[0][2])) > SMALL
-    x, y, theta = (signal(p.name) for p in POSE)
-    c, s = sympy.cos(theta), sympy.sin(theta)
-    way: tuple[Expr, Expr] = (
-        names.define("way_x", add(times(x, c), times(y, s))),
-        names.define("way_y", subtract(times(y, c), times(x, s))),
-    )
-    inputs, outputs = [], []
-    for w in _rolling(robot):
-        g = working_view(w)
-        row = rolling_row(w, g).row
-        inverse = g.rolling_radius.inverse()
-        port = Port(f"{w.name}.angle", Role.STATE, "rad", "angle of the wheel about its axle")
-        if circle:
-            column = mobility.null_space[0]
-            rolled = times(expression(dot(row, column) * column[2].inverse() * inverse), theta)
-        else:
-            rolled = add(*(times(expression(row[k] * inverse), way[k]) for k in range(2)))
-        inputs.append(port)
-        outputs.append((port, add(signal(port.name), rolled)))
-    return Formula(
-        "wheel_angles", (*POSE, *inputs, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
-        "wheel angles as functions of the position: the integrated rolling constraints; Siegwart 3.4.2",
-    )  # fmt: skip

@@ -10,6 +10,7 @@ from dataclasses import replace
 import sympy
 
 from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.chained import chain_inputs, chained_input, coordinates
 from wmrgen.functions.trailers.train import V, Written, train, write
 from wmrgen.kinematics.records import Formula, tunable_ports
@@ -18,6 +19,7 @@ from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, signal, subtract, times
 
+SOURCE = "Tzafestas (2.59), (2.64), (2.65)"
 WHAT = "Brockett's integrator"
 
 
@@ -36,6 +38,7 @@ def _states(w: Written) -> tuple[Expr, Expr, Expr]:
     return z1, z2, add(times(sympy.Integer(-2), z3), times(z1, z2))
 
 
+@function(SOURCE)
 def brockett(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta to x1 x2 x3 (Tzafestas (2.64))."""
     w = _written(robot, mobility)
@@ -49,6 +52,7 @@ def brockett(robot: Robot, mobility: Mobility) -> Formula:
     )
 
 
+@function(SOURCE)
 def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta, v, omega to x1' x2' x3' (Tzafestas (2.65)); u1, u2 are the first two."""
     w = _written(robot, mobility)
@@ -67,6 +71,7 @@ def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
     )  # fmt: skip
 
 
+@function(SOURCE)
 def brockett_input(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta, u1, u2 to v, vx, vy, omega: the inputs are those of the chain."""
     _written(robot, mobility)

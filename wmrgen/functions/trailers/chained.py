@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import sympy
 
+from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.train import OMEGA, V, Written, train, write
 from wmrgen.kinematics.records import Formula, tunable_ports
 from wmrgen.layout.records import Robot
@@ -17,6 +18,7 @@ from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
 
+SOURCE = "Tzafestas (2.58); Tzafestas (2.61)-(2.63); Tzafestas (2.66)-(2.69)"
 U = (
     Port("u1", Role.COMMAND, "", "first input of the chain"),
     Port("u2", Role.COMMAND, "", "second input of the chain"),
@@ -27,6 +29,7 @@ def _z(k: int) -> Port:
     return Port(f"z{k}", Role.COMMAND, "", f"state {k} of the chain")
 
 
+@function(SOURCE)
 def chained(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta, steering, trailers to z1 ... zn."""
     w = write(train(robot, mobility))
@@ -47,6 +50,7 @@ def coordinates(w: Written) -> tuple[Expr, ...]:
     return (w.x, *reversed(slopes), w.y)
 
 
+@function(SOURCE)
 def chained_input(robot: Robot, mobility: Mobility) -> Formula:
     """State and u1, u2 to v, the steering rate, and the twist of P that `inverse` turns into wheel commands."""
     w = write(train(robot, mobility))
@@ -84,6 +88,7 @@ def commands(w: Written, v: Expr, turning: Expr) -> tuple[tuple[Port, Expr], ...
     return tuple(found)
 
 
+@function(SOURCE)
 def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
     """State and the robot's own inputs (v and the yaw or steering rate) to z1' ... zn'; u1, u2 are the first two."""
     w = write(train(robot, mobility))

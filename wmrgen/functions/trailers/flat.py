@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import sympy
 
 from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.axle import Axle, Steering
 from wmrgen.functions.trailers.train import Train, V, train
 from wmrgen.kinematics.odometry import POSE
@@ -83,6 +84,7 @@ def _translates(robot: Robot, mobility: Mobility) -> bool:
     return mobility.robot_type == (1, 1) and mobility.dof == 2 and not robot.trailers
 
 
+@function("ours; Tzafestas (2.66)-(2.69) solved for the inputs")
 def flat(robot: Robot, mobility: Mobility) -> Formula:
     """Derivatives of the flat outputs to state and inputs, travelling forward; standing still turns nothing."""
     known = flatness(robot, mobility)

@@ -16,6 +16,7 @@ import sympy
 
 from wmrgen.constraints import working_view
 from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.trailer import body_of, check_trailers, require_trailers
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
@@ -26,6 +27,7 @@ from wmrgen.symbolic import Expr, add, angle_of, expression, maximum, minimum, r
 CURVATURE = Port("curvature", Role.COMMAND, "1/m", "yaw rate of the body per speed of its axle centre")
 
 
+@function("Tzafestas 2.3.6, (2.70) at rest")
 def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
     """curvature to ``<trailer>.hitch_angle``, ``<trailer>.speed`` (the body's axle has 1) and ``margin``.
 

@@ -24,6 +24,7 @@ from wmrgen.functions.models.frame import clean
 from wmrgen.functions.models.guard import guarded
 from wmrgen.functions.models.posture import Motion, best_motion, posture_field, posture_state
 from wmrgen.functions.models.system import Domain, System, rate_port
+from wmrgen.functions.registry import function, system
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
@@ -156,6 +157,7 @@ def trailer_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
     return motion, body_of(robot, mobility, motion.frame.view)
 
 
+@system("trailer")
 def trailer_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """Posture state and the trailers' headings; inputs as in the posture model, eta where actuation is missing."""
     motion, body = trailer_motion(robot, mobility, symbolic)
@@ -190,6 +192,7 @@ def _jackknives(motion: Motion, body: Body, axles: list[list[Axle]]) -> list[Dom
     return found
 
 
+@function("Tzafestas 2.3.6, (2.70) corrected; off the axle it is ours")
 def trailer(robot: Robot, mobility: Mobility) -> Formula:
     """Rates of the posture and of the trailers' headings, and the speed of each trailer's axle (0 when jack-knifed)."""
     motion, body = trailer_motion(robot, mobility)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.constraints import working_view
+from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.trailer import body_of, check_trailers, require_trailers, state_ports
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
@@ -14,6 +15,7 @@ from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
 
 
+@function("Tzafestas 2.3.6")
 def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
     """Pose of the body and headings of the trailers to the centre of each trailer's axle, world frame [m]."""
     require_trailers(robot)

@@ -5,6 +5,7 @@ t_c = t_s + alpha x r + omega x (omega x r), r from the sensor to the centre of 
 
 from __future__ import annotations
 
+from wmrgen.functions.registry import function
 from wmrgen.functions.space.stability import FORCE, centre_of_gravity
 from wmrgen.functions.space.vectors import Frame, Point, seen_from_before
 from wmrgen.functions.space.wheel_motion import AXES, BODY, NOTHING, given_vector
@@ -20,6 +21,7 @@ _MEASURED = tuple(
 )
 
 
+@function("Kelly 4.1.3")
 def cg_force(robot: Robot, _: Mobility) -> Formula:
     """What an accelerometer and a gyroscope measure to the specific force at the centre of gravity."""
     c = centre_of_gravity(robot, "cg_force")

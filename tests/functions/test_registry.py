@@ -1,0 +1,127 @@
+"""Functions are declared where they are written: found one by one, and from outside the package as from inside."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import wmrgen
+from tests.conftest import ROOT
+from wmrgen.errors import RobotFileError
+from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
+from wmrgen.spec.schema import json_schema
+
+UNICYCLE = (ROOT / "robots" / "unicycle.yaml").read_text(encoding="utf-8").split("functions:")[0]
+
+
+def asking(directory: Path, *functions: str) -> Path:
+    path = directory / "robot.yaml"
+    path.write_text(f"{UNICYCLE}functions: [{', '.join(functions)}]\n", encoding="utf-8")
+    return path
+
+
+def run(code: str, *arguments: str) -> str:
+    command = [sys.executable, "-c", code, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT).stdout
+
+
+def test_a_function_is_found_by_name_alone() -> None:
+    """In fresh interpreters, so that no other look-up has imported its module."""
+    code = (
+        "import os, sys\nimport wmrgen.functions.registry as registry, wmrgen.functions.standard\n"
+        "for name in sys.argv[1:]:\n"
+        "    if not (child := os.fork()):\n        os._exit(0 if registry.has_function(name) else 1)\n"
+        "    if os.waitpid(child, 0)[1]: print(name)"
+    )
+    assert not run(code, *names()).split()
+
+
+def test_nothing_is_found_where_nothing_is_declared() -> None:
+    for name in (
+        "",
+        "_",
+        "registry",
+        "functions",
+        "frame",
+        "drive",
+        "circle_of",
+        "os",
+        "wmrgen",
+        "x" * 10_000,
+    ):
+        assert not has_function(name)
+
+
+def test_a_robot_that_asks_for_nothing_loads_no_family() -> None:
+    code = (
+        "import sys, wmrgen\nwmrgen.derive(wmrgen.load(sys.argv[1])).c_module\n"
+        "print(*(m for m in sys.modules if m.startswith('wmrgen.functions.')))"
+    )
+    loaded = set(run(code, str(ROOT / "robots" / "pioneer3dx.yaml")).split())
+    assert loaded == {"wmrgen.functions.registry", "wmrgen.functions.standard"}
+
+
+@pytest.mark.parametrize(
+    ("function", "what", "instead"),
+    [
+        ("dynamcs", "there is no function 'dynamcs'", "Did you mean dynamics?"),
+        ("goto_pos", "there is no function 'goto_pos'", "Did you mean goto_pose?"),
+        ("inverse", "inverse is generated for every robot", "Leave it out here."),
+    ],
+)
+def test_names_that_a_file_cannot_ask_for(tmp_path: Path, function: str, what: str, instead: str) -> None:
+    path = asking(tmp_path, "circle", function)
+    with pytest.raises(RobotFileError) as caught:
+        wmrgen.load(path)
+    line = len(UNICYCLE.splitlines()) + 1
+    assert (caught.value.what, caught.value.instead) == (what, instead)
+    assert caught.value.mark is not None
+    assert (caught.value.mark.line, caught.value.mark.column) == (line, len("functions: [circle, ") + 1)
+
+
+def test_the_schema_lists_what_a_file_may_ask_for() -> None:
+    listed = json_schema(optional_names())["properties"]["functions"]["items"]["enum"]
+    assert set(listed) == set(names()) - {n for n in names() if declaration(n).kind is Kind.FIRMWARE}
+
+
+OUTSIDE = '''
+"""A function from outside the package: half the twist."""
+from wmrgen.functions.registry import function
+from wmrgen.kinematics.records import Formula, twist_ports
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import number, signal, times
+from wmrgen.exact.number import Exact
+from fractions import Fraction
+
+@function(source="ours: half of everything")
+def half_twist(robot, mobility):
+    half = number(Exact(Fraction(1, 2)))
+    out = (Port(f"half.{n}", Role.COMMAND, "m/s", "half") for n in ("vx", "omega"))
+    results = (times(half, signal(n)) for n in ("vx", "omega"))
+    return Formula("half_twist", twist_ports()[::2], (), tuple(zip(out, results)), "half the twist")
+'''
+USE = """
+import sys; sys.path.insert(0, sys.argv[1])
+import outside, wmrgen
+from fractions import Fraction
+from wmrgen.backends.registry import BACKENDS
+from wmrgen.emit import artifacts
+from wmrgen.exact.number import Exact
+d = wmrgen.derive(wmrgen.load(sys.argv[2]))
+case = {"vx": 3.0, "omega": -5.0}
+print(d.evaluate("half_twist", {"vx": Exact(3), "omega": Exact(-5)})["half.omega"])
+for name in ("numpy", "casadi", "c99"):
+    entry = BACKENDS[name]
+    print(entry.load().evaluate(getattr(d, entry.source), "half_twist", [case])[0]["half.omega"])
+files = artifacts(d)
+print("_half_twist(" in files["unicycle.h"].decode(), "ours: half of everything" in files["report.md"].decode())
+"""
+
+
+def test_a_function_from_outside_is_derived_printed_and_reported(tmp_path: Path) -> None:
+    (tmp_path / "outside.py").write_text(OUTSIDE, encoding="utf-8")
+    lines = run(USE, str(tmp_path), str(asking(tmp_path, "half_twist"))).split("\n")
+    assert lines[:5] == ["-5/2", "-2.5", "-2.5", "-2.5", "True True"]

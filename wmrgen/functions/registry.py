@@ -1,0 +1,181 @@
+"""The functions that a robot may have. Each is declared by a decorator where it is written, and nowhere else:
+
+    @function(source="Tzafestas (2.57)")
+    def pursuit(robot, mobility): ...
+
+`wmrgen.functions.standard` declares what every robot has. Any other module below `wmrgen.functions` declares
+functions that bear its name or have it as one of their words (`chained_input` stands in `chained`): one of them is
+looked up without importing the rest. A function from outside the package is known as soon as its module is imported.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, TypeVar
+
+from wmrgen.errors import RobotFileError
+from wmrgen.ports import Limits
+from wmrgen.spec.text import quoted, suggestion
+
+if TYPE_CHECKING:
+    from wmrgen.functions.models.system import System
+    from wmrgen.kinematics.records import Formula
+    from wmrgen.layout.records import Robot
+    from wmrgen.mobility.records import Mobility
+    from wmrgen.spec.records import FunctionSpec
+
+    Builder = Callable[[Robot, Mobility], Formula]
+    SystemBuilder = Callable[[Robot, Mobility, bool], System]
+
+
+_SystemBuilder = TypeVar("_SystemBuilder", bound="SystemBuilder")  # what has defaults keeps them
+
+
+class Kind(Enum):
+    """For which robots a function is generated, and whether C has it."""
+
+    FIRMWARE = "every robot, C included"
+    STANDARD = "every robot that has it, C where the robot file asks for it"
+    OPTIONAL = "where the robot file asks for it"
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """``build`` raises NotDerivableError where a robot cannot have the function.
+
+    ``source``: equations of the texts in their corrected form, or that it is ours. ``limits``: see `Limits`.
+    ``exists``: whether a robot has a STANDARD function.
+    """
+
+    name: str
+    build: Builder
+    source: str
+    kind: Kind
+    limits: Limits
+    exists: Callable[[Robot], bool]
+
+
+_FUNCTIONS: dict[str, Declaration] = {}
+_SYSTEMS: dict[str, SystemBuilder] = {}
+_STANDARD = "standard"
+
+
+def function(
+    source: str,
+    kind: Kind = Kind.OPTIONAL,
+    limits: Limits = Limits.NONE,
+    exists: Callable[[Robot], bool] = lambda _: True,
+) -> Callable[[Builder], Builder]:
+    """Declares the function of the decorated builder's name. ValueError where another module has declared it."""
+
+    def declare(build: Builder) -> Builder:
+        name = build.__name__
+        other = _FUNCTIONS.get(name)
+        if other is not None and other.build.__module__ != build.__module__:
+            raise ValueError(f"function {name} of {build.__module__} is declared in {other.build.__module__}")
+        _FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists)
+        return build
+
+    return declare
+
+
+def system(name: str) -> Callable[[_SystemBuilder], _SystemBuilder]:
+    """Declares the decorated builder as that of the model ``name``, a control system q' = G(q) u."""
+
+    def declare(build: _SystemBuilder) -> _SystemBuilder:
+        _SYSTEMS[name] = build
+        return build
+
+    return declare
+
+
+def declaration(name: str) -> Declaration:
+    """The function called ``name``. RobotFileError where there is none."""
+    if not has_function(name):
+        raise RobotFileError(f"there is no function {quoted(name)}", instead=suggestion(name, names()))
+    return _FUNCTIONS[name]
+
+
+def has_function(name: str) -> bool:
+    """Whether a function is called ``name``."""
+    return _found(name, _FUNCTIONS)
+
+
+def has_system(name: str) -> bool:
+    """Whether a model is called ``name``."""
+    return _found(name, _SYSTEMS)
+
+
+def system_builder(name: str) -> SystemBuilder:
+    """The builder of the model called ``name``; KeyError where there is none."""
+    _found(name, _SYSTEMS)
+    return _SYSTEMS[name]
+
+
+def standard() -> tuple[Declaration, ...]:
+    """The functions that are generated without being asked for, in the order in which they are emitted."""
+    import_module(f"{__package__}.{_STANDARD}")
+    return tuple(d for d in _FUNCTIONS.values() if d.kind is not Kind.OPTIONAL)
+
+
+def names() -> tuple[str, ...]:
+    """Every function that a robot may have: the standard ones, then the others by name. Imports all modules."""
+    first = tuple(d.name for d in standard())
+    for paths in _modules().values():
+        for path in paths:
+            import_module(path)
+    return (*first, *sorted(_FUNCTIONS.keys() - set(first)))
+
+
+def optional_names() -> tuple[str, ...]:
+    """What a robot file may ask for under `functions`."""
+    return tuple(name for name in names() if _FUNCTIONS[name].kind is not Kind.FIRMWARE)
+
+
+def check(requests: Iterable[FunctionSpec]) -> None:
+    """RobotFileError for a function that no robot has or that every robot has."""
+    for request in requests:
+        if not has_function(request.name):
+            raise RobotFileError(
+                f"there is no function {quoted(request.name)}", request.mark,
+                instead=suggestion(request.name, optional_names()),
+            )  # fmt: skip
+        if _FUNCTIONS[request.name].kind is Kind.FIRMWARE:
+            raise RobotFileError(
+                f"{request.name} is generated for every robot", request.mark, instead="Leave it out here."
+            )
+
+
+def _found(name: str, table: dict[str, Declaration] | dict[str, SystemBuilder]) -> bool:
+    """Whether ``table`` has ``name``, once the modules that may declare it are imported."""
+    candidates = _candidates(name)
+    while name not in table:
+        path = next(candidates, None)
+        if path is None:
+            return False
+        import_module(path)
+    return True
+
+
+def _candidates(name: str) -> Iterator[str]:
+    yield f"{__package__}.{_STANDARD}"
+    for word in (name, *name.split("_")):
+        yield from _modules().get(word, ())
+
+
+@cache
+def _modules() -> dict[str, tuple[str, ...]]:
+    """Name of a module below this package -> the import paths that end with it."""
+    package = sys.modules[__package__]
+    paths: dict[str, tuple[str, ...]] = {}
+    for module in sorted(pkgutil.walk_packages(package.__path__, f"{__package__}."), key=lambda m: m.name):
+        if not module.ispkg:
+            last = module.name.rpartition(".")[2]
+            paths[last] = (*paths.get(last, ()), module.name)
+    return paths

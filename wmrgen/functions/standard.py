@@ -1,0 +1,50 @@
+"""What is generated for every robot: its kinematics as functions."""
+
+from __future__ import annotations
+
+from wmrgen import kinematics
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import Kind, function
+from wmrgen.kinematics import Formula
+from wmrgen.layout.records import Robot
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Limits
+
+
+@function("Siegwart (3.12)-(3.19)", Kind.FIRMWARE, Limits.COMMANDED)
+def inverse(robot: Robot, mobility: Mobility) -> Formula:
+    """The twist of P and present steering angles to every joint's command."""
+    return kinematics.inverse(robot, mobility)
+
+
+@function("Siegwart (3.24), (3.26); Tzafestas (2.8a)", Kind.FIRMWARE, Limits.MEASURED)
+def forward(robot: Robot, _: Mobility) -> Formula:
+    """Sensed joint rates and angles to the twist of P and its residual."""
+    return kinematics.forward(robot)
+
+
+@function("Konstantinov, case of constant speeds; sinc near 0 is ours", Kind.FIRMWARE, Limits.MEASURED)
+def odometry(_: Robot, __: Mobility) -> Formula:
+    """The pose after a step at constant twist."""
+    return kinematics.odometry()
+
+
+@function("Siegwart 3.4; Campion, Bastin, d'Andrea-Novel (1996)", Kind.STANDARD)
+def dynamics(robot: Robot, mobility: Mobility) -> Formula:
+    """The posture model in the inputs of the null space."""
+    return kinematics.dynamics(robot, mobility)
+
+
+def _rolls_on_balls_or_rollers(robot: Robot) -> bool:
+    return kinematics.contacts(robot) is not None
+
+
+@function("Siegwart (3.20) corrected, (3.21), (3.22)", Kind.STANDARD, exists=_rolls_on_balls_or_rollers)
+def contacts(robot: Robot, _: Mobility) -> Formula:
+    """Speeds of rollers and of spheres."""
+    formula = kinematics.contacts(robot)
+    if formula is None:
+        raise NotDerivableError(
+            f"{robot.name} has no contacts: it has neither rollers (r_sw) nor spheres with a radius (r)"
+        )
+    return formula

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import degrees
 from typing import SupportsFloat
 
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.wheels import WheelType
 
-_EVERY = frozenset({"fixed", "steered", "castor", "swedish", "spherical"})
-_LEGEND = (
-    (_EVERY, "x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track."),
+_Concerns = Callable[[WheelType], bool]
+_LEGEND: tuple[tuple[_Concerns, str], ...] = (
     (
-        _EVERY - {"spherical"},
+        lambda kind: True,
+        "x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.",
+    ),
+    (
+        lambda kind: kind.has_spin,
         "heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).",
     ),
-    (frozenset({"castor"}), "d: contact point minus pivot, along the rolling direction."),
+    (lambda kind: kind.swivels, "d: contact point minus pivot, along the rolling direction."),
     (
-        frozenset({"swedish"}),
+        lambda kind: kind.rollers,
         "gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top "
         "lean the other way.",
     ),
@@ -46,8 +51,7 @@ def wheel_line(wheel: Wheel) -> str:
 
 def wheel_lines(robot: Robot) -> tuple[str, ...]:
     """One line per wheel in file order, then the legend that these wheel types need."""
-    types = {wheel.type for wheel in robot.wheels}
     return (
         *(wheel_line(wheel) for wheel in robot.wheels),
-        *(text for used, text in _LEGEND if types & used),
+        *(text for concerns, text in _LEGEND if any(concerns(w.kind) for w in robot.wheels)),
     )

@@ -5,20 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wmrgen.backends.drawing.svg import arrow, bar, circle, line, text
+from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 _CHARACTER = 5.7  # mean width of a sans-serif character at 11.5 px, with reserve
 _SYMBOL, _SPACE, ROW = 24.0, 14.0, 20.0
-_KINDS = {
-    "fixed": "fixed wheel", "steered": "steered wheel", "castor": "castor", "swedish": "Swedish wheel",
-    "spherical": "spherical wheel",
-}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Signs:
     """What occurs in the picture."""
 
-    kinds: tuple[str, ...]
+    kinds: tuple[WheelType, ...]
     axles: bool
     icr: bool
     pivots: bool
@@ -38,12 +35,12 @@ def legend(signs: Signs, width: float, top: float) -> tuple[list[str], float]:
 
 
 def _entries(signs: Signs) -> list[tuple[str, str]]:
-    found = [(k, words) for k, words in _KINDS.items() if k in signs.kinds]
-    if any(k != "spherical" for k in signs.kinds):
+    found = [(name, kind.noun) for name, kind in WHEEL_TYPES.items() if kind in signs.kinds]
+    if any(kind.has_spin for kind in signs.kinds):
         found.append(("roll", "positive rolling"))
     if signs.pivots:
         found.append(("pivot", "pivot"))
-    if "swedish" in signs.kinds:
+    if any(kind.rollers for kind in signs.kinds):
         found.append(("roller", "roller axis at the ground (on top: mirrored)"))
     if signs.axles:
         found.append(("axle", "zero-motion line"))
@@ -53,10 +50,11 @@ def _entries(signs: Signs) -> list[tuple[str, str]]:
 
 
 def _symbol(kind: str, x: float, y: float) -> list[str]:
-    if kind == "spherical":
-        return [circle((x, y), 6, "wheel spherical"), circle((x, y), 1.4, "dot")]
-    if kind in _KINDS:
-        return [bar((x, y), (4 if kind == "swedish" else 3, 7), 2, 0, f"wheel {kind}")]
+    if kind in WHEEL_TYPES:
+        glyph = WHEEL_TYPES[kind].glyph
+        if glyph.ball:
+            return [circle((x, y), 6, f"wheel {kind}"), circle((x, y), 1.4, "dot")]
+        return [bar((x, y), (glyph.sign, 7), 2, 0, f"wheel {kind}")]
     if kind == "roll":
         return arrow((x - 8, y), (x + 9, y), "roll", 4.2)
     if kind == "pivot":

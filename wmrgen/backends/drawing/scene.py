@@ -12,6 +12,7 @@ from wmrgen.backends.drawing.svg import arrow, line, num, pair, polygon, text
 from wmrgen.backends.drawing.view import Box, Point, View, bounds, clip, fit, hull, inside
 from wmrgen.backends.drawing.wheels import Placed, body, contact, direction, place
 from wmrgen.render import render
+from wmrgen.wheels import WHEEL_TYPES
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
@@ -35,12 +36,13 @@ def picture(derivation: Derivation) -> str:
     icr = _icr(shown, view, paper)
     scale = _scale_bar(view, height, paper)
     labels = _names(placed, paper, axles)
-    kinds = tuple(dict.fromkeys(w.type for w in robot.wheels))
+    kinds = tuple(kind for name, kind in WHEEL_TYPES.items() if any(w.type == name for w in robot.wheels))
     signs = Signs(kinds, bool(axles), bool(icr), any(w.turns for w in robot.wheels))
+    fills = [(name, kind.glyph.fill) for name, kind in WHEEL_TYPES.items()]
     keys, extra = legend(signs, WIDTH, height + 6)
     return render(
         "drawing/layout.svg.j2", width=num(WIDTH), height=num(height + extra + 4), name=robot.name,
-        scale=repr(round(view.scale, 6)), origin=pair(view.origin), rule=num(height - 8),
+        scale=repr(round(view.scale, 6)), origin=pair(view.origin), fills=fills, rule=num(height - 8),
         page_width=num(WIDTH - 1), page_height=num(height + extra + 3), right=num(WIDTH - 16),
         chassis=_chassis(placed), axles=[line(a, b, "axle") for a, b in axles],
         wheels=[(p.wheel.name, p.wheel.type, pair(p.centre), body(p)) for p in placed],
@@ -65,7 +67,7 @@ def _points(robot: Robot, shown: Example) -> list[Point]:
         x, y = contact(w, h)
         points.append((float(w.nominal.x), float(w.nominal.y)))
         points += [(x + k * r * cos(h), y + k * r * sin(h)) for k in (-1, 1)]
-        if not w.has_spin:
+        if w.kind.glyph.ball:
             points += [(x, y - r), (x, y + r)]
     r = 2.5 * max(float(w.nominal.r) for w in robot.wheels)  # a lone wheel does not fill the page
     return [*points, (-r, -r), (r, r), *([shown.icr] if shown.icr else [])]

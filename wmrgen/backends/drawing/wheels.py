@@ -12,12 +12,6 @@ from wmrgen.backends.drawing.view import Box, Point, View, bounds, clip
 if TYPE_CHECKING:
     from wmrgen.layout.records import Wheel
 
-_WIDTH = {
-    "fixed": 0.42,
-    "steered": 0.42,
-    "castor": 0.42,
-    "swedish": 0.72,
-}  # of the radius; robot files give none
 ARROW = 17.0  # px
 
 
@@ -66,7 +60,7 @@ def contact(w: Wheel, heading: float) -> Point:
 def place(w: Wheel, heading: float, view: View) -> Placed:
     """The wheel on paper at a heading [rad]."""
     radius = max(float(w.nominal.r) * view.scale, 2.5)
-    width = radius if not w.has_spin else max(_WIDTH[w.type] * radius / 2, min(3.5, 0.9 * radius))
+    width = max(w.kind.glyph.width * radius / 2, min(3.5, 0.9 * radius))
     return Placed(
         w, view.at(float(w.nominal.x), float(w.nominal.y)), view.at(*contact(w, heading)),
         view.turn(cos(heading), sin(heading)), (radius, width), heading,
@@ -76,8 +70,8 @@ def place(w: Wheel, heading: float, view: View) -> Placed:
 def body(p: Placed) -> list[str]:
     """Tyre or ball, rollers, the arm of a castor, the pivot."""
     w = p.wheel
-    if not w.has_spin:
-        return [circle(p.centre, p.half[0], "wheel spherical"), circle(p.centre, 1.6, "dot")]
+    if w.kind.glyph.ball:
+        return [circle(p.centre, p.half[0], f"wheel {w.type}"), circle(p.centre, 1.6, "dot")]
     lines = []
     if w.kind.swivels:
         lines.append(circle(p.pivot, _distance(p.pivot, p.centre), "swivel"))

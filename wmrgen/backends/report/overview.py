@@ -14,13 +14,6 @@ from wmrgen.exact.evaluate import parameters_in
 if TYPE_CHECKING:
     from wmrgen.layout.records import Parameter, Robot, Wheel
 
-_KINDS = {
-    "fixed": "fixed",
-    "steered": "steered",
-    "castor": "castor",
-    "swedish": "Swedish",
-    "spherical": "spherical",
-}
 _NUMBERS = (
     "no",
     "one",
@@ -81,9 +74,8 @@ def _freedoms(n: int) -> str:
 def _counted(robot: Robot) -> str:
     """two fixed wheels and one castor"""
     parts = []
-    for kind, n in Counter(w.type for w in robot.wheels).items():
-        what = "castor" if kind == "castor" else f"{_KINDS[kind]} wheel"
-        parts.append(f"{_word(n)} {what}{'' if n == 1 else 's'}")
+    for noun, n in Counter(w.kind.noun for w in robot.wheels).items():
+        parts.append(f"{_word(n)} {noun}{'' if n == 1 else 's'}")
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
@@ -121,16 +113,16 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
     head += ["γ"] * swedish + ["r"] + ["r<sub>sw</sub>"] * rollers + ["d"] * castors + ["offset o"] * shifted
     rows = []
     for w in wheels:
-        g, ball = w.nominal, not w.has_spin
+        g = w.nominal
         row = [
             code(w.name),
-            _KINDS[w.type],
+            w.kind.label,
             ", ".join(w.actuated) or "—",
             plain(g.x),
             plain(g.y),
             _short(w.l),
         ]
-        row += [_angle(w.alpha), "—" if ball else _angle(w.beta), "—" if ball else _angle(w.heading)]
+        row += [_angle(w.alpha), *([_angle(w.beta), _angle(w.heading)] if w.has_spin else ["—", "—"])]
         row += [_angle(w.gamma) if w.kind.rollers else "—"] * swedish + [plain(g.r)]
         row += [plain(g.r_sw) if g.r_sw else "—"] * rollers
         row += [plain(g.d) if w.kind.swivels else "—"] * castors
@@ -148,22 +140,22 @@ def _angle(value: float) -> str:
 
 
 def _legend(robot: Robot) -> list[str]:
-    types = {w.type for w in robot.wheels}
+    kinds = [w.kind for w in robot.wheels]
     said = ["(x, y) is the wheel's pivot A, in polar coordinates (l, α)"]
-    if types - {"spherical"}:
+    if any(kind.has_spin for kind in kinds):
         said.append("heading is the direction of positive rolling, α + β − 90°")
-    if types & {"steered", "castor"}:
+    if any(kind.turns for kind in kinds):
         said.append(
             "for steered wheels and castors β and heading hold at steering angle ψ = 0, so that the "
             "book's β(t) is β + ψ"
         )
-    if "castor" in types:
+    if any(kind.swivels for kind in kinds):
         said.append("d is the distance from the pivot to the contact point, along the rolling direction")
     if any(w.nominal.o for w in robot.wheels):
         said.append(
             "o is the lateral offset of the contact point along the axle, which the book does not have"
         )
-    if "swedish" in types:
+    if any(kind.rollers for kind in kinds):
         said.append("γ is the angle from the wheel plane to the axis of the roller that touches the ground")
     return ["; ".join(said) + ".", ""]
 
@@ -215,7 +207,7 @@ def _remarks(robot: Robot) -> list[str]:
 
 def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:
     """Two wheels that mirror each other beside P."""
-    wheels = [w for w in robot.wheels if w.type in ("fixed", "swedish", "steered")]
+    wheels = [w for w in robot.wheels if w.has_spin and not w.kind.swivels]
     for i, a in enumerate(wheels):
         for b in wheels[i + 1 :]:
             if (

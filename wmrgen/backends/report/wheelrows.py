@@ -8,46 +8,14 @@ from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.subject import CAP, Subject
 from wmrgen.backends.report.tex import WIDE, broken, pieces, poly, summands, terms_of, width
-from wmrgen.constraints import ConstraintRow, along, heading, symbolic_view
+from wmrgen.constraints import ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Wheel
+    from wmrgen.wheels import WheelType
 
 TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))
-_ANGLE = {
-    "fixed": r"\beta",
-    "steered": r"\beta(t)",
-    "castor": r"\beta(t)",
-    "spherical": r"\beta",
-    "swedish": r"\beta",
-}
-_TITLES = {
-    "fixed": "Fixed wheels", "steered": "Steered wheels", "castor": "Castors", "swedish": "Swedish wheels",
-    "spherical": "Spherical wheels",
-}  # fmt: skip
-_WORDS = {
-    "fixed": "A fixed wheel rolls without slip in its plane (3.12) and does not slide across it (3.13):",
-    "steered": "A steered wheel obeys the same two equations with a moving β(t) = β + ψ, (3.15) and "
-    "(3.16). Its contact "
-    "point lies under the pivot, so ψ̇ does not occur:",
-    "castor": "A castor's contact point lies off its pivot. Its rolling equation is that of a "
-    "steered wheel (3.17); "
-    "in the sliding equation (3.18) the swivel rate takes up whatever sideways motion the chassis "
-    "has, so that it "
-    "does not constrain the robot:",
-    "swedish": "A Swedish wheel is driven along its wheel plane and slides freely across its rollers. Only the "
-    "component along the roller axis is enforced (3.19); the second line, (3.20), gives the rollers' "
-    "own speed:",
-    "spherical": "A ball rolls any way. (3.21) gives its rate for the direction β that (3.22) picks; "
-    "both follow the "
-    "motion, neither constrains it:",
-}
-_OFFSET = (
-    "A steered wheel obeys the same two equations with a moving β(t) = β + ψ, (3.15) and (3.16). "
-    "Here the contact point "
-    "stands off the pivot by o along the axle, so steering rolls the wheel; the book has no such term:"
-)
 
 
 def wheel_rows(s: Subject) -> list[str]:
@@ -59,42 +27,35 @@ def wheel_rows(s: Subject) -> list[str]:
         "across it.",
         "",
     ]
-    for kind in dict.fromkeys(w.type for w in s.robot.wheels):
-        wheels = [w for w in s.robot.wheels if w.type == kind]
-        lines += [
-            f"### {_TITLES[kind]}: {listed([w.name for w in wheels])}",
-            "",
-            _WORDS[kind],
-            *_general(kind, wheels),
-        ]
-        lines += _errata(kind)
-        if kind != "spherical":
+    for name in dict.fromkeys(w.type for w in s.robot.wheels):
+        wheels = [w for w in s.robot.wheels if w.type == name]
+        kind = wheels[0].kind
+        title = kind.noun[0].upper() + kind.noun[1:]
+        lines += [f"### {title}s: {listed([w.name for w in wheels])}", "", kind.words.intro]
+        lines += [*_general(kind, wheels), *([kind.words.note, ""] if kind.words.note else [])]
+        if kind.has_spin:
             lines += _worked(s, kind, wheels)
     return lines
 
 
-def _words(kind: str, wheels: list[Wheel]) -> str:
-    return _OFFSET if kind == "steered" and any(w.nominal.o for w in wheels) else _WORDS[kind]
-
-
-def _general(kind: str, wheels: list[Wheel]) -> list[str]:
+def _general(kind: WheelType, wheels: list[Wheel]) -> list[str]:
     """The book's equations, the lateral offset added where it occurs."""
-    b = _ANGLE[kind]
-    a = rf"\alpha+{b}"
-    if kind == "swedish":
+    first, second = (rf" && (3.{n})" for n in kind.words.equations) if kind.words.equations else ("", "")
+    if kind.rollers:
         a, turned = r"\alpha+\beta+\gamma", r"(\beta+\gamma)"
         along_it = _row(rf"\sin({a})", rf"-\cos({a})", rf"-l\cos{turned}")
         rolling = rf"{along_it} &= r\,\dot{{\varphi}}\cos\gamma"
         across = _row(rf"\cos({a})", rf"\sin({a})", rf"l\sin{turned}") + r" + r\,\dot{\varphi}\sin\gamma"
-        return aligned([f"{rolling} && (3.19)", rf"{across} &= r_{{sw}}\,\dot{{\varphi}}_{{sw}} && (3.20)"])
+        return aligned([f"{rolling}{first}", rf"{across} &= r_{{sw}}\,\dot{{\varphi}}_{{sw}}{second}"])
+    b = r"\beta(t)" if kind.turns else r"\beta"
+    a = rf"\alpha+{b}"
     third, rate = ("-o", r" + o\,\dot{\psi}") if any(w.nominal.o for w in wheels) else ("", "")
-    slide, swivel = ("d+", r" + d\,\dot{\psi}") if kind == "castor" else ("", "")
-    first, second = {"fixed": (12, 13), "steered": (15, 16), "castor": (17, 18), "spherical": (21, 22)}[kind]
+    slide, swivel = ("d+", r" + d\,\dot{\psi}") if kind.swivels else ("", "")
     rolling = _row(rf"\sin({a})", rf"-\cos({a})", rf"-l\cos{b}{third}")
     sliding = _row(rf"\cos({a})", rf"\sin({a})", rf"{slide}l\sin{b}")
     return aligned([
-        rf"{rolling} &= r\,\dot{{\varphi}}{rate} && (3.{first})",
-        rf"{sliding}{swivel} &= 0 && (3.{second})",
+        rf"{rolling} &= r\,\dot{{\varphi}}{rate}{first}",
+        rf"{sliding}{swivel} &= 0{second}",
     ])  # fmt: skip
 
 
@@ -102,18 +63,7 @@ def _row(*entries: str) -> str:
     return rf"\begin{{bmatrix}} {' & '.join(entries)} \end{{bmatrix}}\xi"
 
 
-def _errata(kind: str) -> list[str]:
-    if kind == "swedish":
-        return [
-            "(The book prints (3.20) with −r φ̇ sin γ. With the rollers locked, (3.19) and (3.20) "
-            "must together give the "
-            "velocity r φ̇ along the wheel, and only the plus sign does.)",
-            "",
-        ]
-    return []
-
-
-def _worked(s: Subject, kind: str, wheels: list[Wheel]) -> list[str]:
+def _worked(s: Subject, kind: WheelType, wheels: list[Wheel]) -> list[str]:
     """The first wheel step by step, then all of them."""
     shown = wheels[:CAP]
     index = {w.index for w in shown}
@@ -126,7 +76,7 @@ def _worked(s: Subject, kind: str, wheels: list[Wheel]) -> list[str]:
         f"and with its pivot's coordinates, x = l cos α and y = l sin α, the rolling equation of {only} reads"
     ]
     lines += aligned(_equations(rolling))
-    if kind == "swedish":
+    if kind.rollers:
         lines += ["The rollers turn with", *_rollers(first)]
     if sliding:
         lines += ["and the sliding equation"]
@@ -141,11 +91,9 @@ def _worked(s: Subject, kind: str, wheels: list[Wheel]) -> list[str]:
 
 def _plugged(w: Wheel) -> list[str]:
     """sin and cos of alpha + beta (+ gamma): e = (sin, -cos)."""
-    ex, ey = heading(w, symbolic_view(w))
+    ex, ey = rolling_direction(w, symbolic_view(w))
     a, b = r"\alpha+\beta", r"(t)" if w.turns else ""
     if w.kind.rollers:
-        g = symbolic_view(w)
-        ex, ey = ex * g.cg - ey * g.sg, ey * g.cg + ex * g.sg
         a += r"+\gamma"
     return math(rf"\sin({a}{b}) = {poly(ex)}, \qquad \cos({a}{b}) = {poly(-ey)}")
 
@@ -175,7 +123,7 @@ def _sides(c: ConstraintRow) -> tuple[list[str], str]:
 def _rollers(w: Wheel) -> list[str]:
     """(3.20) of one wheel."""
     g = symbolic_view(w)
-    c, s = g.ch * g.cg - g.sh * g.sg, g.sh * g.cg + g.ch * g.sg
+    c, s = rolling_direction(w, g)
     across = dot(along((-s, c), g), TWIST) + g.r * g.sg * Poly.gen("input", f"{w.name}.spin")
     rate = rf"\dot{{\varphi}}_{{sw,{names.wheel(w.name)}}}"
     radius = poly(g.r_sw) if g.r_sw else "r_{sw}"

@@ -124,6 +124,13 @@ def test_known_formulas(name: str, formula: str) -> None:
     assert formula in text(name)
 
 
+@pytest.mark.parametrize(("name", "offset"), [("kelly_4ws", True), ("wpilib_swervebot", False)])
+def test_the_words_on_steered_wheels_agree_with_their_equations(name: str, offset: bool) -> None:
+    page = text(name)
+    assert ("so steering rolls the wheel" in page) == (r"o\,\dot{\psi}" in page) == offset
+    assert ("so ψ̇ does not occur" in page) == (not offset)
+
+
 def test_the_roller_pattern_is_named() -> None:
     assert "shows an X from above and an O at the ground" in text("kuka_youbot")
 

@@ -31,11 +31,16 @@ def wheel_rows(s: Subject) -> list[str]:
         wheels = [w for w in s.robot.wheels if w.type == name]
         kind = wheels[0].kind
         title = kind.noun[0].upper() + kind.noun[1:]
-        lines += [f"### {title}s: {listed([w.name for w in wheels])}", "", kind.words.intro]
+        lines += [f"### {title}s: {listed([w.name for w in wheels])}", "", _intro(kind, wheels)]
         lines += [*_general(kind, wheels), *([kind.words.note, ""] if kind.words.note else [])]
         if kind.has_spin:
             lines += _worked(s, kind, wheels)
     return lines
+
+
+def _intro(kind: WheelType, wheels: list[Wheel]) -> str:
+    offset = any(w.nominal.o for w in wheels)
+    return kind.words.offset_intro if offset and kind.words.offset_intro else kind.words.intro
 
 
 def _general(kind: WheelType, wheels: list[Wheel]) -> list[str]:

@@ -16,7 +16,7 @@ _LEGEND: tuple[tuple[_Concerns, str], ...] = (
         "x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.",
     ),
     (
-        lambda kind: kind.has_spin,
+        lambda kind: kind.directed,
         "heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).",
     ),
     (lambda kind: kind.swivels, "d: contact point minus pivot, along the rolling direction."),
@@ -37,7 +37,7 @@ def wheel_line(wheel: Wheel) -> str:
     """``left: fixed, x 0 m, y 0.1655 m, heading 0 deg, r 0.0975 m`` and what else the type has."""
     g = wheel.nominal
     parts = [f"{wheel.name}: {wheel.type}, x {_number(g.x)} m, y {_number(g.y)} m"]
-    if wheel.has_spin:
+    if wheel.kind.directed:
         parts.append(f"heading {_number(degrees(wheel.heading))} deg")
     parts.append(f"r {_number(g.r)} m")
     if g.d:

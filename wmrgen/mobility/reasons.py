@@ -41,10 +41,11 @@ def _fixed(f: Findings) -> list[str]:
         for line in lines if len(line) > 1
     ]  # fmt: skip
     if f.rank_fixed.value == 1:
-        wheels, verb = ("wheels", "forbid") if len(fixed) > 1 else ("wheel", "forbids")
+        noun = fixed[0].kind.noun if len({w.type for w in fixed}) == 1 else "fixed wheel"
+        wheels, verb = (f"{noun}s", "forbid") if len(fixed) > 1 else (noun, "forbids")
         return [
             *said,
-            f"The fixed {wheels} {listed([w.name for w in fixed])} {verb} motion along the axle: rank C1f = 1.",
+            f"The {wheels} {listed([w.name for w in fixed])} {verb} motion along the axle: rank C1f = 1.",
         ]
     return [*said, _axles_meet(f, [line[0] for line in lines])]
 

@@ -20,6 +20,8 @@ def register(kind: WheelType) -> None:
         raise ValueError(
             f"{kind.name}: a wheel that steers needs a sliding row, which decides its angle or its rate"
         )
+    if kind.turns and not kind.has_spin:
+        raise ValueError(f"{kind.name}: a wheel that steers needs a spin, or its angle is nobody's command")
     if not set(kind.actuated) <= set(kind.joints):
         raise ValueError(f"{kind.name}: actuated names {kind.actuated}, of the joints {kind.joints}")
     WHEEL_TYPES[kind.name] = kind

@@ -92,6 +92,11 @@ class WheelType:
         return "spin" in self.joints
 
     @property
+    def directed(self) -> bool:
+        """It has a row, so its rolling direction counts."""
+        return self.has_spin or self.sliding_row
+
+    @property
     def turns(self) -> bool:
         """Its rolling direction is a joint."""
         return "steer" in self.joints

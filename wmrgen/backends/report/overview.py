@@ -122,7 +122,7 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
             plain(g.y),
             _short(w.l),
         ]
-        row += [_angle(w.alpha), *([_angle(w.beta), _angle(w.heading)] if w.has_spin else ["—", "—"])]
+        row += [_angle(w.alpha), *([_angle(w.beta), _angle(w.heading)] if w.kind.directed else ["—", "—"])]
         row += [_angle(w.gamma) if w.kind.rollers else "—"] * swedish + [plain(g.r)]
         row += [plain(g.r_sw) if g.r_sw else "—"] * rollers
         row += [plain(g.d) if w.kind.swivels else "—"] * castors
@@ -142,7 +142,7 @@ def _angle(value: float) -> str:
 def _legend(robot: Robot) -> list[str]:
     kinds = [w.kind for w in robot.wheels]
     said = ["(x, y) is the wheel's pivot A, in polar coordinates (l, α)"]
-    if any(kind.has_spin for kind in kinds):
+    if any(kind.directed for kind in kinds):
         said.append("heading is the direction of positive rolling, α + β − 90°")
     if any(kind.turns for kind in kinds):
         said.append(
@@ -207,7 +207,7 @@ def _remarks(robot: Robot) -> list[str]:
 
 def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:
     """Two wheels that mirror each other beside P."""
-    wheels = [w for w in robot.wheels if w.has_spin and not w.kind.swivels]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
     for i, a in enumerate(wheels):
         for b in wheels[i + 1 :]:
             if (

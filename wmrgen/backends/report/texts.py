@@ -59,7 +59,7 @@ def citations(robot: Robot) -> list[Citation]:
 
 
 def _constraining(robot: Robot) -> list[Wheel]:
-    return [w for w in robot.wheels if w.has_spin and not w.kind.swivels]
+    return [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
 
 
 def _rows(wheels: Iterable[Wheel]) -> Rows:

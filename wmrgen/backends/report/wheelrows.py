@@ -33,7 +33,7 @@ def wheel_rows(s: Subject) -> list[str]:
         title = kind.noun[0].upper() + kind.noun[1:]
         lines += [f"### {title}s: {listed([w.name for w in wheels])}", "", _intro(kind, wheels)]
         lines += [*_general(kind, wheels), *([kind.words.note, ""] if kind.words.note else [])]
-        if kind.has_spin:
+        if kind.directed:
             lines += _worked(s, kind, wheels)
     return lines
 
@@ -58,10 +58,8 @@ def _general(kind: WheelType, wheels: list[Wheel]) -> list[str]:
     slide, swivel = ("d+", r" + d\,\dot{\psi}") if kind.swivels else ("", "")
     rolling = _row(rf"\sin({a})", rf"-\cos({a})", rf"-l\cos{b}{third}")
     sliding = _row(rf"\cos({a})", rf"\sin({a})", rf"{slide}l\sin{b}")
-    return aligned([
-        rf"{rolling} &= r\,\dot{{\varphi}}{rate}{first}",
-        rf"{sliding}{swivel} &= 0{second}",
-    ])  # fmt: skip
+    both = [rf"{rolling} &= r\,\dot{{\varphi}}{rate}{first}", rf"{sliding}{swivel} &= 0{second}"]
+    return aligned(both if kind.has_spin or not kind.sliding_row else both[1:])
 
 
 def _row(*entries: str) -> str:
@@ -77,13 +75,14 @@ def _worked(s: Subject, kind: WheelType, wheels: list[Wheel]) -> list[str]:
     first = shown[0]
     lines = [f"For {code(first.name)} the sum of angles gives", *_plugged(first)]
     only = f"{code(first.name)}" if len(wheels) == 1 else "every wheel"
+    which = "rolling" if rolling else "sliding"
     lines += [
-        f"and with its pivot's coordinates, x = l cos α and y = l sin α, the rolling equation of {only} reads"
+        f"and with its pivot's coordinates, x = l cos α and y = l sin α, the {which} equation of {only} reads"
     ]
-    lines += aligned(_equations(rolling))
+    lines += aligned(_equations(rolling or sliding))
     if kind.rollers:
         lines += ["The rollers turn with", *_rollers(first)]
-    if sliding:
+    if rolling and sliding:
         lines += ["and the sliding equation"]
         lines += aligned(_equations(sliding))
     if len(wheels) > CAP:

@@ -6,7 +6,7 @@ import argparse
 import platform
 import sys
 
-from benchmarks import accuracy, budgets, counts, figures, kernels, speed
+from benchmarks import accuracy, budgets, counts, figures, kernels, mutants, speed
 
 SECTIONS = {
     "start": lambda chosen: speed.start(chosen.runs),
@@ -18,6 +18,9 @@ SECTIONS = {
     "budgets": lambda chosen: budgets.run(chosen.update),
     "processor": lambda chosen: figures.run(chosen.update),
 }
+ASKED = {
+    "mutants": lambda chosen: mutants.run(chosen.count, chosen.seed)
+}  # takes long: only where it is named
 
 
 def main() -> None:
@@ -25,13 +28,18 @@ def main() -> None:
     parser.add_argument("sections", nargs="*", help=f"{' '.join(SECTIONS)}; default: all")
     parser.add_argument("--runs", type=int, default=7, help="runs of each command (default 7)")
     parser.add_argument("--update", action="store_true", help="budgets, processor: write what is measured")
+    parser.add_argument(
+        "--count", type=int, default=mutants.COUNT, help="mutants: how many faults are planted"
+    )
+    parser.add_argument("--seed", type=int, default=mutants.SEED, help="mutants: which faults are drawn")
     chosen = parser.parse_args()
-    unknown = [name for name in chosen.sections if name not in SECTIONS]
+    every = SECTIONS | ASKED
+    unknown = [name for name in chosen.sections if name not in every]
     if unknown:
-        parser.error(f"no section {unknown[0]}; there are: {' '.join(SECTIONS)}")
+        parser.error(f"no section {unknown[0]}; there are: {' '.join(every)}")
     print(f"Python {platform.python_version()}, {platform.system()} {platform.machine()}\n")
-    for name, section in SECTIONS.items():
-        if not chosen.sections or name in chosen.sections:
+    for name, section in every.items():
+        if name in (chosen.sections or SECTIONS):
             for line in section(chosen):
                 print(line)
                 sys.stdout.flush()

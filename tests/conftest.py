@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.depth import DEEP, thin_out
+from tests.depth import DEEP, mark_slow
 
 ROOT = Path(__file__).resolve().parent.parent
 GALLERY = tuple(sorted((ROOT / "robots").glob("*.yaml")))
@@ -77,6 +77,6 @@ def tree(folder: Path) -> dict[str, bytes]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """`make check` runs everything, `make test` a share of what has many parameters."""
+    """`make check` runs everything, `make test` the everyday robots of the gallery."""
     if not DEEP:
-        thin_out(items)
+        mark_slow(items)

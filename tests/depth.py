@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from pathlib import Path
 
 import pytest
 
@@ -22,19 +22,29 @@ def everyday(values: Iterable[object], kept: Iterable[object]) -> list[object]:
     return [v if v in chosen else pytest.param(v, marks=pytest.mark.slow) for v in values]
 
 
-_FEW, _SHARE = 8, 4
+# Of tests over the whole gallery, the robots whose cases are everyday: each kind of wheel, limits, couplings, tunable
+# parameters, castors and trailers once. The cases of every other robot are slow.
+EVERYDAY = frozenset(
+    {
+        "ackermann_car", "agilex_ranger", "car_with_trailers", "clearpath_do100", "locked_bicycle", "nomad_xr4000",
+        "pioneer3dx", "synchro_drive", "wpilib_swervebot",
+    }
+)  # fmt: skip
+GALLERY = frozenset(p.stem for p in (Path(__file__).resolve().parent.parent / "robots").glob("*.yaml"))
 
 
-def thin_out(items: Sequence[pytest.Item]) -> None:
-    """Of a test with many parameters every fourth case stays everyday; the others are marked slow."""
-    many = Counter(_test(item) for item in items)
-    seen: Counter[str] = Counter()
-    for item in items:
-        name = _test(item)
-        if many[name] > _FEW and seen[name] % _SHARE:
+def mark_slow(items: Iterable[pytest.Item]) -> None:
+    """Marks the cases of robots that are not `EVERYDAY` as slow, where a test has cases of such as are."""
+    cases = {item: set(_case(item).split("-")) for item in items}
+    with_everyday = {_test(item) for item, words in cases.items() if words & EVERYDAY}
+    for item, words in cases.items():
+        if words & (GALLERY - EVERYDAY) and _test(item) in with_everyday:
             item.add_marker(pytest.mark.slow)
-        seen[name] += 1
 
 
 def _test(item: pytest.Item) -> str:
     return item.nodeid.partition("[")[0]
+
+
+def _case(item: pytest.Item) -> str:
+    return item.nodeid.partition("[")[2].rstrip("]")

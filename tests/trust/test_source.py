@@ -173,6 +173,9 @@ def test_each_rule_finds_what_is_planted(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def _for_writing(call: ast.Call) -> bool:
+    """Whether it opens a file to write; one that leaves its handle open is a standard stream."""
+    if any(k.arg == "closefd" for k in call.keywords):
+        return False
     texts = [*call.args, *(k.value for k in call.keywords)]
     modes = [t.value for t in texts if isinstance(t, ast.Constant) and isinstance(t.value, str)]
     return any(set(mode) & set("wax+") and len(mode) <= 3 for mode in modes)

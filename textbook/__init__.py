@@ -5,7 +5,6 @@
 """
 
 from textbook.canonical import INPUT_SETS
-from textbook.holonomy import frobenius
 from textbook.inverses import GeneralisedInverse, generalised_inverse, penrose
 from textbook.library import FUNCTIONS, Textbook, formula, textbook
 
@@ -15,7 +14,6 @@ __all__ = [
     "GeneralisedInverse",
     "Textbook",
     "formula",
-    "frobenius",
     "generalised_inverse",
     "penrose",
     "textbook",

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import sympy
 
-from textbook.page import Page
-from wmrgen.kinematics.records import Formula
+from textbook.page import Chapter, Page
 from wmrgen.symbolic import Expr, absolute, angle_of, maximum, minimum, root, select
 
+CASTORS = Chapter("Castors")
 HALVINGS, TERMS = 6, 15
 LARGEST = 40  # beyond, the wheel is within exp(-40) of its equilibrium
 # |x| / 2**6 <= 5/8: the first term left out is (5/8)**16/16! = 2.6e-17, raised 64 times: 1.7e-15 of the value.
@@ -36,43 +36,36 @@ def exponential(page: Page, name: str, x: Expr) -> Expr:
     return page.let(f"{name}_exp", value * value)
 
 
-def castor_swivel() -> Formula:
+@CASTORS("angle of a towed castor after a time, Siegwart (3.18) integrated")
+def castor_swivel(page: Page) -> None:
     """The angle of a castor's joint after a time at constant pivot velocity."""
-    page = Page("castor_swivel", "angle of a towed castor after a time, Siegwart (3.18) integrated")
-    beta = page.given("beta", "rad", "joint angle at time 0")
-    alpha = page.given("alpha", "rad", "direction of the pivot from P")
-    d = page.given("d", "m", "contact minus pivot along the rolling direction")
-    vx, vy = (
-        page.given("vx", "m/s", "velocity of the pivot"),
-        page.given("vy", "m/s", "velocity of the pivot"),
+    beta, alpha, d, vx, vy, t = page.read(
+        "beta [rad] joint angle at time 0; alpha [rad] direction of the pivot from P; "
+        "d [m] contact minus pivot along the rolling direction; vx [m/s] velocity of the pivot; "
+        "vy [m/s] velocity of the pivot; t [s] time"
     )
-    t = page.given("t", "s", "time")
     speed = page.let("speed", root(vx**2 + vy**2))
     growth = exponential(page, "growth", page.quotient("exponent", -speed * t, d))
     quarter = page.let("quarter", (alpha + beta - angle_of(vy, vx)) / 2 + sympy.pi / 4)
     c, s = page.let("c", sympy.cos(quarter)), page.let("s", sympy.sin(quarter))
     swing = angle_of(c * s * (growth - 1), c * c + s * s * growth)
-    page.gives("beta", "rad", beta + 2 * swing, "joint angle at time t")
-    return page.formula()
+    page.write("beta [rad] joint angle at time t", beta + 2 * swing)
 
 
-def castor_alignment() -> Formula:
+@CASTORS("where a towed castor comes to rest, Siegwart (3.18)")
+def castor_alignment(page: Page) -> None:
     """Equilibria of (3.18): stable with the contact behind the pivot, and how fast it is reached."""
-    page = Page("castor_alignment", "where a towed castor comes to rest, Siegwart (3.18)")
-    alpha = page.given("alpha", "rad", "direction of the pivot from P")
-    d = page.given("d", "m", "contact minus pivot along the rolling direction")
-    r = page.given("r", "m", "radius")
-    vx, vy = (
-        page.given("vx", "m/s", "velocity of the pivot"),
-        page.given("vy", "m/s", "velocity of the pivot"),
+    alpha, d, r, vx, vy = page.read(
+        "alpha [rad] direction of the pivot from P; "
+        "d [m] contact minus pivot along the rolling direction; r [m] radius; "
+        "vx [m/s] velocity of the pivot; vy [m/s] velocity of the pivot"
     )
     speed = page.let("speed", root(vx**2 + vy**2))
     side = page.let("side", select(sympy.S.Zero, d, sympy.S.One, sympy.S.NegativeOne))
     # e = -+ V / |V| at beta = nu - alpha -+ pi/2
     ahead = page.let("ahead", angle_of(vy, vx) - alpha)
     c, s = page.let("c", sympy.cos(ahead)), page.let("s", sympy.sin(ahead))
-    page.gives("beta_stable", "rad", angle_of(-side * c, side * s), "contact behind the pivot")
-    page.gives("beta_unstable", "rad", angle_of(side * c, -side * s), "contact ahead of the pivot")
-    page.gives("rate", "1/s", -page.quotient("fall", speed, absolute(d)), "of the approach to beta_stable")
-    page.gives("spin", "rad/s", -side * page.quotient("turning", speed, r), "wheel speed at beta_stable")
-    return page.formula()
+    page.write("beta_stable [rad] contact behind the pivot", angle_of(-side * c, side * s))
+    page.write("beta_unstable [rad] contact ahead of the pivot", angle_of(side * c, -side * s))
+    page.write("rate [1/s] of the approach to beta_stable", -page.quotient("fall", speed, absolute(d)))
+    page.write("spin [rad/s] wheel speed at beta_stable", -side * page.quotient("turning", speed, r))

@@ -10,10 +10,8 @@ from itertools import product as pairs
 import mpmath
 import sympy
 
-from textbook.page import Page, Rows
-from textbook.vectors import product, transposed
+from textbook.page import Chapter, Page
 from wmrgen.errors import NotDerivableError
-from wmrgen.kinematics.records import Formula
 from wmrgen.symbolic import Expr
 
 _DIGITS, _SMALL = 50, 1e-30
@@ -113,48 +111,44 @@ def _factored(J: sympy.Matrix, rank: int) -> GeneralisedInverse:
 
 # ---- as functions of a fixed size
 
+INVERSES = Chapter("Generalised inverses")
 SIZES = ((2, 2), (3, 3), (3, 2), (4, 2), (4, 3), (2, 3), (2, 4), (3, 4))
 
 
-def _cofactors(page: Page, a: Rows) -> tuple[Rows, Expr]:
-    """Adjugate and determinant of a 2 x 2 or 3 x 3 matrix; both as named results."""
-    if len(a) == 2:
-        (p, q), (r, s) = a
-        return ((s, -q), (-r, p)), p * s - q * r
-    others = ((1, 2), (2, 0), (0, 1))
-    rows = tuple(
-        tuple(
-            page.let(f"c{i}{j}", a[others[j][0]][others[i][0]] * a[others[j][1]][others[i][1]]
-                     - a[others[j][0]][others[i][1]] * a[others[j][1]][others[i][0]])
-            for j in range(3)
-        )
-        for i in range(3)
+def _named_adjugate(page: Page, a: sympy.Matrix) -> sympy.Matrix:
+    """The adjugate of a 2 x 2 or 3 x 3 matrix, cofactors of the larger one as named results."""
+    adjugate = a.adjugate()
+    if a.rows == 2:
+        return adjugate
+    return sympy.Matrix(3, 3, [page.let(f"c{i}{j}", adjugate[i, j]) for i in range(3) for j in range(3)])
+
+
+def _of_size(m: int, n: int) -> None:
+    """J+ of an m x n matrix, row by row; all 0 where the determinant vanishes."""
+    kind, number, what = (
+        ("inverse", "(2.6)", "J") if m == n
+        else ("left inverse", "(2.8a)", "J^T J") if m > n
+        else ("right inverse", "(2.8b)", "J J^T")
     )  # fmt: skip
-    return rows, sympy.Add(*(a[0][k] * rows[k][0] for k in range(3)))
+
+    @INVERSES(f"{kind} of a {m} x {n} matrix, Tzafestas {number}", f"inverse_{m}x{n}")
+    def inverse(page: Page) -> None:
+        J = page.matrix("j", m, n, "entry of J")
+        square = J
+        if m != n:
+            gram = J.T * J if m > n else J * J.T
+            named = {
+                (i, j): page.let(f"g{i}{j}", gram[i, j])
+                for i in range(gram.rows)
+                for j in range(i, gram.rows)
+            }
+            square = sympy.Matrix(gram.rows, gram.rows, lambda i, j: named[min(i, j), max(i, j)])
+        adjugate = _named_adjugate(page, square)
+        determinant = page.let("determinant", (square[0, :] * adjugate[:, 0])[0])
+        back = page.quotient("factor", sympy.S.One, determinant) * adjugate
+        page.write_matrix("p [] entry of J+", back if m == n else back * J.T if m > n else J.T * back)
+        page.write(f"det [] determinant of {what}; where it is 0 the rank is too low", determinant)
 
 
-def inverse_of_size(m: int, n: int) -> Formula:
-    """J+ of an m x n matrix, row by row; all 0 where the determinant vanishes (Tzafestas (2.8a), (2.8b))."""
-    kind = "inverse" if m == n else "left inverse" if m > n else "right inverse"
-    number = {"inverse": "(2.6)", "left inverse": "(2.8a)", "right inverse": "(2.8b)"}[kind]
-    page = Page(f"inverse_{m}x{n}", f"{kind} of a {m} x {n} matrix, Tzafestas {number}")
-    J = page.matrix("j", m, n, "", "entry of J")
-    back = transposed(J)
-    square = J if m == n else product(back, J) if m > n else product(J, back)
-    if m != n:
-        square = tuple(
-            tuple(page.let(f"g{min(i, j)}{max(i, j)}", e) if i <= j else e for j, e in enumerate(row))
-            for i, row in enumerate(square)
-        )
-        square = tuple(
-            tuple(square[min(i, j)][max(i, j)] for j in range(len(square))) for i in range(len(square))
-        )
-    adjugate, value = _cofactors(page, square)
-    determinant = page.let("determinant", value)
-    factor = page.quotient("factor", sympy.S.One, determinant)
-    inverse = tuple(tuple(factor * entry for entry in row) for row in adjugate)
-    made = inverse if m == n else product(inverse, back) if m > n else product(back, inverse)
-    page.gives_matrix("p", made, "", "entry of J+")
-    what = "J" if m == n else "J^T J" if m > n else "J J^T"
-    page.gives("det", "", determinant, f"determinant of {what}; where it is 0 the rank is too low")
-    return page.formula()
+for _m, _n in SIZES:
+    _of_size(_m, _n)

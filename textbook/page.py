@@ -1,46 +1,55 @@
-"""Writing down a function of the library: inputs, intermediate results and outputs, in the order of a page."""
+"""Writing down a function of the library: inputs, intermediate results and outputs, in the order of a page.
+
+Quantities are described as ``name [unit] text``, several divided by semicolons.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Iterable
 
 import sympy
 
+from wmrgen.functions.space.vectors import Vector
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.kinematics.rollers import quotient
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, signal
 
 AXES = ("x", "y", "z")
-Vector = tuple[Expr, Expr, Expr]
-Rows = tuple[tuple[Expr, ...], ...]
+_NEXT = re.compile(r"; (?=\S+ \[)")
+_QUANTITY = re.compile(r"(\S+) \[(.*?)\] ?(.*)")
+
+
+def ports(described: str) -> list[Port]:
+    """``x [m] position; theta [rad] heading`` as ports."""
+    parts = [_QUANTITY.fullmatch(part) for part in _NEXT.split(described)]
+    return [Port(m[1], Role.COMMAND, m[2], m[3]) for m in parts if m]
 
 
 class Page:
     """One function of the library while it is written down."""
 
-    def __init__(self, name: str, text: str) -> None:
-        self.name, self.text = name, text
+    def __init__(self) -> None:
         self.inputs: list[Port] = []
         self.outputs: list[tuple[Port, Expr]] = []
         self.locals = Locals()
 
-    def given(self, name: str, unit: str = "", text: str = "") -> Expr:
-        """A scalar input."""
-        self.inputs.append(Port(name, Role.COMMAND, unit, text))
-        return signal(name)
+    def read(self, described: str) -> tuple[Expr, ...]:
+        """Scalar inputs."""
+        new = ports(described)
+        self.inputs += new
+        return tuple(signal(p.name) for p in new)
 
-    def vector(self, name: str, unit: str, text: str = "") -> Vector:
-        """A vector of space: ``name.x``, ``name.y``, ``name.z``."""
-        x, y, z = (self.given(f"{name}.{axis}", unit, text) for axis in AXES)
-        return x, y, z
+    def vectors(self, described: str) -> tuple[Vector, ...]:
+        """Inputs that are vectors of space: ``name.x``, ``name.y``, ``name.z``."""
+        names = [[f"{p.name}.{a} [{p.unit}] {p.text}" for a in AXES] for p in ports(described)]
+        return tuple((x, y, z) for x, y, z in (self.read("; ".join(axes)) for axes in names))
 
-    def matrix(self, name: str, rows: int, columns: int, unit: str = "", text: str = "") -> Rows:
-        """A matrix: ``name11``, ``name12`` and so on, row by row."""
-        return tuple(
-            tuple(self.given(f"{name}{i}{j}", unit, text) for j in range(1, columns + 1))
-            for i in range(1, rows + 1)
-        )
+    def matrix(self, name: str, rows: int, columns: int, text: str) -> sympy.Matrix:
+        """An input matrix: ``name11``, ``name12`` and so on, row by row."""
+        names = [f"{name}{i}{j} [] {text}" for i in range(1, rows + 1) for j in range(1, columns + 1)]
+        return sympy.Matrix(rows, columns, self.read("; ".join(names)))
 
     def let(self, name: str, value: Expr) -> Expr:
         """A named intermediate result."""
@@ -50,27 +59,48 @@ class Page:
         """above / below, 0 where |below| <= 1e-12."""
         return quotient(self.locals, name, above, below)
 
-    def tangent(self, name: str, angle: Expr) -> Expr:
-        """tan(angle), 0 where |cos(angle)| <= 1e-12."""
-        return self.quotient(name, sympy.sin(angle), self.let(f"{name}_cos", sympy.cos(angle)))
+    def write(self, described: str, *values: Expr) -> None:
+        """Scalar outputs."""
+        self.outputs += zip(ports(described), values, strict=True)
 
-    def gives(self, name: str, unit: str, value: Expr, text: str = "") -> None:
-        """A scalar output."""
-        self.outputs.append((Port(name, Role.COMMAND, unit, text), value))
+    def write_vector(self, described: str, value: Iterable[Expr]) -> None:
+        """A vector as output; sums and products that the engine left as they stand are evaluated."""
+        (p,) = ports(described)
+        self.outputs += [
+            (Port(f"{p.name}.{a}", p.role, p.unit, p.text), e.doit())
+            for a, e in zip(AXES, value, strict=True)
+        ]
 
-    def gives_vector(self, name: str, unit: str, value: Sequence[Expr], text: str = "") -> None:
-        """A vector as output."""
-        for axis, entry in zip(AXES, value, strict=True):
-            self.gives(f"{name}.{axis}", unit, entry, text)
-
-    def gives_matrix(self, name: str, rows: Sequence[Sequence[Expr]], unit: str = "", text: str = "") -> None:
+    def write_matrix(self, described: str, value: sympy.Matrix) -> None:
         """A matrix as output, row by row."""
-        for i, row in enumerate(rows, 1):
-            for j, entry in enumerate(row, 1):
-                self.gives(f"{name}{i}{j}", unit, entry, text)
+        (p,) = ports(described)
+        names = [f"{p.name}{i + 1}{j + 1}" for i in range(value.rows) for j in range(value.cols)]
+        self.outputs += [(Port(n, p.role, p.unit, p.text), e) for n, e in zip(names, value, strict=True)]
 
-    def formula(self) -> Formula:
-        """The finished function."""
-        return Formula(
-            self.name, tuple(self.inputs), tuple(self.locals.items), tuple(self.outputs), self.text
-        )
+
+class Chapter:
+    """Functions of one subject, by name: ``@chapter(text)`` makes one of a function that writes its page."""
+
+    def __init__(self, title: str) -> None:
+        self.title = title
+        self.functions: dict[str, Callable[[], Formula]] = {}
+
+    def __call__(
+        self, text: str, name: str = ""
+    ) -> Callable[[Callable[[Page], None]], Callable[[], Formula]]:
+        """``text``: what the function gives and its source; ``name`` where it is not that of the Python function."""
+
+        def add(written: Callable[[Page], None]) -> Callable[[], Formula]:
+            called = name or written.__name__
+
+            def build() -> Formula:
+                page = Page()
+                written(page)
+                return Formula(
+                    called, tuple(page.inputs), tuple(page.locals.items), tuple(page.outputs), text
+                )
+
+            self.functions[called] = build
+            return build
+
+        return add

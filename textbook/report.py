@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from textbook.canonical import INPUT_SETS
+from textbook.canonical import CANONICAL, INPUT_SETS
 from textbook.latex import equations
 from textbook.library import CHAPTERS, NAME, Textbook
 from wmrgen.backends.report.markdown import aligned, code, escape, table
@@ -26,12 +26,12 @@ def report(book: Textbook) -> list[str]:
     """The lines of report.md."""
     lines = list(_INTRODUCTION)
     formulas = {f.name: f for f in book.formulas}
-    for number, (chapter, names) in enumerate(CHAPTERS.items(), 1):
-        lines += [f"## {number} {chapter}", ""]
-        for name in names:
+    for number, chapter in enumerate(CHAPTERS, 1):
+        lines += [f"## {number} {chapter.title}", ""]
+        for name in chapter.functions:
             if name in formulas:
                 lines += _function(formulas[name])
-        if chapter == "Canonical forms":
+        if chapter is CANONICAL:
             lines += _input_sets()
     return lines
 

@@ -15,7 +15,7 @@ ZERO, ONE = sympy.S.Zero, sympy.S.One
 theta, xd, yd, thd, v, omega = (
     symbol(n) for n in (r"\theta", r"\dot{x}", r"\dot{y}", r"\dot{\theta}", "v", r"\omega")
 )
-TURN = M(world_to_robot_rows(theta))
+TURN = world_to_robot_rows(theta)
 SLIDE = engine.wheel(ZERO, ZERO, ZERO)[1]
 UNICYCLE = book("unicycle", theta=theta, v=v, omega=omega)
 REDUCED = book("car_reduction", u1=u1, xi=xi, wheelbase=ONE)

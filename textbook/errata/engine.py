@@ -79,6 +79,11 @@ def robot(wheels: str, name: str = "robot") -> Derivation:
     return derived(f"wmrgen: 1\nname: {name}\nwheels:\n{lines}")
 
 
+def disk_curl() -> Expr:
+    """c . curl c of the sliding constraint of one fixed wheel, from wmrgen's test of integrability."""
+    return robot("name: disk, type: fixed, x: 0, y: 0, heading: 0, r: 0.1").integrability.row("disk").value
+
+
 CARTESIAN = """\
 wmrgen: 1
 name: cartesian

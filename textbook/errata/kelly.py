@@ -6,8 +6,9 @@ import sympy
 
 from textbook.errata.checks import identity, undefined, units, vanishes
 from textbook.errata.forms import EQ, PLUS, Form, form, symbol
-from textbook.errata.motion import Turning, cross
+from textbook.errata.motion import Turning
 from textbook.errata.records import Finding, Record
+from textbook.frames import skew
 
 TEXT = "Kelly"
 M = sympy.Matrix
@@ -26,7 +27,7 @@ def _velocity(f: Form) -> Finding:
     """Every term as it is for a point of a turning frame, at a moment when the frames are parallel."""
     truth = {
         VO: MOTION.velocity, VM: MOTION.vm, VR: MOTION.v,
-        CROSS: cross(MOTION.omega) * MOTION.r,
+        CROSS: skew(MOTION.omega) * MOTION.r,
     }  # fmt: skip
     left, right = f.values
     total = -truth[left]
@@ -50,8 +51,8 @@ I3, R_X, W_X, TWO_W = (symbol(n) for n in ("I", r"-[r]_\times", r"[\omega]_\time
 WW = symbol(r"[\omega]_\times[\omega]_\times")
 A_K, ALPHA_K, R_K, V_K, W_K, A_N = (symbol(n) for n in ("a", r"\alpha", "r", "v", r"\omega", "a_o^{k+1}"))
 BLOCKS = {
-    I3: sympy.eye(3), R_X: -cross(MOTION.r), W_X: cross(MOTION.omega),
-    TWO_W: 2 * cross(MOTION.omega), WW: cross(MOTION.omega) * cross(MOTION.omega),
+    I3: sympy.eye(3), R_X: -skew(MOTION.r), W_X: skew(MOTION.omega),
+    TWO_W: 2 * skew(MOTION.omega), WW: skew(MOTION.omega) * skew(MOTION.omega),
 }  # fmt: skip
 STACK = {
     A_K: MOTION.am, ALPHA_K: MOTION.alpha, R_K: MOTION.r, V_K: MOTION.v,
@@ -83,7 +84,7 @@ ACCELERATION = Record(
 
 def _omega(f: Form) -> Finding:
     """Omega (r, v) is the centripetal and the Coriolis acceleration."""
-    rest = MOTION.acceleration - MOTION.am - cross(MOTION.alpha) * MOTION.r - MOTION.acc
+    rest = MOTION.acceleration - MOTION.am - skew(MOTION.alpha) * MOTION.r - MOTION.acc
     block, stack = f.values[1:]
     total = sympy.zeros(3, 1)
     for left, right in zip(block, stack, strict=True):
@@ -142,7 +143,7 @@ VF, VV, RC, RF, OM = (
 
 
 def _front_wheel(f: Form) -> Finding:
-    position, twist = cross(M([L, 0, 0])), M([0, 0, omega])
+    position, twist = skew(M([L, 0, 0])), M([0, 0, omega])
     values = {VV: M([vx, 0, 0]), -RF * OM: -position * twist}
     total = -M([vx, omega * L, 0])
     for term in sympy.Add.make_args(f.values[1]):
@@ -166,7 +167,7 @@ def _bicycle(f: Form) -> Finding:
     total = -M([vx - omega * yi, vy + omega * xi, 0])
     for term in sympy.Add.make_args(f.values[1]):
         names = [s for s in term.free_symbols if s in turning]
-        total += -cross(M([xi, yi, 0])) * turning[names[0]] if names else M([vx, vy, 0])
+        total += -skew(M([xi, yi, 0])) * turning[names[0]] if names else M([vx, vy, 0])
     return vanishes(total, "the slide's own result v_i = [V_x − ω y_i, V_y + ω x_i], with ω_v^v = 0")
 
 

@@ -10,9 +10,9 @@ from textbook.errata import engine
 from textbook.errata.claims import claim
 from textbook.errata.forms import symbol
 from textbook.errata.kelly import MOTION, TEXT, L, M, W, cos, omega, sin, vx
-from textbook.errata.motion import cross, vector
+from textbook.errata.motion import vector
 from textbook.errata.records import Record
-from textbook.frames import h_rows
+from textbook.frames import h_rows, skew
 
 W_, AL = MOTION.omega, MOTION.alpha
 R_, V_, A_ = MOTION.r, MOTION.v, MOTION.acc
@@ -68,9 +68,9 @@ FRAMES = (
            MOTION.acceleration - g),
           remark="4.1.3.2, the margin itself, is not in the slides: wmrgen's margin is its own."),
     holds("4.1.4.1, skew", "ω × u and −[u]× ω",
-          (r"\omega\times u", cross(W_) * u, W_.cross(u)), (r"\omega\times u", -cross(u) * W_, W_.cross(u))),
+          (r"\omega\times u", skew(W_) * u, W_.cross(u)), (r"\omega\times u", -skew(u) * W_, W_.cross(u))),
     holds("(4.23), (4.24)", "H(r) ẋ with the library's H, and d/dt (m + R r)",
-          ("v_o^k", M(h_rows(tuple(R_))) * MOTION.vm.col_join(W_) + V_, MOTION.velocity)),
+          ("v_o^k", h_rows(R_) * MOTION.vm.col_join(W_) + V_, MOTION.velocity)),
     holds("(4.27), (4.30)", "a frame in a frame, differentiated",
           ("v_c", _printed_velocity(), CHAIN_V), remark="Ω of (4.30) is ω; r_c^s in common coordinates."),
     holds("(4.29), (4.31)", "a frame in a frame, differentiated twice", ("a_c", _printed_acceleration(), CHAIN_A)),

@@ -34,7 +34,7 @@ def wheel_row(i: int) -> sympy.Matrix:
         engine.GAMMA: sympy.S.Zero,
         engine.L: a,
     }
-    return engine.rolling("swedish").xreplace(known) * M(world_to_robot_rows(phi))
+    return engine.rolling("swedish").xreplace(known) * world_to_robot_rows(phi)
 
 
 RATES = M([xd, yd, phid])

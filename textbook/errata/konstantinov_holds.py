@@ -38,7 +38,7 @@ from textbook.transforms import world_to_robot_rows
 from wmrgen.symbolic import Expr
 
 BODY = M.vstack(*(wheel_row(i) for i in (1, 2, 3))).xreplace({phi: sympy.S.Zero})
-TWIST = M(world_to_robot_rows(phi)).T * engine.inverse(BODY) * (r * M(w))  # world velocity from wheel speeds
+TWIST = world_to_robot_rows(phi).T * engine.inverse(BODY) * (r * M(w))  # world velocity from wheel speeds
 PLACES = [M([x + a * cos(angle(i)), y + a * sin(angle(i))]) for i in (1, 2, 3)]
 HUBS = [M([xd, yd]) + sympy.diff(p, phi) * phid for p in PLACES]
 E = [M([[sin(angle(i)), -cos(angle(i))]]) for i in (1, 2, 3)]

@@ -16,12 +16,6 @@ def vector(name: str) -> sympy.Matrix:
     return sympy.Matrix([symbol(rf"{{{name}}}_{axis}") for axis in "xyz"])
 
 
-def cross(name_or_vector: sympy.Matrix) -> sympy.Matrix:
-    """[u]x."""
-    x, y, z = name_or_vector
-    return sympy.Matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-
-
 def rate(value: sympy.Matrix, rates: Mapping[Expr, Expr]) -> sympy.Matrix:
     """The time derivative by the chain rule; ``rates``: symbol -> its rate."""
     return value.applyfunc(lambda e: sympy.Add(*(sympy.diff(e, s) * v for s, v in rates.items() if e.has(s))))
@@ -45,7 +39,7 @@ class Turning:
         }
         turn = sympy.eye(3)
         for axis, angle in zip("zyx", angles, strict=True):
-            turn = turn * sympy.Matrix(rotation_rows(axis, angle))
+            turn = turn * rotation_rows(axis, angle)
         parallel = dict.fromkeys(angles, sympy.S.Zero)
         turned = rate(turn, rates)
         spin = turned * turn.T  # [omega]x

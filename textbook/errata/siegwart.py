@@ -86,7 +86,7 @@ ZERO_GLYPH = symbol("0")
 def _any_heading(*left: sympy.Expr) -> list[sympy.Expr]:
     """row R(.) xi_I = row xi_R for every heading, with xi_R = R(theta) xi_I."""
     rows = (engine.rolling("fixed"), engine.sliding("fixed"))
-    truth = [(row * M(world_to_robot_rows(theta)) * WORLD)[0] for row in rows]
+    truth = [(row * world_to_robot_rows(theta) * WORLD)[0] for row in rows]
     return [e.xreplace({ZERO_GLYPH: sympy.S.Zero}) - t for e, t in zip(left, truth, strict=True)]
 
 

@@ -26,7 +26,7 @@ XI_R = symbol(r"\dot{\xi}_R")
 
 
 def _turned(angle: sympy.Expr) -> sympy.Matrix:
-    return M(world_to_robot_rows(angle)) * M([xd, yd, thd])
+    return world_to_robot_rows(angle) * M([xd, yd, thd])
 
 
 def _frames(right: sympy.Matrix) -> sympy.Matrix:
@@ -203,7 +203,7 @@ def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
         rows = [engine.rolling("fixed").xreplace({**at[n], L: sympy.Integer(5)}) for n in ("right", "left")]
         stack = M.vstack(*rows, engine.sliding("fixed").xreplace({**at["left"], L: sympy.Integer(5)}))
         twist = engine.inverse(stack) * M([6 * right, 6 * left, 0])
-        truth = M(world_to_robot_rows(pi / 4)).T * twist
+        truth = world_to_robot_rows(pi / 4).T * twist
         found = vanishes(f.values[-1] - truth, f"wmrgen's rows with radii {number(left)} and {number(right)}")
         return Finding(found.holds, f"{found.text}; twist ({', '.join(number(e) for e in truth)})")
 

@@ -35,11 +35,10 @@ from textbook.errata.siegwart import (
     yd,
 )  # fmt: skip
 from textbook.errata.siegwart_conventions import BICYCLE, OMNI_STEER, ROBOTS
-from textbook.holonomy import frobenius
 from textbook.transforms import world_to_robot_rows
 
 ZERO, ONE, HALF, sqrt = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.sqrt
-TURN = M(world_to_robot_rows(theta))
+TURN = world_to_robot_rows(theta)
 F1, F2, F3 = (symbol(rf"\dot{{\varphi}}_{k}") for k in (1, 2, 3))
 AT = {"right": {ALPHA: -pi / 2, BETA: pi}, "left": {ALPHA: pi / 2, BETA: ZERO}}
 RIGHT, LEFT = (engine.rolling("fixed").xreplace(AT[n]) for n in ("right", "left"))
@@ -187,7 +186,6 @@ RANKS = (
 
 # ---- models
 
-X, Y = symbol("x"), symbol("y")
 UNI = M([cos(theta) * v, sin(theta) * v, omega])
 FORWARD = M([[-cos(alpha), 0], [sin(alpha) / rho, -1], [-sin(alpha) / rho, 0]])
 POLAR = M([[-rho * cos(beta)], [rho * sin(beta)], [-alpha - beta]])
@@ -205,7 +203,7 @@ MECANUM = M.vstack(*(
 MODELS = (
     holds("(3.43)", "(3.43) is wmrgen's sliding row; c · curl c of a fixed wheel at P, not 0: not integrable",
           ("C_1", SLIDE, engine.sliding("fixed")),
-          (r"c\cdot\nabla\times c", -ONE, frobenius((-sin(theta), cos(theta), ZERO), (X, Y, theta)))),
+          (r"c\cdot\nabla\times c", -ONE, engine.disk_curl())),
     holds("(3.48)", "the library's unicycle",
           *((n, e, book("unicycle", theta=theta, v=v, omega=omega)[k]) for n, e, k in zip(
               (r"\dot{x}", r"\dot{y}", r"\dot{\theta}"), UNI, ("x_rate", "y_rate", "theta_rate"), strict=True))),

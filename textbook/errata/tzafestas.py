@@ -8,8 +8,8 @@ from textbook.canonical import brockett
 from textbook.errata import engine
 from textbook.errata.checks import identity, rights, shape_of, undefined, vanishes
 from textbook.errata.forms import BAR, EQ, PLUS, TIMES, Form, form, forms, symbol
-from textbook.errata.motion import cross
 from textbook.errata.records import Finding, Record
+from textbook.frames import skew
 from textbook.library import formula
 from textbook.transforms import rotation_rows, world_to_robot_rows
 
@@ -24,13 +24,13 @@ u1, u2, v1 = symbol("u_1"), symbol("u_2"), symbol("v_1")
 
 # ---- (2.15b)
 
-RY = M(rotation_rows("y", phi))
+RY = rotation_rows("y", phi)
 RY_DOT = symbol("R_y")
 
 
 def _right_handed(matrix: sympy.Matrix) -> sympy.Matrix:
     """dR/dphi - [e_y]x R, which is 0 for the right-handed rotation about y that is 1 at phi = 0."""
-    return sympy.diff(matrix, phi) - cross(M([0, 1, 0])) * matrix
+    return sympy.diff(matrix, phi) - skew(M([0, 1, 0])) * matrix
 
 
 ROTATION = Record(
@@ -74,7 +74,7 @@ UNICYCLE = formula("unicycle").closed()
 
 
 def _robot_to_world(x: sympy.Expr, y: sympy.Expr) -> sympy.Matrix:
-    back = M(world_to_robot_rows(phi)).T * M([x, y, 0])
+    back = world_to_robot_rows(phi).T * M([x, y, 0])
     return back[:2, :] - VQ * M([cos(phi), sin(phi)])
 
 
@@ -251,7 +251,7 @@ def _omni4(f: Form) -> Finding:
     made = scale * (left.row_join(right) if sign is BAR else left + right)
     known = {engine.BETA: sympy.pi, engine.GAMMA: sympy.S.Zero, engine.L: D}
     rows = [engine.rolling("swedish").xreplace({engine.ALPHA: e, **known}) for e in BETAS]
-    truth = M.vstack(*rows) * M(world_to_robot_rows(phi)) / r
+    truth = M.vstack(*rows) * world_to_robot_rows(phi) / r
     return vanishes(made - truth, f"{shape_of(made)}, against wmrgen's rolling rows of four omni wheels")
 
 

@@ -9,7 +9,6 @@ import sympy
 from textbook.errata import engine
 from textbook.errata.claims import along, book, claim, residual
 from textbook.errata.forms import symbol
-from textbook.errata.motion import cross
 from textbook.errata.records import Record
 from textbook.errata.tzafestas import (
     D1,
@@ -33,7 +32,7 @@ from textbook.errata.tzafestas import (
     u1,
     u2,
 )  # fmt: skip
-from textbook.holonomy import frobenius
+from textbook.frames import skew
 from textbook.inverses import generalised_inverse, penrose
 from textbook.transforms import rotation_rows, world_to_robot_rows
 
@@ -41,7 +40,7 @@ ZERO, ONE, HALF, PI = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.pi
 x, y, zeta, xd, yd = symbol("x"), symbol("y"), symbol(r"\zeta"), symbol(r"\dot{x}"), symbol(r"\dot{y}")
 p, q, s, a = symbol("p"), symbol("q"), symbol("s"), symbol("a")
 vr, vl, vq = symbol("v_r"), symbol("v_l"), symbol("v_Q")
-BACK = M(world_to_robot_rows(phi))  # world to robot
+BACK = world_to_robot_rows(phi)  # world to robot
 TALL = M([[p, 1], [1, q], [0, s]])
 WIDE = TALL.T
 
@@ -54,7 +53,7 @@ LEFT = engine.inverse(TALL.T * TALL) * TALL.T
 RIGHT = WIDE.T * engine.inverse(WIDE * WIDE.T)
 NUMBERS = M([[1, 2], [3, -1], [2, 5]])
 PLUS = generalised_inverse(NUMBERS).matrix
-TURN = M(rotation_rows("z", phi)) * M(rotation_rows("x", psi))
+TURN = rotation_rows("z", phi) * rotation_rows("x", psi)
 SHIFT = M([p, q, s])
 
 
@@ -73,10 +72,10 @@ INVERSES = (
                               generalised_inverse(NUMBERS * NUMBERS.T, full=True).matrix - e.T * e]),
     residual(TEXT, "(2.9)–(2.14)", "A A⁻¹ = 1 for R = R_z(φ) R_x(ψ)", "A^{-1}",
              _homogeneous(TURN.T, -TURN.T * SHIFT), lambda e: _homogeneous(TURN, SHIFT) * e - sympy.eye(4)),
-    residual(TEXT, "(2.15a)", "dR/dφ = [e_x]× R, right-handed", "R_x", M(rotation_rows("x", phi)),
-             lambda e: sympy.diff(e, phi) - cross(M([1, 0, 0])) * e),
-    residual(TEXT, "(2.15c)", "dR/dφ = [e_z]× R, right-handed", "R_z", M(rotation_rows("z", phi)),
-             lambda e: sympy.diff(e, phi) - cross(M([0, 0, 1])) * e),
+    residual(TEXT, "(2.15a)", "dR/dφ = [e_x]× R, right-handed", "R_x", rotation_rows("x", phi),
+             lambda e: sympy.diff(e, phi) - skew(M([1, 0, 0])) * e),
+    residual(TEXT, "(2.15c)", "dR/dφ = [e_z]× R, right-handed", "R_z", rotation_rows("z", phi),
+             lambda e: sympy.diff(e, phi) - skew(M([0, 0, 1])) * e),
     holds("(2.16), (2.17)", "Siegwart's R(φ)⁻¹ in the plane",
           (r"R(\phi)", M([[cos(phi), -sin(phi)], [sin(phi), cos(phi)]]), BACK.T[:2, :2])),
 )  # fmt: skip
@@ -101,7 +100,7 @@ DRIVES = (
            book("disk_constraint", phi=phi, x_rate=r * thd * cos(phi), y_rate=r * thd * sin(phi))["slide"]),
           remark="In step 1 “line of length” is to be read as “curve of length”."),
     holds("(2.25), nonholonomic", "c · curl c of (sin φ, −cos φ, 0): not 0, not integrable",
-          (r"c\cdot\nabla\times c", -ONE, frobenius((sin(phi), -cos(phi), ZERO), (x, y, phi)))),
+          (r"c\cdot\nabla\times c", -ONE, engine.disk_curl())),
     residual(TEXT, "(2.26)–(2.32)", "wmrgen's sliding row at Q annihilates J in the world frame", "J", UNI,
              lambda e: SLIDE * BACK * e),
     holds("(2.34)", "wmrgen's rolling rows of the right and the left wheel",

@@ -8,10 +8,15 @@ import sympy
 
 from textbook.errata import engine
 from textbook.errata.checks import number, rights
+from textbook.errata.claims import book, claim
 from textbook.errata.engine import ALPHA, BETA
 from textbook.errata.engine import L as LEVER
 from textbook.errata.forms import EQ, Form, form, forms, symbol
 from textbook.errata.records import Check, Finding, Record
+from textbook.transforms import world_to_robot_rows
+
+# Pages of formulas, laid out by hand.
+# fmt: off
 
 TEXT = "AA274"
 M = sympy.Matrix
@@ -28,11 +33,9 @@ def _front(turn: sympy.Expr) -> list[sympy.Expr]:
 
 
 _SAYS = "wmrgen's rolling and sliding row of the front wheel"
-TRICYCLE = Record(
-    TEXT, "tricycle", rights(_front, _SAYS),
+TRICYCLE = Record(TEXT, "tricycle", rights(_front, _SAYS),
     form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1), form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1 / L),
-    part=rights(_front, f"{_SAYS}, with L = 1", {L: sympy.S.One}), condition="wheelbase L = 1",
-)  # fmt: skip
+    part=rights(_front, f"{_SAYS}, with L = 1", {L: sympy.S.One}), condition="wheelbase L = 1")
 
 V, W, TOP, ZMAX = symbol("v"), symbol(r"\omega"), symbol(r"u_1^{max}"), symbol(r"\zeta_{max}")
 _TOP, _ZETA = sympy.S.One, sympy.pi / 6
@@ -68,12 +71,10 @@ def _set(inner: bool) -> Check:
 
 
 SLOPE = sympy.LessThan(sympy.Abs(W), sympy.Abs(V) * tan(ZMAX), evaluate=False)
-BOUNDS = Record(
-    TEXT, "bounds", _set(False),
+BOUNDS = Record(TEXT, "bounds", _set(False),
     forms((sympy.LessThan(sympy.Abs(V), TOP * cos(ZMAX), evaluate=False),), (SLOPE,)),
     forms((sympy.LessThan(V**2 + W**2, TOP**2, evaluate=False),), (SLOPE,)),
-    part=_set(True), condition="as an inner approximation (ζ = ξ, L = 1)",
-)  # fmt: skip
+    part=_set(True), condition="as an inner approximation (ζ = ξ, L = 1)")
 
 CONCURRENT = """
 name: a, type: fixed, l: 0.3, alpha: pi/3, beta: 0, r: 0.1
@@ -111,11 +112,33 @@ def _mobility(robots: tuple[str, ...]) -> Check:
     return check
 
 
-THREE_FIXED = Record(
-    TEXT, "degree of mobility, three fixed wheels", _mobility((CONCURRENT, APART)),
+THREE_FIXED = Record(TEXT, "degree of mobility, three fixed wheels", _mobility((CONCURRENT, APART)),
     form(DELTA, EQ, sympy.S.Zero), form(DELTA, EQ, 3 - RANK),
-    part=_mobility((APART,)), condition="the axles do not meet in one point",
-)  # fmt: skip
+    part=_mobility((APART,)), condition="the axles do not meet in one point")
 
 ERRATA: tuple[Record, ...] = ()
 CONVENTIONS = (TRICYCLE, BOUNDS, THREE_FIXED)
+
+# ---- what holds as printed
+
+ZERO, ONE = sympy.S.Zero, sympy.S.One
+theta, xd, yd, thd, v, omega = (
+    symbol(n) for n in (r"\theta", r"\dot{x}", r"\dot{y}", r"\dot{\theta}", "v", r"\omega")
+)
+TURN = world_to_robot_rows(theta)
+SLIDE = engine.wheel(ZERO, ZERO, ZERO)[1]
+UNICYCLE = book("unicycle", theta=theta, v=v, omega=omega)
+REDUCED = book("car_reduction", u1=u1, xi=xi, wheelbase=ONE)
+RATES = M([cos(xi) * cos(theta), cos(xi) * sin(theta), sin(xi)]) * u1
+
+HOLDS: tuple[Record, ...] = (
+    claim(TEXT, "no slip disk", "−1 times wmrgen's sliding row at P, in world coordinates",
+          (r"[\dot{x}\;\dot{y}]\cdot(\sin\theta,-\cos\theta)", xd * sin(theta) - yd * cos(theta),
+           -(SLIDE * TURN * M([xd, yd, thd]))[0])),
+    claim(TEXT, "unicycle", "the library's unicycle, Tzafestas (2.28)",
+          (r"\dot{x}", v * cos(theta), UNICYCLE["x_rate"]), (r"\dot{y}", v * sin(theta), UNICYCLE["y_rate"]),
+          (r"\dot{\theta}", omega, UNICYCLE["theta_rate"])),
+    claim(TEXT, "simple car", "the tricycle with v = u₁ cos ξ, ω = u₁ sin ξ is the unicycle",
+          (r"\dot{q}", RATES,
+           M([UNICYCLE[k] for k in ("x_rate", "y_rate", "theta_rate")]).xreplace(
+               {v: REDUCED["v"], omega: u1 * sin(xi)}))))

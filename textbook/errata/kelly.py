@@ -10,14 +10,15 @@ from textbook.errata.motion import Turning
 from textbook.errata.records import Finding, Record
 from textbook.frames import skew
 
+# Pages of formulas, laid out by hand.
+# fmt: off
+
 TEXT = "Kelly"
 M = sympy.Matrix
 cos, sin = sympy.cos, sympy.sin
 MOTION = Turning()
 SPEED_UNIT, RATE_UNIT, LENGTH = (1, -1), (0, -1), (1, 0)
 
-
-# ---- 4.1.2.4: vectors by one symbol each, so that units can be read; checked component by component
 
 VO, VM, VR, CROSS = (symbol(n) for n in (r"v_o^f", r"v_m^f", r"v_o^m", r"\omega_m^f\times r_o^m"))
 DOT_VO, DOT_VM, DOT_VR = (symbol(n) for n in (r"\dot{v}_o^f", r"\dot{v}_m^f", r"\dot{v}_o^m"))
@@ -28,7 +29,7 @@ def _velocity(f: Form) -> Finding:
     truth = {
         VO: MOTION.velocity, VM: MOTION.vm, VR: MOTION.v,
         CROSS: skew(MOTION.omega) * MOTION.r,
-    }  # fmt: skip
+    }
     left, right = f.values
     total = -truth[left]
     for term in sympy.Add.make_args(right):
@@ -36,15 +37,12 @@ def _velocity(f: Form) -> Finding:
     return vanishes(total, "d/dt (m + R r) of a frame that turns and moves")
 
 
-VELOCITY = Record(
-    TEXT, "4.1.2.4", _velocity,
+VELOCITY = Record(TEXT, "4.1.2.4", _velocity,
     form(DOT_VO, EQ, DOT_VM + CROSS + DOT_VR), form(VO, EQ, VM + CROSS + VR),
     slip=units({CROSS: SPEED_UNIT, **dict.fromkeys((VO, VM, VR), SPEED_UNIT),
                 **dict.fromkeys((DOT_VO, DOT_VM, DOT_VR), (1, -2))}),
-    remark="The arrows over the vectors came out as dots.",
-)  # fmt: skip
+    remark="The arrows over the vectors came out as dots.")
 
-# ---- 4.1.4.1: blocks and stacks as rows of symbols
 
 AO, WXX = symbol("a_o^k"), symbol(r"[\omega]_{\times\times}")
 I3, R_X, W_X, TWO_W = (symbol(n) for n in ("I", r"-[r]_\times", r"[\omega]_\times", r"2[\omega]_\times"))
@@ -53,11 +51,11 @@ A_K, ALPHA_K, R_K, V_K, W_K, A_N = (symbol(n) for n in ("a", r"\alpha", "r", "v"
 BLOCKS = {
     I3: sympy.eye(3), R_X: -skew(MOTION.r), W_X: skew(MOTION.omega),
     TWO_W: 2 * skew(MOTION.omega), WW: skew(MOTION.omega) * skew(MOTION.omega),
-}  # fmt: skip
+}
 STACK = {
     A_K: MOTION.am, ALPHA_K: MOTION.alpha, R_K: MOTION.r, V_K: MOTION.v,
     A_N: MOTION.acc,
-}  # fmt: skip
+}
 
 
 def _blocks(f: Form) -> Finding:
@@ -73,13 +71,11 @@ def _blocks(f: Form) -> Finding:
 
 
 DEFINED = (AO, *BLOCKS, *STACK, W_K)
-ACCELERATION = Record(
-    TEXT, "4.1.4.1, acceleration", _blocks,
+ACCELERATION = Record(TEXT, "4.1.4.1, acceleration", _blocks,
     form(AO, EQ, M([[I3, R_X]]), M([A_K, ALPHA_K]), PLUS, M([[WXX, TWO_W, I3]]), M([R_K, V_K, W_K, A_N])),
     form(AO, EQ, M([[I3, R_X]]), M([A_K, ALPHA_K]), PLUS, M([[WW, TWO_W, I3]]), M([R_K, V_K, A_N])),
     slip=undefined(*DEFINED),
-    remark="The stack of four does not fit the three blocks either.",
-)  # fmt: skip
+    remark="The stack of four does not fit the three blocks either.")
 
 
 def _omega(f: Form) -> Finding:
@@ -92,14 +88,11 @@ def _omega(f: Form) -> Finding:
     return vanishes(total - rest, "d²/dt² (m + R r) less a, α × r and the relative acceleration")
 
 
-OMEGA = Record(
-    TEXT, "(4.25)", _omega,
+OMEGA = Record(TEXT, "(4.25)", _omega,
     form(symbol(r"\Omega\rho"), EQ, M([[W_X, TWO_W]]), M([R_K, V_K])),
     form(symbol(r"\Omega\rho"), EQ, M([[WW, TWO_W]]), M([R_K, V_K])),
-    remark="Printed correctly in (4.31).",
-)  # fmt: skip
+    remark="Printed correctly in (4.31).")
 
-# ---- disk
 
 xd, yd, psi, DASH = symbol(r"\dot{x}"), symbol(r"\dot{y}"), symbol(r"\psi"), symbol("-")
 
@@ -110,15 +103,12 @@ def _rolls(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     return left.xreplace(known)
 
 
-DISK = Record(
-    TEXT, "4.2.1.4", identity(_rolls, "a disk that rolls, (ẋ, ẏ) = v (cos ψ, sin ψ), satisfies it"),
+DISK = Record(TEXT, "4.2.1.4", identity(_rolls, "a disk that rolls, (ẋ, ẏ) = v (cos ψ, sin ψ), satisfies it"),
     form(DASH * xd * sin(psi) - yd * cos(psi), EQ, sympy.S.Zero),
     form(xd * sin(psi) - yd * cos(psi), EQ, sympy.S.Zero),
     reading=((DASH, sympy.S.One),),
-    remark="The first dash is the bullet of the slide.",
-)  # fmt: skip
+    remark="The first dash is the bullet of the slide.")
 
-# ---- differential steer, Ackermann, generalised bicycle
 
 W, vx, omega, L = symbol("W"), symbol("v_x"), symbol(r"\omega"), symbol("L")
 RL, VL = symbol("r_l^v"), symbol("v_l^v")
@@ -129,13 +119,11 @@ def _left_wheel(x: sympy.Expr, y: sympy.Expr) -> sympy.Expr:
     return (vx - y * omega) - (vx - W * omega) + 0 * x
 
 
-POSITION = Record(
-    TEXT, "differential steer, positions",
+POSITION = Record(TEXT, "differential steer, positions",
     lambda f: vanishes(_left_wheel(*f.values[1]), "speed v_x − y ω of the left wheel against row [1, −W]"),
     form(VL, EQ, M([[0, W]])), form(RL, EQ, M([[0, W]])),
     slip=units({VL: SPEED_UNIT, RL: LENGTH, W: LENGTH}),
-    remark="The same for the right wheel; W is half the track.",
-)  # fmt: skip
+    remark="The same for the right wheel; W is half the track.")
 
 VF, VV, RC, RF, OM = (
     symbol(n) for n in ("v_f^w", "v_v^w", r"[r_c^v]_\times", r"[r_f^v]_\times", r"\omega_v^w")
@@ -151,11 +139,9 @@ def _front_wheel(f: Form) -> Finding:
     return vanishes(total, "the slide's own result v_f = [v_x, ω L]")
 
 
-ACKERMANN = Record(
-    TEXT, "Ackermann, wheel equation", _front_wheel,
+ACKERMANN = Record(TEXT, "Ackermann, wheel equation", _front_wheel,
     form(VF, EQ, VV - RC * VV), form(VF, EQ, VV - RF * OM),
-    slip=units({VF: SPEED_UNIT, VV: SPEED_UNIT, RC: LENGTH, RF: LENGTH, OM: RATE_UNIT}),
-)  # fmt: skip
+    slip=units({VF: SPEED_UNIT, VV: SPEED_UNIT, RC: LENGTH, RF: LENGTH, OM: RATE_UNIT}))
 
 VI, RI, OWN = symbol("v_i^w"), symbol(r"[r_i^v]_\times"), symbol(r"\omega_v^v")
 xi, yi, vy = symbol("x_i"), symbol("y_i"), symbol("v_y")
@@ -171,9 +157,7 @@ def _bicycle(f: Form) -> Finding:
     return vanishes(total, "the slide's own result v_i = [V_x − ω y_i, V_y + ω x_i], with ω_v^v = 0")
 
 
-BICYCLE = Record(
-    TEXT, "generalized bicycle", _bicycle,
-    form(VI, EQ, VV - RI * OWN), form(VI, EQ, VV - RI * OM), reading=((OWN, OM),),
-)  # fmt: skip
+BICYCLE = Record(TEXT, "generalized bicycle", _bicycle,
+    form(VI, EQ, VV - RI * OWN), form(VI, EQ, VV - RI * OM), reading=((OWN, OM),))
 
 ERRATA = (VELOCITY, ACCELERATION, OMEGA, DISK, POSITION, ACKERMANN, BICYCLE)

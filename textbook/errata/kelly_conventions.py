@@ -10,6 +10,9 @@ from textbook.errata.forms import EQ, Form, form, symbol
 from textbook.errata.kelly import OM, RC, TEXT, VV, M, cos, omega, sin
 from textbook.errata.records import Check, Finding, Record
 
+# Pages of formulas, laid out by hand.
+# fmt: off
+
 S, X, Y, Z = symbol("s"), symbol("x"), symbol("y"), symbol("z")
 EXAMPLES = {
     "the rolling disk": (M([sin(Z), -cos(Z), 0]), False),
@@ -47,12 +50,10 @@ def _criterion(names: tuple[str, ...]) -> Check:
     return check
 
 
-FRESNEL = Record(
-    TEXT, "Fresnel argument", _criterion(tuple(EXAMPLES)),
+FRESNEL = Record(TEXT, "Fresnel argument", _criterion(tuple(EXAMPLES)),
     form(sympy.Integral(cos(S**2 / 2), S), symbol(r"\text{has no closed form}\;\Rightarrow\;\text{nonholonomic}")),
     form(symbol(r"c\cdot\nabla\times c \ne 0 \;\Leftrightarrow\; \text{nonholonomic}")),
-    part=_criterion(tuple(EXAMPLES)[:1]), condition="the rolling disk, which is non-holonomic for another reason",
-)  # fmt: skip
+    part=_criterion(tuple(EXAMPLES)[:1]), condition="the rolling disk, which is non-holonomic for another reason")
 
 VS, VC, RCS, WS = symbol("v_s^v"), symbol("v_c^s"), symbol(r"[r_c^s]_\times"), symbol(r"\omega_s^v")
 
@@ -62,13 +63,11 @@ def _offset(e: sympy.Expr) -> sympy.Expr:
     return e - (VV - RC * OM + VS - RCS * WS + VC)
 
 
-OFFSET = Record(
-    TEXT, "(4.39)", rights(_offset, "the articulated wheel (4.30)"),
+OFFSET = Record(TEXT, "(4.39)", rights(_offset, "the articulated wheel (4.30)"),
     form(symbol("v_c^w"), EQ, VV - RC * OM - RCS * WS),
     form(symbol("v_c^w"), EQ, VV - RC * OM - RCS * WS + VS + VC),
     part=rights(_offset, "the articulated wheel (4.30)", {VS: sympy.S.Zero, VC: sympy.S.Zero}),
-    condition="v_s^v = v_c^s = 0, and r_c^s in vehicle coordinates",
-)  # fmt: skip
+    condition="v_s^v = v_c^s = 0, and r_c^s in vehicle coordinates")
 
 GAMMA, VSX, VSY, GD, DD = (
     symbol(r"\gamma"),
@@ -92,8 +91,7 @@ STEERING = Record(
     form(VSY * cos(GAMMA) - VSX * sin(GAMMA) + DD * (omega + GD), EQ, sympy.S.Zero),
     part=identity(_steer, "the same with d = 0", {DD: sympy.S.Zero}),
     condition="the contact is offset along the axle only (d = 0)",
-    remark="γ = atan2(v_sy, v_sx), written as the equation that it solves.",
-)  # fmt: skip
+    remark="γ = atan2(v_sy, v_sx), written as the equation that it solves.")
 
 VCX, VCY, RW = symbol("v_{cx}"), symbol("v_{cy}"), symbol("r")
 _WAYS = [(1, 0), (sympy.Rational(3, 5), sympy.Rational(4, 5)), (-1, 0), (-3, -4)]
@@ -111,10 +109,8 @@ def _speeds(forward_only: bool) -> Check:
 
 
 SIZE = sympy.sqrt(VCX**2 + VCY**2) / RW
-RIM = Record(
-    TEXT, "4.2.2.1.2, wheel speed", _speeds(False),
+RIM = Record(TEXT, "4.2.2.1.2, wheel speed", _speeds(False),
     form(symbol(r"\omega_{wheel}"), EQ, SIZE), form(symbol(r"\omega_{wheel}"), EQ, sympy.sign(VCX) * SIZE),
-    part=_speeds(True), condition="the wheel rolls forwards, e · v_c > 0",
-)  # fmt: skip
+    part=_speeds(True), condition="the wheel rolls forwards, e · v_c > 0")
 
 CONVENTIONS = (FRESNEL, OFFSET, STEERING, RIM)

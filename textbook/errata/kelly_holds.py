@@ -14,6 +14,9 @@ from textbook.errata.motion import vector
 from textbook.errata.records import Record
 from textbook.frames import h_rows, skew
 
+# Pages of formulas, laid out by hand.
+# fmt: off
+
 W_, AL = MOTION.omega, MOTION.alpha
 R_, V_, A_ = MOTION.r, MOTION.v, MOTION.acc
 ZERO = sympy.S.Zero
@@ -79,8 +82,7 @@ FRAMES = (
            omega * sympy.diff(M([x * cos(psi), x * sin(psi)]), psi))),
     holds("(4.40)", "wmrgen's rows along x and y at the contact, for a planar twist",
           ("v_{c,x}", vx - y * omega, (engine.wheel(x, y, ZERO)[0] * M([vx, ZERO, omega]))[0]),
-          ("v_{c,y}", x * omega, (engine.wheel(x, y, ZERO)[1] * M([vx, ZERO, omega]))[0])),
-)  # fmt: skip
+          ("v_{c,y}", x * omega, (engine.wheel(x, y, ZERO)[1] * M([vx, ZERO, omega]))[0])))
 
 # ---- vehicles
 
@@ -109,7 +111,6 @@ VEHICLES = (
            M.vstack(*(row.extract([0], [0, 2]) for row in engine.wheel(L, ZERO, ZERO))).inv() * M([vx, L * omega]))),
     holds("(4.62), 4WS", "wmrgen's rows of a wheel with axle offset, turned back into vehicle axes",
           (r"[H\,|\,Q]", HQ, BACKED),
-          remark="Contact offset (a, b) = o (−sin, cos); o > 0 on the left. [v̇_x v̇_y ω̇] is [v_x v_y ω]."),
-)  # fmt: skip
+          remark="Contact offset (a, b) = o (−sin, cos); o > 0 on the left. [v̇_x v̇_y ω̇] is [v_x v_y ω]."))
 
 HOLDS: tuple[Record, ...] = (*FRAMES, *VEHICLES)

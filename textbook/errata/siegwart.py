@@ -12,6 +12,9 @@ from textbook.errata.records import Check, Finding, Record
 from textbook.library import formula
 from textbook.transforms import world_to_robot_rows
 
+# Pages of formulas, laid out by hand.
+# fmt: off
+
 TEXT = "Siegwart"
 M = sympy.Matrix
 cos, sin, pi = sympy.cos, sympy.sin, sympy.pi
@@ -21,16 +24,12 @@ WORLD = M([xd, yd, thd])
 XI = M([vx, vy, omega])
 SIDE = ALPHA + BETA
 
-# ---- 3.2.2: radius or diameter
 
-RIM = Record(
-    TEXT, "3.2.2, “diameter r”",
+RIM = Record(TEXT, "3.2.2, “diameter r”",
     rights(lambda v: v - engine.radius("fixed") * phid, "rim speed, the coefficient of the wheel speed in (3.12)"),
     form(symbol("v"), EQ, R * phid / 2), form(symbol("v"), EQ, R * phid),
-    remark="With r the diameter the rim would move at r φ̇/2; (3.7)–(3.9), (3.12) and (3.29) take r for the radius.",
-)  # fmt: skip
+    remark="With r the diameter the rim would move at r φ̇/2; (3.7)–(3.9), (3.12) and (3.29) take r for the radius.")
 
-# ---- (3.14)
 
 ROW = M([[1, 0, 0]])
 EXAMPLE = engine.sliding("fixed").xreplace({ALPHA: sympy.S.Zero, BETA: sympy.S.Zero})
@@ -52,13 +51,10 @@ def _sides(f: Form) -> Finding:
     return vanishes([left - right, right - EXAMPLE * WORLD], "wmrgen's sliding row at α = β = 0, θ = 0")
 
 
-STANDARD = Record(
-    TEXT, "(3.14)", _sides,
+STANDARD = Record(TEXT, "(3.14)", _sides,
     form(sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD),
-    form(ROW, TIMES, sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD),
-)  # fmt: skip
+    form(ROW, TIMES, sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD))
 
-# ---- (3.20)
 
 RSW, PSW = symbol(r"r_{sw}"), symbol(r"\dot{\varphi}_{sw}")
 _TURNED = BETA + GAMMA
@@ -75,10 +71,8 @@ def _locked(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
 ROLLERS = Record(
     TEXT, "(3.20)", identity(_locked, "with locked rollers the wheel is a fixed wheel, v = r φ̇ e of wmrgen's row"),
     form(LEAD - R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero),
-    form(LEAD + R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero),
-)  # fmt: skip
+    form(LEAD + R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero))
 
-# ---- (3.21), (3.22)
 
 ZERO_GLYPH = symbol("0")
 
@@ -98,13 +92,10 @@ def _sphere(angle: sympy.Expr) -> Form:
     return forms((R * phid, EQ, values[0]), (sympy.S.Zero, EQ, values[1]))
 
 
-SPHERE = Record(
-    TEXT, "(3.21), (3.22)", rights(_any_heading, "ξ_R = R(θ) ξ_I for every heading θ"),
+SPHERE = Record(TEXT, "(3.21), (3.22)", rights(_any_heading, "ξ_R = R(θ) ξ_I for every heading θ"),
     _sphere(ZERO_GLYPH), _sphere(theta), reading=((ZERO_GLYPH, theta),),
-    remark="Printed R(0) for R(θ); shown with the product multiplied out.",
-)  # fmt: skip
+    remark="Printed R(0) for R(θ); shown with the product multiplied out.")
 
-# ---- (3.29)
 
 PAIR = """
 name: right, type: fixed, x: 0, y: -1, heading: 0, r: 1
@@ -129,14 +120,11 @@ def _stack(f: Form) -> Finding:
 
 
 STACKED = M([vx + L * omega, vx - L * omega, vy])
-STACK = Record(
-    TEXT, "(3.29), (3.30)", _stack,
+STACK = Record(TEXT, "(3.29), (3.30)", _stack,
     form(STACKED, EQ, M([R * PHI1, R * PHI2, 0])), form(STACKED, EQ, M([R * DOT1, R * DOT2, 0])),
     slip=units({vx: (1, -1), vy: (1, -1), omega: (0, -1), L: (1, 0), R: (1, 0), DOT1: (0, -1), DOT2: (0, -1)}),
-    remark="The dots over φ are lost; right α = −π/2, β = π, left α = π/2, β = 0.",
-)  # fmt: skip
+    remark="The dots over φ are lost; right α = −π/2, β = π, left α = π/2, β = 0.")
 
-# ---- (3.55)
 
 rho, alpha, beta, v = symbol(r"\rho"), symbol(r"\alpha"), symbol(r"\beta"), symbol("v")
 RHO_D, ALPHA_D, BETA_D = symbol(r"\dot{\rho}"), symbol(r"\dot{\alpha}"), symbol(r"\dot{\beta}")
@@ -161,13 +149,10 @@ def _polar(sign: int) -> Form:
     return form(rates, EQ, matrix, TIMES, M([v, omega]))
 
 
-REVERSE = Record(
-    TEXT, "(3.55)",
+REVERSE = Record(TEXT, "(3.55)",
     lambda f: vanishes(_reverse(f.values[1]), "the pose, differentiated, drives backwards at v and turns at ω"),
-    _polar(1), _polar(-1), remark="The printed sign holds if ω is reversed as well: then (3.55) is −(3.53).",
-)  # fmt: skip
+    _polar(1), _polar(-1), remark="The printed sign holds if ω is reversed as well: then (3.55) is −(3.53).")
 
-# ---- (3.65)
 
 K_RHO, K_ALPHA, K_BETA = symbol(r"k_\rho"), symbol(r"k_\alpha"), symbol(r"k_\beta")
 GAINS = (sympy.Rational(1, 2), sympy.Rational(21, 2), sympy.Integer(-6))
@@ -231,14 +216,12 @@ def _largest_alpha() -> float:
 
 def _strong(factor: sympy.Expr) -> Form:
     return form(K_ALPHA + factor * K_BETA - 2 / pi * K_RHO, symbol(r"> 0"), AND, symbol(r"k_\rho > 0"), AND,
-                symbol(r"k_\beta < 0"))  # fmt: skip
+                symbol(r"k_\beta < 0"))
 
 
-STRONG = Record(
-    TEXT, "(3.65)", _stays(pi, "α stays in I₁ for every β(0) in (−π, π)"),
+STRONG = Record(TEXT, "(3.65)", _stays(pi, "α stays in I₁ for every β(0) in (−π, π)"),
     _strong(sympy.Rational(5, 3)), _strong(sympy.Integer(2)),
     part=_stays(5 * pi / 6, "the same for |β| ≤ 5π/6"), condition="|β| ≤ 5π/6", claimed=True,
-    remark="The gains (3, 8, −1.5) of (3.59) satisfy the corrected condition.",
-)  # fmt: skip
+    remark="The gains (3, 8, −1.5) of (3.59) satisfy the corrected condition.")
 
 ERRATA = (RIM, STANDARD, ROLLERS, SPHERE, STACK, REVERSE, STRONG)

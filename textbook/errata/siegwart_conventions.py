@@ -16,11 +16,13 @@ from wmrgen.robot import Derivation
 from wmrgen.symbolic import number as number_of
 from wmrgen.symbolic import signal
 
+# Pages of formulas, laid out by hand.
+# fmt: off
+
 M = sympy.Matrix
 cos, sin, pi = sympy.cos, sympy.sin, sympy.pi
 SIGMA, BETAD = symbol(r"\sigma"), symbol(r"\dot{\beta}")
 
-# ---- (3.3)
 
 XI_R = symbol(r"\dot{\xi}_R")
 
@@ -33,14 +35,11 @@ def _frames(right: sympy.Matrix) -> sympy.Matrix:
     return right - _turned(theta)
 
 
-FRAME = Record(
-    TEXT, "(3.3)", rights(_frames, "rotation into the robot frame at heading θ"),
+FRAME = Record(TEXT, "(3.3)", rights(_frames, "rotation into the robot frame at heading θ"),
     form(XI_R, EQ, _turned(pi / 2)), form(XI_R, EQ, _turned(theta)),
     part=rights(_frames, "the same at θ = π/2", {theta: pi / 2}), condition="θ = π/2",
-    remark="R(π/2) ξ_I and R(θ) ξ_I, multiplied out.",
-)  # fmt: skip
+    remark="R(π/2) ξ_I and R(θ) ξ_I, multiplied out.")
 
-# ---- (3.17), (3.18)
 
 _N = M([[cos(ALPHA + BETA), sin(ALPHA + BETA)]])
 _E = M([[sin(ALPHA + BETA), -cos(ALPHA + BETA)]])
@@ -61,14 +60,11 @@ def _castor(side: sympy.Expr) -> Form:
     return form(lead + side * D * BETAD, EQ, sympy.S.Zero)
 
 
-CASTOR = Record(
-    TEXT, "(3.17), (3.18)", identity(_contact, "sideways velocity of the contact B = A + σ d e"),
+CASTOR = Record(TEXT, "(3.17), (3.18)", identity(_contact, "sideways velocity of the contact B = A + σ d e"),
     _castor(sympy.S.One), _castor(SIGMA),
     part=identity(_contact, "the same with B = A + d e", {SIGMA: sympy.S.One}), condition="σ = 1: B = A + d e",
-    remark="A castor that trails then has φ̇ < 0; for d > 0 with φ̇ > 0 read −d for d.",
-)  # fmt: skip
+    remark="A castor that trails then has φ̇ < 0; for d > 0 with φ̇ > 0 read −d for d.")
 
-# ---- self-alignment
 
 SPEED = sympy.Symbol("V", positive=True)
 ALONG = symbol(r"e\cdot V/|V|")
@@ -88,21 +84,18 @@ def _alignment(signs: tuple[int, ...]) -> Check:
                     along = sin(angle)  # e_x at alpha = 0
                     said = f.rights[0].xreplace({D: sympy.S(sign)})
                     found.append((said == along, f"d {'>' if sign > 0 else '<'} 0: stable at e = {along} V/|V|, "
-                                                 f"β̇ falls by {-slope}/|d| per radian"))  # fmt: skip
+                                                 f"β̇ falls by {-slope}/|d| per radian"))
         wrong = [text for right, text in found if not right]
         return Finding(not wrong, "linearised (3.18): " + "; ".join(wrong or [text for _, text in found]))
 
     return check
 
 
-ALIGN = Record(
-    TEXT, "castor, self-alignment", _alignment((1, -1)),
+ALIGN = Record(TEXT, "castor, self-alignment", _alignment((1, -1)),
     form(ALONG, EQ, sympy.S.One), form(ALONG, EQ, -sympy.sign(D)),
     part=_alignment((-1,)), condition="d < 0",
-    remark="Not printed: what a reader expects of a trailing castor, that it rolls forwards when towed.",
-)  # fmt: skip
+    remark="Not printed: what a reader expects of a trailing castor, that it rolls forwards when towed.")
 
-# ---- (3.41)
 
 CAR = """
 name: rear_left, type: fixed, x: 0, y: 0.6, heading: 0, r: 0.3
@@ -161,15 +154,12 @@ def _steerability(names: tuple[str, ...]) -> Check:
     return check
 
 
-STEERABILITY = Record(
-    TEXT, "(3.41)", _steerability(tuple(ROBOTS)),
+STEERABILITY = Record(TEXT, "(3.41)", _steerability(tuple(ROBOTS)),
     form(symbol(r"\delta_s"), EQ, RANK_S), form(symbol(r"\delta_s"), EQ, RANK - RANK_F),
     part=_steerability(("bicycle", "two-steer", "omni-steer")),
     condition="no steered wheel is tied to the ICR that others fix",
-    remark="All ranks with the wheels steered to one ICR; couplings (synchro drive) reduce δ_s further.",
-)  # fmt: skip
+    remark="All ranks with the wheels steered to one ICR; couplings (synchro drive) reduce δ_s further.")
 
-# ---- locked bicycle
 
 PHI1, PHI2, X = symbol(r"\dot{\varphi}_1"), symbol(r"\dot{\varphi}_2"), symbol(r"\dot{x}")
 
@@ -185,14 +175,10 @@ def _bicycle(beta2: sympy.Expr) -> Check:
     return rights(residual, f"wmrgen's rolling rows with β₂ = {'π/2' if beta2 > 0 else '−π/2'}")
 
 
-LOCKED = Record(
-    TEXT, "3.4.2, locked bicycle", _bicycle(pi / 2),
+LOCKED = Record(TEXT, "3.4.2, locked bicycle", _bicycle(pi / 2),
     forms((PHI1, EQ, X / R), (PHI2, EQ, X / R)), forms((PHI1, EQ, X / R), (PHI2, EQ, -X / R)),
     part=_bicycle(-pi / 2), condition="β₂ = −π/2",
-    remark="φ = x/r + φ₀ differentiated. With α₂ = π and β₂ = π/2 the second wheel points backwards.",
-)  # fmt: skip
-
-# ---- Problem 3.7.1
+    remark="φ = x/r + φ₀ differentiated. With α₂ = π and β₂ = π/2 the second wheel points backwards.")
 
 
 def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
@@ -214,14 +200,11 @@ def _twist(side: sympy.Expr, turn: sympy.Expr) -> Form:
     return form(M([xd, yd, thd]), EQ, M([side / sympy.sqrt(2), side / sympy.sqrt(2), turn]))
 
 
-PROBLEM = Record(
-    TEXT, "Problem 3.7.1", _problem(sympy.S.One, sympy.Rational(3, 2)),
+PROBLEM = Record(TEXT, "Problem 3.7.1", _problem(sympy.S.One, sympy.Rational(3, 2)),
     _twist(sympy.Integer(15), sympy.Rational(3, 5)), _twist(sympy.Rational(15, 2), sympy.Rational(3, 10)),
     part=_problem(sympy.Integer(2), sympy.Integer(3)), condition="the diameters 2 and 3 taken for r",
-    remark="The answer if the book's “diameter r” is put into its formulas, and the answer for diameters 2 and 3.",
-)  # fmt: skip
+    remark="The answer if the book's “diameter r” is put into its formulas, and the answer for diameters 2 and 3.")
 
-# ---- figure 3.16
 
 H1, H2, A1, A2 = symbol("h_1"), symbol("h_2"), symbol(r"\alpha_1"), symbol(r"\alpha_2")
 DEGREE = pi / 180
@@ -243,11 +226,9 @@ def _spin(places: tuple[int, int]) -> Check:
     return check
 
 
-FIGURE = Record(
-    TEXT, "figure 3.16", _spin((90, -90)),
+FIGURE = Record(TEXT, "figure 3.16", _spin((90, -90)),
     forms((H1, EQ, sympy.Integer(-50)), (H2, EQ, sympy.Integer(50))), forms((H1, EQ, A1 + 90), (H2, EQ, A2 - 90)),
     part=_spin((-140, 140)), condition="the wheels stand at polar angles −140° and 140°",
-    remark="Headings in degrees. Printed for a two-steer robot whose wheels stand in line.",
-)  # fmt: skip
+    remark="Headings in degrees. Printed for a two-steer robot whose wheels stand in line.")
 
 CONVENTIONS = (FRAME, CASTOR, ALIGN, STEERABILITY, LOCKED, PROBLEM, FIGURE)

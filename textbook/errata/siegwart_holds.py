@@ -33,9 +33,12 @@ from textbook.errata.siegwart import (
     v,
     xd,
     yd,
-)  # fmt: skip
+)
 from textbook.errata.siegwart_conventions import BICYCLE, OMNI_STEER, ROBOTS
 from textbook.transforms import world_to_robot_rows
+
+# Pages of formulas, laid out by hand.
+# fmt: off
 
 ZERO, ONE, HALF, sqrt = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.sqrt
 TURN = world_to_robot_rows(theta)
@@ -56,12 +59,12 @@ CONTRIBUTION = book("wheel_contributions", r=R, l=L, right_spin=F1, left_spin=F2
 EXAMPLE = {R: ONE, L: ONE, F1: sympy.Integer(4), F2: sympy.Integer(2)}
 THREE = M.vstack(*(
     engine.rolling("swedish").xreplace({ALPHA: a, BETA: ZERO, GAMMA: ZERO}) for a in (pi / 3, pi, -pi / 3)
-))  # fmt: skip
+))
 THREE_INVERSE = M([
     [1 / sqrt(3), 0, -1 / sqrt(3)],
     [-sympy.Rational(1, 3), sympy.Rational(2, 3), -sympy.Rational(1, 3)],
     [-1 / (3 * L), -1 / (3 * L), -1 / (3 * L)],
-])  # fmt: skip
+])
 
 WHEELS = (
     holds("(3.2), (3.4), (3.5), (3.10)", "R(θ) R(θ)ᵀ = 1, and wmrgen's rotation of a velocity",
@@ -92,8 +95,7 @@ WHEELS = (
     holds("(3.33)", "inverse of wmrgen's rolling rows", ("J_{1f}^{-1}", THREE_INVERSE, engine.inverse(THREE))),
     residual(TEXT, "(3.44)", "−1 times wmrgen's rolling row and spin",
              r"[-\sin,\cos,l\cos\beta]\dot{\xi}_R+r\dot{\varphi}", (-ROLL * XI)[0] + R * phid,
-             lambda e: e + (engine.rolling("fixed") * XI)[0] - engine.radius("fixed") * phid),
-)  # fmt: skip
+             lambda e: e + (engine.rolling("fixed") * XI)[0] - engine.radius("fixed") * phid))
 
 
 # ---- ranks and degrees, decided on robots by wmrgen's analysis
@@ -128,7 +130,7 @@ KEYS = (
     "ddof",
 )
 NAMES = dict(zip(KEYS, (r"\mathrm{rank}\,C_{1f}", r"\mathrm{rank}\,C_1", r"\delta_m", r"\delta_s", r"\delta_M",
-                        r"\mathrm{DOF}", r"\mathrm{DDOF}"), strict=True))  # fmt: skip
+                        r"\mathrm{DOF}", r"\mathrm{DDOF}"), strict=True))
 
 
 def facts(text: str) -> dict[str, int]:
@@ -181,8 +183,7 @@ RANKS = (
             (SYNCHRO, "degree_of_maneuverability", 2), (SYNCHRO, "dof", 2)),
     degrees("3.4.1, DOF", "by Lie brackets: differential drive, bicycle, synchro drive, locked bicycle",
             (DIFFERENTIAL, "dof", 3), (BICYCLE, "dof", 3), (SYNCHRO, "dof", 2), (LOCKED, "dof", 1)),
-    degrees("fig. 3.14, omni-steer", "one steered wheel and two spheres", (OMNI_STEER, "degree_of_maneuverability", 3)),
-)  # fmt: skip
+    degrees("fig. 3.14, omni-steer", "one steered wheel and two spheres", (OMNI_STEER, "degree_of_maneuverability", 3)))
 
 # ---- models
 
@@ -198,7 +199,7 @@ LAMBDA = symbol(r"\lambda")
 MECANUM = M.vstack(*(
     engine.wheel(px, py, angle)[0] / cos(angle)
     for px, py, angle in ((1, -1, pi / 4), (1, 1, -pi / 4), (-1, 1, pi / 4), (-1, -1, -pi / 4))
-))  # fmt: skip
+))
 
 MODELS = (
     holds("(3.43)", "(3.43) is wmrgen's sliding row; c · curl c of a fixed wheel at P, not 0: not integrable",
@@ -227,8 +228,7 @@ MODELS = (
     holds("2.3.2.2, mecanum",
           "wheel speeds r φ̇ by wmrgen's rows: straight ahead all equal, sideways diagonals opposite",
           (r"r\dot{\varphi}(1,0,0)", M([1, 1, 1, 1]), MECANUM * M([1, 0, 0])),
-          (r"r\dot{\varphi}(0,1,0)", M([1, -1, 1, -1]), MECANUM * M([0, 1, 0]))),
-)  # fmt: skip
+          (r"r\dot{\varphi}(0,1,0)", M([1, -1, 1, -1]), MECANUM * M([0, 1, 0]))))
 
 # ---- worked numbers
 
@@ -237,7 +237,6 @@ NUMBERS = (
           (r"\dot{\xi}_I", M([0, 3, 1]), TURN.T.xreplace({theta: pi / 2}) * TWIST.xreplace(EXAMPLE))),
     holds("(3.34)", "wmrgen's rolling rows at r = l = 1, θ = 0 and φ̇ = (4, 1, 2)",
           (r"\dot{\xi}_I", M([2 / sqrt(3), -sympy.Rational(4, 3), -sympy.Rational(7, 3)]),
-           engine.inverse(THREE).xreplace({L: ONE}) * M([4, 1, 2])), remark="The text's “speeds (φ₁ = 4)” are φ̇."),
-)  # fmt: skip
+           engine.inverse(THREE).xreplace({L: ONE}) * M([4, 1, 2])), remark="The text's “speeds (φ₁ = 4)” are φ̇."))
 
 HOLDS: tuple[Record, ...] = (*WHEELS, *RANKS, *MODELS, *NUMBERS)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from textbook.errata import (
     aa274,
-    aa274_holds,
     kelly,
     kelly_conventions,
     kelly_holds,
     konstantinov,
-    konstantinov_holds,
     siegwart,
     siegwart_conventions,
     siegwart_holds,
@@ -21,16 +19,13 @@ from textbook.errata.records import Record
 
 # What is not as printed, in the order of the texts; then what holds under a condition; then what holds.
 ERRATA: tuple[Record, ...] = (
-    *tzafestas.ERRATA, *konstantinov.ERRATA, *kelly.ERRATA, *siegwart.ERRATA, *aa274.ERRATA,
-)  # fmt: skip
+    *tzafestas.ERRATA, *konstantinov.ERRATA, *kelly.ERRATA, *siegwart.ERRATA, *aa274.ERRATA)  # fmt: skip
 CONVENTIONS: tuple[Record, ...] = (
     *tzafestas_conventions.CONVENTIONS, *konstantinov.CONVENTIONS, *kelly_conventions.CONVENTIONS,
-    *siegwart_conventions.CONVENTIONS, *aa274.CONVENTIONS,
-)  # fmt: skip
+    *siegwart_conventions.CONVENTIONS, *aa274.CONVENTIONS)  # fmt: skip
 HOLDS: tuple[Record, ...] = (
-    *tzafestas_holds.HOLDS, *konstantinov_holds.HOLDS, *kelly_holds.HOLDS, *siegwart_holds.HOLDS,
-    *aa274_holds.HOLDS,
-)  # fmt: skip
+    *tzafestas_holds.HOLDS, *konstantinov.HOLDS, *kelly_holds.HOLDS, *siegwart_holds.HOLDS,
+    *aa274.HOLDS)  # fmt: skip
 # Numbers that the texts work out, and that are right.
 WORKED: tuple[Record, ...] = (*siegwart_holds.NUMBERS, tzafestas_holds.AUGMENTATION)
 RECORDS: tuple[Record, ...] = (*ERRATA, *CONVENTIONS, *HOLDS)

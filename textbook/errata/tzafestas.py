@@ -13,6 +13,9 @@ from textbook.frames import skew
 from textbook.library import formula
 from textbook.transforms import rotation_rows, world_to_robot_rows
 
+# Pages of formulas, laid out by hand.
+# fmt: off
+
 TEXT = "Tzafestas"
 M = sympy.Matrix
 cos, sin, half, sqrt = sympy.cos, sympy.sin, sympy.Rational(1, 2), sympy.sqrt
@@ -21,8 +24,6 @@ phid = symbol(r"\dot{\phi}")
 r, b, D, v, w, z, theta_d = (symbol(n) for n in ("r", "b", "D", "v", "w", "z", r"\dot{\theta}"))
 u1, u2, v1 = symbol("u_1"), symbol("u_2"), symbol("v_1")
 
-
-# ---- (2.15b)
 
 RY = rotation_rows("y", phi)
 RY_DOT = symbol("R_y")
@@ -33,14 +34,11 @@ def _right_handed(matrix: sympy.Matrix) -> sympy.Matrix:
     return sympy.diff(matrix, phi) - skew(M([0, 1, 0])) * matrix
 
 
-ROTATION = Record(
-    TEXT, "(2.15b)",
+ROTATION = Record(TEXT, "(2.15b)",
     rights(_right_handed, "dR/dφ = [e_y]× R, as for a right-handed rotation"),
     form(RY_DOT, EQ, RY.T), form(RY_DOT, EQ, RY),
-    remark="The printed matrix is R_y(−φ); R_x and R_z of (2.15a, c) are right-handed.",
-)  # fmt: skip
+    remark="The printed matrix is R_y(−φ); R_x and R_z of (2.15a, c) are right-handed.")
 
-# ---- (2.23)
 
 Q = [symbol(f"q_{k}") for k in (1, 2, 3)]
 QD = [symbol(rf"\dot{{q}}_{k}") for k in (1, 2, 3)]
@@ -56,18 +54,15 @@ def _equation_to_zero(f: Form) -> str:
     )
 
 
-SPHERE = Record(
-    TEXT, "(2.23)",
+SPHERE = Record(TEXT, "(2.23)",
     identity(
         lambda left, _: [sympy.diff(left, qd) - sympy.diff(sum(q**2 for q in Q) / 2, q)
                          for q, qd in zip(Q, QD, strict=True)],
         "the coefficients are the gradient of (q₁² + q₂² + q₃²)/2, so the constraint is integrable",
     ),
     form(MU, EQ, SUM), form(SUM, EQ, sympy.S.Zero), slip=_equation_to_zero,
-    remark="Shown for three coordinates.",
-)  # fmt: skip
+    remark="Shown for three coordinates.")
 
-# ---- Example 2.1 and 2.2
 
 XR, YR, VQ, V0 = symbol(r"\dot{x}_r"), symbol(r"\dot{y}_r"), symbol("v_Q"), symbol("v_0")
 UNICYCLE = formula("unicycle").closed()
@@ -78,13 +73,11 @@ def _robot_to_world(x: sympy.Expr, y: sympy.Expr) -> sympy.Matrix:
     return back[:2, :] - VQ * M([cos(phi), sin(phi)])
 
 
-EXAMPLE_21 = Record(
-    TEXT, "Example 2.1, (2.44)",
+EXAMPLE_21 = Record(TEXT, "Example 2.1, (2.44)",
     rights(_robot_to_world, "turned into the world frame the velocity is (2.35), v_Q (cos φ, sin φ)"),
     forms((XR, EQ, V0), (YR, EQ, symbol(r"0\,\cos/\sin{}-\sin/\cos"))),
     forms((XR, EQ, VQ), (YR, EQ, sympy.S.Zero)),
-    slip=undefined(XR, YR, VQ, phi),
-)  # fmt: skip
+    slip=undefined(XR, YR, VQ, phi))
 
 
 def _slipping(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
@@ -97,15 +90,12 @@ def _slipping(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
 
 
 _SAYS = "velocity of the contact of a wheel at angle ζ, from wmrgen's rolling and sliding rows"
-SLIP_ZETA = Record(
-    TEXT, "Example 2.2, slip with ζ ≠ 0", rights(_slipping, _SAYS),
+SLIP_ZETA = Record(TEXT, "Example 2.2, slip with ζ ≠ 0", rights(_slipping, _SAYS),
     forms((symbol("v_x"), EQ, (r * theta_d - w) * cos(zeta)), (symbol("v_y"), EQ, z * cos(zeta))),
     forms((symbol("v_x"), EQ, (r * theta_d - w) * cos(zeta) - z * sin(zeta)),
           (symbol("v_y"), EQ, (r * theta_d - w) * sin(zeta) + z * cos(zeta))),
-    part=rights(_slipping, _SAYS, {zeta: sympy.S.Zero}), condition="ζ = 0", claimed=True,
-)  # fmt: skip
+    part=rights(_slipping, _SAYS, {zeta: sympy.S.Zero}), condition="ζ = 0", claimed=True)
 
-# ---- canonical forms
 
 T = sympy.Symbol("t")
 X1, X2, X3 = (sympy.Function(f"x_{k}")(T) for k in (1, 2, 3))
@@ -124,7 +114,7 @@ def _double_integrator(f: Form) -> Finding:
     as_259 = vanishes(last - texts["x3_rate"].xreplace(known), "the third line is that of (2.59)")
     if orders != [2, 2]:
         return Finding(False, f"the inputs set derivatives of order {orders[0]} and {orders[1]}: "
-                              "the three lines are those of (2.59), which integrates once")  # fmt: skip
+                              "the three lines are those of (2.59), which integrates once")
     return Finding(
         as_259.holds and third == sympy.diff(X3, T), f"both inputs are accelerations; {as_259.text}"
     )
@@ -134,7 +124,7 @@ def _brockett(order: int) -> Form:
     return forms(
         (sympy.diff(X1, T, order), EQ, u1), (sympy.diff(X2, T, order), EQ, u2),
         (sympy.diff(X3, T), EQ, X1 * sympy.diff(X2, T) - X2 * sympy.diff(X1, T)),
-    )  # fmt: skip
+    )
 
 
 DOUBLE = Record(TEXT, "(2.60)", _double_integrator, _brockett(1), _brockett(2))
@@ -155,15 +145,12 @@ def _chain_rates(*right: sympy.Expr) -> list[sympy.Expr]:
     ]
 
 
-CHAIN_MISSING = Record(
-    TEXT, "(2.63)",
+CHAIN_MISSING = Record(TEXT, "(2.63)",
     rights(_chain_rates, "rates of z of (2.62) along the unicycle (2.26)"),
     None,
     forms((Z[0], EQ, u1), (Z[1], EQ, u2), (Z[2], EQ, symbol("z_2") * u1)),
-    remark="The display is missing; u₁ = v_φ, u₂ = v_Q − z₃ u₁.",
-)  # fmt: skip
+    remark="The display is missing; u₁ = v_φ, u₂ = v_Q − z₃ u₁.")
 
-# ---- trailers
 
 PHI = [symbol(rf"\phi_{k}") for k in range(4)]
 PHID = [symbol(rf"\dot{{\phi}}_{k}") for k in range(4)]
@@ -187,12 +174,10 @@ def _constraint(rates: list[sympy.Expr]) -> Form:
     return form(XQ * sin(PHI[i]) - YQ * cos(PHI[i]) + sympy.Add(*terms), EQ, sympy.S.Zero)
 
 
-TRAILER_CONSTRAINT = Record(
-    TEXT, "2.3.6, constraint of trailer i",
+TRAILER_CONSTRAINT = Record(TEXT, "2.3.6, constraint of trailer i",
     identity(lambda left, _: left - sideways(SECOND), "sideways velocity of the trailer, by differentiation"),
     _constraint([PHID[SECOND]] * 4), _constraint(PHID),
-    remark="Shown for i = 2. Printed with the rate of trailer i in every term (and i for the bound index).",
-)  # fmt: skip
+    remark="Shown for i = 2. Printed with the rate of trailer i in every term (and i for the bound index).")
 
 
 def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
@@ -208,15 +193,12 @@ def _trailers_roll(*right: sympy.Expr) -> list[sympy.Expr]:
     return [sideways(i).xreplace(known) for i in (1, 2, 3)]
 
 
-TRAILER_RATES = Record(
-    TEXT, "(2.70)",
+TRAILER_RATES = Record(TEXT, "(2.70)",
     rights(_trailers_roll, "the three trailers roll without slipping while Q drives at v₁ along φ₀"),
     forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(sympy.S.One), 1))),
     forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(v1), 1))),
-    remark="Printed without v₁, which leaves a drift at standstill.",
-)  # fmt: skip
+    remark="Printed without v₁, which leaves a drift at standstill.")
 
-# ---- omnidirectional wheels
 
 VH, VI, VR, VB = (symbol(n) for n in ("v_h", "v_i", r"v_{\mathrm{roller}}", "v_b"))
 PAIR = formula("omni_wheel").closed()
@@ -227,12 +209,10 @@ def _pythagoras(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
     return (right - left).xreplace(known)
 
 
-OMNI_PAIR = Record(
-    TEXT, "(2.71a)",
+OMNI_PAIR = Record(TEXT, "(2.71a)",
     identity(_pythagoras, "with v_i = v_h cos(γ − β) and the rest taken up by the roller"),
     form(VB**2, EQ, VI**2 + VR**2), form(VH**2, EQ, VI**2 + VR**2),
-    slip=undefined(VH, VI, VR, beta, gamma),
-)  # fmt: skip
+    slip=undefined(VH, VI, VR, beta, gamma))
 
 BETAS = [symbol(rf"\beta_{k}") for k in (1, 2, 3, 4)]
 UT = M([[-sin(e), cos(e)] for e in BETAS])
@@ -256,11 +236,9 @@ def _omni4(f: Form) -> Finding:
 
 
 JINV, ONE_R = symbol("J^{-1}"), 1 / r
-OMNI4 = Record(
-    TEXT, "(2.75c, d)", _omni4,
+OMNI4 = Record(TEXT, "(2.75c, d)", _omni4,
     form(JINV, EQ, ONE_R, TIMES, UT * BACK, PLUS, DD3), form(JINV, EQ, ONE_R, TIMES, UT * BACK, BAR, DD4),
-    remark="βᵢ is the angle of the wheel's position here, unlike in (2.72); shown with UᵀR⁻¹(φ) multiplied out.",
-)  # fmt: skip
+    remark="βᵢ is the angle of the wheel's position here, unlike in (2.72); shown with UᵀR⁻¹(φ) multiplied out.")
 
 RR, RS, D1, D2 = (symbol(n) for n in ("R", "r", "d_1", "d_2"))
 S = D1 + D2
@@ -290,12 +268,9 @@ def _mecanum_form(third: list[tuple[sympy.Expr, sympy.Expr]]) -> Form:
 
 PRINTED_THIRD = [(D2, D1), (D2, -D1), (-D2, -D1), (-D2, D1)]
 THIRD = [(D2, -D1), (D2, D1), (-D2, D1), (-D2, -D1)]
-MECANUM = Record(
-    TEXT, "(2.81)", _mecanum, _mecanum_form(PRINTED_THIRD), _mecanum_form(THIRD),
-    remark="y forward; wheels 1 to 4 are front right, front left, rear left, rear right.",
-)  # fmt: skip
+MECANUM = Record(TEXT, "(2.81)", _mecanum, _mecanum_form(PRINTED_THIRD), _mecanum_form(THIRD),
+    remark="y forward; wheels 1 to 4 are front right, front left, rear left, rear right.")
 
 ERRATA = (
     ROTATION, SPHERE, EXAMPLE_21, SLIP_ZETA, DOUBLE, CHAIN_MISSING, TRAILER_CONSTRAINT, TRAILER_RATES, OMNI_PAIR,
-    OMNI4, MECANUM,
-)  # fmt: skip
+    OMNI4, MECANUM)

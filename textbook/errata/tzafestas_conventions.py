@@ -9,6 +9,9 @@ from textbook.errata.forms import AND, EQ, Form, form, forms, symbol
 from textbook.errata.records import Check, Finding, Record
 from textbook.errata.tzafestas import TEXT, XQ, YQ, D, b, cos, phi, phid, psi, r, sin, sqrt, v
 
+# Pages of formulas, laid out by hand.
+# fmt: off
+
 VRT, VL, A = symbol("v_r"), symbol("v_l"), symbol("a")
 RADIUS = A * (VRT + VL) / (VRT - VL)
 
@@ -29,12 +32,10 @@ def _open_domain(f: Form) -> Finding:
     return _radius(Form(((f.values[0], EQ, f.values[1], AND, sympy.StrictGreaterThan(VRT, VL)),)))
 
 
-TURNING = Record(
-    TEXT, "(2.43a)", _radius,
+TURNING = Record(TEXT, "(2.43a)", _radius,
     form(symbol("R"), EQ, RADIUS, AND, sympy.GreaterThan(VRT, VL)),
     form(symbol("R"), EQ, RADIUS, AND, sympy.StrictGreaterThan(VRT, VL)),
-    part=_open_domain, condition="v_r ≠ v_l (R is signed: positive turns left)",
-)  # fmt: skip
+    part=_open_domain, condition="v_r ≠ v_l (R is signed: positive turns left)")
 
 SIDE = symbol(r"\sigma")
 XG, YG = symbol(r"\dot{x}_G"), symbol(r"\dot{y}_G")
@@ -45,13 +46,11 @@ def _offset(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
     return [x - (XQ - SIDE * b * phid * sin(phi)), y - (YQ + SIDE * b * phid * cos(phi))]
 
 
-CENTRE = Record(
-    TEXT, "Example 2.2, G", rights(_offset, "G = Q + σ b (cos φ, sin φ), differentiated"),
+CENTRE = Record(TEXT, "Example 2.2, G", rights(_offset, "G = Q + σ b (cos φ, sin φ), differentiated"),
     forms((XG, EQ, XQ + b * phid * sin(phi)), (YG, EQ, YQ - b * phid * cos(phi))),
     forms((XG, EQ, XQ - SIDE * b * phid * sin(phi)), (YG, EQ, YQ + SIDE * b * phid * cos(phi))),
     part=rights(_offset, "G = Q − b (cos φ, sin φ), differentiated", {SIDE: sympy.S.NegativeOne}),
-    condition="σ = −1: G lies behind the axle",
-)  # fmt: skip
+    condition="σ = −1: G lies behind the axle")
 
 _QUADRANTS = [(sympy.S(a), sympy.Rational(c, 2)) for a in (1, -1) for c in (1, -1)]
 
@@ -72,11 +71,9 @@ def _steer_check(forward_only: bool) -> Check:
     return at_points(_front_heading, (v, phid), _points(forward_only), says)
 
 
-STEER = Record(
-    TEXT, "(2.47a)", _steer_check(False),
+STEER = Record(TEXT, "(2.47a)", _steer_check(False),
     form(psi, EQ, sympy.atan(D * phid / v)), form(psi, EQ, sympy.atan2(D * phid, v)),
-    part=_steer_check(True), condition="v > 0",
-)  # fmt: skip
+    part=_steer_check(True), condition="v > 0")
 
 
 def _front_rate(rate: sympy.Expr) -> sympy.Expr:
@@ -92,10 +89,8 @@ def _rate_check(forward_only: bool) -> Check:
 
 
 SPEED = sqrt(v**2 + (D * phid) ** 2) / r
-FRONT_RATE = Record(
-    TEXT, "(2.47b)", _rate_check(False),
+FRONT_RATE = Record(TEXT, "(2.47b)", _rate_check(False),
     form(symbol(r"\dot{\theta}_w"), EQ, SPEED), form(symbol(r"\dot{\theta}_w"), EQ, sympy.sign(v) * SPEED),
-    part=_rate_check(True), condition="v > 0, the wheel turning forwards",
-)  # fmt: skip
+    part=_rate_check(True), condition="v > 0, the wheel turning forwards")
 
 CONVENTIONS = (TURNING, CENTRE, STEER, FRONT_RATE)

@@ -31,10 +31,13 @@ from textbook.errata.tzafestas import (
     sqrt,
     u1,
     u2,
-)  # fmt: skip
+)
 from textbook.frames import skew
 from textbook.inverses import generalised_inverse, penrose
 from textbook.transforms import rotation_rows, world_to_robot_rows
+
+# Pages of formulas, laid out by hand.
+# fmt: off
 
 ZERO, ONE, HALF, PI = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.pi
 x, y, zeta, xd, yd = symbol("x"), symbol("y"), symbol(r"\zeta"), symbol(r"\dot{x}"), symbol(r"\dot{y}")
@@ -77,8 +80,7 @@ INVERSES = (
     residual(TEXT, "(2.15c)", "dR/dφ = [e_z]× R, right-handed", "R_z", rotation_rows("z", phi),
              lambda e: sympy.diff(e, phi) - skew(M([0, 0, 1])) * e),
     holds("(2.16), (2.17)", "Siegwart's R(φ)⁻¹ in the plane",
-          (r"R(\phi)", M([[cos(phi), -sin(phi)], [sin(phi), cos(phi)]]), BACK.T[:2, :2])),
-)  # fmt: skip
+          (r"R(\phi)", M([[cos(phi), -sin(phi)], [sin(phi), cos(phi)]]), BACK.T[:2, :2])))
 
 # ---- disk, unicycle, differential drive
 
@@ -122,8 +124,7 @@ DRIVES = (
           ("M", PFAFF, M.vstack(*(row * BACK for _, row in REAR)).row_join(sympy.zeros(2))
            .row_join(-sympy.eye(2)))),
     holds("2.2.3, freedom", "rank of wmrgen's C1f of the differential drive: one constraint for three coordinates",
-          ("n-k", ONE, sympy.Integer(M.vstack(SLIDE, SLIDE).rank()))),
-)  # fmt: skip
+          ("n-k", ONE, sympy.Integer(M.vstack(SLIDE, SLIDE).rank()))))
 
 # ---- tricycle and car: q = (x, y, phi, psi)
 
@@ -180,8 +181,7 @@ CARS = (
     holds("(2.66)–(2.69)", "rates of the new coordinates along (2.53) with v₁, v₂ of (2.68)",
           (r"\dot{x}_1", u1, along(CHAIN[0], CAR_FLOW)), (r"\dot{x}_2", u2, along(CHAIN[1], CAR_FLOW)),
           (r"\dot{x}_3", CHAIN[1] * u1, along(CHAIN[2], CAR_FLOW)),
-          (r"\dot{x}_4", CHAIN[2] * u1, along(CHAIN[3], CAR_FLOW)), remark="For φ, ψ ≠ π/2 + kπ."),
-)  # fmt: skip
+          (r"\dot{x}_4", CHAIN[2] * u1, along(CHAIN[3], CAR_FLOW)), remark="For φ, ψ ≠ π/2 + kπ."))
 
 # ---- canonical forms, trailers, omnidirectional wheels
 
@@ -213,7 +213,7 @@ THREE = M([[1, 0, D], [-HALF, sqrt(3) / 2, D], [-HALF, -sqrt(3) / 2, D]]) / r
 THREE_INVERSE = r * M([
     [sympy.Rational(2, 3), -sympy.Rational(1, 3), -sympy.Rational(1, 3)], [0, 1 / sqrt(3), -1 / sqrt(3)],
     [1 / (3 * D), 1 / (3 * D), 1 / (3 * D)],
-])  # fmt: skip
+])
 ALPHA_C, PHI_C, DX, DY = symbol(r"\alpha"), symbol(r"\phi_c"), symbol("d_x"), symbol("d_y")
 SUM = D1 + D2
 FK4 = RR / 4 * M([[-1, 1, -1, 1], [1, 1, 1, 1], [1 / SUM, -1 / SUM, -1 / SUM, 1 / SUM]])
@@ -234,7 +234,7 @@ def _mecanum_truth() -> sympy.Matrix:
 AUGMENTATION = holds(
       "2.4.1, velocity augmentation", "1/|cos(γ − β)|, for three wheels at (60°, 90°) and four at (45°, 90°)",
       (r"v_h/v_i", 2 / sqrt(3), 1 / cos(PI / 2 - PI / 3)), (r"v_h/v_i", sqrt(2), 1 / cos(PI / 2 - PI / 4)),
-      remark="“Maximum angular velocity of each wheel” is to be read as rim speed.")  # fmt: skip
+      remark="“Maximum angular velocity of each wheel” is to be read as rim speed.")
 
 OTHERS = (
     holds("(2.58), (2.59)", "the library's chain of four and Brockett's integrator (definitions)",
@@ -271,7 +271,6 @@ OTHERS = (
            (RR * cos(2 * PI / N_ROLL) - RR) ** 2 + (RR * sin(2 * PI / N_ROLL)) ** 2),
           ("d", 2 * RR * sin(PI / N_ROLL) / sympy.tan(ALPHA_C),
            2 * RR * sin(PI / N_ROLL) / sin(ALPHA_C) * cos(ALPHA_C)),
-          remark="α from the hub axis: 90° is an omni wheel; α = 90° − |γ|."),
-)  # fmt: skip
+          remark="α from the hub axis: 90° is an omni wheel; α = 90° − |γ|."))
 
 HOLDS: tuple[Record, ...] = (*INVERSES, *DRIVES, *CARS, *OTHERS)

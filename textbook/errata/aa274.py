@@ -23,14 +23,12 @@ M = sympy.Matrix
 cos, sin, tan = sympy.cos, sympy.sin, sympy.tan
 xi, u1, L = symbol(r"\xi"), symbol("u_1"), symbol("L")
 
-
 def _front(turn: sympy.Expr) -> list[sympy.Expr]:
     """Front wheel at (L, 0) and heading xi: wmrgen's rows with twist (u1 cos xi, 0, turn) and rim speed u1."""
     known = {ALPHA: sympy.S.Zero, BETA: xi + sympy.pi / 2, LEVER: L}
     twist = M([u1 * cos(xi), 0, turn])
     rows = engine.rolling("steered").xreplace(known), engine.sliding("steered").xreplace(known)
     return [(rows[0] * twist)[0] - u1, (rows[1] * twist)[0]]
-
 
 _SAYS = "wmrgen's rolling and sliding row of the front wheel"
 TRICYCLE = Record(TEXT, "tricycle", rights(_front, _SAYS),
@@ -41,11 +39,9 @@ V, W, TOP, ZMAX = symbol("v"), symbol(r"\omega"), symbol(r"u_1^{max}"), symbol(r
 _TOP, _ZETA = sympy.S.One, sympy.pi / 6
 _GRID = [(sympy.Rational(a, 5), sympy.Rational(b, 5)) for a, b in product(range(-5, 6), range(-3, 4))]
 
-
 def _attained(v: sympy.Expr, w: sympy.Expr) -> bool:
     """(v, omega) = u1 (cos zeta, sin zeta) for some |u1| <= 1 and |zeta| <= 30 deg (L = 1)."""
     return bool(v**2 + w**2 <= 1) and bool(3 * w**2 <= v**2)
-
 
 def _set(inner: bool) -> Check:
     """The bounds describe the inputs of the car exactly; with ``inner``: no more than those."""
@@ -69,7 +65,6 @@ def _set(inner: bool) -> Check:
 
     return check
 
-
 SLOPE = sympy.LessThan(sympy.Abs(W), sympy.Abs(V) * tan(ZMAX), evaluate=False)
 BOUNDS = Record(TEXT, "bounds", _set(False),
     forms((sympy.LessThan(sympy.Abs(V), TOP * cos(ZMAX), evaluate=False),), (SLOPE,)),
@@ -87,7 +82,6 @@ name: b, type: fixed, x: -0.2, y: 0.3, heading: pi/3, r: 0.1
 name: c, type: fixed, x: -0.2, y: -0.3, heading: -pi/4, r: 0.1
 """
 RANK, DELTA = symbol(r"\mathrm{rank}\,C_1"), symbol(r"\delta_m")
-
 
 def _mobility(robots: tuple[str, ...]) -> Check:
     """The claim against wmrgen's degree of mobility."""
@@ -110,7 +104,6 @@ def _mobility(robots: tuple[str, ...]) -> Check:
         )
 
     return check
-
 
 THREE_FIXED = Record(TEXT, "degree of mobility, three fixed wheels", _mobility((CONCURRENT, APART)),
     form(DELTA, EQ, sympy.S.Zero), form(DELTA, EQ, 3 - RANK),

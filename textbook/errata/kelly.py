@@ -19,10 +19,8 @@ cos, sin = sympy.cos, sympy.sin
 MOTION = Turning()
 SPEED_UNIT, RATE_UNIT, LENGTH = (1, -1), (0, -1), (1, 0)
 
-
 VO, VM, VR, CROSS = (symbol(n) for n in (r"v_o^f", r"v_m^f", r"v_o^m", r"\omega_m^f\times r_o^m"))
 DOT_VO, DOT_VM, DOT_VR = (symbol(n) for n in (r"\dot{v}_o^f", r"\dot{v}_m^f", r"\dot{v}_o^m"))
-
 
 def _velocity(f: Form) -> Finding:
     """Every term as it is for a point of a turning frame, at a moment when the frames are parallel."""
@@ -36,13 +34,11 @@ def _velocity(f: Form) -> Finding:
         total += truth[term]
     return vanishes(total, "d/dt (m + R r) of a frame that turns and moves")
 
-
 VELOCITY = Record(TEXT, "4.1.2.4", _velocity,
     form(DOT_VO, EQ, DOT_VM + CROSS + DOT_VR), form(VO, EQ, VM + CROSS + VR),
     slip=units({CROSS: SPEED_UNIT, **dict.fromkeys((VO, VM, VR), SPEED_UNIT),
                 **dict.fromkeys((DOT_VO, DOT_VM, DOT_VR), (1, -2))}),
     remark="The arrows over the vectors came out as dots.")
-
 
 AO, WXX = symbol("a_o^k"), symbol(r"[\omega]_{\times\times}")
 I3, R_X, W_X, TWO_W = (symbol(n) for n in ("I", r"-[r]_\times", r"[\omega]_\times", r"2[\omega]_\times"))
@@ -57,7 +53,6 @@ STACK = {
     A_N: MOTION.acc,
 }
 
-
 def _blocks(f: Form) -> Finding:
     """Sum of block row times stack over the pairs of the display, against the second derivative."""
     rows = [v for v in f.values if isinstance(v, sympy.MatrixBase)]
@@ -69,14 +64,12 @@ def _blocks(f: Form) -> Finding:
             total += BLOCKS[left] * STACK[right]
     return vanishes(total, "d²/dt² (m + R r) of a frame that turns and moves")
 
-
 DEFINED = (AO, *BLOCKS, *STACK, W_K)
 ACCELERATION = Record(TEXT, "4.1.4.1, acceleration", _blocks,
     form(AO, EQ, M([[I3, R_X]]), M([A_K, ALPHA_K]), PLUS, M([[WXX, TWO_W, I3]]), M([R_K, V_K, W_K, A_N])),
     form(AO, EQ, M([[I3, R_X]]), M([A_K, ALPHA_K]), PLUS, M([[WW, TWO_W, I3]]), M([R_K, V_K, A_N])),
     slip=undefined(*DEFINED),
     remark="The stack of four does not fit the three blocks either.")
-
 
 def _omega(f: Form) -> Finding:
     """Omega (r, v) is the centripetal and the Coriolis acceleration."""
@@ -87,21 +80,17 @@ def _omega(f: Form) -> Finding:
         total += BLOCKS[left] * STACK[right]
     return vanishes(total - rest, "d²/dt² (m + R r) less a, α × r and the relative acceleration")
 
-
 OMEGA = Record(TEXT, "(4.25)", _omega,
     form(symbol(r"\Omega\rho"), EQ, M([[W_X, TWO_W]]), M([R_K, V_K])),
     form(symbol(r"\Omega\rho"), EQ, M([[WW, TWO_W]]), M([R_K, V_K])),
     remark="Printed correctly in (4.31).")
 
-
 xd, yd, psi, DASH = symbol(r"\dot{x}"), symbol(r"\dot{y}"), symbol(r"\psi"), symbol("-")
-
 
 def _rolls(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     v = symbol("v")
     known = {DASH: sympy.S.NegativeOne, xd: v * cos(psi), yd: v * sin(psi)}
     return left.xreplace(known)
-
 
 DISK = Record(TEXT, "4.2.1.4", identity(_rolls, "a disk that rolls, (ẋ, ẏ) = v (cos ψ, sin ψ), satisfies it"),
     form(DASH * xd * sin(psi) - yd * cos(psi), EQ, sympy.S.Zero),
@@ -109,15 +98,12 @@ DISK = Record(TEXT, "4.2.1.4", identity(_rolls, "a disk that rolls, (ẋ, ẏ) =
     reading=((DASH, sympy.S.One),),
     remark="The first dash is the bullet of the slide.")
 
-
 W, vx, omega, L = symbol("W"), symbol("v_x"), symbol(r"\omega"), symbol("L")
 RL, VL = symbol("r_l^v"), symbol("v_l^v")
-
 
 def _left_wheel(x: sympy.Expr, y: sympy.Expr) -> sympy.Expr:
     """The left wheel of the H matrix, v_l = v_x - W omega, with the wheel at (x, y)."""
     return (vx - y * omega) - (vx - W * omega) + 0 * x
-
 
 POSITION = Record(TEXT, "differential steer, positions",
     lambda f: vanishes(_left_wheel(*f.values[1]), "speed v_x − y ω of the left wheel against row [1, −W]"),
@@ -129,7 +115,6 @@ VF, VV, RC, RF, OM = (
     symbol(n) for n in ("v_f^w", "v_v^w", r"[r_c^v]_\times", r"[r_f^v]_\times", r"\omega_v^w")
 )
 
-
 def _front_wheel(f: Form) -> Finding:
     position, twist = skew(M([L, 0, 0])), M([0, 0, omega])
     values = {VV: M([vx, 0, 0]), -RF * OM: -position * twist}
@@ -138,14 +123,12 @@ def _front_wheel(f: Form) -> Finding:
         total += values[term]
     return vanishes(total, "the slide's own result v_f = [v_x, ω L]")
 
-
 ACKERMANN = Record(TEXT, "Ackermann, wheel equation", _front_wheel,
     form(VF, EQ, VV - RC * VV), form(VF, EQ, VV - RF * OM),
     slip=units({VF: SPEED_UNIT, VV: SPEED_UNIT, RC: LENGTH, RF: LENGTH, OM: RATE_UNIT}))
 
 VI, RI, OWN = symbol("v_i^w"), symbol(r"[r_i^v]_\times"), symbol(r"\omega_v^v")
 xi, yi, vy = symbol("x_i"), symbol("y_i"), symbol("v_y")
-
 
 def _bicycle(f: Form) -> Finding:
     """omega_v^v, the turning of the vehicle against itself, is 0."""
@@ -155,7 +138,6 @@ def _bicycle(f: Form) -> Finding:
         names = [s for s in term.free_symbols if s in turning]
         total += -skew(M([xi, yi, 0])) * turning[names[0]] if names else M([vx, vy, 0])
     return vanishes(total, "the slide's own result v_i = [V_x − ω y_i, V_y + ω x_i], with ω_v^v = 0")
-
 
 BICYCLE = Record(TEXT, "generalized bicycle", _bicycle,
     form(VI, EQ, VV - RI * OWN), form(VI, EQ, VV - RI * OM), reading=((OWN, OM),))

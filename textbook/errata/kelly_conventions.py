@@ -19,12 +19,10 @@ EXAMPLES = {
     "dy = sin(x²) dx, the graph of y = ∫ sin x²": (M([sin(X**2), -1, 0]), True),
 }
 
-
 def _with_curl(row: sympy.Matrix) -> sympy.Expr:
     """c . curl c of a constraint c . (x', y', z') = 0: 0 where it is integrable (Tzafestas Def. 2.1, 2.2)."""
     J = row.jacobian([X, Y, Z])
     return sympy.simplify(row.dot(M([J[2, 1] - J[1, 2], J[0, 2] - J[2, 0], J[1, 0] - J[0, 1]])))
-
 
 def _criterion(names: tuple[str, ...]) -> Check:
     """Does a test tell integrable from non-integrable constraints?"""
@@ -49,7 +47,6 @@ def _criterion(names: tuple[str, ...]) -> Check:
 
     return check
 
-
 FRESNEL = Record(TEXT, "Fresnel argument", _criterion(tuple(EXAMPLES)),
     form(sympy.Integral(cos(S**2 / 2), S), symbol(r"\text{has no closed form}\;\Rightarrow\;\text{nonholonomic}")),
     form(symbol(r"c\cdot\nabla\times c \ne 0 \;\Leftrightarrow\; \text{nonholonomic}")),
@@ -57,11 +54,9 @@ FRESNEL = Record(TEXT, "Fresnel argument", _criterion(tuple(EXAMPLES)),
 
 VS, VC, RCS, WS = symbol("v_s^v"), symbol("v_c^s"), symbol(r"[r_c^s]_\times"), symbol(r"\omega_s^v")
 
-
 def _offset(e: sympy.Expr) -> sympy.Expr:
     """Against (4.30), term by term."""
     return e - (VV - RC * OM + VS - RCS * WS + VC)
-
 
 OFFSET = Record(TEXT, "(4.39)", rights(_offset, "the articulated wheel (4.30)"),
     form(symbol("v_c^w"), EQ, VV - RC * OM - RCS * WS),
@@ -77,13 +72,11 @@ GAMMA, VSX, VSY, GD, DD = (
     symbol("d"),
 )
 
-
 def _steer(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     """The sliding row of wmrgen's castor at the pivot (l = 0), whose heading is gamma."""
     known = {engine.L: sympy.S.Zero, engine.ALPHA: sympy.S.Zero, engine.BETA: GAMMA + sympy.pi / 2}
     row = engine.sliding("castor").xreplace(known)
     return left - (row * M([VSX, VSY, omega]))[0] - engine.castor_rate() * GD
-
 
 STEERING = Record(
     TEXT, "4.2.2.1.1, steering", identity(_steer, "wmrgen's sliding row of a wheel with castor offset d"),
@@ -96,17 +89,14 @@ STEERING = Record(
 VCX, VCY, RW = symbol("v_{cx}"), symbol("v_{cy}"), symbol("r")
 _WAYS = [(1, 0), (sympy.Rational(3, 5), sympy.Rational(4, 5)), (-1, 0), (-3, -4)]
 
-
 def _rim(e: sympy.Expr) -> sympy.Expr:
     """Wheel along x: its speed is the forward component, with GAMMA its heading modulo a half turn."""
     forward = sympy.sign(VCX) * sympy.sqrt(VCX**2 + VCY**2)
     return (e - forward / RW).xreplace({RW: sympy.S.One})
 
-
 def _speeds(forward_only: bool) -> Check:
     points = [tuple(map(sympy.S, p)) for p in _WAYS if p[0] > 0 or not forward_only]
     return at_points(_rim, (VCX, VCY), points, "component of the contact velocity along the wheel, r = 1")
-
 
 SIZE = sympy.sqrt(VCX**2 + VCY**2) / RW
 RIM = Record(TEXT, "4.2.2.1.2, wheel speed", _speeds(False),

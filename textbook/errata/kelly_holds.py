@@ -24,17 +24,14 @@ u, g, t = vector("u"), vector("g"), symbol("t")
 r0, vel = vector("r_0"), vector("v_0")
 gamma, psi, x, y = (symbol(n) for n in (r"\gamma", r"\psi", "x", "y"))
 
-
 holds = partial(claim, TEXT)  # a claim of this text
 
 # A second frame inside the first: the same motion with symbols of its own.
 W2, AL2, R2, V2, A2 = (vector(n) for n in (r"\omega_s", r"\alpha_s", "r_s", "v_c", "a_c"))
 VS, AS = vector("v_s"), vector("a_s")
 
-
 def _swap(value: sympy.Matrix, *pairs: tuple[sympy.Matrix, sympy.Matrix]) -> sympy.Matrix:
     return value.xreplace({s: e for old, new in pairs for s, e in zip(old, new, strict=True)})
-
 
 def _inside(value: sympy.Matrix) -> sympy.Matrix:
     """A derivative of the first frame in the letters of the second, which turns at W2 and AL2 against it."""
@@ -43,21 +40,17 @@ def _inside(value: sympy.Matrix) -> sympy.Matrix:
     letters = ((W_, W2), (R_, R2), (V_, V2), (A_, A2), (MOTION.vm, VS), (MOTION.am, AS))
     return _swap(value.xreplace(known), *letters)
 
-
 SEEN_V, SEEN_A = _inside(MOTION.velocity), _inside(MOTION.acceleration)
 CHAIN_V = _swap(MOTION.velocity, (V_, SEEN_V))
 CHAIN_A = _swap(MOTION.acceleration, (V_, SEEN_V), (A_, SEEN_A))
 
-
 def _printed_velocity() -> sympy.Matrix:
     return MOTION.vm + W_.cross(R_) + VS + W2.cross(R2) + V2
-
 
 def _printed_acceleration() -> sympy.Matrix:
     seen = VS + W2.cross(R2) + V2
     first = MOTION.am + AL.cross(R_) + W_.cross(W_.cross(R_)) + 2 * W_.cross(seen)
     return first + AS + AL2.cross(R2) + W2.cross(W2.cross(R2)) + 2 * W2.cross(V2) + A2
-
 
 FRAMES = (
     holds("4.1.2.1, 4.1.2.2", "a uniform motion, differentiated: v_p = v + v₀",

@@ -26,11 +26,9 @@ lam, mu = symbol(r"\lambda_i"), symbol(r"\mu_i")
 w = [symbol(rf"\omega_{k}") for k in (1, 2, 3)]
 MU = [symbol(rf"\mu_{k}") for k in (1, 2, 3)]
 
-
 def angle(i: int) -> sympy.Expr:
     """phi_i of wheel i = 1, 2, 3."""
     return phi + sympy.Rational(2 * (i - 1), 3) * sympy.pi
-
 
 def wheel_row(i: int) -> sympy.Matrix:
     """wmrgen's rolling row of wheel i in world coordinates: lambda_i = row (x', y', phi')."""
@@ -43,44 +41,36 @@ def wheel_row(i: int) -> sympy.Matrix:
     }
     return engine.rolling("swedish").xreplace(known) * world_to_robot_rows(phi)
 
-
 RATES = M([xd, yd, phid])
 LAMBDA = xd * sin(phi_i) - yd * cos(phi_i) - a * phid  # (3)
 E_I, N_I = M([[sin(phi_i), -cos(phi_i)]]), M([[cos(phi_i), sin(phi_i)]])
 
-
 def mus() -> list[sympy.Expr]:
     """mu_i of (3) in the rates."""
     return [xd * cos(angle(i)) + yd * sin(angle(i)) for i in (1, 2, 3)]
-
 
 def _derivative(*right: sympy.Expr) -> list[sympy.Expr]:
     place = M([x + a * cos(phi_i), y + a * sin(phi_i)])
     truth = M([xd, yd]) + sympy.diff(place, phi_i) * phid
     return [e - t for e, t in zip(right, truth, strict=True)]
 
-
 XI, YI = symbol(r"\dot{x}_i"), symbol(r"\dot{y}_i")
 HUB = Record(TEXT, "(2)", rights(_derivative, "(1), x_i = x + a cos φᵢ and y_i = y + a sin φᵢ, differentiated"),
     forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd - a * phid * cos(phi_i))),
     forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd + a * phid * cos(phi_i))))
 
-
 U, OMEGA_I, W_I = symbol("u_i"), symbol(r"\omega_i"), symbol("w_i")
-
 
 def _drive_speed(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
     """|u_i|^2 = lambda_i^2 (sin^2 + cos^2) with lambda_i = r omega_i of (4)."""
     known = {U: sqrt((lam * E_I).dot(lam * E_I))}
     return (left.xreplace(known) ** 2 - right**2).xreplace({lam: r * OMEGA_I})
 
-
 ABSOLUTE = Record(
     TEXT, "|u_i|", identity(_drive_speed, "squares, with uᵢ = λᵢ [sin φᵢ, −cos φᵢ] and λᵢ = r ωᵢ of (4)"),
     form(sympy.Abs(U), EQ, r * sympy.Abs(W_I)), form(sympy.Abs(U), EQ, r * sympy.Abs(OMEGA_I)),
     slip=units({U: (1, -1), W_I: (1, -1), r: (1, 0), OMEGA_I: (0, -1)}),
     remark="wᵢ is the velocity along the roller; ω was read as w.")
-
 
 def _components(f: Form) -> Finding:
     """u_i + w_i is the velocity of the hub (2)."""
@@ -93,11 +83,9 @@ def _components(f: Form) -> Finding:
     hub = M([[xd - a * phid * sin(phi_i), yd + a * phid * cos(phi_i)]])
     return vanishes(((u + v).xreplace(known) - hub), "uᵢ + wᵢ is the velocity of the hub")
 
-
 COMPONENTS = Record(TEXT, "u_i, w_i before (3)", _components,
     forms((U, EQ, lam * (sin(phi_i) - cos(phi_i))), (W_I, EQ, mu * (cos(phi_i) - sin(phi_i)))),
     forms((U, EQ, lam * E_I), (W_I, EQ, mu * N_I)))
-
 
 DETAIL = Record(TEXT, "(4) in detail, ω₁",
     rights(lambda e: e - (wheel_row(1) * RATES)[0] / r, "wmrgen's rolling row of wheel 1"),
@@ -105,7 +93,6 @@ DETAIL = Record(TEXT, "(4) in detail, ω₁",
     form(w[0], EQ, (xd * sin(phi) - yd * cos(phi) - a * phid) / r),
     slip=undefined(*w, xd, yd, phi, phid, a, r),
     remark="The index i has no value here; wheel 1 stands at φ₁ = φ. ω₂ and ω₃ are printed correctly.")
-
 
 V = symbol("v")
 SPEED = Record(TEXT, "v²",
@@ -117,19 +104,15 @@ SPEED = Record(TEXT, "v²",
 OMEGA = sympy.Symbol(r"\left|\Omega\right|", positive=True)
 OMEGA1 = symbol(r"\Omega_1")
 
-
 def _circle(*right: sympy.Expr) -> sympy.Expr:
     speed = 2 * r * OMEGA1 / 3
     return right[0] - speed / (r * OMEGA / (3 * a))
 
-
 CIRCLE = Record(TEXT, "R", rights(_circle, "R = v/ω₀ with v = 2 r Ω₁/3 and ω₀ = r |Ω|/(3a)"),
     form(symbol("R"), EQ, a * OMEGA1 / OMEGA), form(symbol("R"), EQ, 2 * a * OMEGA1 / OMEGA))
 
-
 theta = symbol(r"\theta")
 ABOVE, RIGHT = w[1] + w[2] - 2 * w[0], sqrt(3) * (w[1] - w[2])
-
 
 def _direction(e: sympy.Expr) -> list[sympy.Expr]:
     """Body velocity from wmrgen's rows at phi = 0, a = r = 1: v (cos theta, sin theta)."""
@@ -138,13 +121,11 @@ def _direction(e: sympy.Expr) -> list[sympy.Expr]:
     speed = sqrt(body[0] ** 2 + body[1] ** 2)
     return [speed * cos(e) - body[0], speed * sin(e) - body[1]]
 
-
 def _quadrants(right_only: bool) -> Check:
     points = [(1, 4, 2), (3, 2, 1), (1, 2, 4), (3, 1, 2)]
     kept = [tuple(map(sympy.S, p)) for p in points if p[1] > p[2] or not right_only]
     says = "direction of the velocity from wmrgen's rolling rows at φ = 0"
     return at_points(_direction, w, kept, says)
-
 
 DIRECTION = Record(TEXT, "case Ω ≠ 0, θ", _quadrants(False),
     form(theta, EQ, sympy.atan(ABOVE / RIGHT)), form(theta, EQ, sympy.atan2(ABOVE, RIGHT)),
@@ -170,11 +151,9 @@ MU1 = TWIST[0] * cos(phi) + TWIST[1] * sin(phi)
 TIME, W0, PACE, PHI0, X0, Y0 = (symbol(n) for n in ("t", r"\omega_0", "v", r"\phi_0", "x_0", "y_0"))
 PSI = [symbol(rf"\psi_{k}") for k in (1, 2, 3)]
 
-
 def _drive(k: int) -> Expr:
     """lambda_k / r by wmrgen's rolling row."""
     return (wheel_row(k) * RATES)[0] / r
-
 
 holds = partial(claim, TEXT)  # a claim of this text
 

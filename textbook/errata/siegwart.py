@@ -24,16 +24,13 @@ WORLD = M([xd, yd, thd])
 XI = M([vx, vy, omega])
 SIDE = ALPHA + BETA
 
-
 RIM = Record(TEXT, "3.2.2, “diameter r”",
     rights(lambda v: v - engine.radius("fixed") * phid, "rim speed, the coefficient of the wheel speed in (3.12)"),
     form(symbol("v"), EQ, R * phid / 2), form(symbol("v"), EQ, R * phid),
     remark="With r the diameter the rim would move at r φ̇/2; (3.7)–(3.9), (3.12) and (3.29) take r for the radius.")
 
-
 ROW = M([[1, 0, 0]])
 EXAMPLE = engine.sliding("fixed").xreplace({ALPHA: sympy.S.Zero, BETA: sympy.S.Zero})
-
 
 def _sides(f: Form) -> Finding:
     """Left and right product of the display have one shape, and are the example's sliding row."""
@@ -50,16 +47,13 @@ def _sides(f: Form) -> Finding:
         return Finding(False, f"{shape_of(left)} = {shape_of(right)}; set to 0 it would freeze all motion")
     return vanishes([left - right, right - EXAMPLE * WORLD], "wmrgen's sliding row at α = β = 0, θ = 0")
 
-
 STANDARD = Record(TEXT, "(3.14)", _sides,
     form(sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD),
     form(ROW, TIMES, sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD))
 
-
 RSW, PSW = symbol(r"r_{sw}"), symbol(r"\dot{\varphi}_{sw}")
 _TURNED = BETA + GAMMA
 LEAD = cos(ALPHA + _TURNED) * vx + sin(ALPHA + _TURNED) * vy + L * sin(_TURNED) * omega
-
 
 def _locked(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     """Rollers locked, the hub of a fixed wheel moves at r spin along e, the fixed wheel's rolling direction."""
@@ -67,22 +61,18 @@ def _locked(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     known = {PSW: sympy.S.Zero, omega: sympy.S.Zero, vx: R * phid * e[0], vy: R * phid * e[1]}
     return left.xreplace(known)
 
-
 ROLLERS = Record(
     TEXT, "(3.20)", identity(_locked, "with locked rollers the wheel is a fixed wheel, v = r φ̇ e of wmrgen's row"),
     form(LEAD - R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero),
     form(LEAD + R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero))
 
-
 ZERO_GLYPH = symbol("0")
-
 
 def _any_heading(*left: sympy.Expr) -> list[sympy.Expr]:
     """row R(.) xi_I = row xi_R for every heading, with xi_R = R(theta) xi_I."""
     rows = (engine.rolling("fixed"), engine.sliding("fixed"))
     truth = [(row * world_to_robot_rows(theta) * WORLD)[0] for row in rows]
     return [e.xreplace({ZERO_GLYPH: sympy.S.Zero}) - t for e, t in zip(left, truth, strict=True)]
-
 
 def _sphere(angle: sympy.Expr) -> Form:
     rows = (engine.rolling("fixed"), engine.sliding("fixed"))
@@ -91,11 +81,9 @@ def _sphere(angle: sympy.Expr) -> Form:
     values = [sympy.Add(*(a * b for a, b in zip(row, xi, strict=True))) for row in rows]
     return forms((R * phid, EQ, values[0]), (sympy.S.Zero, EQ, values[1]))
 
-
 SPHERE = Record(TEXT, "(3.21), (3.22)", rights(_any_heading, "ξ_R = R(θ) ξ_I for every heading θ"),
     _sphere(ZERO_GLYPH), _sphere(theta), reading=((ZERO_GLYPH, theta),),
     remark="Printed R(0) for R(θ); shown with the product multiplied out.")
-
 
 PAIR = """
 name: right, type: fixed, x: 0, y: -1, heading: 0, r: 1
@@ -108,7 +96,6 @@ PHI1, PHI2, DOT1, DOT2 = (
     symbol(r"\dot{\varphi}_2"),
 )
 
-
 def _stack(f: Form) -> Finding:
     """J1 xi - J2 spin and the sliding row, from wmrgen's rows at alpha = -+ pi/2, beta = pi and 0."""
     left, right = f.values
@@ -118,17 +105,14 @@ def _stack(f: Form) -> Finding:
     truth = stack * XI - M([R * DOT1, R * DOT2, 0])
     return vanishes(left - right - truth, "wmrgen's two rolling rows and one sliding row")
 
-
 STACKED = M([vx + L * omega, vx - L * omega, vy])
 STACK = Record(TEXT, "(3.29), (3.30)", _stack,
     form(STACKED, EQ, M([R * PHI1, R * PHI2, 0])), form(STACKED, EQ, M([R * DOT1, R * DOT2, 0])),
     slip=units({vx: (1, -1), vy: (1, -1), omega: (0, -1), L: (1, 0), R: (1, 0), DOT1: (0, -1), DOT2: (0, -1)}),
     remark="The dots over φ are lost; right α = −π/2, β = π, left α = π/2, β = 0.")
 
-
 rho, alpha, beta, v = symbol(r"\rho"), symbol(r"\alpha"), symbol(r"\beta"), symbol("v")
 RHO_D, ALPHA_D, BETA_D = symbol(r"\dot{\rho}"), symbol(r"\dot{\alpha}"), symbol(r"\dot{\beta}")
-
 
 def polar_motion(rates: tuple[sympy.Expr, ...], speed: sympy.Expr) -> list[sympy.Expr]:
     """Velocity of the pose x = -rho cos beta, y = rho sin beta, theta = -alpha - beta, less that of the unicycle."""
@@ -137,27 +121,22 @@ def polar_motion(rates: tuple[sympy.Expr, ...], speed: sympy.Expr) -> list[sympy
     heading = -alpha - beta
     return list(moved - M([speed * cos(heading), speed * sin(heading), omega]))
 
-
 def _reverse(matrix: sympy.Matrix) -> list[sympy.Expr]:
     rates = matrix * M([v, omega])
     return polar_motion(tuple(rates), -v)
-
 
 def _polar(sign: int) -> Form:
     rates = M([RHO_D, ALPHA_D, BETA_D])
     matrix = M([[cos(alpha), 0], [-sin(alpha) / rho, sign], [sin(alpha) / rho, 0]])
     return form(rates, EQ, matrix, TIMES, M([v, omega]))
 
-
 REVERSE = Record(TEXT, "(3.55)",
     lambda f: vanishes(_reverse(f.values[1]), "the pose, differentiated, drives backwards at v and turns at ω"),
     _polar(1), _polar(-1), remark="The printed sign holds if ω is reversed as well: then (3.55) is −(3.53).")
 
-
 K_RHO, K_ALPHA, K_BETA = symbol(r"k_\rho"), symbol(r"k_\alpha"), symbol(r"k_\beta")
 GAINS = (sympy.Rational(1, 2), sympy.Rational(21, 2), sympy.Integer(-6))
 START = (1.0, 1.55, 3.1)  # rho, alpha, beta
-
 
 def _margin(condition: sympy.Expr, bound: sympy.Expr) -> sympy.Expr:
     """alpha' at alpha = pi/2, beta = bound on the edge of the condition, as a multiple of -k_beta."""
@@ -166,7 +145,6 @@ def _margin(condition: sympy.Expr, bound: sympy.Expr) -> sympy.Expr:
     names = {"alpha": pi / 2, "beta": bound, "k_rho": K_RHO, "k_alpha": edge, "k_beta": K_BETA}
     at_edge = closed.xreplace({s: names[s.name] for s in closed.free_symbols})
     return sympy.simplify(sympy.expand(at_edge) / -K_BETA)
-
 
 def _stays(bound: sympy.Expr, says: str) -> Check:
     """The condition keeps alpha below pi/2 for every |beta| <= bound."""
@@ -192,7 +170,6 @@ def _stays(bound: sympy.Expr, says: str) -> Check:
 
     return check
 
-
 def _largest_alpha() -> float:
     """The largest alpha along the closed loop (3.58) in the first half second, by Runge-Kutta."""
     from math import sin as sine
@@ -213,11 +190,9 @@ def _largest_alpha() -> float:
         top = max(top, a)
     return top
 
-
 def _strong(factor: sympy.Expr) -> Form:
     return form(K_ALPHA + factor * K_BETA - 2 / pi * K_RHO, symbol(r"> 0"), AND, symbol(r"k_\rho > 0"), AND,
                 symbol(r"k_\beta < 0"))
-
 
 STRONG = Record(TEXT, "(3.65)", _stays(pi, "α stays in I₁ for every β(0) in (−π, π)"),
     _strong(sympy.Rational(5, 3)), _strong(sympy.Integer(2)),

@@ -23,27 +23,21 @@ M = sympy.Matrix
 cos, sin, pi = sympy.cos, sympy.sin, sympy.pi
 SIGMA, BETAD = symbol(r"\sigma"), symbol(r"\dot{\beta}")
 
-
 XI_R = symbol(r"\dot{\xi}_R")
-
 
 def _turned(angle: sympy.Expr) -> sympy.Matrix:
     return world_to_robot_rows(angle) * M([xd, yd, thd])
 
-
 def _frames(right: sympy.Matrix) -> sympy.Matrix:
     return right - _turned(theta)
-
 
 FRAME = Record(TEXT, "(3.3)", rights(_frames, "rotation into the robot frame at heading θ"),
     form(XI_R, EQ, _turned(pi / 2)), form(XI_R, EQ, _turned(theta)),
     part=rights(_frames, "the same at θ = π/2", {theta: pi / 2}), condition="θ = π/2",
     remark="R(π/2) ξ_I and R(θ) ξ_I, multiplied out.")
 
-
 _N = M([[cos(ALPHA + BETA), sin(ALPHA + BETA)]])
 _E = M([[sin(ALPHA + BETA), -cos(ALPHA + BETA)]])
-
 
 def _contact(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     """n . velocity of B = A + sigma d e, A = l (cos alpha, sin alpha), the wheel turning at omega + beta'."""
@@ -53,22 +47,18 @@ def _contact(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     swing = (omega + BETAD) * M([-arm[1], arm[0]])
     return left - (_N * (pivot + swing))[0]
 
-
 def _castor(side: sympy.Expr) -> Form:
     row = engine.sliding("fixed")
     lead = row[0] * vx + row[1] * vy + (side * D + row[2]) * omega
     return form(lead + side * D * BETAD, EQ, sympy.S.Zero)
-
 
 CASTOR = Record(TEXT, "(3.17), (3.18)", identity(_contact, "sideways velocity of the contact B = A + σ d e"),
     _castor(sympy.S.One), _castor(SIGMA),
     part=identity(_contact, "the same with B = A + d e", {SIGMA: sympy.S.One}), condition="σ = 1: B = A + d e",
     remark="A castor that trails then has φ̇ < 0; for d > 0 with φ̇ > 0 read −d for d.")
 
-
 SPEED = sympy.Symbol("V", positive=True)
 ALONG = symbol(r"e\cdot V/|V|")
-
 
 def _alignment(signs: tuple[int, ...]) -> Check:
     """e at the stable equilibrium of (3.18): the sliding row of wmrgen's castor for a pivot pulled along x."""
@@ -90,12 +80,10 @@ def _alignment(signs: tuple[int, ...]) -> Check:
 
     return check
 
-
 ALIGN = Record(TEXT, "castor, self-alignment", _alignment((1, -1)),
     form(ALONG, EQ, sympy.S.One), form(ALONG, EQ, -sympy.sign(D)),
     part=_alignment((-1,)), condition="d < 0",
     remark="Not printed: what a reader expects of a trailing castor, that it rolls forwards when towed.")
-
 
 CAR = """
 name: rear_left, type: fixed, x: 0, y: 0.6, heading: 0, r: 0.3
@@ -120,7 +108,6 @@ name: three, type: spherical, x: -0.2, y: -0.2
 ROBOTS = {"automobile": CAR, "bicycle": BICYCLE, "two-steer": TWO_STEER, "omni-steer": OMNI_STEER}
 RANK_S, RANK, RANK_F = (symbol(rf"\mathrm{{rank}}\,{n}") for n in ("C_{1s}", "C_1", "C_{1f}"))
 
-
 def literal_rank(d: Derivation) -> int:
     """rank C1s with all wheels steered to one ICR, (0, 2) in the robot frame or (0.2, 2) without fixed wheels."""
     fixed = any(w.kind.fixed_axle for w in d.robot.wheels)
@@ -131,7 +118,6 @@ def literal_rank(d: Derivation) -> int:
             x, y = (number_of(e) for e in (w.nominal.x, w.nominal.y))
             known[signal(f"{w.name}.steer")] = sympy.atan2(x - icr[0], icr[1] - y)
     return generic_rank(d.C1s.xreplace(known))
-
 
 def _steerability(names: tuple[str, ...]) -> Check:
     """The formula against the degree of steerability, dimension of the ICR's freedom, of wmrgen's analysis."""
@@ -153,16 +139,13 @@ def _steerability(names: tuple[str, ...]) -> Check:
 
     return check
 
-
 STEERABILITY = Record(TEXT, "(3.41)", _steerability(tuple(ROBOTS)),
     form(symbol(r"\delta_s"), EQ, RANK_S), form(symbol(r"\delta_s"), EQ, RANK - RANK_F),
     part=_steerability(("bicycle", "two-steer", "omni-steer")),
     condition="no steered wheel is tied to the ICR that others fix",
     remark="All ranks with the wheels steered to one ICR; couplings (synchro drive) reduce δ_s further.")
 
-
 PHI1, PHI2, X = symbol(r"\dot{\varphi}_1"), symbol(r"\dot{\varphi}_2"), symbol(r"\dot{x}")
-
 
 def _bicycle(beta2: sympy.Expr) -> Check:
     """Wheel speeds from wmrgen's rolling rows at alpha = 0 and pi, driving along x."""
@@ -174,12 +157,10 @@ def _bicycle(beta2: sympy.Expr) -> Check:
 
     return rights(residual, f"wmrgen's rolling rows with β₂ = {'π/2' if beta2 > 0 else '−π/2'}")
 
-
 LOCKED = Record(TEXT, "3.4.2, locked bicycle", _bicycle(pi / 2),
     forms((PHI1, EQ, X / R), (PHI2, EQ, X / R)), forms((PHI1, EQ, X / R), (PHI2, EQ, -X / R)),
     part=_bicycle(-pi / 2), condition="β₂ = −π/2",
     remark="φ = x/r + φ₀ differentiated. With α₂ = π and β₂ = π/2 the second wheel points backwards.")
-
 
 def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
     """Twist in the world frame of a differential drive: l = 5, theta = pi/4, both wheels at 6 rad/s."""
@@ -195,20 +176,16 @@ def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
 
     return check
 
-
 def _twist(side: sympy.Expr, turn: sympy.Expr) -> Form:
     return form(M([xd, yd, thd]), EQ, M([side / sympy.sqrt(2), side / sympy.sqrt(2), turn]))
-
 
 PROBLEM = Record(TEXT, "Problem 3.7.1", _problem(sympy.S.One, sympy.Rational(3, 2)),
     _twist(sympy.Integer(15), sympy.Rational(3, 5)), _twist(sympy.Rational(15, 2), sympy.Rational(3, 10)),
     part=_problem(sympy.Integer(2), sympy.Integer(3)), condition="the diameters 2 and 3 taken for r",
     remark="The answer if the book's “diameter r” is put into its formulas, and the answer for diameters 2 and 3.")
 
-
 H1, H2, A1, A2 = symbol("h_1"), symbol("h_2"), symbol(r"\alpha_1"), symbol(r"\alpha_2")
 DEGREE = pi / 180
-
 
 def _spin(places: tuple[int, int]) -> Check:
     """Turning about P: the sliding row's third entry is 0 with the wheel at alpha heading h = alpha + beta - pi/2."""
@@ -224,7 +201,6 @@ def _spin(places: tuple[int, int]) -> Check:
         return vanishes(entries, f"sideways velocity while spinning, wheels at polar angles {angles}")
 
     return check
-
 
 FIGURE = Record(TEXT, "figure 3.16", _spin((90, -90)),
     forms((H1, EQ, sympy.Integer(-50)), (H2, EQ, sympy.Integer(50))), forms((H1, EQ, A1 + 90), (H2, EQ, A2 - 90)),

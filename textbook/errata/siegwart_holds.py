@@ -52,7 +52,6 @@ ROLL = M([[sin(SUM), -cos(SUM), -L * cos(BETA)]])
 SLIDE = M([[cos(SUM), sin(SUM), L * sin(BETA)]])
 SWEDISH = M([[sin(SUM + GAMMA), -cos(SUM + GAMMA), -L * cos(BETA + GAMMA)]])
 
-
 holds = partial(claim, TEXT)  # a claim of this text
 
 CONTRIBUTION = book("wheel_contributions", r=R, l=L, right_spin=F1, left_spin=F2)
@@ -97,7 +96,6 @@ WHEELS = (
              r"[-\sin,\cos,l\cos\beta]\dot{\xi}_R+r\dot{\varphi}", (-ROLL * XI)[0] + R * phid,
              lambda e: e + (engine.rolling("fixed") * XI)[0] - engine.radius("fixed") * phid))
 
-
 # ---- ranks and degrees, decided on robots by wmrgen's analysis
 
 DIFFERENTIAL = """
@@ -132,13 +130,11 @@ KEYS = (
 NAMES = dict(zip(KEYS, (r"\mathrm{rank}\,C_{1f}", r"\mathrm{rank}\,C_1", r"\delta_m", r"\delta_s", r"\delta_M",
                         r"\mathrm{DOF}", r"\mathrm{DDOF}"), strict=True))
 
-
 def facts(text: str) -> dict[str, int]:
     """Ranks and degrees by wmrgen's analysis."""
     m = (engine.derived(text) if text.startswith("wmrgen") else engine.robot(text)).mobility
     found = {key: getattr(m, key) for key in KEYS}
     return {key: int(getattr(value, "value", value)) for key, value in found.items()}
-
 
 def degrees(equation: str, says: str, *said: tuple[str, str, int], remark: str = "") -> Record:
     """Printed ranks and degrees: (robot, key, number) each."""
@@ -149,7 +145,6 @@ def degrees(equation: str, says: str, *said: tuple[str, str, int], remark: str =
         return vanishes([e - facts(text)[key] for e, (text, key, _) in pairs], f"wmrgen's analysis: {says}")
 
     return Record(TEXT, equation, check, shown, remark=remark)
-
 
 def relation(equation: str, says: str, key: str, right: Value) -> Record:
     """A degree as a function of other ranks and degrees, on every robot of this page."""
@@ -164,7 +159,6 @@ def relation(equation: str, says: str, key: str, right: Value) -> Record:
         return vanishes(entries, f"{says}, for {len(every)} robots")
 
     return Record(TEXT, equation, check, shown)
-
 
 RANKS = (
     degrees("(3.35)–(3.37)", "a single fixed wheel", (SINGLE, "rank_C1f", 1), (SINGLE, "degree_of_mobility", 2)),

@@ -24,27 +24,22 @@ phid = symbol(r"\dot{\phi}")
 r, b, D, v, w, z, theta_d = (symbol(n) for n in ("r", "b", "D", "v", "w", "z", r"\dot{\theta}"))
 u1, u2, v1 = symbol("u_1"), symbol("u_2"), symbol("v_1")
 
-
 RY = rotation_rows("y", phi)
 RY_DOT = symbol("R_y")
-
 
 def _right_handed(matrix: sympy.Matrix) -> sympy.Matrix:
     """dR/dphi - [e_y]x R, which is 0 for the right-handed rotation about y that is 1 at phi = 0."""
     return sympy.diff(matrix, phi) - skew(M([0, 1, 0])) * matrix
-
 
 ROTATION = Record(TEXT, "(2.15b)",
     rights(_right_handed, "dR/dφ = [e_y]× R, as for a right-handed rotation"),
     form(RY_DOT, EQ, RY.T), form(RY_DOT, EQ, RY),
     remark="The printed matrix is R_y(−φ); R_x and R_z of (2.15a, c) are right-handed.")
 
-
 Q = [symbol(f"q_{k}") for k in (1, 2, 3)]
 QD = [symbol(rf"\dot{{q}}_{k}") for k in (1, 2, 3)]
 MU = symbol(r"\mu(q)\,\dot{q}")
 SUM = sympy.Add(*(a * c for a, c in zip(Q, QD, strict=True)))
-
 
 def _equation_to_zero(f: Form) -> str:
     return (
@@ -52,7 +47,6 @@ def _equation_to_zero(f: Form) -> str:
         if f.rights[-1] == 0
         else "the line names a sum and sets it equal to nothing: no motion is excluded"
     )
-
 
 SPHERE = Record(TEXT, "(2.23)",
     identity(
@@ -63,22 +57,18 @@ SPHERE = Record(TEXT, "(2.23)",
     form(MU, EQ, SUM), form(SUM, EQ, sympy.S.Zero), slip=_equation_to_zero,
     remark="Shown for three coordinates.")
 
-
 XR, YR, VQ, V0 = symbol(r"\dot{x}_r"), symbol(r"\dot{y}_r"), symbol("v_Q"), symbol("v_0")
 UNICYCLE = formula("unicycle").closed()
-
 
 def _robot_to_world(x: sympy.Expr, y: sympy.Expr) -> sympy.Matrix:
     back = world_to_robot_rows(phi).T * M([x, y, 0])
     return back[:2, :] - VQ * M([cos(phi), sin(phi)])
-
 
 EXAMPLE_21 = Record(TEXT, "Example 2.1, (2.44)",
     rights(_robot_to_world, "turned into the world frame the velocity is (2.35), v_Q (cos φ, sin φ)"),
     forms((XR, EQ, V0), (YR, EQ, symbol(r"0\,\cos/\sin{}-\sin/\cos"))),
     forms((XR, EQ, VQ), (YR, EQ, sympy.S.Zero)),
     slip=undefined(XR, YR, VQ, phi))
-
 
 def _slipping(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
     """(r theta' - w) e + z n: velocity of a slipping contact of a wheel turned by zeta."""
@@ -88,7 +78,6 @@ def _slipping(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
     )
     return [x - (r * theta_d - w) * row[0] - z * across[0], y - (r * theta_d - w) * row[1] - z * across[1]]
 
-
 _SAYS = "velocity of the contact of a wheel at angle ζ, from wmrgen's rolling and sliding rows"
 SLIP_ZETA = Record(TEXT, "Example 2.2, slip with ζ ≠ 0", rights(_slipping, _SAYS),
     forms((symbol("v_x"), EQ, (r * theta_d - w) * cos(zeta)), (symbol("v_y"), EQ, z * cos(zeta))),
@@ -96,10 +85,8 @@ SLIP_ZETA = Record(TEXT, "Example 2.2, slip with ζ ≠ 0", rights(_slipping, _S
           (symbol("v_y"), EQ, (r * theta_d - w) * sin(zeta) + z * cos(zeta))),
     part=rights(_slipping, _SAYS, {zeta: sympy.S.Zero}), condition="ζ = 0", claimed=True)
 
-
 T = sympy.Symbol("t")
 X1, X2, X3 = (sympy.Function(f"x_{k}")(T) for k in (1, 2, 3))
-
 
 def _double_integrator(f: Form) -> Finding:
     """The first two lines set second derivatives; the third is Brockett's with rates for inputs."""
@@ -119,18 +106,15 @@ def _double_integrator(f: Form) -> Finding:
         as_259.holds and third == sympy.diff(X3, T), f"both inputs are accelerations; {as_259.text}"
     )
 
-
 def _brockett(order: int) -> Form:
     return forms(
         (sympy.diff(X1, T, order), EQ, u1), (sympy.diff(X2, T, order), EQ, u2),
         (sympy.diff(X3, T), EQ, X1 * sympy.diff(X2, T) - X2 * sympy.diff(X1, T)),
     )
 
-
 DOUBLE = Record(TEXT, "(2.60)", _double_integrator, _brockett(1), _brockett(2))
 
 Z = [symbol(rf"\dot{{z}}_{k}") for k in (1, 2, 3)]
-
 
 def _chain_rates(*right: sympy.Expr) -> list[sympy.Expr]:
     """Right-hand sides against the rates of z of (2.62) along the unicycle."""
@@ -144,20 +128,17 @@ def _chain_rates(*right: sympy.Expr) -> list[sympy.Expr]:
         for k, e in enumerate(right, 1)
     ]
 
-
 CHAIN_MISSING = Record(TEXT, "(2.63)",
     rights(_chain_rates, "rates of z of (2.62) along the unicycle (2.26)"),
     None,
     forms((Z[0], EQ, u1), (Z[1], EQ, u2), (Z[2], EQ, symbol("z_2") * u1)),
     remark="The display is missing; u₁ = v_φ, u₂ = v_Q − z₃ u₁.")
 
-
 PHI = [symbol(rf"\phi_{k}") for k in range(4)]
 PHID = [symbol(rf"\dot{{\phi}}_{k}") for k in range(4)]
 LEN = [symbol(f"L_{k}") for k in range(4)]
 XQ, YQ = symbol(r"\dot{x}_Q"), symbol(r"\dot{y}_Q")
 SECOND = 2  # the trailer that is shown
-
 
 def sideways(i: int) -> sympy.Expr:
     """Velocity of trailer i's axle across its heading, by differentiating x_i = x_Q - sum L_j cos phi_j."""
@@ -167,18 +148,15 @@ def sideways(i: int) -> sympy.Expr:
         y -= LEN[j] * cos(PHI[j]) * PHID[j]
     return x * sin(PHI[i]) - y * cos(PHI[i])
 
-
 def _constraint(rates: list[sympy.Expr]) -> Form:
     i = SECOND
     terms = [rates[j] * LEN[j] * cos(PHI[i] - PHI[j]) for j in range(1, i + 1)]
     return form(XQ * sin(PHI[i]) - YQ * cos(PHI[i]) + sympy.Add(*terms), EQ, sympy.S.Zero)
 
-
 TRAILER_CONSTRAINT = Record(TEXT, "2.3.6, constraint of trailer i",
     identity(lambda left, _: left - sideways(SECOND), "sideways velocity of the trailer, by differentiation"),
     _constraint([PHID[SECOND]] * 4), _constraint(PHID),
     remark="Shown for i = 2. Printed with the rate of trailer i in every term (and i for the bound index).")
-
 
 def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
     found = []
@@ -187,11 +165,9 @@ def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
         found.append(speed / LEN[i] * product * sin(PHI[i - 1] - PHI[i]))
     return found
 
-
 def _trailers_roll(*right: sympy.Expr) -> list[sympy.Expr]:
     known = {XQ: v1 * cos(PHI[0]), YQ: v1 * sin(PHI[0]), **dict(zip(PHID[1:], right, strict=True))}
     return [sideways(i).xreplace(known) for i in (1, 2, 3)]
-
 
 TRAILER_RATES = Record(TEXT, "(2.70)",
     rights(_trailers_roll, "the three trailers roll without slipping while Q drives at v₁ along φ₀"),
@@ -199,15 +175,12 @@ TRAILER_RATES = Record(TEXT, "(2.70)",
     forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(v1), 1))),
     remark="Printed without v₁, which leaves a drift at standstill.")
 
-
 VH, VI, VR, VB = (symbol(n) for n in ("v_h", "v_i", r"v_{\mathrm{roller}}", "v_b"))
 PAIR = formula("omni_wheel").closed()
-
 
 def _pythagoras(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
     known = {VI: VH * cos(gamma - beta), VR: VH * sin(gamma - beta)}
     return (right - left).xreplace(known)
-
 
 OMNI_PAIR = Record(TEXT, "(2.71a)",
     identity(_pythagoras, "with v_i = v_h cos(γ − β) and the rest taken up by the roller"),
@@ -218,7 +191,6 @@ BETAS = [symbol(rf"\beta_{k}") for k in (1, 2, 3, 4)]
 UT = M([[-sin(e), cos(e)] for e in BETAS])
 BACK = M([[cos(phi), sin(phi)], [-sin(phi), cos(phi)]])
 DD3, DD4 = M([D, D, D]), M([D, D, D, D])
-
 
 def _omni4(f: Form) -> Finding:
     """(1/r) [U^T R^-1 | D] against wmrgen's rolling rows of four omni wheels at position angles beta_i."""
@@ -234,7 +206,6 @@ def _omni4(f: Form) -> Finding:
     truth = M.vstack(*rows) * world_to_robot_rows(phi) / r
     return vanishes(made - truth, f"{shape_of(made)}, against wmrgen's rolling rows of four omni wheels")
 
-
 JINV, ONE_R = symbol("J^{-1}"), 1 / r
 OMNI4 = Record(TEXT, "(2.75c, d)", _omni4,
     form(JINV, EQ, ONE_R, TIMES, UT * BACK, PLUS, DD3), form(JINV, EQ, ONE_R, TIMES, UT * BACK, BAR, DD4),
@@ -245,14 +216,12 @@ S = D1 + D2
 IK4 = M([[-1, 1, S], [1, 1, -S], [-1, 1, -S], [1, 1, S]]) / RR  # (2.84)
 SIGNS = (-1, 1, -1, 1)
 
-
 def jacobians(third: list[tuple[sympy.Expr, sympy.Expr]]) -> list[sympy.Matrix]:
     """J_i of (2.79) for the four wheels, with the third columns (dy, -dx)."""
     return [
         M([[0, s * RS / sqrt(2), a], [RR, -RS / sqrt(2), c], [0, 0, 1]])
         for s, (a, c) in zip(SIGNS, third, strict=True)
     ]
-
 
 def _mecanum(f: Form) -> Finding:
     """Wheel rates from the J_i, against (2.84), and their rank where d1 = d2."""
@@ -261,10 +230,8 @@ def _mecanum(f: Form) -> Finding:
     found = vanishes(rows - IK4, "wheel rates from the Jᵢ⁻¹ against (2.84)")
     return Finding(found.holds, f"{found.text}; their rank at d₁ = d₂ is {rank}")
 
-
 def _mecanum_form(third: list[tuple[sympy.Expr, sympy.Expr]]) -> Form:
     return forms(*((symbol(f"J_{k}"), EQ, J) for k, J in enumerate(jacobians(third), 1)))
-
 
 PRINTED_THIRD = [(D2, D1), (D2, -D1), (-D2, -D1), (-D2, D1)]
 THIRD = [(D2, -D1), (D2, D1), (-D2, D1), (-D2, -D1)]

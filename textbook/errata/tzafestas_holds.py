@@ -47,7 +47,6 @@ BACK = world_to_robot_rows(phi)  # world to robot
 TALL = M([[p, 1], [1, q], [0, s]])
 WIDE = TALL.T
 
-
 holds = partial(claim, TEXT)  # a claim of this text
 
 # ---- 2.2: inverses and transforms
@@ -59,10 +58,8 @@ PLUS = generalised_inverse(NUMBERS).matrix
 TURN = rotation_rows("z", phi) * rotation_rows("x", psi)
 SHIFT = M([p, q, s])
 
-
 def _homogeneous(turn: sympy.Matrix, shift: sympy.Matrix) -> sympy.Matrix:
     return turn.row_join(shift).col_join(M([[0, 0, 0, 1]]))
-
 
 INVERSES = (
     residual(TEXT, "(2.8a)", "the normal equations JᵀJ J⁺ = Jᵀ, for a 3×2 matrix of rank 2", "J^+", LEFT,
@@ -130,17 +127,14 @@ DRIVES = (
 
 FRONT = engine.wheel(D, ZERO, psi)
 
-
 def _car_rolls(field: sympy.Matrix, front_speed: sympy.Expr | None) -> list[sympy.Expr]:
     """Both axles do not slide along the field, and the front wheel rolls at ``front_speed``."""
     rates = BACK * field[:3, :1]
     found = [(SLIDE * rates)[0], (FRONT[1] * rates)[0]]
     return found if front_speed is None else [*found, (FRONT[0] * rates)[0] - front_speed]
 
-
 def _field(forward: sympy.Expr, turn: sympy.Expr) -> sympy.Matrix:
     return M([[forward * cos(phi), 0], [forward * sin(phi), 0], [turn, 0], [0, 1]])
-
 
 TRI = _field(r * cos(psi), r * sin(psi) / D)
 RWD = _field(ONE, sympy.tan(psi) / D)
@@ -193,21 +187,17 @@ FOUR = book("chain_4", **{f"x{k}": e for k, e in enumerate(X4, 1)}, u1=u1, u2=u2
 BROCKETT = book("brockett", **{f"x{k}": e for k, e in enumerate(X4[:3], 1)}, u1=u1, u2=u2)
 XQ, YQ = symbol("x_Q"), symbol("y_Q")
 
-
 def _hitch(i: int) -> tuple[sympy.Expr, sympy.Expr]:
     """Axle of trailer i: L_i behind the axle before it, along the trailer's heading."""
     px, py = (XQ, YQ) if i == 0 else _hitch(i - 1)
     return (px, py) if i == 0 else (px - LEN[i] * cos(PHI[i]), py - LEN[i] * sin(PHI[i]))
 
-
 beta, vhx, vhy = symbol(r"\beta"), symbol("v_{hx}"), symbol("v_{hy}")
-
 
 def omni_row(direction: sympy.Expr) -> sympy.Matrix:
     """wmrgen's rolling row of an omni wheel whose drive direction is ``direction``, at distance D to its right."""
     known = {engine.ALPHA: direction - PI / 2, engine.BETA: PI, engine.GAMMA: ZERO, engine.L: D}
     return engine.rolling("swedish").xreplace(known)
-
 
 THREE = M([[1, 0, D], [-HALF, sqrt(3) / 2, D], [-HALF, -sqrt(3) / 2, D]]) / r
 THREE_INVERSE = r * M([
@@ -220,7 +210,6 @@ FK4 = RR / 4 * M([[-1, 1, -1, 1], [1, 1, 1, 1], [1 / SUM, -1 / SUM, -1 / SUM, 1 
 N_ROLL = sympy.Symbol("n", positive=True)
 ROLLER = book("mecanum_wheel", radius=RR, r_sw=RS, alpha=ALPHA_C, phi=PHI_C, dx=DX, dy=DY)
 
-
 def _mecanum_truth() -> sympy.Matrix:
     """wmrgen's rolling rows of Swedish wheels, y forward: heading 90 deg, gamma = +-45 deg."""
     places = [(D1, D2), (-D1, D2), (-D1, -D2), (D1, -D2)]
@@ -229,7 +218,6 @@ def _mecanum_truth() -> sympy.Matrix:
         angle = PI / 4 if k % 2 == 0 else -PI / 4
         rows.append(engine.wheel(px, py, PI / 2 + angle)[0] / (RR * cos(angle)))
     return M.vstack(*rows)
-
 
 AUGMENTATION = holds(
       "2.4.1, velocity augmentation", "1/|cos(γ − β)|, for three wheels at (60°, 90°) and four at (45°, 90°)",

@@ -120,6 +120,15 @@ def sliding_row(wheel: Wheel, g: Geometry[Poly]) -> ConstraintRow:
     return ConstraintRow(wheel, "sliding", _plus(along((-s, c), g), g.d), rates)
 
 
+def driving_row(wheel: Wheel, g: Geometry[Poly]) -> Row:
+    """Rim speed per twist, without the steering rate: that of a castor follows from its sliding row."""
+    row = rolling_row(wheel, g).row
+    if not wheel.kind.swivels or not g.o:
+        return row
+    slide, share = sliding_row(wheel, g).row, g.o * g.d.inverse()
+    return row[0] + share * slide[0], row[1] + share * slide[1], row[2] + share * slide[2]
+
+
 def constrain(robot: Robot, view: View = working_view) -> Constraints:
     """All rows of the robot in one view of its geometry."""
     rolling = tuple(rolling_row(w, view(w)) for w in robot.wheels if w.has_spin)

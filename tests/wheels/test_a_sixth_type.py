@@ -6,7 +6,9 @@ of the five: it has a sliding row and no spin. What they do is written out here 
 
 from __future__ import annotations
 
+import contextlib
 import json
+import re
 import shutil
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
@@ -16,6 +18,9 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import Outcome
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import names
+from wmrgen.robot import derive, load
 from wmrgen.wheels import WHEEL_TYPES, Glyph, WheelType, Words, register
 
 Cli = Callable[..., Outcome]
@@ -130,6 +135,35 @@ def test_everything_is_written(wmrgen_cli: Cli, tmp_path: Path, text: str, mobil
     shapes = [e for e in ET.fromstring(svg).iter() if e.get("class") == f"wheel {kind.name}"]
     assert len(shapes) == 2  # the wheel, and its sign in the legend
     assert f"{own['name']}: {kind.name}, x" in (folder / f"{folder.name}.h").read_text()
+
+
+def test_every_function_is_that_of_a_castor(tmp_path: Path) -> None:
+    """In all that is derived, the twin castor differs from a castor by its name alone."""
+    twin = load(written(tmp_path, CART))
+    castor = load(written(tmp_path, CART.replace("twin_castor", "castor")))
+    derivable = []
+    for name in names():
+        try:
+            expected = derive(castor, (name,)).raw_module
+        except NotDerivableError as no:
+            with pytest.raises(NotDerivableError, match=re.escape(str(no).splitlines()[0])):
+                _ = derive(twin, (name,)).raw_module
+            continue
+        assert derive(twin, (name,)).raw_module == expected
+        derivable.append(name)
+    assert {"inverse", "forward", "odometry", "accelerations", "configuration", "slip_inverse"} <= {
+        *derivable
+    }
+
+
+def test_every_function_of_a_sleigh_is_derived_or_refused_in_words(tmp_path: Path) -> None:
+    sleigh = load(written(tmp_path, SLEIGH))
+    derivable = []
+    for name in names():
+        with contextlib.suppress(NotDerivableError):
+            assert derive(sleigh, (name,)).raw_module
+            derivable.append(name)
+    assert {"inverse", "forward", "odometry", "icr", "posture", "chained", "zeta"} <= {*derivable}
 
 
 def test_the_reader_knows_it(wmrgen_cli: Cli, tmp_path: Path) -> None:

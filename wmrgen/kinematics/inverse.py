@@ -111,11 +111,7 @@ def _slip(projection: Projection, left_over: list[Poly], targets: dict[int, Targ
 
 def steered_groups(robot: Robot) -> list[list[Wheel]]:
     """The steered wheels, those that one motor turns together."""
-    groups: dict[int, list[Wheel]] = {}
-    for w in robot.wheels:
-        if w.kind.steers:
-            groups.setdefault(robot.steer_group[w.index], []).append(w)
-    return list(groups.values())
+    return robot.together("steer", (w for w in robot.wheels if w.kind.steers))
 
 
 def moves_as_one(members: list[Wheel], velocities: dict[int, tuple[Poly, Poly]]) -> bool:
@@ -142,13 +138,9 @@ def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Pol
 
     Castors turned by one motor share the least-squares rate; what their contacts still slide comes second.
     """
-    groups: dict[int, list[Wheel]] = {}
-    for w in robot.wheels:
-        if w.kind.swivels:
-            groups.setdefault(robot.steer_group[w.index], []).append(w)
     rates: dict[int, Poly] = {}
     left_over: list[Poly] = []
-    for members in groups.values():
+    for members in robot.together("steer", (w for w in robot.wheels if w.kind.swivels)):
         if len(members) == 1:
             rates[members[0].index] = seen[members[0].index].free_rate
             continue
@@ -183,18 +175,16 @@ def _joints(
 
 def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
     """Rim speeds to wheel speeds; wheels that must turn alike share the least-squares speed."""
-    groups: dict[int, list[int]] = {}
-    for i in joints:
-        groups.setdefault(robot.spin_group[i], []).append(i)
     result = {}
-    for members in groups.values():
-        if len(members) == 1:
-            j = joints[members[0]]
-            result[members[0]] = _scaled(j.rim, j.radius.inverse())
+    for members in robot.together("spin", (robot.wheels[i] for i in joints)):
+        coupled = {w.index: joints[w.index] for w in members}
+        if len(coupled) == 1:
+            ((i, j),) = coupled.items()
+            result[i] = _scaled(j.rim, j.radius.inverse())
             continue
-        total = Poly.sum(joints[i].radius * joints[i].radius for i in members).inverse()
-        shared = add(*(_scaled(joints[i].rim, joints[i].radius * total) for i in members))
-        result.update(dict.fromkeys(members, shared))
+        total = Poly.sum(j.radius * j.radius for j in coupled.values()).inverse()
+        shared = add(*(_scaled(j.rim, j.radius * total) for j in coupled.values()))
+        result.update(dict.fromkeys(coupled, shared))
     return result
 
 

@@ -71,15 +71,12 @@ def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:
 
 def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
     """Rim-speed differences that equal spins cannot follow (unsteered wheels)."""
-    groups: dict[int, list[int]] = {}
-    for w in robot.wheels:
-        if w.has_spin and not w.turns:
-            groups.setdefault(robot.spin_group[w.index], []).append(w.index)
     found: list[Poly] = []
-    for members in (m for m in groups.values() if len(m) > 1):
-        views = [working_view(robot.wheels[i]) for i in members]
-        radii = [g.rolling_radius for g in views]
-        rims = [dot(rolling_row(robot.wheels[i], g).row, twist) for i, g in zip(members, views, strict=True)]
+    for members in robot.together("spin", (w for w in robot.wheels if w.has_spin and not w.turns)):
+        if len(members) == 1:
+            continue
+        radii = [working_view(w).rolling_radius for w in members]
+        rims = [dot(rolling_row(w, working_view(w)).row, twist) for w in members]
         total = Poly.sum(r * r for r in radii).inverse()
         speed = Poly.sum(r * z for r, z in zip(radii, rims, strict=True)) * total
         found += [z - r * speed for r, z in zip(radii, rims, strict=True)]

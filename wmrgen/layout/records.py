@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
@@ -181,6 +182,14 @@ class Robot:
     def limit(self, wheel: Wheel, quantity: str) -> Interval | None:
         """The wheel's own limit of ``steer``, ``steer_rate`` or ``spin``, else the robot's."""
         return wheel.limits.get(quantity) or self.limits.get(quantity)
+
+    def together(self, joint: str, wheels: Iterable[Wheel]) -> list[list[Wheel]]:
+        """``wheels`` in the sets whose ``joint``, spin or steer, is coupled; a wheel alone is a set of one."""
+        leaders = self.spin_group if joint == "spin" else self.steer_group
+        sets: dict[int, list[Wheel]] = {}
+        for w in wheels:
+            sets.setdefault(leaders[w.index], []).append(w)
+        return list(sets.values())
 
     def wheel(self, name: str) -> Wheel:
         """The wheel called ``name``. KeyError when there is none."""

@@ -11,7 +11,7 @@ from wmrgen.backends.report.steering import alike, partners, steering
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
 from wmrgen.backends.report.tex import broken, poly, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
-from wmrgen.constraints import rolling_row, sliding_row, working_view
+from wmrgen.constraints import driving_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.project import Projection, project
 
@@ -59,14 +59,13 @@ def _rate(w: Wheel, joint: str = "spin") -> str:
 
 def _spin(w: Wheel, twist: Row) -> Poly:
     g = working_view(w)
-    return dot(rolling_row(w, g).row, twist) * g.rolling_radius.inverse()
+    return dot(driving_row(w, g), twist) * g.rolling_radius.inverse()
 
 
 def _castor(w: Wheel, twist: Row) -> list[str]:
     g = working_view(w)
     slide = dot(sliding_row(w, g).row, twist) * g.d.inverse()
-    spin = (dot(rolling_row(w, g).row, twist) + g.o * slide) * g.r.inverse()
-    return [f"{_rate(w)} &= {_sum(spin)}", f"{_rate(w, 'steer_rate')} &= {_sum(-slide)}"]
+    return [f"{_rate(w)} &= {_sum(_spin(w, twist))}", f"{_rate(w, 'steer_rate')} &= {_sum(-slide)}"]
 
 
 def _driven(projection: Projection) -> Row:

@@ -7,7 +7,7 @@ nearest to its zero at straight steering.
 
 from __future__ import annotations
 
-from wmrgen.constraints import along, rolling_row, sliding_row, steer_gens
+from wmrgen.constraints import along, driving_row, sliding_row, steer_gens
 from wmrgen.exact.angles import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.models.frame import Frame, cleaned, derivative, generic, nominal_at, straight
@@ -55,11 +55,7 @@ def rim_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
     """Rim speed [m/s] per unit of each eta, steering rates aside."""
     g = frame.view(wheel)
     if direct(frame, wheel):
-        row = turned(frame, wheel, rolling_row(wheel, g).row)
-        if wheel.kind.swivels and g.o:
-            slide = sliding_row(wheel, g).row
-            ratio = g.o * g.d.inverse()
-            row = row[0] + ratio * slide[0], row[1] + ratio * slide[1], row[2] + ratio * slide[2]
+        row = turned(frame, wheel, driving_row(wheel, g))
         return tuple(dot(row, column) for column in frame.columns)
     (column,) = frame.columns
     at = velocity(frame, wheel, column)

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wmrgen.constraints import View, rolling_row, sliding_row, symbolic_view, working_view
+from wmrgen.constraints import View, driving_row, symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, given, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -40,7 +40,7 @@ def relations(
         columns = IDENTITY
     if not driven or not columns:
         return driven, []
-    rims = [tuple(dot(_row(w, view), column) for column in columns) for w in driven]
+    rims = [tuple(dot(driving_row(w, view(w)), column) for column in columns) for w in driven]
     numbers = np.array([[_float(robot, p) for p in row] for row in rims]).reshape(len(driven), -1)
     numbers = np.hstack([numbers, np.zeros((len(driven), 3 - numbers.shape[1]))])
     rank, _ = numeric_rank(unit_rows(numbers))
@@ -50,24 +50,9 @@ def relations(
     for other in (i for i in range(len(driven)) if i not in rows):
         entries = _relation([rims[i] for i in rows], rims[other], keep)
         full = dict(zip((*rows, other), entries, strict=True))
-        row = [full.get(i, Poly({})) * _radius(w, view) for i, w in enumerate(driven)]
+        row = [full.get(i, Poly({})) * view(w).rolling_radius for i, w in enumerate(driven)]
         found.append(_readable(row))
     return driven, found
-
-
-def _row(w: Wheel, view: View) -> Row:
-    """Rolling row on the twist; the steering rate of a castor with an axle offset follows from the twist."""
-    g = view(w)
-    row = rolling_row(w, g).row
-    if not w.kind.swivels or not g.o:
-        return row
-    slide, share = sliding_row(w, g).row, g.o * g.d.inverse()
-    return row[0] + slide[0] * share, row[1] + slide[1] * share, row[2] + slide[2] * share
-
-
-def _radius(w: Wheel, view: View) -> Poly:
-    g = view(w)
-    return g.rolling_radius
 
 
 def _float(robot: Robot, poly: Poly) -> float:

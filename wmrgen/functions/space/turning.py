@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -53,20 +53,12 @@ def motion_of(driven: Row) -> Motion:
     return Motion(driven, renamed(driven, "rate"), renamed(driven, "jerk"))
 
 
-def _groups(robot: Robot, wheels: Iterable[Wheel]) -> list[list[Wheel]]:
-    """Wheels by the motor that steers them."""
-    groups: dict[int, list[Wheel]] = {}
-    for w in wheels:
-        groups.setdefault(robot.steer_group[w.index], []).append(w)
-    return list(groups.values())
-
-
 def steered_turns(
     robot: Robot, motion: Motion, commands: Mapping[str, Expr], names: Locals
 ) -> dict[int, Turn]:
     """Rates of the angles that `inverse` commands: alone atan2 of vA, together half of a sum's double angle."""
     result: dict[int, Turn] = {}
-    for members in _groups(robot, (w for w in robot.wheels if w.kind.steers)):
+    for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
         lead = members[0]
         seen = [_along_across(w, motion) for w in members]
         alike = all(s == seen[0] for s in seen)
@@ -141,7 +133,7 @@ def _held(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Tur
 def castor_turns(robot: Robot, motion: Motion, names: Locals) -> dict[int, Turn]:
     """Swivelling of castors; those turned by one motor share the least-squares rate."""
     result: dict[int, Turn] = {}
-    for members in _groups(robot, (w for w in robot.wheels if w.kind.swivels)):
+    for members in robot.together("steer", (w for w in robot.wheels if w.kind.swivels)):
         lead = members[0].name
         offsets = [working_view(w).d for w in members]
         total = Poly.sum(d * d for d in offsets).inverse()

@@ -78,7 +78,7 @@ def _rolled(robot: Robot, twists: list[tuple[Exact, ...]]) -> tuple[Integral, ..
     found = []
     way: tuple[tuple[str, float], ...]
     for w in rolling_wheels(robot):
-        row, radius = _numbers(rolling_row(w, nominal_view(w)).row), _radius(w)
+        row, radius = _numbers(rolling_row(w, nominal_view(w)).row), w.nominal.rolling_radius
         if len(twists) == 1 and abs(float(twists[0][2])) > SMALL:
             rate = sum((a * b for a, b in zip(row, twists[0], strict=True)), ZERO) / twists[0][2]
             way = (("theta", float(rate / radius)),)
@@ -115,7 +115,9 @@ def _combinations(robot: Robot) -> tuple[Integral, ...]:
     for weights in left_null_space([row[:2] for row in rows]):
         turn = sum((k * row[2] for k, row in zip(weights, rows, strict=True)), ZERO)
         angles = [
-            (f"{w.name}.angle", float(k * _radius(w))) for w, k in zip(wheels, weights, strict=False) if k
+            (f"{w.name}.angle", float(k * w.nominal.rolling_radius))
+            for w, k in zip(wheels, weights, strict=False)
+            if k
         ]
         if not angles:
             continue
@@ -131,10 +133,6 @@ def _combinations(robot: Robot) -> tuple[Integral, ...]:
 def rolling_wheels(robot: Robot) -> list[Wheel]:
     """Wheels whose rolling row is constant."""
     return [w for w in robot.wheels if w.has_spin and not w.turns]
-
-
-def _radius(w: Wheel) -> Exact:
-    return w.nominal.rolling_radius
 
 
 def _numbers(row: Row) -> tuple[Exact, Exact, Exact]:

@@ -39,6 +39,7 @@ types: setup
 generate: setup
 	$(BIN)/wmrgen derive robots/*.yaml -o generated
 	$(BIN)/wmrgen textbook -o generated
+	$(BIN)/wmrgen schema --markdown > docs/robot_file.md
 
 bench: setup
 	$(BIN)/python -m benchmarks

@@ -166,6 +166,24 @@ def check(
     return run(robots or [], out)
 
 
+@app.command(short_help="Print the JSON Schema of robot files.")
+@guarded
+def schema(
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print the keys as a page to read.")] = False,
+    json: Json = False,
+) -> int:
+    """Example:  wmrgen schema > robot.schema.json
+
+    Print the JSON Schema of robot files, for editors and validators; with --markdown their reference.
+    """
+    from wmrgen.cli.schema import run
+    from wmrgen.errors import UsageError
+
+    if markdown and json:
+        raise UsageError("give --json or --markdown, not both")
+    return run(markdown=markdown)
+
+
 @app.command(short_help="Size the rollers of a mecanum wheel.")
 @guarded
 def rollers(

@@ -1,99 +1,162 @@
-"""The keys of a robot file: one table that the checks, the messages and the JSON Schema share."""
+"""What a key of a robot file is: one record says its meaning, its value and the words of every message about it.
+
+`wmrgen.spec.keys` holds the records. Reading, messages, the JSON Schema and the reference documentation all go by
+them, so that a key is declared once.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
 from wmrgen.spec.numbers import Kind
 
-# Key -> (what it measures, meaning). Order is the order of messages and of the schema.
-QUANTITIES: dict[str, tuple[Kind, str]] = {
-    "l": (Kind.LENGTH, "distance from the robot's origin to the wheel's pivot; with alpha"),
-    "alpha": (Kind.ANGLE, "direction of the pivot seen from the origin, 0 is forward, pi/2 left; with l"),
-    "x": (Kind.LENGTH, "pivot position forward of the origin; with y"),
-    "y": (Kind.LENGTH, "pivot position left of the origin; with x"),
-    "beta": (Kind.ANGLE, "angle of the axle from the line origin-pivot, for steering wheels at zero steer"),
-    "heading": (Kind.ANGLE, "rolling direction in the robot frame, alpha + beta - pi/2; instead of beta"),
-    "r": (Kind.LENGTH, "wheel radius, not diameter"),
-    "gamma": (
-        Kind.ANGLE,
-        "from the wheel plane to the roller axis at the ground: 0 omni, 45 or -45 deg mecanum",
-    ),
-    "d": (Kind.LENGTH, "castor offset: steering axis to contact point, along the rolling direction"),
-    "offset_y": (Kind.LENGTH, "contact point left of the steering axis, along the axle"),
-    "r_sw": (Kind.LENGTH, "roller radius"),
-}
-COMMON_KEYS = ("name", "type", "l", "alpha", "x", "y", "beta", "heading", "r", "actuated", "sensed", "limits")
-WHEEL_KEYS = ("name", "type", *QUANTITIES, "actuated", "sensed", "limits")
-ROBOT_KEYS = (
-    "wmrgen", "name", "description", "source", "angles", "snap",
-    "parameters", "wheels", "couplings", "limits",
-    "virtual", "trailers", "slip", "cg", "gains", "functions",
-)  # fmt: skip
-ROBOT_REQUIRED = ("wmrgen", "name", "wheels")
 
-# Gain -> meaning.
-GAINS: dict[str, str] = {
-    "k_rho": "speed per distance to the goal [1/s]; goto_pose",
-    "k_alpha": "yaw rate per bearing of the goal [1/s]; goto_pose",
-    "k_beta": "yaw rate per heading left over at the goal [1/s]; goto_pose",
-}
+@dataclass(frozen=True, slots=True)
+class Version:
+    """The number of the format."""
 
-# Limit -> what it measures.
-LIMITS: dict[str, Kind] = {
-    "vx": Kind.SPEED,
-    "vy": Kind.SPEED,
-    "omega": Kind.RATE,
-    "spin": Kind.RATE,
-    "steer": Kind.ANGLE,
-    "steer_rate": Kind.RATE,
-}
-LIMITS_OF_JOINT = {"spin": ("spin",), "steer": ("steer", "steer_rate")}
+    number: str
 
-KEY_ALIASES = {
-    **dict.fromkeys(("radius", "wheel_radius"), "Did you mean r?"),
-    **dict.fromkeys(("diameter", "dia"), "Did you mean r? It is the radius: half the diameter."),
-    **dict.fromkeys(("theta", "yaw", "orientation", "angle", "direction"), "Did you mean heading?"),
-    **dict.fromkeys(("trail", "offset", "offset_x", "castor_offset"), "Did you mean d?"),
-    **dict.fromkeys(("lateral_offset", "scrub", "axle_offset"), "Did you mean offset_y?"),
-    **dict.fromkeys(("roller_radius", "r_roller"), "Did you mean r_sw?"),
-    **dict.fromkeys(("roller_angle", "rollers"), "Did you mean gamma?"),
-    **dict.fromkeys(("pos", "position", "pose", "xy"), "Write x: and y:."),
-    **dict.fromkeys(("powered", "driven", "drive"), "Write actuated: [spin], or actuated: []."),
-    "version": "Write wmrgen: 1.",
-    "distance": "Did you mean l?",
-}
 
-# Key -> why it does not fit a wheel type that lacks it, and what to write; a type's own words come first.
-MISFITS: dict[str, tuple[str, str]] = {
-    "d": (
-        "d is the castor offset from the steering axis, and this wheel has none.",
-        "Put the contact point itself in l, alpha or x, y.",
-    ),
-    "offset_y": (
-        "offset_y is the lateral offset from the steering axis, and this wheel has none.",
-        "Put the contact point itself in l, alpha or x, y.",
-    ),
-    "gamma": (
-        "gamma is the roller axis at the ground against the wheel plane; only swedish wheels have rollers.",
-        "Write type: swedish for an omni or mecanum wheel, or delete gamma.",
-    ),
-    "r_sw": (
-        "r_sw is the roller radius; only swedish wheels have rollers.",
-        "Write type: swedish for an omni or mecanum wheel, or delete r_sw.",
-    ),
-}
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A new name, see `wmrgen.spec.names`."""
 
-# Why each required key matters.
-MISSING: dict[str, tuple[str, str]] = {
-    "wmrgen": ("It tells the format version.", "Begin the file with wmrgen: 1."),
-    "name": ("Names become identifiers in the generated code.", "Write name: and a word such as front_left."),
-    "wheels": ("A robot without wheels has no kinematics.", "Write wheels: and a list of wheels."),
-    "r": ("The radius turns spin [rad/s] into speed [m/s].", "Write r: and the radius, such as r: 50 mm."),
-    "d": (
-        "d is how far the contact point trails the steering axis; with d = 0 it is a steered wheel.",
-        "Write d: and the trail, such as d: 40 mm, or type: steered.",
-    ),
-    "l": ("A place is l with alpha.", "Write l: and the distance from the origin to the pivot."),
-    "alpha": ("A place is l with alpha.", "Write alpha: and the direction of the pivot from the origin."),
-    "x": ("A place is x with y.", "Write x: and the distance forward of the origin."),
-    "y": ("A place is x with y.", "Write y: and the distance left of the origin."),
-}
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """Free text for people."""
+
+    longest: int
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """One of a few words; ``words`` says what each means, ``default`` which stands for none."""
+
+    words: Mapping[str, bool]
+    default: str
+    aliases: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A quantity: a number, a number with a unit, an expression. ``unit``: what else than the units of the kind."""
+
+    kind: Kind
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """A quantity v for [-v, v], or a list [low, high]."""
+
+    kind: Kind
+
+
+@dataclass(frozen=True, slots=True)
+class OneOf:
+    """A name that something else declares: a ``joint`` of the wheel, a ``wheel``, a wheel's joint as
+    ``wheel.joint``, a wheel ``type``, a ``function``."""
+
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list of at least ``least`` and at most ``most`` items; ``once``: all different.
+
+    ``few`` and ``many`` are the error (what, why, what to write) where there are fewer or more: {n} items of {key}.
+    """
+
+    item: Value
+    example: str = ""
+    least: int = 0
+    most: int | None = None
+    once: bool = False
+    few: Error = ("", "", "")
+    many: Error = ("{n} {key}", "At most {most} are derived.", "")
+
+
+@dataclass(frozen=True, slots=True)
+class Mapped:
+    """New names, at most ``most``, each with a value of its own or with the keys of ``section``."""
+
+    section: Section
+    most: int
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A mapping with known keys. ``title`` names it in messages, ``example`` is what to write.
+
+    ``choices``: sets of keys of which exactly one stands, all its keys together.
+    """
+
+    title: str
+    example: str
+    fields: tuple[Field, ...]
+    choices: tuple[Choice, ...] = ()
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        return tuple(f.key for f in self.fields)
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        return tuple(f.key for f in self.fields if f.required)
+
+    def field(self, key: str) -> Field:
+        """The record of a key; KeyError where there is none."""
+        return {f.key: f for f in self.fields}[key]
+
+
+Value = Version | Name | Text | Word | Amount | Interval | OneOf | ListOf | Mapped | Section
+Reason = tuple[str, str]  # why it matters, what to write instead
+Error = tuple[str, str, str]  # what is wrong, why it matters, what to write instead
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A key.
+
+    ``meaning``: in a phrase. ``greek``: the letter that may stand for it. ``default``: what counts where the key is
+    not given, in words. ``aliases``: what people write instead, each with a hint ("" asks whether they meant the
+    key). ``missing``: of a required key. ``misfit``: of a wheel's key that its type does not take; such a key is
+    taken by the wheel types that name it (`wmrgen.wheels`), one without by all. ``joint``: of a limit, the joint
+    that has it; "" is the robot.
+    """
+
+    key: str
+    value: Value
+    meaning: str
+    required: bool = False
+    default: str = ""
+    greek: str = ""
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    missing: Reason | None = None
+    misfit: Reason | None = None
+    joint: str = ""
+
+    @property
+    def spellings(self) -> tuple[str, ...]:
+        return (self.key, self.greek) if self.greek else (self.key,)
+
+    @property
+    def hints(self) -> dict[str, str]:
+        """Alias -> what to write."""
+        return {alias: text or f"Did you mean {self.key}?" for alias, text in self.aliases.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Of several sets of keys exactly one stands, all its keys together; ``optional``: or none.
+
+    ``several`` and ``none``: what is wrong, why, and what to write. {keys} are those that stand.
+    """
+
+    sets: tuple[tuple[str, ...], ...]
+    several: Error = ("", "", "")
+    none: Error = ("", "", "")
+    optional: bool = False

@@ -5,57 +5,53 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from wmrgen.spec.fields import LIMITS, LIMITS_OF_JOINT
+from wmrgen.spec.fields import Interval
+from wmrgen.spec.keys import COUPLING, LIMITS
 from wmrgen.spec.mappings import Table, table_of
-from wmrgen.spec.nodes import Node, Scalar, Sequence, kind_of
-from wmrgen.spec.quantities import read_quantity, scalar_of
+from wmrgen.spec.nodes import Node, Scalar, Sequence
+from wmrgen.spec.quantities import read_quantity
 from wmrgen.spec.records import Binary, Coupling, Limit, Neg, Num, Pi, Quantity, WheelSpec
 from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 
-def list_of(node: Node, what: str, example: str) -> Sequence:
-    if not isinstance(node, Sequence):
-        raise node.error(f"{what} must be a list, not {kind_of(node)}", "", f"Write {example}.")
-    return node
-
-
-def read_joints(node: Node | None, key: str, kind: WheelType, default: tuple[str, ...]) -> tuple[str, ...]:
+def read_joints(table: Table, key: str, kind: WheelType, default: tuple[str, ...]) -> tuple[str, ...]:
     """``actuated`` or ``sensed``, in the order spin, steer."""
-    if node is None:
+    if table.get(key) is None:
         return default
     joints = kind.joints
-    found: list[str] = []
-    for item in list_of(node, key, f"{key}: [{', '.join(joints)}]").items:
-        scalar = scalar_of(item, f"an item of {key}")
-        if scalar.text in found:
-            raise scalar.error(f"{quoted(scalar.text)} stands twice in {key}", "", "Delete one of them.")
+    scalars = table.scalars(key)
+    for scalar in scalars:
         if scalar.text not in joints:
             raise scalar.error(
                 f"a {kind.name} wheel has no joint {quoted(scalar.text)}",
                 f"Its joints are: {' '.join(joints)}." if joints else "It has no joint.",
                 suggestion(scalar.text, joints) if joints else f"Write {key}: [] or delete the key.",
             )
-        found.append(scalar.text)
-    return tuple(joint for joint in joints if joint in found)
+    names = [scalar.text for scalar in scalars]
+    return tuple(joint for joint in joints if joint in names)
 
 
 def limits_of_type(kind: WheelType) -> tuple[str, ...]:
     """Names of the limits that a wheel of this type can have."""
-    return tuple(name for joint in kind.joints for name in LIMITS_OF_JOINT[joint])
+    return tuple(f.key for joint in kind.joints for f in LIMITS.fields if f.joint == joint)
 
 
-def read_limits(node: Node | None, valid: tuple[str, ...], what: str, scope: Scope) -> tuple[Limit, ...]:
-    """Limits in the order of the file. A single value v means [-v, v]."""
+def read_limits(
+    node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
+) -> tuple[Limit, ...]:
+    """Limits in the order of the file, of those that are ``valid``. A single value v means [-v, v]."""
     if node is None:
         return ()
-    table = table_of(node, valid, f"limits of {what}", "limits: {omega: 4.0}")
+    table = table_of(node, LIMITS, f"limits of {what}", valid)
     return tuple(_limit(name, table, scope) for name in table.values)
 
 
 def _limit(name: str, table: Table, scope: Scope) -> Limit:
-    node, kind, what = table.values[name], LIMITS[name], f"limit {name}"
+    node, value, what = table.values[name], LIMITS.field(name).value, f"limit {name}"
+    assert isinstance(value, Interval)
+    kind = value.kind
     if isinstance(node, Sequence):
         if len(node.items) != 2:
             raise node.error(
@@ -94,28 +90,25 @@ def _form(quantity: Quantity) -> str:
     return "pi" if isinstance(expr, Binary) else ""
 
 
-def read_couplings(node: Node | None, wheels: Iterable[WheelSpec]) -> tuple[Coupling, ...]:
+def read_couplings(robot: Table, wheels: Iterable[WheelSpec]) -> tuple[Coupling, ...]:
     """Sets of joints that move alike: each names one joint of at least two wheels."""
-    if node is None:
-        return ()
     types = {wheel.name: wheel.type for wheel in wheels}
-    found: dict[tuple[str, frozenset[str]], Coupling] = {}
-    for item in list_of(node, "couplings", "couplings: [{equal: [a.steer, b.steer]}]").items:
-        table = table_of(item, ("equal",), "a coupling", "{equal: [a.steer, b.steer]}")
+    couplings: dict[tuple[str, frozenset[str]], Coupling] = {}
+    for item in robot.items("couplings"):
+        table = table_of(item, COUPLING)
         coupling = _coupling(table, types)
         key = coupling.joint, frozenset(coupling.wheels)
-        if key in found:
-            line = found[key].mark.line
+        if key in couplings:
+            line = couplings[key].mark.line
             raise table.node.error(f"this coupling stands on line {line} already", "", "Delete one of them.")
-        found[key] = coupling
-    return tuple(found.values())
+        couplings[key] = coupling
+    return tuple(couplings.values())
 
 
 def _coupling(table: Table, types: dict[str, str]) -> Coupling:
-    node = list_of(table.require("equal", "a coupling"), "equal", "equal: [a.steer, b.steer]")
+    table.require_all("a coupling")
     joint, names = "", list[str]()
-    for item in node.items:
-        scalar = scalar_of(item, "a coupled joint")
+    for scalar in table.scalars("equal"):
         name, this = _joint(scalar, types)
         if joint and this != joint:
             raise scalar.error(
@@ -123,18 +116,8 @@ def _coupling(table: Table, types: dict[str, str]) -> Coupling:
                 "A coupling makes angles of one kind equal.",
                 f"Write {name}.{joint}, or a coupling of its own.",
             )
-        if name in names:
-            raise scalar.error(
-                f"{quoted(scalar.text)} stands twice in the coupling", "", "Delete one of them."
-            )
         joint = this
         names.append(name)
-    if len(names) < 2:
-        raise node.error(
-            f"a coupling of {len(names)} joint{'s' * (len(names) != 1)}",
-            "It takes two to be equal.",
-            "Write equal: [a.steer, b.steer].",
-        )
     return Coupling(joint, tuple(names), table.mark)
 
 

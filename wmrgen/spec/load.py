@@ -9,8 +9,9 @@ from pathlib import Path
 from wmrgen.errors import RobotFileError
 from wmrgen.reading import read_at_most
 from wmrgen.spec.extras import read_functions, read_gains, read_point, read_trailers, read_virtual
-from wmrgen.spec.fields import LIMITS, ROBOT_KEYS, ROBOT_REQUIRED
+from wmrgen.spec.fields import Mapped, Text, Version
 from wmrgen.spec.joints import read_couplings, read_limits
+from wmrgen.spec.keys import PARAMETER, ROBOT
 from wmrgen.spec.mappings import Table, mapping_of, table_of
 from wmrgen.spec.names import parameter_name, robot_name
 from wmrgen.spec.nodes import Mapping, Node, Scalar
@@ -19,13 +20,9 @@ from wmrgen.spec.quantities import parse_value, scalar_of
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.records import Parameter, Quantity, RobotSpec
 from wmrgen.spec.scope import Scope, dependency_order, facts_of, parameters_in, refuse_bare_trigonometry
-from wmrgen.spec.text import MAX_BYTES, decode, printable, quoted, suggestion
+from wmrgen.spec.text import MAX_BYTES, decode, printable, quoted
 from wmrgen.spec.wheels import read_wheels
 
-FORMAT = "1"
-MAX_PARAMETERS = 256
-MAX_TEXT = 2_000
-_EXAMPLE = "wmrgen: 1, then name: and wheels:"
 _DUNDER = re.compile(r"__\w+__")
 
 
@@ -52,70 +49,58 @@ def read_text(text: str, file_name: str) -> RobotSpec:
     """A robot file given as text; ``file_name`` stands in messages."""
     tree, source = read_tree(text, file_name)
     if tree is None or (isinstance(tree, Scalar) and not tree.text):
-        raise RobotFileError("the file is empty", source.mark(0, 0), "", f"A robot file begins {_EXAMPLE}.")
-    table = table_of(tree, ROBOT_KEYS, "a robot file", _EXAMPLE)
+        raise RobotFileError(
+            "the file is empty", source.mark(0, 0), "", f"A robot file begins {ROBOT.example}."
+        )
+    table = table_of(tree, ROBOT)
     _check_format(table)
-    for key in ROBOT_REQUIRED:
-        table.require(key, "the robot file")
+    table.require_all("the robot file")
     name = robot_name(scalar_of(table.values["name"], "name"))
-    scope = Scope(degrees=_word(table, "angles", {"rad": False, "deg": True}, False))
+    scope = Scope(degrees=table.word("angles"))
     parameters, scope = _parameters(table.get("parameters"), scope)
-    wheels = read_wheels(table.values["wheels"], scope)
+    wheels = read_wheels(table, scope)
     return RobotSpec(
         name=name,
         description=_free_text(table, "description"),
         source=_free_text(table, "source"),
-        snap=_word(table, "snap", {"true": True, "false": False}, True),
+        snap=table.word("snap"),
         parameters=parameters,
         wheels=wheels,
-        couplings=read_couplings(table.get("couplings"), wheels),
-        limits=read_limits(table.get("limits"), tuple(LIMITS), "the robot", scope),
+        couplings=read_couplings(table, wheels),
+        limits=read_limits(table.get("limits"), "the robot", scope),
         mark=table.mark,
-        virtual=read_virtual(table.get("virtual"), wheels, scope),
-        trailers=read_trailers(table.get("trailers"), wheels, scope),
-        slip=_word(table, "slip", {"true": True, "false": False}, False),
+        virtual=read_virtual(table, wheels, scope),
+        trailers=read_trailers(table, wheels, scope),
+        slip=table.word("slip"),
         cg=read_point(table.get("cg"), scope),
         gains=read_gains(table.get("gains"), scope),
-        functions=read_functions(table.get("functions")),
+        functions=read_functions(table),
     )
 
 
 def _check_format(table: Table) -> None:
     node = scalar_of(table.require("wmrgen", "the robot file"), "wmrgen")
-    if node.text != FORMAT:
+    version = ROBOT.field("wmrgen").value
+    assert isinstance(version, Version)
+    if node.text != version.number:
         raise node.error(
             f"format version {quoted(node.text)} is not known",
-            f"This wmrgen reads version {FORMAT}; another one may mean the same words differently.",
-            f"Write wmrgen: {FORMAT}.",
+            f"This wmrgen reads version {version.number}; another one may mean the same words differently.",
+            f"Write wmrgen: {version.number}.",
         )
-
-
-def _choice(node: Node, key: str, words: dict[str, bool]) -> bool:
-    scalar = scalar_of(node, key)
-    if scalar.text not in words:
-        raise scalar.error(
-            f"{key}: {quoted(scalar.text)} is not known",
-            f"It is {' or '.join(words)}.",
-            suggestion(scalar.text, words, {"degrees": "Did you mean deg?", "radians": "Did you mean rad?"}),
-        )
-    return words[scalar.text]
-
-
-def _word(table: Table, key: str, words: dict[str, bool], default: bool) -> bool:
-    node = table.get(key)
-    return default if node is None else _choice(node, key, words)
 
 
 def _free_text(table: Table, key: str) -> str:
     """A text for people. Writers escape it for the language it lands in."""
-    node = table.get(key)
+    node, value = table.get(key), ROBOT.field(key).value
+    assert isinstance(value, Text)
     if node is None:
         return ""
     scalar = scalar_of(node, key)
     text = scalar.text.strip()
-    if len(text) > MAX_TEXT:
+    if len(text) > value.longest:
         raise scalar.error(
-            f"{key} has {len(text)} characters", f"At most {MAX_TEXT} are kept.", "Shorten it."
+            f"{key} has {len(text)} characters", f"At most {value.longest} are kept.", "Shorten it."
         )
     if "\t" in text:
         raise scalar.error(f"{key} holds a tab", "Control characters are refused.", "Write spaces.")
@@ -133,8 +118,10 @@ def _parameters(node: Node | None, scope: Scope) -> tuple[tuple[Parameter, ...],
     if node is None:
         return (), scope
     mapping = mapping_of(node, "parameters", "parameters: and lines such as half_track: 0.1655")
-    if len(mapping.entries) > MAX_PARAMETERS:
-        raise mapping.error(f"{len(mapping.entries)} parameters", f"At most {MAX_PARAMETERS} are read.")
+    value = ROBOT.field("parameters").value
+    assert isinstance(value, Mapped)
+    if len(mapping.entries) > value.most:
+        raise mapping.error(f"{len(mapping.entries)} parameters", f"At most {value.most} are read.")
     names = [parameter_name(key) for key, _ in mapping.entries]
     nodes: dict[str, Scalar] = {}
     trees = {}
@@ -159,6 +146,5 @@ def _entry(name: str, node: Node) -> tuple[Scalar, bool]:
     what = f"parameter {name}"
     if not isinstance(node, Mapping):
         return scalar_of(node, what), False
-    table = table_of(node, ("value", "tunable"), what, f"{name}: {{value: 0.1, tunable: true}}")
-    value = scalar_of(table.require("value", what), what)
-    return value, _word(table, "tunable", {"true": True, "false": False}, False)
+    table = table_of(node, PARAMETER, what)
+    return scalar_of(table.require("value", what), what), table.word("tunable")

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.spec.fields import KEY_ALIASES, MISSING
-from wmrgen.spec.nodes import Mapping, Node, Scalar, kind_of
+from wmrgen.spec.fields import Amount, Choice, ListOf, Section, Word
+from wmrgen.spec.nodes import Mapping, Node, Scalar, Sequence, kind_of
+from wmrgen.spec.quantities import read_quantity, scalar_of
+from wmrgen.spec.records import Quantity
+from wmrgen.spec.scope import Scope
 from wmrgen.spec.text import quoted, suggestion
-
-_GREEK = {"α": "alpha", "β": "beta", "γ": "gamma"}
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The entries of a mapping by key, Greek letters spelled out."""
+    """The entries of a mapping by key, Greek letters spelled out, and the section that says what they are."""
 
     node: Mapping
+    section: Section
     keys: dict[str, Scalar]
     values: dict[str, Node]
 
@@ -33,15 +35,97 @@ class Table:
     def require(self, key: str, what: str) -> Node:
         """The value of a key that must be there."""
         if key not in self.values:
-            raise self.node.error(
-                f"{what} has no {key}", *MISSING.get(key, ("", f"Write {key}: and its value."))
-            )
+            reason = self.section.field(key).missing or ("", f"Write {key}: and its value.")
+            raise self.node.error(f"{what} has no {key}", *reason)
         return self.values[key]
 
+    def require_all(self, what: str) -> None:
+        """Every key that the section requires must be there."""
+        for key in self.section.required:
+            self.require(key, what)
 
-def spelled(key: str) -> str:
-    """``key`` with α β γ in any of their Unicode forms as alpha beta gamma."""
-    return _GREEK.get(key) or _GREEK.get(unicodedata.normalize("NFKC", key), key)
+    def word(self, key: str) -> bool:
+        """What the word of a key means; its default where the key is not given."""
+        value = self.section.field(key).value
+        assert isinstance(value, Word)
+        if key not in self.values:
+            return value.words[value.default]
+        scalar = scalar_of(self.values[key], key)
+        if scalar.text not in value.words:
+            raise scalar.error(
+                f"{key}: {quoted(scalar.text)} is not known",
+                f"It is {' or '.join(value.words)}.",
+                suggestion(scalar.text, value.words, value.aliases),
+            )
+        return value.words[scalar.text]
+
+    def items(self, key: str) -> tuple[Node, ...]:
+        """The items of a list, as many as there may be; none where the key is not given."""
+        value, node = self.section.field(key).value, self.values.get(key)
+        assert isinstance(value, ListOf)
+        if node is None:
+            return ()
+        if not isinstance(node, Sequence):
+            item = value.item.example if isinstance(value.item, Section) else ""
+            example = f"and a list of items - {item}" if item else value.example
+            raise node.error(f"{key} must be a list, not {kind_of(node)}", "", f"Write {key}: {example}.")
+        n = len(node.items)
+        words = {"key": key, "n": n, "s": "s" * (n != 1), "most": value.most}
+        if n < value.least:
+            what, why, instead = (text.format(**words) for text in value.few)
+            raise node.error(what, why, instead)
+        if value.most is not None and n > value.most:
+            what, why, instead = (text.format(**words) for text in value.many)
+            raise RobotFileError(what, node.items[value.most].mark, why, instead)
+        return node.items
+
+    def scalars(self, key: str) -> tuple[Scalar, ...]:
+        """The items of a list of words, which differ."""
+        scalars: list[Scalar] = []
+        for item in self.items(key):
+            scalar = scalar_of(item, f"an item of {key}")
+            if scalar.text in (other.text for other in scalars):
+                raise scalar.error(f"{quoted(scalar.text)} stands twice in {key}", "", "Delete one of them.")
+            scalars.append(scalar)
+        return tuple(scalars)
+
+    def amount(self, key: str, of: str, scope: Scope) -> Quantity | None:
+        """The quantity of a key of ``of``; None where it is not given."""
+        value, node = self.section.field(key).value, self.values.get(key)
+        assert isinstance(value, Amount)
+        return None if node is None else read_quantity(node, value.kind, f"{key} of {of}", scope)
+
+    def required_amount(self, key: str, of: str, scope: Scope) -> Quantity:
+        """The quantity of a key that `require_all` has seen."""
+        quantity = self.amount(key, of, scope)
+        assert quantity is not None
+        return quantity
+
+    def choose(self, choice: Choice, what: str, required: bool = False) -> tuple[str, ...]:
+        """The keys of the one alternative that stands, complete; none where there may be none."""
+        standing = [tuple(k for k in keys if k in self.keys) for keys in choice.sets]
+        chosen = [(keys, every) for keys, every in zip(standing, choice.sets, strict=True) if keys]
+        if len(chosen) > 1:
+            problem, why, instead = choice.several
+            later = max((keys[0] for keys, _ in chosen), key=list(self.keys).index)
+            both = f"{' and by ' if 'by {keys}' in problem else ' and '}".join(
+                " and ".join(keys) for keys, _ in chosen
+            )
+            raise self.keys[later].error(f"{what} {problem.format(keys=both)}", why, instead)
+        if not chosen:
+            if choice.optional and not required:
+                return ()
+            problem, why, instead = choice.none
+            raise self.node.error(f"{what} {problem}", why, instead)
+        for key in chosen[0][1]:
+            self.require(key, what)
+        return chosen[0][1]
+
+
+def spelled(key: str, section: Section) -> str:
+    """``key`` with a Greek letter, in any of its Unicode forms, as the key that it stands for."""
+    letters = {f.greek: f.key for f in section.fields if f.greek}
+    return letters.get(key) or letters.get(unicodedata.normalize("NFKC", key), key)
 
 
 def mapping_of(node: Node, what: str, example: str) -> Mapping:
@@ -50,14 +134,15 @@ def mapping_of(node: Node, what: str, example: str) -> Mapping:
     return node
 
 
-def table_of(node: Node, valid: Collection[str], what: str, example: str) -> Table:
-    """The node as a table whose keys are all in ``valid``."""
-    mapping = mapping_of(node, what, example)
-    table = Table(mapping, {}, {})
+def table_of(node: Node, section: Section, what: str = "", valid: Collection[str] | None = None) -> Table:
+    """The node as a table whose keys are those of ``section``, or of them the ``valid`` ones."""
+    what = what or section.title
+    mapping = mapping_of(node, what, section.example)
+    table = Table(mapping, section, {}, {})
     for key, value in mapping.entries:
-        name = spelled(key.text)
-        if name not in valid:
-            raise unknown_key(key, value, valid, what)
+        name = spelled(key.text, section)
+        if name not in (section.keys if valid is None else valid):
+            raise unknown_key(key, value, section, what, valid)
         if name in table.keys:
             raise key.error(
                 f"{quoted(key.text)} and {quoted(table.keys[name].text)} are the same key",
@@ -68,9 +153,10 @@ def table_of(node: Node, valid: Collection[str], what: str, example: str) -> Tab
     return table
 
 
-def unknown_key(key: Scalar, value: Node, valid: Iterable[str], what: str) -> RobotFileError:
+def unknown_key(
+    key: Scalar, value: Node, section: Section, what: str, valid: Collection[str] | None
+) -> RobotFileError:
     """The error for a key that does not exist, with the nearest one that does."""
-    names = list(valid)
     empty = isinstance(value, Scalar) and not value.text
     if re.fullmatch(r"[0-9]+", key.text) and empty:
         return key.error(
@@ -91,5 +177,7 @@ def unknown_key(key: Scalar, value: Node, valid: Iterable[str], what: str) -> Ro
         )
     if key.text == "<<":
         return key.error("'<<' merges mappings in YAML", "Merge keys are refused.", "Write the keys out.")
-    aliases = {alias: text for alias, text in KEY_ALIASES.items() if any(f" {n}" in text for n in names)}
-    return key.error(f"unknown key {quoted(key.text)} in {what}", "", suggestion(key.text, names, aliases))
+    fields = [f for f in section.fields if valid is None or f.key in valid]
+    aliases = {alias: text for f in fields for alias, text in f.hints.items()}
+    keys = [f.key for f in fields]
+    return key.error(f"unknown key {quoted(key.text)} in {what}", "", suggestion(key.text, keys, aliases))

@@ -1,0 +1,149 @@
+"""The field table: reading, JSON Schema, reference documentation and wheel types agree on it."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+
+from tests.conftest import GALLERY, ROOT, Outcome, process
+from tests.spec.files import read
+from wmrgen.errors import RobotFileError
+from wmrgen.functions.control.gains import TEXTBOOK
+from wmrgen.functions.registry import check, optional_names
+from wmrgen.layout import build
+from wmrgen.spec.fields import Amount
+from wmrgen.spec.keys import GAINS, SECTIONS, WHEEL
+from wmrgen.spec.reference import reference
+from wmrgen.spec.schema import json_schema
+from wmrgen.wheels import WHEEL_TYPES
+
+SCHEMA = json_schema(optional_names())
+VALIDATOR = Draft202012Validator(SCHEMA)
+WRONG: tuple[Any, ...] = ({"no such": {}}, [["nested"]], None, True)
+WORDS = ("snap", "slip", "tunable")
+MUTATED = ("ackermann_car", "car_with_trailers", "kuka_youbot", "pioneer3dx", "pr2", "wpilib_swervebot")
+Path_ = tuple[Any, ...]
+
+
+def accepted(document: Any) -> bool:
+    """The reader takes the document, written as YAML."""
+    try:
+        spec = read(yaml.safe_dump(document, sort_keys=False, allow_unicode=True))
+        build(spec)
+        check(spec.functions)
+    except RobotFileError:
+        return False
+    return True
+
+
+def places(node: Any, path: Path_ = ()) -> Iterator[Path_]:
+    """The path of every value in a document."""
+    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, value in items:
+        yield (*path, key)
+        yield from places(value, (*path, key))
+
+
+def at(document: Any, path: Path_) -> Any:
+    for key in path:
+        document = document[key]
+    return document
+
+
+def mutants(document: Any) -> Iterator[tuple[str, Any]]:
+    """Documents with one thing wrong: a key misspelled, a required one left out, a value of the wrong form."""
+    for path in places(document):
+        *above, key = path
+        if isinstance(key, str) and (not above or above[-1] != "parameters"):
+            changed = copy.deepcopy(document)
+            inside = at(changed, tuple(above))
+            inside[f"{key}_"] = inside.pop(key)
+            yield f"{path} misspelled", changed
+        for wrong in WRONG:
+            text = key in ("description", "source") and wrong in (None, True)
+            if text or (wrong is True and key in WORDS):
+                continue  # which is right
+            changed = copy.deepcopy(document)
+            at(changed, tuple(above))[key] = wrong
+            yield f"{path} = {wrong}", changed
+    for key in ("wmrgen", "name", "wheels"):
+        yield f"without {key}", {k: v for k, v in document.items() if k != key}
+    for k, wheel in enumerate(document["wheels"]):
+        required = ("name", "type", *WHEEL_TYPES[wheel["type"]].required)
+        pairs = [("heading", "beta"), ("x", "l"), ("y", "l"), ("l", "x"), ("alpha", "x")]
+        changes = [{key: None} for key in required]
+        changes += [{extra: 0.5} for key, extra in pairs if key in wheel]
+        changes += [
+            {f.key: 0.5} for f in WHEEL.fields if f.misfit and f.key not in WHEEL_TYPES[wheel["type"]].keys
+        ]
+        for change in changes:
+            changed = copy.deepcopy(document)
+            for key, value in change.items():
+                changed["wheels"][k].pop(key, None)
+                if value is not None:
+                    changed["wheels"][k][key] = value
+            yield f"wheel {k}: {change}", changed
+
+
+def test_the_schema_is_one() -> None:
+    Draft202012Validator.check_schema(SCHEMA)
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda p: p.stem)
+def test_the_schema_takes_every_robot(path: Path) -> None:
+    document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    assert [error.message for error in VALIDATOR.iter_errors(document)] == []
+
+
+@pytest.mark.parametrize("name", MUTATED)
+def test_reader_and_schema_refuse_what_is_wrong(name: str) -> None:
+    document = yaml.safe_load((ROOT / "robots" / f"{name}.yaml").read_text(encoding="utf-8"))
+    assert accepted(document)
+    for what, mutant in mutants(document):
+        assert not accepted(mutant), what
+        assert not VALIDATOR.is_valid(mutant), what
+
+
+def test_the_page_is_fresh() -> None:
+    page = (ROOT / "docs" / "robot_file.md").read_text(encoding="utf-8")
+    assert page == reference(), "run: wmrgen schema --markdown > docs/robot_file.md"
+
+
+def test_the_command_prints_both() -> None:
+    schema, again, page = (process("schema", *words) for words in ((), ("--json",), ("--markdown",)))
+    assert schema == again
+    assert schema.code == 0 and yaml.safe_load(schema.out) == SCHEMA
+    assert page == Outcome(0, reference(), "")
+    assert process("schema", "--json", "--markdown").code == 2
+
+
+def test_wheel_types_take_keys_that_there_are() -> None:
+    own = {f.key for f in WHEEL.fields if f.misfit}
+    common = set(WHEEL.keys) - own
+    for kind in WHEEL_TYPES.values():
+        assert set(kind.keys) <= own
+        assert set(kind.required) <= common | set(kind.keys)
+        assert all(WHEEL.field(key).missing for key in kind.required), "a message says why it is needed"
+        assert set(kind.misfits) <= own - set(kind.keys)
+    assert own == {key for kind in WHEEL_TYPES.values() for key in kind.keys}, "a key that no wheel takes"
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_hints_lead_to_one_key(name: str) -> None:
+    section = SECTIONS[name]
+    assert len(set(section.keys)) == len(section.keys)
+    aliases = [alias for f in section.fields for alias in f.aliases]
+    assert len(set(aliases)) == len(aliases)
+    assert not set(aliases) & set(section.keys)
+    assert all(key in section.keys for choice in section.choices for keys in choice.sets for key in keys)
+
+
+def test_gains_that_are_not_given_are_those_of_the_text() -> None:
+    assert {f.key: float(f.default) for f in GAINS.fields} == {k: float(v) for k, v in TEXTBOOK.items()}
+    assert all(isinstance(f.value, Amount) for f in GAINS.fields)

@@ -1,0 +1,332 @@
+"""The keys of a robot file: the one table that reading, messages, JSON Schema and reference documentation go by."""
+
+from __future__ import annotations
+
+from wmrgen.spec.fields import (
+    Amount,
+    Choice,
+    Field,
+    Interval,
+    ListOf,
+    Mapped,
+    Name,
+    OneOf,
+    Section,
+    Text,
+    Version,
+    Word,
+)
+from wmrgen.spec.numbers import Kind
+
+_YES = {"true": True, "false": False}
+_LENGTH, _ANGLE = Amount(Kind.LENGTH), Amount(Kind.ANGLE)
+_GAIN = Amount(Kind.ANY, "1/s")
+_JOINTS = ListOf(OneOf("joint"), "[spin]", once=True)
+_WHEELS = ListOf(
+    OneOf("wheel"),
+    "[front_left, front_right]",
+    least=1,
+    once=True,
+    few=("{key} names no wheel", "", "Write {key}: [front_left, front_right]."),
+)
+_PLACE = "A place is l with alpha.", "A place is x with y."
+_NO_STEERING_AXIS = "Put the contact point itself in l, alpha or x, y."
+_NO_ROLLERS = "Write type: swedish for an omni or mecanum wheel, or delete"
+_MIDDLE, _BOTH = "the middle of its wheels", "Write both or none."
+_A_NAME = "Names become identifiers in the generated code.", "Write name: and a word such as front_left."
+
+PARAMETER = Section(
+    "a parameter",
+    "{value: 0.1, tunable: true}",
+    (
+        Field("value", Amount(Kind.ANY), "the value, which may use other parameters", required=True),
+        Field("tunable", Word(_YES, "false"), "the parameter stays an input of the generated code"),
+    ),
+)
+
+LIMITS = Section(
+    "limits",
+    "limits: {omega: 4.0}",
+    (
+        Field("vx", Interval(Kind.SPEED), "speed of P forward"),
+        Field("vy", Interval(Kind.SPEED), "speed of P to the left"),
+        Field("omega", Interval(Kind.RATE), "yaw rate"),
+        Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin"),
+        Field(
+            "steer",
+            Interval(Kind.ANGLE),
+            "steering angle; inverse commands no other (coupled wheels keep the limits of all of them)",
+            joint="steer",
+        ),
+        Field("steer_rate", Interval(Kind.RATE), "rate of a steering angle", joint="steer"),
+    ),
+)
+
+WHEEL = Section(
+    "a wheel",
+    "{name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.05}",
+    (
+        Field("name", Name(), "name of the wheel, which its joints bear", required=True, missing=_A_NAME),
+        Field(
+            "type", OneOf("type"), "type of the wheel", required=True,
+            missing=("It decides what the wheel constrains.", "Write type: and one of {types}."),
+        ),
+        Field(
+            "l", _LENGTH, "distance from the robot's origin P to the wheel's pivot; with alpha",
+            aliases={"distance": ""},
+            missing=(_PLACE[0], "Write l: and the distance from the origin to the pivot."),
+        ),
+        Field(
+            "alpha", _ANGLE, "direction of the pivot seen from P, 0 is forward, pi/2 left; with l", greek="α",
+            missing=(_PLACE[0], "Write alpha: and the direction of the pivot from the origin."),
+        ),
+        Field(
+            "x", _LENGTH, "pivot position forward of P; with y",
+            aliases=dict.fromkeys(("pos", "position", "pose", "xy"), "Write x: and y:."),
+            missing=(_PLACE[1], "Write x: and the distance forward of the origin."),
+        ),
+        Field(
+            "y", _LENGTH, "pivot position left of P; with x",
+            missing=(_PLACE[1], "Write y: and the distance left of the origin."),
+        ),
+        Field(
+            "beta", _ANGLE, "angle of the axle from the line P to pivot, for steering wheels at zero steer",
+            greek="β",
+        ),
+        Field(
+            "heading", _ANGLE, "rolling direction in the robot frame, alpha + beta - pi/2; instead of beta",
+            aliases=dict.fromkeys(("theta", "yaw", "orientation", "angle", "direction"), ""),
+        ),
+        Field(
+            "r", _LENGTH, "wheel radius, not diameter",
+            aliases={
+                **dict.fromkeys(("radius", "wheel_radius"), ""),
+                **dict.fromkeys(
+                    ("diameter", "dia"), "Did you mean r? It is the radius: half the diameter."
+                ),
+            },
+            missing=(
+                "The radius turns spin [rad/s] into speed [m/s].",
+                "Write r: and the radius, such as r: 50 mm.",
+            ),
+        ),
+        Field(
+            "gamma", _ANGLE,
+            "from the wheel plane to the roller axis at the ground: 0 omni, 45 or -45 deg mecanum",
+            greek="γ", default="0", aliases=dict.fromkeys(("roller_angle", "rollers"), ""),
+            misfit=(
+                "gamma is the roller axis at the ground against the wheel plane; only swedish wheels have rollers.",
+                f"{_NO_ROLLERS} gamma.",
+            ),
+        ),
+        Field(
+            "d", _LENGTH, "castor offset: steering axis to contact point, along the rolling direction",
+            aliases=dict.fromkeys(("trail", "offset", "offset_x", "castor_offset"), ""),
+            missing=(
+                "d is how far the contact point trails the steering axis; with d = 0 it is a steered wheel.",
+                "Write d: and the trail, such as d: 40 mm, or type: steered.",
+            ),
+            misfit=("d is the castor offset from the steering axis, and this wheel has none.", _NO_STEERING_AXIS),
+        ),
+        Field(
+            "offset_y", _LENGTH, "contact point left of the steering axis, along the axle", default="0",
+            aliases=dict.fromkeys(("lateral_offset", "scrub", "axle_offset"), ""),
+            misfit=(
+                "offset_y is the lateral offset from the steering axis, and this wheel has none.",
+                _NO_STEERING_AXIS,
+            ),
+        ),
+        Field(
+            "r_sw", _LENGTH, "roller radius, for the function contacts",
+            aliases=dict.fromkeys(("roller_radius", "r_roller"), ""),
+            misfit=("r_sw is the roller radius; only swedish wheels have rollers.", f"{_NO_ROLLERS} r_sw."),
+        ),
+        Field(
+            "actuated", _JOINTS, "joints that are driven", default="those of the wheel type",
+            aliases=dict.fromkeys(
+                ("powered", "driven", "drive"), "Write actuated: [spin], or actuated: []."
+            ),
+        ),
+        Field("sensed", _JOINTS, "joints that are measured", default="those that are driven"),
+        Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
+    ),
+    (
+        Choice(
+            (("l", "alpha"), ("x", "y")),
+            ("is placed twice: by {keys}", "They say the same thing and could disagree.",
+             "Keep l and alpha, or x and y."),
+            ("has no place", "Kinematics needs the pivot of every wheel in the robot frame, x forward and y left.",
+             "Write x: and y:, or l: and alpha: (distance and direction from the origin)."),
+        ),
+        Choice(
+            (("beta",), ("heading",)),
+            ("has {keys}", "Both give the orientation: heading = alpha + beta - pi/2.", "Keep one of them."),
+            ("has no beta or heading",
+             "The rolling direction decides what the wheel allows; where it steers it is the zero of steer.",
+             "Write heading: 0 for a wheel that rolls forward, or beta: as in the literature."),
+            optional=True,  # but for the wheel types that say otherwise
+        ),
+    ),
+)  # fmt: skip
+
+COUPLING = Section(
+    "a coupling",
+    "{equal: [a.steer, b.steer]}",
+    (
+        Field(
+            "equal",
+            ListOf(
+                OneOf("wheel.joint"),
+                "[a.steer, b.steer]",
+                least=2,
+                once=True,
+                few=(
+                    "a coupling of {n} joint{s}",
+                    "It takes two to be equal.",
+                    "Write equal: [a.steer, b.steer].",
+                ),
+            ),
+            "joints of one kind whose angles a mechanism keeps equal",
+            required=True,
+        ),
+    ),
+)
+
+VIRTUAL = Section(
+    "a virtual wheel",
+    "{name: front, steers: [front_left, front_right]}",
+    (
+        Field("name", Name(), "name of the virtual wheel", required=True, missing=_A_NAME),
+        Field("steers", _WHEELS, "its angle, `name.steer`, steers these wheels (an Ackermann pair)"),
+        Field("drives", _WHEELS, "its speed, `name.speed`, drives these wheels"),
+        Field(
+            "x",
+            _LENGTH,
+            "its place forward of P; with y",
+            default=_MIDDLE,
+            missing=("It has one of x and y.", _BOTH),
+        ),
+        Field(
+            "y",
+            _LENGTH,
+            "its place left of P; with x",
+            default=_MIDDLE,
+            missing=("It has one of x and y.", _BOTH),
+        ),
+    ),
+    (
+        Choice(
+            (("steers",), ("drives",)),
+            (
+                "has {keys}",
+                "It stands for wheels that steer together, or for wheels that drive together.",
+                "Keep one of them.",
+            ),
+            (
+                "has neither steers nor drives",
+                "It stands for wheels that steer together, or for wheels that drive together.",
+                "Write steers: [front_left, front_right] or drives: [rear_left, rear_right].",
+            ),
+        ),
+        Choice((("x", "y"),), optional=True),
+    ),
+)
+
+TRAILER = Section(
+    "a trailer",
+    "{length: 1.1, hitch: 0}",
+    (
+        Field("name", Name(), "name of the trailer", default="trailer1, trailer2, …"),
+        Field("length", _LENGTH, "from its coupling to its axle", required=True),
+        Field("hitch", _LENGTH, "from the axle in front back to the coupling", default="0"),
+    ),
+)
+
+CG = Section(
+    "cg",
+    "cg: {x: 0, y: 0, z: 0.3}",
+    (
+        Field("x", _LENGTH, "forward of P", required=True),
+        Field("y", _LENGTH, "left of P", required=True),
+        Field("z", _LENGTH, "above the ground", required=True),
+    ),
+)
+
+GAINS = Section(
+    "gains",
+    "gains: {k_rho: 3, k_alpha: 8, k_beta: -1.5}",
+    (
+        Field("k_rho", _GAIN, "speed per distance to the goal; goto_pose", default="3"),
+        Field("k_alpha", _GAIN, "yaw rate per bearing of the goal; goto_pose", default="8"),
+        Field("k_beta", _GAIN, "yaw rate per heading left over at the goal; goto_pose", default="-1.5"),
+    ),
+)
+
+ROBOT = Section(
+    "a robot file",
+    "wmrgen: 1, then name: and wheels:",
+    (
+        Field(
+            "wmrgen", Version("1"), "version of the format", required=True,
+            aliases={"version": "Write wmrgen: 1."},
+            missing=("It tells the format version.", "Begin the file with wmrgen: 1."),
+        ),
+        Field("name", Name(), "name of the robot and of its files", required=True, missing=_A_NAME),
+        Field("description", Text(2_000), "what robot it is, for the banner and the report"),
+        Field("source", Text(2_000), "where the dimensions come from"),
+        Field(
+            "angles",
+            Word(
+                {"rad": False, "deg": True}, "rad",
+                {"degrees": "Did you mean deg?", "radians": "Did you mean rad?"},
+            ),
+            "unit of angles that are written without one",
+        ),
+        Field(
+            "snap", Word(_YES, "true"),
+            "angles within 1e-3 rad of a multiple of pi/12 are taken for that multiple",
+        ),
+        Field("parameters", Mapped(PARAMETER, 256), "named lengths, angles and numbers"),
+        Field(
+            "wheels", ListOf(
+                WHEEL, least=1, most=64,
+                few=("the list of wheels is empty", "A robot without wheels has no kinematics.", "Add a wheel."),
+                many=(
+                    "{n} wheels", "At most {most} are derived.",
+                    "Leave out passive castors and balls: they constrain nothing.",
+                ),
+            ), "the wheels", required=True,
+            missing=("A robot without wheels has no kinematics.", "Write wheels: and a list of wheels."),
+        ),
+        Field("couplings", ListOf(COUPLING), "joints that move alike"),
+        Field(
+            "limits", LIMITS,
+            "limits of the robot and of every wheel: ranges that checked functions accept, that prove needs "
+            "and that desaturate keeps",
+        ),
+        Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
+        Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),
+        Field(
+            "slip", Word(_YES, "false"),
+            "slip of every wheel, along and across: the function slip_inverse, columns of the Pfaffian matrix",
+        ),
+        Field("cg", CG, "centre of gravity, for the function stability"),
+        Field("gains", GAINS, "gains of the control laws"),
+        Field(
+            "functions", ListOf(OneOf("function"), "[dynamics]", once=True),
+            "functions to be generated beyond those that every robot has",
+        ),
+    ),
+)  # fmt: skip
+
+SECTIONS = {
+    "robot file": ROBOT,
+    "wheels": WHEEL,
+    "limits": LIMITS,
+    "parameters": PARAMETER,
+    "couplings": COUPLING,
+    "virtual": VIRTUAL,
+    "trailers": TRAILER,
+    "cg": CG,
+    "gains": GAINS,
+}

@@ -166,6 +166,17 @@ def test_every_function_of_a_sleigh_is_derived_or_refused_in_words(tmp_path: Pat
     assert {"inverse", "forward", "odometry", "icr", "posture", "chained", "zeta"} <= {*derivable}
 
 
+def test_what_a_runner_has_of_a_wheel(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """It slips across and not along, its contact moves along and across, and it is no ball, whatever its r."""
+    robot = written(tmp_path, SLEIGH.replace("heading: 0}", "heading: 90 deg, r: 0.1}", 1))
+    twist = ("vx=0.6", "vy=0.2", "omega=0.5")
+    slips = values(wmrgen_cli, robot, "slip_inverse", *twist, "front.steer=0", "front.slip_x=0")
+    assert slips["blade.slip_y"] == pytest.approx(-0.6) and "blade.spin" not in slips
+    moves = values(wmrgen_cli, robot, "projections", *twist, "front.steer=0", "theta=0")
+    assert (moves["blade.along"], moves["blade.across"]) == pytest.approx((0.2, -0.6))
+    assert wmrgen_cli("eval", robot, "contacts", *twist).code == 3
+
+
 def test_the_reader_knows_it(wmrgen_cli: Cli, tmp_path: Path) -> None:
     trouble = {
         CART.replace("d: -0.03, ", ""): "the twin_castor wheel twin has no d",

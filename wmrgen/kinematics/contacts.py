@@ -27,7 +27,7 @@ def contacts(robot: Robot) -> Formula | None:
     for w in robot.wheels:
         if w.kind.rollers and w.nominal.r_sw:
             outputs.append(_roller(w, twist))
-        if not w.has_spin and w.nominal.r:
+        if not w.kind.directed and w.nominal.r:
             outputs += _sphere(w, twist, names)
     if not outputs:
         return None

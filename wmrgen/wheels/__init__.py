@@ -1,4 +1,9 @@
-"""Wheel types by name: one module each. Every stage asks the record for a property, never for its name."""
+"""Wheel types by name: one module each. Every stage asks the record for a property, never for its name.
+
+To add one, from here or from outside, make a `WheelType` and `register` it before a robot file is read: its joints and
+keys decide what it does, `words` and `glyph` how the report and the drawing show it. `tests/wheels` has two examples.
+A key that no type has yet also needs a place in `wmrgen.spec.fields` and `wmrgen.layout.records.Geometry`.
+"""
 
 from wmrgen.wheels.castor import CASTOR
 from wmrgen.wheels.fixed import FIXED

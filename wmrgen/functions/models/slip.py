@@ -42,14 +42,13 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
     inputs += [joint_port(w, "steer_rate", Role.COMMAND) for w in robot.wheels if _swings(w)]
     outputs: list[tuple[Port, Expr]] = []
     for w in robot.wheels:
-        if not w.has_spin:
-            continue
         g = working_view(w)
         rate = given(f"{w.name}.steer_rate") if _swings(w) else Poly({})
-        inputs.append(slip_port(w, "slip_x"))
-        rim = dot(rolling_row(w, g).row, twist) - g.o * rate + given(f"{w.name}.slip_x")
-        radius = g.rolling_radius
-        outputs.append((joint_port(w, "spin", Role.COMMAND), expression(rim * radius.inverse())))
+        if w.has_spin:
+            inputs.append(slip_port(w, "slip_x"))
+            rim = dot(rolling_row(w, g).row, twist) - g.o * rate + given(f"{w.name}.slip_x")
+            spin = expression(rim * g.rolling_radius.inverse())
+            outputs.append((joint_port(w, "spin", Role.COMMAND), spin))
         if w.kind.sliding_row:
             lateral = dot(sliding_row(w, g).row, twist) + g.d * rate
             outputs.append((slip_port(w, "slip_y"), expression(lateral)))

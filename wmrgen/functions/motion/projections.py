@@ -27,7 +27,7 @@ def projections(robot: Robot, _: Mobility) -> Formula:
     outputs: list[tuple[Port, Expr]] = []
     for p, (a, b) in zip(points, velocities(points, names), strict=True):
         w = p.wheel
-        if w.has_spin:
+        if w.kind.directed:
             g = working_view(w)
             ex, ey = heading(w, g)
             vx, vy = Poly.gen("local", f"{w.name}_x"), Poly.gen("local", f"{w.name}_y")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
@@ -14,7 +15,6 @@ from textbook.report import report
 from wmrgen import __version__
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
-from wmrgen.kinematics.records import Formula
 from wmrgen.ports import Port
 from wmrgen.render import render
 
@@ -62,17 +62,12 @@ def page(lines: list[str]) -> bytes:
 
 
 def _functions(book: Textbook) -> list[dict[str, Any]]:
-    return [_facts(f) for f in book.formulas]
+    """Names, units and words of every function's inputs and outputs."""
 
+    def shown(ports: Iterable[Port]) -> list[dict[str, str]]:
+        return [{"name": p.name, "unit": p.unit, "text": p.text} for p in ports]
 
-def _facts(f: Formula) -> dict[str, Any]:
-    return {
-        "name": f.name,
-        "text": f.text,
-        "inputs": [_port(p) for p in f.inputs],
-        "outputs": [_port(p) for p, _ in f.outputs],
-    }
-
-
-def _port(p: Port) -> dict[str, str]:
-    return {"name": p.name, "unit": p.unit, "text": p.text}
+    return [
+        {"name": f.name, "text": f.text, "inputs": shown(f.inputs), "outputs": shown(p for p, _ in f.outputs)}
+        for f in book.formulas
+    ]

@@ -5,16 +5,12 @@ functions of a fixed size.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product as pairs
 
-import mpmath
 import sympy
 
 from textbook.page import Chapter, Page
 from wmrgen.errors import NotDerivableError
 from wmrgen.symbolic import Expr
-
-_DIGITS, _SMALL = 50, 1e-30
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,23 +60,10 @@ def penrose(J: sympy.Matrix, P: sympy.Matrix) -> tuple[sympy.Matrix, ...]:
 def generic_rank(J: sympy.Matrix) -> int:
     """The rank at general values of the symbols: the largest at two fixed points, to 50 digits."""
     symbols = sorted(J.free_symbols, key=lambda s: str(s))
-    best = 0
-    for start in (11, 29):
-        point = {s: sympy.Rational(start + 7 * k, 13 + 2 * k) for k, s in enumerate(symbols)}
-        best = max(best, _numeric_rank(J.xreplace(point)))
-    return best
-
-
-def _numeric_rank(J: sympy.Matrix) -> int:
-    rows, columns = J.shape
-    if not rows or not columns:
-        return 0
-    with mpmath.workdps(_DIGITS):
-        values = mpmath.matrix(rows, columns)
-        for i, j in pairs(range(rows), range(columns)):
-            values[i, j] = mpmath.mpf(sympy.Float(sympy.N(J[i, j], _DIGITS), _DIGITS)._mpf_)
-        singular = mpmath.svd_r(values, compute_uv=False)
-        return sum(1 for s in singular if s > _SMALL * max(singular[0], 1))
+    points = [
+        {s: sympy.Rational(start + 7 * k, 13 + 2 * k) for k, s in enumerate(symbols)} for start in (11, 29)
+    ]
+    return max(int(J.xreplace(p).rank(iszerofunc=lambda e: abs(sympy.N(e, 50)) < 1e-30)) for p in points)
 
 
 def _one_sided(

@@ -47,11 +47,6 @@ class Textbook:
     def __init__(self, names: Sequence[str] | None = None) -> None:
         self.names = tuple(FUNCTIONS) if names is None else tuple(names)
 
-    @property
-    def itself(self) -> Textbook:
-        """What backends for readers are given."""
-        return self
-
     @cached_property
     def formulas(self) -> tuple[Formula, ...]:
         """The functions in symbols."""

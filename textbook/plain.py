@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy
 
 from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.rollers import TINY
-from wmrgen.symbolic import Expr, substituted
+from wmrgen.symbolic import Expr
 
 
 def unguarded(expr: Expr) -> Expr:
@@ -23,8 +25,6 @@ def unguarded(expr: Expr) -> Expr:
 
 def plain(formula: Formula) -> dict[str, Expr]:
     """Output name -> expression in the inputs alone, without guards."""
-    known: dict[Expr, Expr] = {}
-    memo: dict[Expr, Expr] = {}
-    for symbol, expr in formula.locals:
-        known[symbol] = substituted(unguarded(expr), known, memo)
-    return {port.name: substituted(unguarded(expr), known, memo) for port, expr in formula.outputs}
+    steps = tuple((symbol, unguarded(expr)) for symbol, expr in formula.locals)
+    outputs = tuple((port, unguarded(expr)) for port, expr in formula.outputs)
+    return replace(formula, locals=steps, outputs=outputs).closed()

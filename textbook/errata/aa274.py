@@ -7,7 +7,7 @@ from itertools import product
 import sympy
 
 from textbook.errata import engine
-from textbook.errata.checks import number, rights
+from textbook.errata.checks import each, number, rights
 from textbook.errata.claims import book, claim
 from textbook.errata.engine import ALPHA, BETA
 from textbook.errata.engine import L as LEVER
@@ -71,16 +71,8 @@ BOUNDS = Record(TEXT, "bounds", _set(False),
     forms((sympy.LessThan(V**2 + W**2, TOP**2, evaluate=False),), (SLOPE,)),
     part=_set(True), condition="as an inner approximation (ζ = ξ, L = 1)")
 
-CONCURRENT = """
-name: a, type: fixed, l: 0.3, alpha: pi/3, beta: 0, r: 0.1
-name: b, type: fixed, l: 0.3, alpha: pi, beta: 0, r: 0.1
-name: c, type: fixed, l: 0.3, alpha: -pi/3, beta: 0, r: 0.1
-"""
-APART = """
-name: a, type: fixed, x: 0.3, y: 0, heading: pi/6, r: 0.1
-name: b, type: fixed, x: -0.2, y: 0.3, heading: pi/3, r: 0.1
-name: c, type: fixed, x: -0.2, y: -0.3, heading: -pi/4, r: 0.1
-"""
+CONCURRENT = "fixed 0.15 0.15*sqrt(3) -pi/6; fixed -0.3 0 pi/2; fixed 0.15 -0.15*sqrt(3) -5*pi/6"
+APART = "fixed 0.3 0 pi/6; fixed -0.2 0.3 pi/3; fixed -0.2 -0.3 -pi/4"
 RANK, DELTA = symbol(r"\mathrm{rank}\,C_1"), symbol(r"\delta_m")
 
 def _mobility(robots: tuple[str, ...]) -> Check:
@@ -92,16 +84,9 @@ def _mobility(robots: tuple[str, ...]) -> Check:
             m = engine.robot(text).mobility
             said = f.rights[0].xreplace({RANK: sympy.Integer(m.rank_C1.value)})
             name = "axles in one point" if text is CONCURRENT else "axles apart"
-            found.append(
-                (
-                    said == m.degree_of_mobility,
-                    f"{name}: rank {m.rank_C1.value}, mobility {m.degree_of_mobility}",
-                )
-            )
-        wrong = [text for right, text in found if not right]
-        return Finding(
-            not wrong, "three fixed wheels at different angles, " + "; ".join(wrong or [t for _, t in found])
-        )
+            right = said == m.degree_of_mobility
+            found.append((right, f"{name}: rank {m.rank_C1.value}, mobility {m.degree_of_mobility}"))
+        return each("three fixed wheels at different angles, ", found)
 
     return check
 

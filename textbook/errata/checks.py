@@ -160,6 +160,12 @@ def unit_name(unit: tuple[int, int]) -> str:
     return f"{above}/{below}" if below else above
 
 
+def each(says: str, cases: Sequence[tuple[bool, str]]) -> Finding:
+    """Every case is right: (whether, in words) each. What is wrong is told, or else every case."""
+    wrong = [text for right, text in cases if not right]
+    return Finding(not wrong, says + "; ".join(wrong or [text for _, text in cases]))
+
+
 def both(*checks: Check) -> Check:
     """Every check passes; the first that does not decides."""
 

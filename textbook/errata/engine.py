@@ -73,15 +73,20 @@ def inverse(m: sympy.Matrix) -> sympy.Matrix:
     return m.adjugate() / m.det(method="berkowitz")
 
 
-def robot(wheels: str, name: str = "robot") -> Derivation:
-    """The derivation of a robot whose wheels are given as lines of a robot file, without parameters."""
-    lines = "".join(f"  - {{{line.strip()}}}\n" for line in wheels.strip().splitlines())
-    return derived(f"wmrgen: 1\nname: {name}\nwheels:\n{lines}")
+def robot(wheels: str) -> Derivation:
+    """The derivation of a robot given as ``type x y heading; ...; equal a, b``: wheels w1, w2, ... and couplings."""
+    words = [part.split() for part in wheels.split("; ")]
+    text = "wmrgen: 1\nname: robot\nwheels:\n"
+    for k, (kind, x, y, *heading) in enumerate((w for w in words if w[0] != "equal"), 1):
+        turned = f", heading: {heading[0]}, r: 0.1" if heading else ""
+        text += f"  - {{name: w{k}, type: {kind}, x: {x}, y: {y}{turned}}}\n"
+    equal = [f"  - {{equal: [{' '.join(w[1:])}]}}\n" for w in words if w[0] == "equal"]
+    return derived(text + ("couplings:\n" + "".join(equal) if equal else ""))
 
 
 def disk_curl() -> Expr:
     """c . curl c of the sliding constraint of one fixed wheel, from wmrgen's test of integrability."""
-    return robot("name: disk, type: fixed, x: 0, y: 0, heading: 0, r: 0.1").integrability.row("disk").value
+    return robot("fixed 0 0 0").integrability.row("w1").value
 
 
 CARTESIAN = """\

@@ -85,16 +85,7 @@ SPHERE = Record(TEXT, "(3.21), (3.22)", rights(_any_heading, "ξ_R = R(θ) ξ_I 
     _sphere(ZERO_GLYPH), _sphere(theta), reading=((ZERO_GLYPH, theta),),
     remark="Printed R(0) for R(θ); shown with the product multiplied out.")
 
-PAIR = """
-name: right, type: fixed, x: 0, y: -1, heading: 0, r: 1
-name: left, type: fixed, x: 0, y: 1, heading: 0, r: 1
-"""
-PHI1, PHI2, DOT1, DOT2 = (
-    symbol(r"\varphi_1"),
-    symbol(r"\varphi_2"),
-    symbol(r"\dot{\varphi}_1"),
-    symbol(r"\dot{\varphi}_2"),
-)
+PHI1, PHI2, DOT1, DOT2 = (symbol(n) for n in (r"\varphi_1", r"\varphi_2", r"\dot{\varphi}_1", r"\dot{\varphi}_2"))
 
 def _stack(f: Form) -> Finding:
     """J1 xi - J2 spin and the sliding row, from wmrgen's rows at alpha = -+ pi/2, beta = pi and 0."""

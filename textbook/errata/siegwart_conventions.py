@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.errata import engine
-from textbook.errata.checks import identity, number, rights, vanishes
+from textbook.errata.checks import each, identity, number, rights, vanishes
 from textbook.errata.engine import ALPHA, BETA, D, L, R
 from textbook.errata.forms import EQ, Form, form, forms, symbol
 from textbook.errata.records import Check, Finding, Record
@@ -75,8 +75,7 @@ def _alignment(signs: tuple[int, ...]) -> Check:
                     said = f.rights[0].xreplace({D: sympy.S(sign)})
                     found.append((said == along, f"d {'>' if sign > 0 else '<'} 0: stable at e = {along} V/|V|, "
                                                  f"β̇ falls by {-slope}/|d| per radian"))
-        wrong = [text for right, text in found if not right]
-        return Finding(not wrong, "linearised (3.18): " + "; ".join(wrong or [text for _, text in found]))
+        return each("linearised (3.18): ", found)
 
     return check
 
@@ -85,27 +84,11 @@ ALIGN = Record(TEXT, "castor, self-alignment", _alignment((1, -1)),
     part=_alignment((-1,)), condition="d < 0",
     remark="Not printed: what a reader expects of a trailing castor, that it rolls forwards when towed.")
 
-CAR = """
-name: rear_left, type: fixed, x: 0, y: 0.6, heading: 0, r: 0.3
-name: rear_right, type: fixed, x: 0, y: -0.6, heading: 0, r: 0.3
-name: left, type: steered, x: 2.5, y: 0.6, heading: 0, r: 0.3
-name: right, type: steered, x: 2.5, y: -0.6, heading: 0, r: 0.3
-"""
-BICYCLE = """
-name: rear, type: fixed, x: 0, y: 0, heading: 0, r: 0.3
-name: front, type: steered, x: 1.1, y: 0, heading: 0, r: 0.3
-"""
-TWO_STEER = """
-name: one, type: steered, x: 0.3, y: 0.1, heading: 0, r: 0.1
-name: two, type: steered, x: -0.3, y: 0.1, heading: 0, r: 0.1
-name: ball, type: spherical, x: 0, y: -0.3
-"""
-OMNI_STEER = """
-name: one, type: steered, x: 0.3, y: 0, heading: 0, r: 0.1
-name: two, type: spherical, x: -0.2, y: 0.2
-name: three, type: spherical, x: -0.2, y: -0.2
-"""
-ROBOTS = {"automobile": CAR, "bicycle": BICYCLE, "two-steer": TWO_STEER, "omni-steer": OMNI_STEER}
+BICYCLE, OMNI_STEER = "fixed 0 0 0; steered 1.1 0 0", "steered 0.3 0 0; spherical -0.2 0.2; spherical -0.2 -0.2"
+ROBOTS = {
+    "automobile": "fixed 0 0.6 0; fixed 0 -0.6 0; steered 2.5 0.6 0; steered 2.5 -0.6 0", "bicycle": BICYCLE,
+    "two-steer": "steered 0.3 0.1 0; steered -0.3 0.1 0; spherical 0 -0.3", "omni-steer": OMNI_STEER,
+}
 RANK_S, RANK, RANK_F = (symbol(rf"\mathrm{{rank}}\,{n}") for n in ("C_{1s}", "C_1", "C_{1f}"))
 
 def literal_rank(d: Derivation) -> int:
@@ -129,13 +112,9 @@ def _steerability(names: tuple[str, ...]) -> Check:
             m = d.mobility
             ranks = {RANK_S: literal_rank(d), RANK: m.rank_C1.value, RANK_F: m.rank_C1f.value}
             said = f.rights[0].xreplace({k: sympy.Integer(n) for k, n in ranks.items()})
-            found.append(
-                (said == m.degree_of_steerability, f"{name}: {said}, steerability {m.degree_of_steerability}")
-            )
-        wrong = [text for right, text in found if not right]
-        return Finding(
-            not wrong, "formula and wmrgen's analysis: " + "; ".join(wrong or [t for _, t in found])
-        )
+            right = said == m.degree_of_steerability
+            found.append((right, f"{name}: {said}, steerability {m.degree_of_steerability}"))
+        return each("formula and wmrgen's analysis: ", found)
 
     return check
 

@@ -12,33 +12,15 @@ from textbook.errata.claims import book, claim, residual
 from textbook.errata.engine import ALPHA, BETA, GAMMA, L, R
 from textbook.errata.forms import EQ, Form, Value, forms, symbol
 from textbook.errata.records import Finding, Record
-from textbook.errata.siegwart import (
-    K_ALPHA,
-    K_BETA,
-    K_RHO,
-    TEXT,
-    XI,
-    M,
-    alpha,
-    beta,
-    cos,
-    omega,
-    phid,
-    pi,
-    polar_motion,
-    rho,
-    sin,
-    thd,
-    theta,
-    v,
-    xd,
-    yd,
-)
 from textbook.errata.siegwart_conventions import BICYCLE, OMNI_STEER, ROBOTS
 from textbook.transforms import world_to_robot_rows
 
 # Pages of formulas, laid out by hand.
 # fmt: off
+# isort: off
+from textbook.errata.siegwart import (
+    K_ALPHA, K_BETA, K_RHO, TEXT, XI, M, alpha, beta, cos, omega, phid, pi, polar_motion, rho, sin, thd, theta,
+    v, xd, yd)
 
 ZERO, ONE, HALF, sqrt = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.sqrt
 TURN = world_to_robot_rows(theta)
@@ -98,42 +80,17 @@ WHEELS = (
 
 # ---- ranks and degrees, decided on robots by wmrgen's analysis
 
-DIFFERENTIAL = """
-name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1
-name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1
-"""
-LOCKED = """
-name: one, type: fixed, l: 0.6, alpha: 0, beta: pi/2, r: 0.1
-name: two, type: fixed, l: 0.4, alpha: pi, beta: pi/2, r: 0.1
-"""
-SINGLE = "name: one, type: fixed, l: 0.3, alpha: 0.4, beta: 0.2, r: 0.1"
-SYNCHRO = """\
-wmrgen: 1
-name: synchro
-wheels:
-  - {name: a, type: steered, l: 0.3, alpha: 0, heading: 0, r: 0.1}
-  - {name: b, type: steered, l: 0.3, alpha: 2*pi/3, heading: 0, r: 0.1}
-  - {name: c, type: steered, l: 0.3, alpha: -2*pi/3, heading: 0, r: 0.1}
-couplings:
-  - {equal: [a.steer, b.steer, c.steer]}
-  - {equal: [a.spin, b.spin, c.spin]}
-"""
-KEYS = (
-    "rank_C1f",
-    "rank_C1",
-    "degree_of_mobility",
-    "degree_of_steerability",
-    "degree_of_maneuverability",
-    "dof",
-    "ddof",
-)
-NAMES = dict(zip(KEYS, (r"\mathrm{rank}\,C_{1f}", r"\mathrm{rank}\,C_1", r"\delta_m", r"\delta_s", r"\delta_M",
-                        r"\mathrm{DOF}", r"\mathrm{DDOF}"), strict=True))
+DIFFERENTIAL, LOCKED, SINGLE = "fixed 0 -0.2 0; fixed 0 0.2 0", "fixed 0.6 0 0; fixed -0.4 0 pi", "fixed 0.2 0.1 0.3"
+SYNCHRO = ("steered 0.3 0 0; steered -0.15 0.15*sqrt(3) 0; steered -0.15 -0.15*sqrt(3) 0; "
+           "equal w1.steer, w2.steer, w3.steer; equal w1.spin, w2.spin, w3.spin")
+NAMES = {"rank_C1f": r"\mathrm{rank}\,C_{1f}", "rank_C1": r"\mathrm{rank}\,C_1", "degree_of_mobility": r"\delta_m",
+         "degree_of_steerability": r"\delta_s", "degree_of_maneuverability": r"\delta_M", "dof": r"\mathrm{DOF}",
+         "ddof": r"\mathrm{DDOF}"}
 
 def facts(text: str) -> dict[str, int]:
     """Ranks and degrees by wmrgen's analysis."""
-    m = (engine.derived(text) if text.startswith("wmrgen") else engine.robot(text)).mobility
-    found = {key: getattr(m, key) for key in KEYS}
+    m = engine.robot(text).mobility
+    found = {key: getattr(m, key) for key in NAMES}
     return {key: int(getattr(value, "value", value)) for key, value in found.items()}
 
 def degrees(equation: str, says: str, *said: tuple[str, str, int], remark: str = "") -> Record:

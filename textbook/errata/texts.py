@@ -5,7 +5,6 @@ from __future__ import annotations
 from textbook.errata import (
     aa274,
     kelly,
-    kelly_conventions,
     kelly_holds,
     konstantinov,
     siegwart,
@@ -21,7 +20,7 @@ from textbook.errata.records import Record
 ERRATA: tuple[Record, ...] = (
     *tzafestas.ERRATA, *konstantinov.ERRATA, *kelly.ERRATA, *siegwart.ERRATA, *aa274.ERRATA)  # fmt: skip
 CONVENTIONS: tuple[Record, ...] = (
-    *tzafestas_conventions.CONVENTIONS, *konstantinov.CONVENTIONS, *kelly_conventions.CONVENTIONS,
+    *tzafestas_conventions.CONVENTIONS, *konstantinov.CONVENTIONS, *kelly.CONVENTIONS,
     *siegwart_conventions.CONVENTIONS, *aa274.CONVENTIONS)  # fmt: skip
 HOLDS: tuple[Record, ...] = (
     *tzafestas_holds.HOLDS, *konstantinov.HOLDS, *kelly_holds.HOLDS, *siegwart_holds.HOLDS,

@@ -10,34 +10,15 @@ from textbook.errata import engine
 from textbook.errata.claims import along, book, claim, residual
 from textbook.errata.forms import symbol
 from textbook.errata.records import Record
-from textbook.errata.tzafestas import (
-    D1,
-    D2,
-    IK4,
-    LEN,
-    PHI,
-    RR,
-    RS,
-    TEXT,
-    D,
-    M,
-    b,
-    cos,
-    phi,
-    phid,
-    psi,
-    r,
-    sin,
-    sqrt,
-    u1,
-    u2,
-)
 from textbook.frames import skew
 from textbook.inverses import generalised_inverse, penrose
 from textbook.transforms import rotation_rows, world_to_robot_rows
 
 # Pages of formulas, laid out by hand.
 # fmt: off
+# isort: off
+from textbook.errata.tzafestas import (
+    D1, D2, IK4, LEN, PHI, RR, RS, TEXT, D, M, b, cos, phi, phid, psi, r, sin, sqrt, u1, u2)
 
 ZERO, ONE, HALF, PI = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.pi
 x, y, zeta, xd, yd = symbol("x"), symbol("y"), symbol(r"\zeta"), symbol(r"\dot{x}"), symbol(r"\dot{y}")

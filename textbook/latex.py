@@ -24,22 +24,22 @@ WIDE = 180  # characters of LaTeX in a line before a sum is broken
 class _Printer(LatexPrinter):  # type: ignore[misc]
     """sympy's LaTeX, with atan2 and sign upright."""
 
-    def _print_atan2(self, expr: Expr, exp: str | None = None) -> str:
-        y, x = (self._print(a) for a in expr.args)
-        text = rf"\mathrm{{atan2}}\left({y}, {x}\right)"
+    def _called(self, head: str, expr: Expr, exp: str | None) -> str:
+        text = rf"{head}\left({', '.join(self._print(a) for a in expr.args)}\right)"
         return text if exp is None else rf"{text}^{{{exp}}}"
+
+    def _print_atan2(self, expr: Expr, exp: str | None = None) -> str:
+        return self._called(r"\mathrm{atan2}", expr, exp)
+
+    def _print_sign(self, expr: Expr, exp: str | None = None) -> str:
+        return self._called(r"\mathrm{sign}", expr, exp)
+
+    def _print_atan(self, expr: Expr, exp: str | None = None) -> str:
+        return self._called(r"\arctan", expr, exp)
 
     def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
         del style  # the name of a symbol is its LaTeX
         return str(expr.name)
-
-    def _print_sign(self, expr: Expr, exp: str | None = None) -> str:
-        text = rf"\mathrm{{sign}}\left({self._print(expr.args[0])}\right)"
-        return text if exp is None else rf"{text}^{{{exp}}}"
-
-    def _print_atan(self, expr: Expr, exp: str | None = None) -> str:
-        text = rf"\arctan\left({self._print(expr.args[0])}\right)"
-        return text if exp is None else rf"{text}^{{{exp}}}"
 
 
 _PRINTER = _Printer({"mat_str": "bmatrix", "mat_delim": "", "mul_symbol": r" \, "})

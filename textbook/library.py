@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from textbook.canonical import CANONICAL
 from textbook.car import CARS
@@ -14,24 +14,15 @@ from textbook.inverses import INVERSES
 from textbook.polar import POLAR
 from textbook.transforms import PLANE, SPACE
 from textbook.wheels import WHEELS
+from wmrgen.ir.nodes import Module
+from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Formula
-
-if TYPE_CHECKING:
-    from wmrgen.ir.nodes import Module
+from wmrgen.lower import lower
 
 NAME = "textbook"
 
-CHAPTERS = (
-    PLANE,
-    SPACE,
-    INVERSES,
-    FRAMES,
-    WHEELS,
-    CASTORS,
-    CANONICAL,
-    POLAR,
-    CARS,
-)  # in the order of the report
+# In the order of the report.
+CHAPTERS = (PLANE, SPACE, INVERSES, FRAMES, WHEELS, CASTORS, CANONICAL, POLAR, CARS)
 FUNCTIONS = {name: build for chapter in CHAPTERS for name, build in chapter.functions.items()}
 
 
@@ -55,16 +46,11 @@ class Textbook:
     @cached_property
     def raw_module(self) -> Module:
         """The functions as written, not optimised: what the exact backend evaluates."""
-        from wmrgen.ir.nodes import Module
-        from wmrgen.lower import lower
-
         return Module(NAME, tuple(lower(f) for f in self.formulas))
 
     @cached_property
     def module(self) -> Module:
         """The functions, optimised."""
-        from wmrgen.ir.pipeline import optimise
-
         return optimise(self.raw_module.functions, NAME)
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from textbook.canonical import CANONICAL, INPUT_SETS
 from textbook.latex import equations
-from textbook.library import CHAPTERS, NAME, Textbook
+from textbook.library import CHAPTERS, Textbook
 from wmrgen.backends.report.markdown import aligned, code, escape, table
 from wmrgen.kinematics.records import Formula
 
@@ -65,6 +65,3 @@ def _input_sets() -> list[str]:
         f"{shown['dubins']} as Dubins does (Tzafestas 2.3.4, AA274).",
         "",
     ]
-
-
-__all__ = ["NAME", "report"]

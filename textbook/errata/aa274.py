@@ -9,8 +9,6 @@ import sympy
 from textbook.errata import engine
 from textbook.errata.checks import each, number, rights
 from textbook.errata.claims import book, claim
-from textbook.errata.engine import ALPHA, BETA
-from textbook.errata.engine import L as LEVER
 from textbook.errata.forms import EQ, Form, form, forms, symbol
 from textbook.errata.records import Check, Finding, Record
 from textbook.transforms import world_to_robot_rows
@@ -25,10 +23,9 @@ xi, u1, L = symbol(r"\xi"), symbol("u_1"), symbol("L")
 
 def _front(turn: sympy.Expr) -> list[sympy.Expr]:
     """Front wheel at (L, 0) and heading xi: wmrgen's rows with twist (u1 cos xi, 0, turn) and rim speed u1."""
-    known = {ALPHA: sympy.S.Zero, BETA: xi + sympy.pi / 2, LEVER: L}
     twist = M([u1 * cos(xi), 0, turn])
-    rows = engine.rolling("steered").xreplace(known), engine.sliding("steered").xreplace(known)
-    return [(rows[0] * twist)[0] - u1, (rows[1] * twist)[0]]
+    rolls, slides = (row("steered", alpha=0, beta=xi + sympy.pi / 2, l=L) for row in (engine.rolling, engine.sliding))
+    return [(rolls * twist)[0] - u1, (slides * twist)[0]]
 
 _SAYS = "wmrgen's rolling and sliding row of the front wheel"
 TRICYCLE = Record(TEXT, "tricycle", rights(_front, _SAYS),

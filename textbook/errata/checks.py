@@ -164,14 +164,3 @@ def each(says: str, cases: Sequence[tuple[bool, str]]) -> Finding:
     """Every case is right: (whether, in words) each. What is wrong is told, or else every case."""
     wrong = [text for right, text in cases if not right]
     return Finding(not wrong, says + "; ".join(wrong or [text for _, text in cases]))
-
-
-def both(*checks: Check) -> Check:
-    """Every check passes; the first that does not decides."""
-
-    def check(form: Form) -> Finding:
-        findings = [c(form) for c in checks]
-        failed = [f for f in findings if not f.holds]
-        return failed[0] if failed else Finding(True, "; ".join(f.text for f in findings))
-
-    return check

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
+from types import MappingProxyType
 
 import sympy
 
@@ -33,19 +35,20 @@ def derived(text: str) -> Derivation:
     return derive(build(read_text(text, "errata")))
 
 
-def shown(matrix: sympy.Matrix) -> sympy.Matrix:
-    """Parameters by the letters of the texts, steering joints at their zero."""
+def shown(matrix: sympy.Matrix, at: Mapping[str, Expr] = MappingProxyType({})) -> sympy.Matrix:
+    """Parameters by the letters of the texts or as ``at`` says, steering joints at their zero."""
     swap: dict[Expr, Expr] = {
         s: _NAMES.get(s.name, s) for s in matrix.free_symbols if isinstance(s, Parameter)
     }
     swap |= {signal("castor.steer"): sympy.S.Zero, signal("steered.steer"): sympy.S.Zero}
-    return matrix.applyfunc(lambda e: e.xreplace(swap))
+    values = {_NAMES[name]: sympy.S.Zero + value for name, value in at.items()}
+    return matrix.applyfunc(lambda e: e.xreplace(swap).xreplace(values))
 
 
-def rolling(wheel: str) -> sympy.Matrix:
-    """The rolling row, 1 x 3, of a wheel at (l, alpha) with beta (and gamma), in symbols."""
+def rolling(wheel: str, **at: Expr) -> sympy.Matrix:
+    """The rolling row, 1 x 3, of a wheel at (l, alpha) with beta (and g: gamma), in symbols or as ``at`` says."""
     order = ("fixed", "swedish", "castor", "steered")
-    return shown(derived(ONE_OF_EACH).J1[order.index(wheel), :])
+    return shown(derived(ONE_OF_EACH).J1[order.index(wheel), :], at)
 
 
 def radius(wheel: str) -> Expr:
@@ -54,11 +57,17 @@ def radius(wheel: str) -> Expr:
     return shown(derived(ONE_OF_EACH).J2[k : k + 1, k : k + 1])[0]
 
 
-def sliding(wheel: str) -> sympy.Matrix:
-    """The sliding row, 1 x 3, of a wheel at (l, alpha) with beta, in symbols."""
+def sliding(wheel: str, **at: Expr) -> sympy.Matrix:
+    """The sliding row, 1 x 3, of a wheel at (l, alpha) with beta, in symbols or as ``at`` says."""
     d = derived(ONE_OF_EACH)
     rows = {"fixed": 0, "castor": 1, "steered": 2}
-    return shown(d.pfaffian[d.J1.rows + rows[wheel], :3])
+    return shown(d.pfaffian[d.J1.rows + rows[wheel], :3], at)
+
+
+def differential(**at: Expr) -> sympy.Matrix:
+    """Rolling rows of a right and a left wheel at distance l from P, and their sliding row."""
+    right, left = {**at, "alpha": -sympy.pi / 2, "beta": sympy.pi}, {**at, "alpha": sympy.pi / 2, "beta": 0}
+    return sympy.Matrix.vstack(rolling("fixed", **right), rolling("fixed", **left), sliding("fixed", **left))
 
 
 def castor_rate() -> Expr:

@@ -25,10 +25,7 @@ DOT_VO, DOT_VM, DOT_VR = (symbol(n) for n in (r"\dot{v}_o^f", r"\dot{v}_m^f", r"
 
 def _velocity(f: Form) -> Finding:
     """Every term as it is for a point of a turning frame, at a moment when the frames are parallel."""
-    truth = {
-        VO: MOTION.velocity, VM: MOTION.vm, VR: MOTION.v,
-        CROSS: skew(MOTION.omega) * MOTION.r,
-    }
+    truth = {VO: MOTION.velocity, VM: MOTION.vm, VR: MOTION.v, CROSS: skew(MOTION.omega) * MOTION.r}
     left, right = f.values
     total = -truth[left]
     for term in sympy.Add.make_args(right):
@@ -49,10 +46,10 @@ BLOCKS = {
     I3: sympy.eye(3), R_X: -skew(MOTION.r), W_X: skew(MOTION.omega),
     TWO_W: 2 * skew(MOTION.omega), WW: skew(MOTION.omega) * skew(MOTION.omega),
 }
-STACK = {
-    A_K: MOTION.am, ALPHA_K: MOTION.alpha, R_K: MOTION.r, V_K: MOTION.v,
-    A_N: MOTION.acc,
-}
+STACK = {A_K: MOTION.am, ALPHA_K: MOTION.alpha, R_K: MOTION.r, V_K: MOTION.v, A_N: MOTION.acc}
+
+def _product(blocks: sympy.Matrix, stack: sympy.Matrix) -> sympy.Matrix:
+    return sum((BLOCKS[a] * STACK[b] for a, b in zip(blocks, stack, strict=True)), sympy.zeros(3, 1))
 
 def _blocks(f: Form) -> Finding:
     """Sum of block row times stack over the pairs of the display, against the second derivative."""
@@ -61,8 +58,7 @@ def _blocks(f: Form) -> Finding:
     for block, stack in zip(rows[::2], rows[1::2], strict=True):
         if block.cols != stack.rows:
             return Finding(False, f"{block.cols} blocks do not act on a stack of {stack.rows}")
-        for left, right in zip(block, stack, strict=True):
-            total += BLOCKS[left] * STACK[right]
+        total += _product(block, stack)
     return vanishes(total, "d²/dt² (m + R r) of a frame that turns and moves")
 
 DEFINED = (AO, *BLOCKS, *STACK, W_K)
@@ -76,10 +72,7 @@ def _omega(f: Form) -> Finding:
     """Omega (r, v) is the centripetal and the Coriolis acceleration."""
     rest = MOTION.acceleration - MOTION.am - skew(MOTION.alpha) * MOTION.r - MOTION.acc
     block, stack = f.values[1:]
-    total = sympy.zeros(3, 1)
-    for left, right in zip(block, stack, strict=True):
-        total += BLOCKS[left] * STACK[right]
-    return vanishes(total - rest, "d²/dt² (m + R r) less a, α × r and the relative acceleration")
+    return vanishes(_product(block, stack) - rest, "d²/dt² (m + R r) less a, α × r and the relative acceleration")
 
 OMEGA = Record(TEXT, "(4.25)", _omega,
     form(symbol(r"\Omega\rho"), EQ, M([[W_X, TWO_W]]), M([R_K, V_K])),
@@ -112,9 +105,7 @@ POSITION = Record(TEXT, "differential steer, positions",
     slip=units({VL: SPEED_UNIT, RL: LENGTH, W: LENGTH}),
     remark="The same for the right wheel; W is half the track.")
 
-VF, VV, RC, RF, OM = (
-    symbol(n) for n in ("v_f^w", "v_v^w", r"[r_c^v]_\times", r"[r_f^v]_\times", r"\omega_v^w")
-)
+VF, VV, RC, RF, OM = (symbol(n) for n in ("v_f^w", "v_v^w", r"[r_c^v]_\times", r"[r_f^v]_\times", r"\omega_v^w"))
 
 def _front_wheel(f: Form) -> Finding:
     position, twist = skew(M([L, 0, 0])), M([0, 0, omega])
@@ -196,18 +187,11 @@ OFFSET = Record(TEXT, "(4.39)", rights(_offset, "the articulated wheel (4.30)"),
     part=rights(_offset, "the articulated wheel (4.30)", {VS: sympy.S.Zero, VC: sympy.S.Zero}),
     condition="v_s^v = v_c^s = 0, and r_c^s in vehicle coordinates")
 
-GAMMA, VSX, VSY, GD, DD = (
-    symbol(r"\gamma"),
-    symbol("v_{sx}"),
-    symbol("v_{sy}"),
-    symbol(r"\dot{\gamma}"),
-    symbol("d"),
-)
+GAMMA, VSX, VSY, GD, DD = (symbol(n) for n in (r"\gamma", "v_{sx}", "v_{sy}", r"\dot{\gamma}", "d"))
 
 def _steer(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     """The sliding row of wmrgen's castor at the pivot (l = 0), whose heading is gamma."""
-    known = {engine.L: sympy.S.Zero, engine.ALPHA: sympy.S.Zero, engine.BETA: GAMMA + sympy.pi / 2}
-    row = engine.sliding("castor").xreplace(known)
+    row = engine.sliding("castor", l=0, alpha=0, beta=GAMMA + sympy.pi / 2)
     return left - (row * M([VSX, VSY, omega]))[0] - engine.castor_rate() * GD
 
 STEERING = Record(

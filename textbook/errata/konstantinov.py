@@ -33,13 +33,7 @@ def angle(i: int) -> sympy.Expr:
 def wheel_row(i: int) -> sympy.Matrix:
     """wmrgen's rolling row of wheel i in world coordinates: lambda_i = row (x', y', phi')."""
     place = sympy.Rational(2 * (i - 1), 3) * sympy.pi
-    known = {
-        engine.ALPHA: place,
-        engine.BETA: sympy.S.Zero,
-        engine.GAMMA: sympy.S.Zero,
-        engine.L: a,
-    }
-    return engine.rolling("swedish").xreplace(known) * world_to_robot_rows(phi)
+    return engine.rolling("swedish", alpha=place, beta=0, g=0, l=a) * world_to_robot_rows(phi)
 
 RATES = M([xd, yd, phid])
 LAMBDA = xd * sin(phi_i) - yd * cos(phi_i) - a * phid  # (3)
@@ -76,9 +70,7 @@ def _components(f: Form) -> Finding:
     """u_i + w_i is the velocity of the hub (2)."""
     u, v = f.rights
     if not all(isinstance(e, sympy.MatrixBase) for e in (u, v)):
-        return Finding(
-            False, "uᵢ and wᵢ are velocities of the plane; the printed right-hand sides are numbers"
-        )
+        return Finding(False, "uᵢ and wᵢ are velocities of the plane; the printed right-hand sides are numbers")
     known = {lam: LAMBDA, mu: xd * cos(phi_i) + yd * sin(phi_i)}
     hub = M([[xd - a * phid * sin(phi_i), yd + a * phid * cos(phi_i)]])
     return vanishes(((u + v).xreplace(known) - hub), "uᵢ + wᵢ is the velocity of the hub")
@@ -104,11 +96,8 @@ SPEED = Record(TEXT, "v²",
 OMEGA = sympy.Symbol(r"\left|\Omega\right|", positive=True)
 OMEGA1 = symbol(r"\Omega_1")
 
-def _circle(*right: sympy.Expr) -> sympy.Expr:
-    speed = 2 * r * OMEGA1 / 3
-    return right[0] - speed / (r * OMEGA / (3 * a))
-
-CIRCLE = Record(TEXT, "R", rights(_circle, "R = v/ω₀ with v = 2 r Ω₁/3 and ω₀ = r |Ω|/(3a)"),
+CIRCLE = Record(TEXT, "R",
+    rights(lambda e: e - 2 * r * OMEGA1 / 3 / (r * OMEGA / (3 * a)), "R = v/ω₀ with v = 2 r Ω₁/3 and ω₀ = r |Ω|/(3a)"),
     form(symbol("R"), EQ, a * OMEGA1 / OMEGA), form(symbol("R"), EQ, 2 * a * OMEGA1 / OMEGA))
 
 theta = symbol(r"\theta")

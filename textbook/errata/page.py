@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from textbook.errata.forms import Form
 from textbook.errata.records import Finding, Judgement, Record, judge
@@ -46,13 +46,13 @@ def lines() -> list[str]:
         *_opening(counts, len(judged)),
         "## 1 Misprints",
         "",
-        *_sections(not_right),
+        *_sections(not_right, _entry),
         "## 2 What holds under a condition",
         "",
-        *_sections(conditional),
+        *_sections(conditional, _entry),
         "## 3 What holds as printed",
         "",
-        *_listed(right),
+        *_sections(right, _folded),
         "## 4 Worked numbers that are right",
         "",
         *(line for r, j in right if r in WORKED for line in _worked(r, j)),
@@ -80,12 +80,10 @@ def _by_text(judged: Iterable[Judged]) -> list[tuple[str, list[Judged]]]:
     ]
 
 
-def _sections(judged: Iterable[Judged]) -> list[str]:
+def _sections(judged: Iterable[Judged], entry: Callable[[Record, Judgement], list[str]]) -> list[str]:
     found = []
     for title, pairs in _by_text(judged):
-        found += [f"### {escape(title)}", ""]
-        for r, j in pairs:
-            found += _entry(r, j)
+        found += [f"### {escape(title)}", "", *(line for r, j in pairs for line in entry(r, j))]
     return found
 
 
@@ -116,21 +114,12 @@ def _display(form: Form) -> list[str]:
     return math("\\begin{gathered}", " \\\\\n".join(form.latex()), "\\end{gathered}")
 
 
-def _listed(judged: Iterable[Judged]) -> list[str]:
-    found = []
-    for title, pairs in _by_text(judged):
-        found += [f"### {escape(title)}", ""]
-        for r, j in pairs:
-            summary = f"{escape(r.text)} {escape(r.equation)}: {escape(_stripped(j.printed.text))}"
-            found += [f"<details><summary>{summary}</summary>"]
-            found += _display(r.printed) if r.printed is not None else []
-            found += [*([f"{_words(r.remark)}", ""] if r.remark else []), "</details>", ""]
-    return found
-
-
-def _stripped(text: str) -> str:
-    """The first part of a finding: what the form is held against."""
-    return text.replace("$", "")
+def _folded(r: Record, j: Judgement) -> list[str]:
+    """The printed form behind a line that says what it is held against."""
+    summary = f"{escape(r.text)} {escape(r.equation)}: {escape(j.printed.text.replace('$', ''))}"
+    shown = _display(r.printed) if r.printed is not None else []
+    remark = [_words(r.remark), ""] if r.remark else []
+    return [f"<details><summary>{summary}</summary>", *shown, *remark, "</details>", ""]
 
 
 def _worked(r: Record, j: Judgement) -> list[str]:

@@ -64,7 +64,7 @@ def _alignment(signs: tuple[int, ...]) -> Check:
     """e at the stable equilibrium of (3.18): the sliding row of wmrgen's castor for a pivot pulled along x."""
 
     def check(f: Form) -> Finding:
-        row = engine.sliding("castor").xreplace({ALPHA: sympy.S.Zero, L: sympy.S.Zero})
+        row = engine.sliding("castor", alpha=0, l=0)
         swing = -(row[0] * SPEED) / engine.castor_rate()  # beta'
         found = []
         for sign in signs:
@@ -130,8 +130,8 @@ def _bicycle(beta2: sympy.Expr) -> Check:
     """Wheel speeds from wmrgen's rolling rows at alpha = 0 and pi, driving along x."""
 
     def residual(*right: sympy.Expr) -> list[sympy.Expr]:
-        at = ({ALPHA: sympy.S.Zero, BETA: pi / 2}, {ALPHA: pi, BETA: beta2})
-        truth = [engine.rolling("fixed").xreplace(k)[0] * X / engine.radius("fixed") for k in at]
+        rows = engine.rolling("fixed", alpha=0, beta=pi / 2), engine.rolling("fixed", alpha=pi, beta=beta2)
+        truth = [row[0] * X / engine.radius("fixed") for row in rows]
         return [e - t for e, t in zip(right, truth, strict=True)]
 
     return rights(residual, f"wmrgen's rolling rows with β₂ = {'π/2' if beta2 > 0 else '−π/2'}")
@@ -145,10 +145,7 @@ def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
     """Twist in the world frame of a differential drive: l = 5, theta = pi/4, both wheels at 6 rad/s."""
 
     def check(f: Form) -> Finding:
-        at = {"right": {ALPHA: -pi / 2, BETA: pi}, "left": {ALPHA: pi / 2, BETA: sympy.S.Zero}}
-        rows = [engine.rolling("fixed").xreplace({**at[n], L: sympy.Integer(5)}) for n in ("right", "left")]
-        stack = M.vstack(*rows, engine.sliding("fixed").xreplace({**at["left"], L: sympy.Integer(5)}))
-        twist = engine.inverse(stack) * M([6 * right, 6 * left, 0])
+        twist = engine.inverse(engine.differential(l=5)) * M([6 * right, 6 * left, 0])
         truth = world_to_robot_rows(pi / 4).T * twist
         found = vanishes(f.values[-1] - truth, f"wmrgen's rows with radii {number(left)} and {number(right)}")
         return Finding(found.holds, f"{found.text}; twist ({', '.join(number(e) for e in truth)})")
@@ -174,8 +171,7 @@ def _spin(places: tuple[int, int]) -> Check:
         for heading, place in zip(f.rights, places, strict=True):
             known = {A1: sympy.S(places[0]), A2: sympy.S(places[1])}
             h = heading.xreplace(known) * DEGREE
-            at = {ALPHA: place * DEGREE, BETA: h + pi / 2 - place * DEGREE, L: sympy.S.One}
-            entries.append(engine.sliding("fixed").xreplace(at)[2])
+            entries.append(engine.sliding("fixed", alpha=place * DEGREE, beta=h + pi / 2 - place * DEGREE, l=1)[2])
         angles = f"{places[0]}° and {places[1]}°".replace("-", "−")
         return vanishes(entries, f"sideways velocity while spinning, wheels at polar angles {angles}")
 

@@ -24,10 +24,8 @@ from textbook.errata.siegwart import (
 
 ZERO, ONE, HALF, sqrt = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.sqrt
 TURN = world_to_robot_rows(theta)
-F1, F2, F3 = (symbol(rf"\dot{{\varphi}}_{k}") for k in (1, 2, 3))
-AT = {"right": {ALPHA: -pi / 2, BETA: pi}, "left": {ALPHA: pi / 2, BETA: ZERO}}
-RIGHT, LEFT = (engine.rolling("fixed").xreplace(AT[n]) for n in ("right", "left"))
-STACK = M.vstack(RIGHT, LEFT, engine.sliding("fixed").xreplace(AT["left"]))
+F1, F2 = (symbol(rf"\dot{{\varphi}}_{k}") for k in (1, 2))
+STACK = engine.differential()
 TWIST = engine.inverse(STACK) * M([R * F1, R * F2, 0])
 SUM = ALPHA + BETA
 ROLL = M([[sin(SUM), -cos(SUM), -L * cos(BETA)]])
@@ -39,7 +37,7 @@ holds = partial(claim, TEXT)  # a claim of this text
 CONTRIBUTION = book("wheel_contributions", r=R, l=L, right_spin=F1, left_spin=F2)
 EXAMPLE = {R: ONE, L: ONE, F1: sympy.Integer(4), F2: sympy.Integer(2)}
 THREE = M.vstack(*(
-    engine.rolling("swedish").xreplace({ALPHA: a, BETA: ZERO, GAMMA: ZERO}) for a in (pi / 3, pi, -pi / 3)
+    engine.rolling("swedish", alpha=a, beta=0, g=0) for a in (pi / 3, pi, -pi / 3)
 ))
 THREE_INVERSE = M([
     [1 / sqrt(3), 0, -1 / sqrt(3)],
@@ -63,10 +61,10 @@ WHEELS = (
     holds("(3.19)", "wmrgen's rolling row of a Swedish wheel",
           ("J_1", SWEDISH, engine.rolling("swedish")), ("J_2", R * cos(GAMMA), engine.radius("swedish"))),
     holds("(3.19), limits", "γ = 0 gives (3.12), γ = π/2 gives (3.13)",
-          (r"J_1|_{\gamma=0}", ROLL, engine.rolling("swedish").xreplace({GAMMA: ZERO})),
-          (r"J_1|_{\gamma=\pi/2}", SLIDE, engine.rolling("swedish").xreplace({GAMMA: pi / 2}))),
+          (r"J_1|_{\gamma=0}", ROLL, engine.rolling("swedish", g=0)),
+          (r"J_1|_{\gamma=\pi/2}", SLIDE, engine.rolling("swedish", g=pi / 2))),
     holds("(3.24)–(3.28)", "wmrgen's J₁, J₂ and C₁ of the differential drive, with the twist (3.9)",
-          (r"J_1\dot{\xi}_R-J_2\dot{\varphi}", M([0, 0]), M.vstack(RIGHT, LEFT) * TWIST - R * M([F1, F2])),
+          (r"J_1\dot{\xi}_R-J_2\dot{\varphi}", M([0, 0]), STACK[:2, :] * TWIST - R * M([F1, F2])),
           (r"C_1\dot{\xi}_R", M([0]), STACK[2, :] * TWIST)),
     holds("(3.30)", "inverse of wmrgen's stacked rows",
           (r"\begin{bmatrix}J_1\\C_1\end{bmatrix}^{-1}",
@@ -123,7 +121,7 @@ RANKS = (
             remark="β = 0 for both wheels here, β_right = π in (3.29): the same sliding rows."),
     holds("(3.39)", "wmrgen's sliding rows at α = 0 and π, β = π/2",
           ("C_{1f}", M([[0, 1, L], [0, -1, L]]),
-           M.vstack(*(engine.sliding("fixed").xreplace({ALPHA: a, BETA: pi / 2}) for a in (ZERO, pi))))),
+           M.vstack(*(engine.sliding("fixed", alpha=a, beta=pi / 2) for a in (ZERO, pi))))),
     degrees("(3.39), rank", "locked bicycle", (LOCKED, "rank_C1f", 2), (LOCKED, "degree_of_mobility", 1)),
     relation("(3.40)", "wmrgen's analysis, ranks at steering angles that meet in one ICR", "degree_of_mobility",
              3 - symbol(NAMES["rank_C1"])),

@@ -7,10 +7,10 @@ import sympy
 from textbook.canonical import brockett
 from textbook.errata import engine
 from textbook.errata.checks import identity, rights, shape_of, undefined, vanishes
+from textbook.errata.claims import along, book
 from textbook.errata.forms import BAR, EQ, PLUS, TIMES, Form, form, forms, symbol
 from textbook.errata.records import Finding, Record
 from textbook.frames import skew
-from textbook.library import formula
 from textbook.transforms import rotation_rows, world_to_robot_rows
 
 # Pages of formulas, laid out by hand.
@@ -18,7 +18,7 @@ from textbook.transforms import rotation_rows, world_to_robot_rows
 
 TEXT = "Tzafestas"
 M = sympy.Matrix
-cos, sin, half, sqrt = sympy.cos, sympy.sin, sympy.Rational(1, 2), sympy.sqrt
+cos, sin, sqrt = sympy.cos, sympy.sin, sympy.sqrt
 phi, psi, zeta, beta, gamma = (symbol(rf"\{n}") for n in ("phi", "psi", "zeta", "beta", "gamma"))
 phid = symbol(r"\dot{\phi}")
 r, b, D, v, w, z, theta_d = (symbol(n) for n in ("r", "b", "D", "v", "w", "z", r"\dot{\theta}"))
@@ -42,11 +42,8 @@ MU = symbol(r"\mu(q)\,\dot{q}")
 SUM = sympy.Add(*(a * c for a, c in zip(Q, QD, strict=True)))
 
 def _equation_to_zero(f: Form) -> str:
-    return (
-        ""
-        if f.rights[-1] == 0
-        else "the line names a sum and sets it equal to nothing: no motion is excluded"
-    )
+    says = "the line names a sum and sets it equal to nothing: no motion is excluded"
+    return "" if f.rights[-1] == 0 else says
 
 SPHERE = Record(TEXT, "(2.23)",
     identity(
@@ -58,7 +55,6 @@ SPHERE = Record(TEXT, "(2.23)",
     remark="Shown for three coordinates.")
 
 XR, YR, VQ, V0 = symbol(r"\dot{x}_r"), symbol(r"\dot{y}_r"), symbol("v_Q"), symbol("v_0")
-UNICYCLE = formula("unicycle").closed()
 
 def _robot_to_world(x: sympy.Expr, y: sympy.Expr) -> sympy.Matrix:
     back = world_to_robot_rows(phi).T * M([x, y, 0])
@@ -72,10 +68,8 @@ EXAMPLE_21 = Record(TEXT, "Example 2.1, (2.44)",
 
 def _slipping(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
     """(r theta' - w) e + z n: velocity of a slipping contact of a wheel turned by zeta."""
-    row = engine.rolling("steered").xreplace({engine.ALPHA: sympy.S.Zero, engine.BETA: zeta + sympy.pi / 2})
-    across = engine.sliding("steered").xreplace(
-        {engine.ALPHA: sympy.S.Zero, engine.BETA: zeta + sympy.pi / 2}
-    )
+    row = engine.rolling("steered", alpha=0, beta=zeta + sympy.pi / 2)
+    across = engine.sliding("steered", alpha=0, beta=zeta + sympy.pi / 2)
     return [x - (r * theta_d - w) * row[0] - z * across[0], y - (r * theta_d - w) * row[1] - z * across[1]]
 
 _SAYS = "velocity of the contact of a wheel at angle ζ, from wmrgen's rolling and sliding rows"
@@ -102,9 +96,7 @@ def _double_integrator(f: Form) -> Finding:
     if orders != [2, 2]:
         return Finding(False, f"the inputs set derivatives of order {orders[0]} and {orders[1]}: "
                               "the three lines are those of (2.59), which integrates once")
-    return Finding(
-        as_259.holds and third == sympy.diff(X3, T), f"both inputs are accelerations; {as_259.text}"
-    )
+    return Finding(as_259.holds and third == sympy.diff(X3, T), f"both inputs are accelerations; {as_259.text}")
 
 def _brockett(order: int) -> Form:
     return forms(
@@ -118,15 +110,11 @@ Z = [symbol(rf"\dot{{z}}_{k}") for k in (1, 2, 3)]
 
 def _chain_rates(*right: sympy.Expr) -> list[sympy.Expr]:
     """Right-hand sides against the rates of z of (2.62) along the unicycle."""
-    book = formula("unicycle_to_chain").closed()
-    at = {s.name: s for e in book.values() for s in e.free_symbols}
-    speed, turn, heading = at["v"], at["omega"], at["theta"]
-    flow = {at["x"]: speed * cos(heading), at["y"]: speed * sin(heading), heading: turn}
-    known = {u1: book["u1"], u2: book["u2"], symbol("z_2"): book["z2"]}
-    return [
-        sympy.Add(*(sympy.diff(book[f"z{k}"], s) * rate for s, rate in flow.items())) - e.xreplace(known)
-        for k, e in enumerate(right, 1)
-    ]
+    x, y, turn = symbol("x"), symbol("y"), symbol(r"\omega")
+    chain = book("unicycle_to_chain", x=x, y=y, theta=phi, v=v, omega=turn)
+    flow = {x: v * cos(phi), y: v * sin(phi), phi: turn}
+    known = {u1: chain["u1"], u2: chain["u2"], symbol("z_2"): chain["z2"]}
+    return [along(chain[f"z{k}"], flow) - e.xreplace(known) for k, e in enumerate(right, 1)]
 
 CHAIN_MISSING = Record(TEXT, "(2.63)",
     rights(_chain_rates, "rates of z of (2.62) along the unicycle (2.26)"),
@@ -176,7 +164,6 @@ TRAILER_RATES = Record(TEXT, "(2.70)",
     remark="Printed without v₁, which leaves a drift at standstill.")
 
 VH, VI, VR, VB = (symbol(n) for n in ("v_h", "v_i", r"v_{\mathrm{roller}}", "v_b"))
-PAIR = formula("omni_wheel").closed()
 
 def _pythagoras(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
     known = {VI: VH * cos(gamma - beta), VR: VH * sin(gamma - beta)}
@@ -201,8 +188,7 @@ def _omni4(f: Form) -> Finding:
     if left.rows != right.rows:
         return Finding(False, f"{shape_of(left)} and {shape_of(right)} do not stand side by side")
     made = scale * (left.row_join(right) if sign is BAR else left + right)
-    known = {engine.BETA: sympy.pi, engine.GAMMA: sympy.S.Zero, engine.L: D}
-    rows = [engine.rolling("swedish").xreplace({engine.ALPHA: e, **known}) for e in BETAS]
+    rows = [engine.rolling("swedish", alpha=e, beta=sympy.pi, g=0, l=D) for e in BETAS]
     truth = M.vstack(*rows) * world_to_robot_rows(phi) / r
     return vanishes(made - truth, f"{shape_of(made)}, against wmrgen's rolling rows of four omni wheels")
 
@@ -216,12 +202,11 @@ S = D1 + D2
 IK4 = M([[-1, 1, S], [1, 1, -S], [-1, 1, -S], [1, 1, S]]) / RR  # (2.84)
 SIGNS = (-1, 1, -1, 1)
 
-def jacobians(third: list[tuple[sympy.Expr, sympy.Expr]]) -> list[sympy.Matrix]:
+def _mecanum_form(third: list[tuple[sympy.Expr, sympy.Expr]]) -> Form:
     """J_i of (2.79) for the four wheels, with the third columns (dy, -dx)."""
-    return [
-        M([[0, s * RS / sqrt(2), a], [RR, -RS / sqrt(2), c], [0, 0, 1]])
-        for s, (a, c) in zip(SIGNS, third, strict=True)
-    ]
+    pairs = zip(SIGNS, third, strict=True)
+    jacobians = [M([[0, s * RS / sqrt(2), a], [RR, -RS / sqrt(2), c], [0, 0, 1]]) for s, (a, c) in pairs]
+    return forms(*((symbol(f"J_{k}"), EQ, J) for k, J in enumerate(jacobians, 1)))
 
 def _mecanum(f: Form) -> Finding:
     """Wheel rates from the J_i, against (2.84), and their rank where d1 = d2."""
@@ -229,9 +214,6 @@ def _mecanum(f: Form) -> Finding:
     rank = rows.xreplace({D2: D1}).rank()
     found = vanishes(rows - IK4, "wheel rates from the Jᵢ⁻¹ against (2.84)")
     return Finding(found.holds, f"{found.text}; their rank at d₁ = d₂ is {rank}")
-
-def _mecanum_form(third: list[tuple[sympy.Expr, sympy.Expr]]) -> Form:
-    return forms(*((symbol(f"J_{k}"), EQ, J) for k, J in enumerate(jacobians(third), 1)))
 
 PRINTED_THIRD = [(D2, D1), (D2, -D1), (-D2, -D1), (-D2, D1)]
 THIRD = [(D2, -D1), (D2, D1), (-D2, D1), (-D2, -D1)]

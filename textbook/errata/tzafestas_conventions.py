@@ -20,9 +20,7 @@ def _radius(f: Form) -> Finding:
     expr, domain = f.values[1], f.values[2]
     at_bound = bool(domain.func(1, 1))
     if at_bound and sympy.denom(sympy.together(expr)).subs(VRT, VL) == 0:
-        return Finding(
-            False, "the domain contains v_r = v_l, where the divisor is 0 (at v_r = v_l = 1: 2a/0)"
-        )
+        return Finding(False, "the domain contains v_r = v_l, where the divisor is 0 (at v_r = v_l = 1: 2a/0)")
     speed, turn = (VRT + VL) / 2, (VRT - VL) / (2 * A)
     return vanishes(expr - speed / turn, "R = v_Q / φ′ for v_r ≠ v_l, with v_Q and φ′ of (2.34)")
 

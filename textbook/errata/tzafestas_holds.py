@@ -23,7 +23,7 @@ from textbook.errata.tzafestas import (
 ZERO, ONE, HALF, PI = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.pi
 x, y, zeta, xd, yd = symbol("x"), symbol("y"), symbol(r"\zeta"), symbol(r"\dot{x}"), symbol(r"\dot{y}")
 p, q, s, a = symbol("p"), symbol("q"), symbol("s"), symbol("a")
-vr, vl, vq = symbol("v_r"), symbol("v_l"), symbol("v_Q")
+vq = symbol("v_Q")
 BACK = world_to_robot_rows(phi)  # world to robot
 TALL = M([[p, 1], [1, q], [0, s]])
 WIDE = TALL.T
@@ -121,7 +121,6 @@ TRI = _field(r * cos(psi), r * sin(psi) / D)
 RWD = _field(ONE, sympy.tan(psi) / D)
 FWD = _field(cos(psi), sin(psi) / D)
 CAR_M = M([[-sin(phi), cos(phi), 0, 0], [-sin(phi + psi), cos(phi + psi), D * cos(psi), 0]])
-STATE = {x: cos(phi) * u1, y: sin(phi) * u1, phi: sympy.tan(psi) / D * u1, psi: u2}
 XP = x + D * cos(phi)
 ZFLOW = {x: cos(phi) * cos(psi) * u1, y: sin(phi) * cos(psi) * u1, phi: sin(psi) / D * u1, psi: u2}
 EPS, DIST = symbol(r"\epsilon"), symbol("L")
@@ -177,8 +176,7 @@ beta, vhx, vhy = symbol(r"\beta"), symbol("v_{hx}"), symbol("v_{hy}")
 
 def omni_row(direction: sympy.Expr) -> sympy.Matrix:
     """wmrgen's rolling row of an omni wheel whose drive direction is ``direction``, at distance D to its right."""
-    known = {engine.ALPHA: direction - PI / 2, engine.BETA: PI, engine.GAMMA: ZERO, engine.L: D}
-    return engine.rolling("swedish").xreplace(known)
+    return engine.rolling("swedish", alpha=direction - PI / 2, beta=PI, g=0, l=D)
 
 THREE = M([[1, 0, D], [-HALF, sqrt(3) / 2, D], [-HALF, -sqrt(3) / 2, D]]) / r
 THREE_INVERSE = r * M([

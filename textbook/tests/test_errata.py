@@ -9,9 +9,9 @@ import pytest
 
 from tests.conftest import ROOT
 from textbook.emit import errata
-from textbook.errata import RECORDS, Judgement, Record, judge
 from textbook.errata.forms import Form, form, symbol
-from textbook.errata.texts import CONVENTIONS, ERRATA, HOLDS
+from textbook.errata.records import Judgement, Record, judge
+from textbook.errata.texts import CONVENTIONS, ERRATA, HOLDS, RECORDS
 from textbook.errata.zero import is_zero
 from wmrgen.cli.textbook import differing
 

@@ -167,14 +167,12 @@ def _number(expr: Expr) -> Exact | None:
     ):
         return _root(Fraction(int(expr.base.p), int(expr.base.q)), expr.exp)
     if isinstance(expr, sympy.Add | sympy.Mul):
-        parts = (
-            [_number(a) for a in expr.args if not isinstance(a, sympy.Symbol)]
-            if not expr.free_symbols
-            else [None]
-        )
-        known = [p for p in parts if p is not None]
-        if len(known) < len(parts):
-            return None
+        known = []
+        for arg in expr.args:
+            value = _number(arg)
+            if value is None:
+                return None
+            known.append(value)
         total = Exact(0) if isinstance(expr, sympy.Add) else ONE
         for p in known:
             total = total + p if isinstance(expr, sympy.Add) else total * p

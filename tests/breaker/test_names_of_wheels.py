@@ -11,7 +11,7 @@ import pytest
 import wmrgen
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
-from wmrgen.program import functions
+from wmrgen.functions.registry import names as functions
 from wmrgen.robot import Derivation
 
 ROBOT = """\

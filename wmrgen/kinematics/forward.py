@@ -12,8 +12,9 @@ from collections.abc import Mapping
 import sympy
 
 from wmrgen.exact.evaluate import fix
+from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.normal import pseudo_inverse
+from wmrgen.kinematics.normal import Matrix, pseudo_inverse
 from wmrgen.kinematics.records import (
     Formula,
     Locals,
@@ -25,13 +26,15 @@ from wmrgen.kinematics.records import (
 from wmrgen.kinematics.rigid import fit_rigid
 from wmrgen.kinematics.rootsum import norm
 from wmrgen.kinematics.sensing import Component, Contact, measurements, sensed_joints
-from wmrgen.kinematics.solve import solve_general
+from wmrgen.kinematics.solve import Twist, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide
 from wmrgen.ports import Role
 from wmrgen.symbolic import Expr, expression
 
 FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
+MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed step by step
+Measured = tuple[Row, Poly]  # row . xi = value
 _JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
@@ -66,9 +69,9 @@ def constant_normal(contacts: list[Contact], components: list[Component]) -> boo
     )
 
 
-def _rows(contacts: list[Contact], components: list[Component]) -> list[tuple[Row, Poly]]:
+def _rows(contacts: list[Contact], components: list[Component]) -> list[Measured]:
     one, zero = Poly.of(1), Poly({})
-    rows: list[tuple[Row, Poly]] = []
+    rows: list[Measured] = []
     for c in contacts:
         rows += [((one, zero, -c.by), c.wx), ((zero, one, c.bx), c.wy)]
     return rows + [(c.row, c.value) for c in components]
@@ -76,32 +79,79 @@ def _rows(contacts: list[Contact], components: list[Component]) -> list[tuple[Ro
 
 def _constant(
     contacts: list[Contact], components: list[Component], names: Locals, nominal: Mapping[str, Poly]
-) -> tuple[tuple[Expr, Expr, Expr], Expr]:
+) -> tuple[Twist, Expr]:
     """xi = (H^T H)^+ H^T z with everything but z known now."""
     rows = _rows(contacts, components)
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
-    normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
-    moment = [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
-    inverse = pseudo_inverse(normal, _regular([r for r, _ in rows], nominal), nominal)
-    twist = [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
+    numbers = _numbers([r for r, _ in rows], nominal)
+    if _expands(rows):
+        return _step_by_step(rows, numbers, names)
+    twist = _solved(*_normal(rows), numbers)
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
         if all(_negligible(p) for p in direct):
             return _three(twist), sympy.S.Zero
         if _one_relation(direct):
             return _three(twist), norm(direct)
-    named = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
-    fitted: Row = (named[0], named[1], named[2])
-    return _three(named), norm([z - dot(r, fitted) for r, z in rows])
+    return _fitted(rows, twist, names)
 
 
-def _regular(rows: list[Row], nominal: Mapping[str, Poly]) -> bool:
-    """True when the rows have rank 3, exactly and at the tolerance; tunable parameters count as they stand."""
+def _normal(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
+    """H^T H and H^T z."""
+    normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
+    return normal, [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
+
+
+def _solved(normal: Matrix, moment: list[Poly], numbers: list[list[Exact]]) -> list[Poly]:
+    """(H^T H)^+ H^T z. ``numbers``: H at nominal parameters, which decides the rank."""
+    rank = decide(numbers)
+    nominal = [[sum((r[i] * r[j] for r in numbers), ZERO) for j in range(3)] for i in range(3)]
+    inverse = pseudo_inverse(normal, None if rank.value == rank.exact == 3 else nominal)
+    return [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
+
+
+def _fitted(rows: list[Measured], twist: list[Poly], names: Locals) -> tuple[Twist, Expr]:
+    """The twist, named, and the norm of what it leaves of the rows."""
+    fits = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
+    return _three(fits), norm([z - dot(r, (fits[0], fits[1], fits[2])) for r, z in rows])
+
+
+def _expands(rows: list[Measured]) -> bool:
+    """Whether cofactors of H^T H, written out in tunable parameters, have too many terms.
+
+    With T terms in an entry of H^T H and M in one of H^T z, an entry of the twist has some T**2 M of them.
+    """
+    size = sum(max(len(p.terms) for p in r) ** 2 for r, _ in rows)
+    if size <= MOST_TERMS:
+        normal, moment = _normal(rows)
+        size = max(len(p.terms) for row in normal for p in row) ** 2 * max(len(p.terms) for p in moment)
+    return size > MOST_TERMS
+
+
+def _step_by_step(rows: list[Measured], numbers: list[list[Exact]], names: Locals) -> tuple[Twist, Expr]:
+    """The same with names for the entries of H and H^T H: `prepare` has their numbers when it inverts."""
+
+    def short(name: str, p: Poly) -> Poly:
+        return p if len(p.terms) < 2 else names.poly(name, p)
+
+    named: list[Measured] = [
+        ((short(f"row{i}_x", r[0]), short(f"row{i}_y", r[1]), short(f"row{i}_w", r[2])), z)
+        for i, (r, z) in enumerate(rows)
+    ]
+    normal, moment = _normal(named)
+    upper = {(i, j): short(f"n{i}{j}", normal[i][j]) for i in range(3) for j in range(i, 3)}
+    symmetric = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+    twist = _solved(symmetric, [short(f"b{i}", p) for i, p in enumerate(moment)], numbers)
+    fits, slip = _fitted(named, twist, names)
+    return fits, sympy.S.Zero if decide(numbers).value == len(rows) else slip
+
+
+def _numbers(rows: list[Row], nominal: Mapping[str, Poly]) -> list[list[Exact]]:
+    """The rows at nominal parameters."""
     numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in rows]
     assert all(len(row) == 3 for row in numbers)
-    rank = decide(numbers)
-    return rank.value == rank.exact == 3
+    return numbers
 
 
 def _negligible(p: Poly) -> bool:
@@ -120,5 +170,5 @@ def _one_relation(residuals: list[Poly]) -> bool:
     return all(m in r.terms and r == first.scale(r.terms[m] / first.terms[m]) for r in kept)
 
 
-def _three(values: list[Poly]) -> tuple[Expr, Expr, Expr]:
+def _three(values: list[Poly]) -> Twist:
     return expression(values[0]), expression(values[1]), expression(values[2])

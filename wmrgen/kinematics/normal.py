@@ -7,26 +7,24 @@ parameters are nominal.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from wmrgen.exact.evaluate import fix
-from wmrgen.exact.number import ZERO
+from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array
 
 Matrix = list[list[Poly]]
+Numbers = list[list[Exact]]
 
 
-def pseudo_inverse(normal: Matrix, regular: bool, nominal: Mapping[str, Poly]) -> Matrix:
+def pseudo_inverse(normal: Matrix, nominal: Numbers | None) -> Matrix:
     """The inverse of a symmetric positive semidefinite 3x3 matrix H^T H of constants.
 
-    ``regular``: H has rank 3 at the tolerance; otherwise the Moore-Penrose inverse is taken. ``nominal``: values of
-    the tunable parameters.
+    ``nominal``: its values at nominal parameters, for the rank of the Moore-Penrose inverse; None where H has rank 3.
     """
     result = [[Poly({}) for _ in range(3)] for _ in range(3)]
     for block in _blocks(normal):
         part = [[normal[i][j] for j in block] for i in block]
-        for i, row in zip(block, _invert(part, regular, nominal), strict=True):
+        numbers = None if nominal is None else [[nominal[i][j] for j in block] for i in block]
+        for i, row in zip(block, _invert(part, numbers), strict=True):
             for j, value in zip(block, row, strict=True):
                 result[i][j] = value
     return result
@@ -41,12 +39,11 @@ def _blocks(m: Matrix) -> list[list[int]]:
     return sorted(blocks)
 
 
-def _invert(part: Matrix, regular: bool, nominal: Mapping[str, Poly]) -> Matrix:
+def _invert(part: Matrix, numbers: Numbers | None) -> Matrix:
     """B^T (B m B^T)^-1 B, the rows B spanning the range of m at the tolerance; plainly m^-1 where that is all."""
     size = len(part)
-    if regular:
+    if numbers is None:
         return _cofactors(part)
-    numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in part]
     padded = to_array([[*row, *[ZERO] * (3 - size)] for row in numbers])
     rank, _ = numeric_rank(padded)
     if rank == size:

@@ -60,7 +60,7 @@ def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:
     one, zero = Poly.of(1), Poly({})
     gx, gy = Poly.sum(g.x for g in wheels).scale(share), Poly.sum(g.y for g in wheels).scale(share)
     spread = Poly.sum(g.x * g.x + g.y * g.y for g in wheels).scale(share)
-    inverse = pseudo_inverse([[one, zero, -gy], [zero, one, gx], [-gy, gx, spread]], True, {})
+    inverse = pseudo_inverse([[one, zero, -gy], [zero, one, gx], [-gy, gx, spread]], None)
     direction = [dot((r[0], r[1], r[2]), row) for r in inverse]
     size = dot((direction[0], direction[1], direction[2]), row)
     violation = dot(row, twist)

@@ -16,6 +16,7 @@ from wmrgen.kinematics.smallest import generic_rank
 _TERMS = 24  # summands of a printed formula
 _PSEUDO = " (as a pseudo-inverse, because it is singular: the smallest twist that explains the rates)."
 _ROWS = 14  # rows of a printed H
+_ENTRY = 12  # terms of an entry of H^T H: a determinant of longer ones is not worth expanding
 _DET = 70  # glyphs of a printed determinant
 
 
@@ -104,13 +105,15 @@ def _count(rows: int, singular: bool) -> str:
 
 def _condition(rows: list[tuple[Row, Poly]]) -> list[str]:
     """The condition on the rank, and the determinant that it is about where that is short."""
+    words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
     a, b, c = ([Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3))
+    if max(len(p.terms) for p in (*a, *b, *c)) > _ENTRY:
+        return [f"{words}.", ""]
     det = poly(
         a[0] * (b[1] * c[2] - b[2] * c[1])
         - a[1] * (b[0] * c[2] - b[2] * c[0])
         + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
-    words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
     if width(det) > _DET:
         return [f"{words}.", ""]
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmrgen.bounds.directions import directions
-from wmrgen.bounds.patterns import cone
+from wmrgen.bounds.lengths import lengths as vectors
+from wmrgen.bounds.shapes import cone
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.rounding import to_float32, to_float64
 
@@ -24,11 +24,10 @@ LIBRARY = ("sin", "cos", "atan", "atan2")  # as inexact as proofs allow them to 
 
 @dataclass(frozen=True)
 class Run:
-    """Per node: the float32 values, the float64 values, where both are decided alike."""
+    """Per node: the float32 values, and the float64 values that are decided alike."""
 
     single: list[np.ndarray]
     exact: list[np.ndarray]
-    alike: np.ndarray
 
 
 def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
@@ -36,12 +35,6 @@ def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
     count = len(next(iter(inputs.values()))) if inputs else 1
     single: list[np.ndarray] = []
     exact: list[np.ndarray] = []
-    clamped = {
-        d.quotient: d
-        for d in directions(function.nodes).values()
-        if d.quotient is not None and d.size is None
-    }
-    alike = np.ones(count, dtype=bool)
     with np.errstate(all="ignore"):
         for i, node in enumerate(function.nodes):
             a, b = [single[k] for k in node.args], [exact[k] for k in node.args]
@@ -54,9 +47,7 @@ def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
             else:
                 single.append(_single(node, a, inputs.get(f"{CHOICE}{i}")))
                 exact.append(_exact(node, a, b))
-            if i in clamped:  # the side of a wall on which a slope lies is a decision, too
-                alike &= np.sign(a[1]) == np.sign(b[1])
-    return Run(single, exact, alike)
+    return Run(single, exact)
 
 
 def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.ndarray:
@@ -102,11 +93,10 @@ def _exact(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
 def lengths(function: Function, found: Run, result: int) -> np.ndarray:
     """Length of the shortest vector whose direction node ``result`` depends on; infinite without any."""
     needed = cone(function.nodes, [result])
-    shortest = np.full(len(found.alike), np.inf)
-    for i, direction in directions(function.nodes).items():
+    shortest = np.full(len(found.exact[result]), np.inf)
+    for i, vector in vectors(function.nodes).items():
         if i in needed:
-            parts = [factor * found.exact[k] for factor, k in direction.parts]
-            shortest = np.minimum(shortest, np.hypot(*parts))
+            shortest = np.minimum(shortest, vector.value(found.exact))
     return shortest
 
 

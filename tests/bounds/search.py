@@ -14,10 +14,10 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.bounds.observe import CHOICE, Ranges, bred, choices, draw, lengths, nudged, run
-from wmrgen.bounds.adjoint import Adjoint
-from wmrgen.bounds.directions import directions
+from wmrgen.bounds.lengths import lengths as vectors
 from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.robot import FunctionBound
+from wmrgen.bounds.walk import Walk
 from wmrgen.ir.nodes import Function
 
 Points = dict[str, np.ndarray]
@@ -39,7 +39,7 @@ def shares(function: Function, bound: FunctionBound, inputs: Points) -> dict[str
         error = np.abs(value - found.exact[k])
         length = lengths(function, found, k) if o.from_length else np.full(len(value), np.inf)
         allowed = o.error + o.per_length / length
-        claimed = found.alike & (length >= o.from_length)
+        claimed = length >= o.from_length
         with np.errstate(all="ignore"):
             share = np.where(error > 0, error / allowed, 0.0)
         result[o.name] = np.where(claimed, share, 0.0)
@@ -100,7 +100,7 @@ def worst(
 
     first = draw(ranges, 20000, 1)
     ends = [climb(first)]
-    if not directions(function.nodes):
+    if not vectors(function.nodes):
         ends.append(climb(climbed(ranges, allowed, draw(ranges, 600, 5), generations // 3, 600, 60)))
 
     def best() -> float:
@@ -129,7 +129,7 @@ def worst(
 
         moving = motions(moves, wide, 4000)
         ends.append(fit(climbed(wide, fitting, moving, generations)))
-        if not directions(function.nodes) and best() < enough:
+        if not vectors(function.nodes) and best() < enough:
             start = islands(wide, lambda p: allowed(fit(p)), moving, generations // 3)
             ends.append(fit(climbed(wide, fitting, start, generations)))
     if best() < enough:
@@ -140,9 +140,8 @@ def worst(
 def possible(function: Function, points: Points) -> np.ndarray:
     """Results x points: the error that the analysis allows there."""
     exact = {n: (v.astype(np.float64), v.astype(np.float64)) for n, v in points.items()}
-    walk = Adjoint(function, exact, SINGLE, LIBM)
-    walk.run()
-    return walk.errors(function.results)
+    walk = Walk(function, exact, SINGLE, LIBM).run()
+    return walk.errors(function.results).plain
 
 
 def commanded(inverse: Function, points: Points) -> Points:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from wmrgen.bounds.analysis import Pass
 from wmrgen.bounds.boxes import boxed
 from wmrgen.bounds.precision import LIBM, SINGLE, Library
+from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Port, Role
 
@@ -44,11 +44,9 @@ def root(b: Builder, x: int) -> int:
     return b.sqrt(b.add(x, b.const(1)))
 
 
-def walked(function: Function, ranges: Mapping[str, tuple[float, float]], library: Library = LIBM) -> Pass:
+def walked(function: Function, ranges: Mapping[str, tuple[float, float]], library: Library = LIBM) -> Walk:
     """The walk through a function over one box."""
-    walk = Pass(function, boxed(ranges, [], 1), SINGLE, library)
-    walk.run()
-    return walk
+    return Walk(function, boxed(ranges, [], 1), SINGLE, library).run()
 
 
 # Control, a range of vx that is good, one that is bad, what is wrong there.

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.bounds.gallery import proved
+from tests.bounds.gappa import FILE, found, script
 from tests.tools import need
-from wmrgen.bounds.gappa import FILE, found, script
 from wmrgen.bounds.precision import LIBM
 from wmrgen.compiler import run_tool
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,7 @@ import wmrgen
 from tests.bounds.gallery import LIBM_C
 from tests.bounds.observe import choices, draw
 from tests.bounds.search import shares
-from tests.bounds.small import walked
 from wmrgen.bounds.boxes import analysed
-from wmrgen.bounds.fits import fit_of
 from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.robot import functions
 from wmrgen.ir.build import Builder
@@ -90,43 +87,6 @@ def test_what_cancels_in_every_part_of_a_length_counts_nothing() -> None:
     ranges = dict.fromkeys(at, (-1.0, 1.0))
     (claim,) = analysed(f, ranges, SINGLE, LIBM).claims
     assert 5**0.5 <= claim.high < 5**0.5 + 0.7
-
-
-@pytest.mark.parametrize("other", ["", "cut off", "divisor", "two quotients"])
-def test_only_what_the_formula_says_is_a_fit(other: str) -> None:
-    """Rows p y1 - cos(a) w and p y2 - sin(b) w, w their quotient: a fit.
-
-    None is it where w is cut off in the rows, where N and D have a factor in common, or where w stands in two parts.
-    """
-    b, at, ports = _inputs("p", "y1", "y2", "a", "b")
-    c, s = b.cos(at["a"]), b.sin(at["b"])
-    above = b.mul(at["p"], b.add(b.mul(c, at["y1"]), b.mul(s, at["y2"])))
-    below = b.add(b.square(c), b.square(s))
-    if other == "divisor":
-        common = b.add(b.const(3), b.cos(at["b"]))
-        above, below = b.mul(above, common), b.mul(below, common)
-    w = b.div(above, below)
-    used = b.min(w, b.const(Fraction(1, 10))) if other == "cut off" else w
-    results = [w]
-    if other == "two quotients":
-        part = b.div(b.mul(at["p"], b.mul(c, at["y1"])), below)
-        results = [part, b.div(b.mul(at["p"], b.mul(s, at["y2"])), below)]
-        used = b.add(*results)
-    rows = [b.sub(b.mul(at["p"], at[y]), b.mul(x, used)) for y, x in (("y1", c), ("y2", s))]
-    results.append(b.sqrt(b.add(*map(b.square, rows))))
-    f = b.function("fit", ports, ports[: len(results)], results)
-    assert (fit_of(f) is None) == bool(other)
-
-
-def test_arms_that_repeat_are_counted_apart() -> None:
-    """3 sin a + cos a + sin a, the sine twice in the list of nodes."""
-    b, at, ports = _inputs("a")
-    s, c = b.sin(at["a"]), b.cos(at["a"])
-    b.nodes.append(b.nodes[s])
-    again = len(b.nodes) - 1
-    total = b.make(Op.ADD, [b.make(Op.ADD, [b.mul(b.const(3), s), c]), again])
-    f = b.function("sum", ports, ports, [total])
-    assert float(walked(f, {"a": (-3.2, 3.2)}).range(f.results[0])[1][0]) >= 17**0.5
 
 
 @pytest.mark.parametrize("size", [3, 3000, 30000])

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 import sympy
 
-from wmrgen import derive, load
-from wmrgen.robot import Derivation
+from wmrgen.robot import Derivation, derive, load
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
 

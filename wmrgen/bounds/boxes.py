@@ -1,25 +1,48 @@
-"""Which boxes of inputs an analysis looks at: one where that is enough, else parts of the angles, finer on demand."""
+"""Which boxes of inputs an analysis looks at: one where that is enough, else parts of the angles."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.bounds.analysis import Pass
-from wmrgen.bounds.directions import directions
 from wmrgen.bounds.domain import Range
-from wmrgen.bounds.fits import fit_of
 from wmrgen.bounds.interval import Interval
-from wmrgen.bounds.leftover import left_over
-from wmrgen.bounds.patterns import sinc_argument
+from wmrgen.bounds.linear import errors_one_by_one
 from wmrgen.bounds.precision import Format, Library
-from wmrgen.bounds.records import Claim, Outcome
+from wmrgen.bounds.walk import Walk
 from wmrgen.ir.nodes import Function, Op
 
-PARTS = 16  # of each angle
-MOST_ANGLES = 2  # of more, a grid that one can afford is too coarse to help
+PARTS = {
+    1: 192,
+    2: 32,
+}  # of each of so many angles; of more, a grid that one can afford is too coarse to help
+_TURN = 3.1416  # half a turn and a little [rad]
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A result lies in [low, high] and is off by at most error + over / h where h >= `SMALL_ANGLE` rho.
+
+    ``singular``: a divisor on which it depends comes close to zero, so that these numbers mean nothing.
+    """
+
+    low: float
+    high: float
+    error: float
+    over: float
+    rho: float
+    singular: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """Of a function: a claim per result, and what is not shown (node, what)."""
+
+    claims: tuple[Claim, ...]
+    alarms: tuple[tuple[int, str], ...]
 
 
 def analysed(
@@ -31,51 +54,28 @@ def analysed(
 ) -> Outcome:
     """The analysis of a function over ``ranges``."""
     angles = _angles(function, ranges)
-    if not 0 < len(angles) <= MOST_ANGLES or not _divides(function):
-        return _outcome(function, boxed(ranges, [], 1), form, library, twice)
-    if directions(function.nodes):
-        return _outcome(function, boxed(ranges, angles, PARTS), form, library, twice)
-    from wmrgen.bounds.refinement import refined  # of few robots
-
-    return refined(function, ranges, angles, form, library, twice)
-
-
-def _outcome(
-    function: Function, boxes: Mapping[str, Interval], form: Format, library: Library, twice: Collection[int]
-) -> Outcome:
-    """Every result on given boxes."""
-    walk = Pass(function, boxes, form, library, twice)
-    found = walk.run()
+    boxes = boxed(ranges, [], 1)
+    if len(angles) in PARTS and _divides(function):
+        boxes = boxed(_within_a_turn(function, ranges, angles, library), angles, PARTS[len(angles)])
+    known = {}
+    if any(len(lo) > 1 for lo, _ in boxes.values()):
+        known = errors_one_by_one(function, boxes, form, library, twice)
+    walk = Walk(function, boxes, form, library, twice, known).run()
+    errors = walk.errors(function.results)
     claims = []
-    for k in function.results:
-        error, over = found.split_error(k)
-        low, high = found.ranges[k]
-        claims.append(
-            Claim(*map(float, (low.min(), high.max(), error.max(), over.max(), found.lengths(k).max())))
-        )
-    if (
-        walk.boxes == 1 and not twice and _divides(function)
-    ):  # more boxes have bounds of their own, nearly sharp
-        fit = fit_of(function)
-        if fit is not None:
-            at = function.results.index(fit.root)
-            claims[at] = _closer(claims[at], left_over(fit, function, walk))
-    return Outcome(tuple(claims), tuple((i, what) for i, what, _ in found.alarms))
-
-
-def _closer(a: Claim, b: Claim) -> Claim:
-    """Both claims of one result, which depends on no direction."""
-    error, high = float(np.fmin(a.error, b.error)), float(np.fmin(a.high, b.high))
-    return Claim(max(a.low, b.low), high, error, 0.0, 0.0)
+    for row, k in enumerate(function.results):
+        low, high = walk.ranges[k]
+        over = sum(float(v[row].max()) for v in errors.over.values())
+        error, divisions = float(errors.plain[row].max()), errors.divisions[row]
+        rho = max((walk.lengths[j].rho for j in divisions - walk.singular), default=0.0)
+        singular = not divisions.isdisjoint(walk.singular) or not np.isfinite(error + over)
+        claims.append(Claim(float(low.min()), float(high.max()), error, over, rho, singular))
+    return Outcome(tuple(claims), tuple(dict.fromkeys((i, what) for i, what, _ in walk.alarms)))
 
 
 def _divides(function: Function) -> bool:
-    """Whether there is a divisor that no known shape accounts for."""
-    nodes = function.nodes
-    known = {d.quotient for d in directions(nodes).values()}
-    return any(
-        n.op is Op.DIV and i not in known and sinc_argument(nodes, n) is None for i, n in enumerate(nodes)
-    )
+    """Whether a divisor may depend on an input angle: it is neither a length nor guarded by itself."""
+    return any(n.op is Op.DIV for n in function.nodes)
 
 
 def _angles(function: Function, ranges: Mapping[str, Range]) -> list[str]:
@@ -85,18 +85,31 @@ def _angles(function: Function, ranges: Mapping[str, Range]) -> list[str]:
     return [name for name in names if name is not None and name in ranges]
 
 
+def _within_a_turn(
+    function: Function, ranges: Mapping[str, Range], angles: list[str], library: Library
+) -> dict[str, Range]:
+    """``ranges``; one turn for an angle that has more and of which only sine and cosine are taken."""
+    turned = dict(ranges)
+    for name in angles:
+        users = {n.op for n in function.nodes if any(function.nodes[k].name == name for k in n.args)}
+        lo, hi = ranges[name]
+        if users <= {Op.SIN, Op.COS} and hi - lo > 2 * _TURN and max(-lo, hi) <= library.reach:
+            turned[name] = -_TURN, _TURN
+    return turned
+
+
 def boxed(ranges: Mapping[str, Range], split: list[str], parts: int) -> dict[str, Interval]:
     """A grid over the inputs in ``split``, the whole range of the others."""
     boxes = parts ** len(split)
-    found: dict[str, Interval] = {}
+    grid: dict[str, Interval] = {}
     for name, (lo, hi) in ranges.items():
         if name in split:
             edges = np.linspace(lo, hi, parts + 1)
             place = _place(split.index(name), parts, boxes)
-            found[name] = edges[place], edges[place + 1]
+            grid[name] = edges[place], edges[place + 1]
         else:
-            found[name] = np.full(boxes, lo), np.full(boxes, hi)
-    return found
+            grid[name] = np.full(boxes, lo), np.full(boxes, hi)
+    return grid
 
 
 def _place(axis: int, parts: int, boxes: int) -> NDArray[np.int64]:

@@ -10,8 +10,8 @@ from wmrgen.ir.kernels.sharp import sharp_sums
 from wmrgen.ir.nodes import Function
 
 if TYPE_CHECKING:
+    from wmrgen.bounds.boxes import Outcome
     from wmrgen.bounds.domain import Range
-    from wmrgen.bounds.records import Outcome
 
 
 class Outcomes:
@@ -31,7 +31,7 @@ class Outcomes:
 
     def of(self, function: Function, ranges: Mapping[str, Range]) -> Outcome:
         """The outcome of ``function``: from a function that computes more, if nothing is amiss there."""
-        from wmrgen.bounds.records import Outcome
+        from wmrgen.bounds.boxes import Outcome
 
         larger = self.larger.get(function.name)
         if larger is not None and all(p.name in ranges for p in larger.inputs):

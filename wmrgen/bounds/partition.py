@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wmrgen.bounds import interval as iv
-from wmrgen.bounds import slopes as sl
 from wmrgen.bounds.domain import Range
 from wmrgen.bounds.interval import Array, Interval
 from wmrgen.bounds.precision import Format, constant
 from wmrgen.ir.nodes import Function, Node, Op
+
+Bools = NDArray[np.bool_]
 
 MOST = 512
 _DEPTH = 24
@@ -110,9 +112,16 @@ def _quotient(nodes: Sequence[Node], known: list[Interval], node: Node, form: Fo
     small, large, x, y = (known[k] for k in guard.args)
     first, second = (_apply("div", [known[a], branch]) for branch in (x, y))
     always, never = small[1] < large[0], small[0] >= large[1]
-    lo = sl.chosen(always, never, first[0], second[0], np.minimum(first[0], second[0]))
-    hi = sl.chosen(always, never, first[1], second[1], np.maximum(first[1], second[1]))
-    return _widened((lo, hi), form)
+    return _widened(_either(always, never, first, second), form)
+
+
+def _either(always: Bools, never: Bools, first: Interval, second: Interval) -> Interval:
+    """``first`` where always, ``second`` where never, else what holds both."""
+    lo, hi = iv.hull(first, second)
+    return (
+        np.where(always, first[0], np.where(never, second[0], lo)),
+        np.where(always, first[1], np.where(never, second[1], hi)),
+    )
 
 
 def _widened(value: Interval, form: Format) -> Interval:
@@ -128,8 +137,7 @@ def _apply(op: str, args: list[Interval]) -> Interval:
     if op == "select":
         small, large, x, y = args
         always, never = small[1] < large[0], small[0] >= large[1]
-        lo = sl.chosen(always, never, x[0], y[0], np.minimum(x[0], y[0]))
-        return lo, sl.chosen(always, never, x[1], y[1], np.maximum(x[1], y[1]))
+        return _either(always, never, x, y)
     if op in ("min", "max"):
         choose = np.minimum if op == "min" else np.maximum
         return choose(args[0][0], args[1][0]), choose(args[0][1], args[1][1])

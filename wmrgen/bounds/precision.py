@@ -18,19 +18,20 @@ from wmrgen.ir.rounding import to_float32, to_float64
 
 _EXPONENT = 0x7FF << 52  # of a double
 _LEAST = 2.0**-1000
-SMALL_ANGLE = (
-    64.0  # errors of a direction are claimed where the vector is this much longer than its own error
-)
 
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """A binary format: ``bits`` of precision, least subnormal 2**``lowest``, finite below 2**``highest``."""
+    """A binary format: ``bits`` of precision, least subnormal 2**``lowest``, finite below 2**``highest``.
+
+    ``relative``: errors of roundings are counted in proportion to the result, though they grow by steps.
+    """
 
     name: str
     bits: int
     lowest: int
     highest: int
+    relative: bool = False
 
     @property
     def unit(self) -> float:
@@ -49,6 +50,8 @@ class Format:
 
     def half_ulp(self, size: Array) -> Array:
         """Half a unit in the last place of the largest value: the error of one rounding up to ``size``."""
+        if self.relative:
+            return np.asarray(size * self.unit + self.tiny)
         # A power of two is exact, and what lies below it has the finer spacing there: the bits of the number before
         # without those of its mantissa are the power of two at or below it.
         before = np.maximum(size, _LEAST).view(np.int64) - 1

@@ -8,16 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wmrgen.bounds.domain import Domain, Range, domain
+from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.bounds.outcomes import Outcomes
-from wmrgen.bounds.precision import SMALL_ANGLE, Library
+from wmrgen.bounds.precision import Library
 from wmrgen.ir.inline import hand_through, inline_prepare
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
 
 if TYPE_CHECKING:
-    from wmrgen.bounds.records import Claim
+    from wmrgen.bounds.boxes import Claim
 
 
+SINGULAR = "its formula is singular within the limits: a divisor comes close to zero"
 _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
 
 
@@ -27,6 +29,7 @@ class OutputBound:
 
     h is the length of the shortest vector whose direction the output depends on, as the speed [m/s] of the pivot of
     a steered wheel; the error is claimed where h >= ``from_length``. Both are 0 where there is no such vector.
+    ``singular``: nothing of this is claimed, for a divisor in the formula comes close to zero within the limits.
     """
 
     name: str
@@ -36,6 +39,7 @@ class OutputBound:
     error: float
     per_length: float
     from_length: float
+    singular: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +117,7 @@ def _function(function: Function, where: Domain, outcomes: Outcomes) -> Function
 def _output(claim: Claim, name: str, unit: str) -> OutputBound:
     return OutputBound(
         name, unit, _up(claim.low - 0.0, -1), _up(claim.high), _up(claim.error), _up(claim.over),
-        _up(SMALL_ANGLE * claim.rho),
+        _up(SMALL_ANGLE * claim.rho), claim.singular,
     )  # fmt: skip
 
 
@@ -149,13 +153,16 @@ def _data(f: FunctionBound) -> dict[str, Any]:
     return {
         "proved": f.proved,
         **({"not_shown": list(f.alarms)} if f.alarms else {}),
-        "outputs": {
-            o.name: {
-                "range": [o.low, o.high],
-                "error": o.error,
-                **({"error_per_speed": o.per_length} if o.per_length else {}),
-                **({"from_speed": o.from_length} if o.from_length else {}),
-            }
-            for o in f.outputs
-        },
+        "outputs": {o.name: _output_data(o) for o in f.outputs},
+    }
+
+
+def _output_data(o: OutputBound) -> dict[str, Any]:
+    if o.singular:
+        return {"no_bound": SINGULAR}
+    return {
+        "range": [o.low, o.high],
+        "error": o.error,
+        **({"error_per_speed": o.per_length} if o.per_length else {}),
+        **({"from_speed": o.from_length} if o.from_length else {}),
     }

@@ -1,125 +1,129 @@
-"""Enclosures of derivatives: rows for sources of noise, columns for boxes. None is zero."""
+"""Enclosures of derivatives of some results (rows) in one node, on every box.
+
+A slope d is an interval, plus what is bounded by a length: |d| is at most |plain| + sum of over_j / h_j. Where a node
+depends on a division by h_j, the first part has a second bound, a + b h_j, so that h_j cancels there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.bounds import interval as iv
-from wmrgen.bounds.interval import GROW, Array, Interval
+from wmrgen.bounds.interval import Array, Interval
 
-Slope: TypeAlias = Interval | None  # arrays of (rows so far) x boxes
-
-
-def _grown(slope: Slope, rows: int, boxes: int) -> Interval:
-    """A copy with at least ``rows`` rows."""
-    have = 0 if slope is None else slope[0].shape[0]
-    lo, hi = np.zeros((max(rows, have), boxes)), np.zeros((max(rows, have), boxes))
-    if slope is not None:
-        lo[:have], hi[:have] = slope
-    return lo, hi
+if TYPE_CHECKING:
+    from wmrgen.bounds.walk import Walk
 
 
-def _alike(a: Interval, b: Interval) -> tuple[Interval, Interval]:
-    """Both with as many rows."""
-    rows, boxes = max(a[0].shape[0], b[0].shape[0]), a[0].shape[1]
-    p = a if a[0].shape[0] == rows else _grown(a, rows, boxes)
-    q = b if b[0].shape[0] == rows else _grown(b, rows, boxes)
-    return p, q
+@dataclass(frozen=True, slots=True)
+class Partial:
+    """The derivative of a node in its argument ``arg``: within ``by``; 1 or -1 of sums.
+
+    ``like``: it is ``times`` node ``like``. ``steep``: it is at most this over the length of node ``length``.
+    """
+
+    arg: int
+    by: Interval | int
+    like: int | None = None
+    times: float = 1.0
+    length: int | None = None
+    steep: Array | None = None
 
 
-def with_source(slope: Slope, row: int, boxes: int) -> Interval:
-    """``slope`` of a value that has source ``row`` added to it."""
-    lo, hi = _grown(slope, row + 1, boxes)
-    lo[row] = hi[row] = 1.0
-    return lo, hi
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """``plain``: (lo, hi), rows x boxes. ``over``: by length. ``shared``: by length, (a, b). See above."""
+
+    plain: Interval
+    over: Mapping[int, Array] = field(default_factory=dict)
+    shared: Mapping[int, tuple[Array, Array]] = field(default_factory=dict)
+
+    @classmethod
+    def unit(cls, row: int, rows: int, boxes: int) -> Slope:
+        """1 in one row."""
+        one = np.zeros((rows, boxes))
+        one[row] = 1.0
+        return cls((one, one))
+
+    @property
+    def size(self) -> Array:
+        """The largest absolute value of the plain part."""
+        return iv.magnitude(self.plain)
+
+    def any(self) -> Array:
+        """The rows that are not zero."""
+        return np.asarray(sum(self.over.values(), self.size).any(axis=1))
+
+    def absolute(self) -> Slope:
+        return Slope((np.zeros_like(self.plain[0]), self.size), self.over)
+
+    def of(self, j: int) -> tuple[Array, Array]:
+        """(a, b): the first part is at most a + b h_j."""
+        return self.shared.get(j) or (self.size, np.zeros(()))
+
+    def plus(self, other: Slope) -> Slope:
+        none = np.zeros(())
+        over = {j: self.over.get(j, none) + other.over.get(j, none) for j in {**self.over, **other.over}}
+        shared = {}
+        for j in {**self.shared, **other.shared}:
+            (a, b), (c, d) = self.of(j), other.of(j)
+            shared[j] = a + c, b + d
+        zero = _zero(self.plain) & _zero(other.plain)
+        return Slope(_kept(zero, iv.plus(self.plain, other.plain)), over, shared)
+
+    def times(self, p: Partial, w: Walk) -> Slope:
+        """The derivative in the argument of ``p``, for this one in the node: the chain rule."""
+        if isinstance(p.by, int):
+            return Slope(self.plain if p.by > 0 else iv.negative(self.plain), self.over, self.shared)
+        if p.length is not None and p.steep is not None:
+            return self._divided(p.length, p.steep)
+        zero = _zero(self.plain) | _zero(p.by)
+        plain = _kept(zero, iv.times(self.plain, p.by))
+        behind = w.behind[p.arg]
+        if not behind and not self.over:
+            return Slope(plain)
+        size, gone, over = iv.magnitude(p.by), np.zeros(()), {}
+        shares = {j: _share(p, w, j) for j in behind | self.over.keys()}
+        for j, c in self.over.items():
+            s = shares[j]
+            if s is None:
+                over[j] = c * size
+            else:
+                gone = gone + c * s  # h_j cancels
+        shared = {}
+        for j in behind:
+            (a, b), s = self.of(j), shares[j]
+            if s is not None:
+                shared[j] = gone, a * s + b * size
+            elif j in self.shared:
+                shared[j] = a * size + gone, b * size
+        return Slope((plain[0] - gone, plain[1] + gone), over, shared)
+
+    def _divided(self, j: int, steep: Array) -> Slope:
+        """Times what is at most ``steep`` / h_j of either sign."""
+        a, b = self.of(j)
+        twice = sum(self.over.values(), np.zeros(())) > 0  # 1 / h twice: nothing is claimed
+        gone = np.where(twice, np.inf, b * steep) + np.zeros_like(a)
+        return Slope((-gone, gone), {j: np.where(a > 0, a * steep, 0.0)})
 
 
-def plus(a: Slope, b: Slope, sign: int = 1) -> Slope:
-    """a + sign b."""
-    if b is None:
-        return a
-    if a is None:
-        return b if sign > 0 else iv.negative(b)
-    p, q = _alike(a, b)
-    lo, hi = (iv.plus if sign > 0 else iv.minus)(p, q)
-    zero = (p[0] == 0) & (p[1] == 0) & (q[0] == 0) & (q[1] == 0)
-    return np.where(zero, 0.0, lo), np.where(zero, 0.0, hi)
+def _share(p: Partial, w: Walk, j: int) -> float | None:
+    """s where the derivative is at most s h_j."""
+    s = None if p.like is None else w.share(j, p.like)
+    return None if s is None else s * abs(p.times)
 
 
-def negative(a: Slope) -> Slope:
-    return None if a is None else iv.negative(a)
+def _zero(a: Interval) -> NDArray[np.bool_]:
+    return np.asarray((a[0] == 0) & (a[1] == 0))
 
 
-def times(a: Slope, by: Interval) -> Slope:
-    """Product with a range, box by box. What does not depend on a source still does not."""
-    if a is None:
-        return None
-    if np.all(by[0] == by[1]):
-        p, q = a[0] * by[0], a[1] * by[0]
-        lo, hi = iv.outward(np.minimum(p, q), np.maximum(p, q))
-    else:
-        lo, hi = iv.times(a, by)
-    zero = (a[0] == 0) & (a[1] == 0)
-    return np.where(zero, 0.0, lo), np.where(zero, 0.0, hi)
-
-
-def chosen(
-    always: NDArray[np.bool_], never: NDArray[np.bool_], first: Array, second: Array, either: Array
-) -> Array:
-    """``first`` where always, ``second`` where never, else ``either``."""
-    return np.where(always, first, np.where(never, second, either))
-
-
-def choice(small: Interval, large: Interval, a: Slope, b: Slope) -> Slope:
-    """Slope of what is ``a`` where small < large and ``b`` elsewhere."""
-    if a is None and b is None:
-        return None
-    rows = max(0 if s is None else s[0].shape[0] for s in (a, b))
-    boxes = len(small[0])
-    p, q = _grown(a, rows, boxes), _grown(b, rows, boxes)
-    always, never = small[1] < large[0], small[0] > large[1]
-    lo = chosen(always, never, p[0], q[0], np.minimum(p[0], q[0]))
-    hi = chosen(always, never, p[1], q[1], np.maximum(p[1], q[1]))
-    return lo, hi
-
-
-def norm(squares: Sequence[tuple[float, Slope]]) -> Slope:
-    """Slope of sqrt(sum f x x), which is at most sqrt(sum f x' x') (Cauchy and Schwarz)."""
-    sizes = [(factor, iv.magnitude(slope)) for factor, slope in squares if slope is not None]
-    if not sizes:
-        return None
-    total = np.zeros((max(s.shape[0] for _, s in sizes), sizes[0][1].shape[1]))
-    for factor, size in sizes:
-        total[: size.shape[0]] += factor * size * size
-    most = np.sqrt(total) * GROW
-    return -most, most
-
-
-def weighed(slope: Slope, noise: Array, boxes: int) -> Array:
-    """sum |slope| noise: how much all sources may change the value, per box."""
-    if slope is None:
-        return np.zeros(boxes)
-    size = iv.magnitude(slope)
-    amount = noise[: size.shape[0]]
-    return np.asarray(np.where(amount > 0, size * amount, 0.0).sum(axis=0) * GROW)
-
-
-def without(slope: Slope, row: int) -> Slope:
-    """``slope`` with nothing in one row."""
-    if slope is None or slope[0].shape[0] <= row:
-        return slope
-    lo, hi = slope[0].copy(), slope[1].copy()
-    lo[row] = hi[row] = 0.0
-    return lo, hi
-
-
-def added(slope: Slope, row: int, size: Array, boxes: int) -> Interval:
-    """``slope`` with up to ``size`` more, of either sign, in one row."""
-    lo, hi = _grown(slope, row + 1, boxes)
-    lo[row] -= size
-    hi[row] += size
-    return lo, hi
+def _kept(zero: NDArray[np.bool_], value: Interval) -> Interval:
+    """``value``, zero where it is exactly that."""
+    if not zero.any():
+        return value
+    return np.where(zero, 0.0, value[0]), np.where(zero, 0.0, value[1])

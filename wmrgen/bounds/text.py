@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wmrgen.bounds.domain import Range
 from wmrgen.bounds.precision import Library
-from wmrgen.bounds.robot import Bounds, FunctionBound, OutputBound
+from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound
 
 
 def header_lines(found: Bounds) -> tuple[str, ...]:
@@ -58,15 +58,17 @@ def _function(f: FunctionBound) -> list[str]:
         return [f"  {f.name}: nothing, for no range is known of {', '.join(f.unknown)}"]
     if f.alarms:
         return [f"  {f.name}: not proved ({'; '.join(f.alarms)})"]
-    groups: dict[tuple[str, float, float, float, float, float], list[OutputBound]] = {}
+    groups: dict[tuple[str, str], list[OutputBound]] = {}
     for o in f.outputs:
-        key = o.name.rpartition(".")[2], o.low, o.high, o.error, o.per_length, o.from_length
+        key = "" if o.singular else o.name.rpartition(".")[2], bound(o)
         groups.setdefault(key, []).append(o)
     return [f"  {f.name}: {', '.join(o.name for o in group)} {bound(group[0])}" for group in groups.values()]
 
 
 def bound(o: OutputBound) -> str:
     """``in [-2, 2] m/s, off by 1.2e-07``."""
+    if o.singular:
+        return f"has no bound: {SINGULAR}"
     return f"in [{o.low:.6g}, {o.high:.6g}] {o.unit or '1'}, off by {error(o)}"
 
 

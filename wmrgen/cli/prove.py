@@ -123,6 +123,7 @@ def _limit(name: str, r: tuple[float, float]) -> str:
 
 def _function(f: FunctionBound, given: Mapping[str, Range]) -> None:
     from wmrgen.bounds.domain import wanted
+    from wmrgen.bounds.robot import SINGULAR
 
     if f.unknown:
         console.result(f"{f.name}: not looked at, no range for {', '.join(f.unknown)}", "bold")
@@ -134,10 +135,13 @@ def _function(f: FunctionBound, given: Mapping[str, Range]) -> None:
     for text in f.alarms:
         console.result(f"  {text}")
     free = tuple(n for n in f.inputs if n.endswith(".steer") and n not in given)
-    if f.alarms and free:
+    if free and (f.alarms or any(o.singular for o in f.outputs)):
         console.result(f"  {', '.join(free)} may have any value; perhaps it needs {wanted(free)}")
     width = max((len(o.name) for o in f.outputs), default=0)
     for o in f.outputs:
+        if o.singular:
+            console.result(f"  {o.name:<{width}}  no bound: {SINGULAR}")
+            continue
         span = f"[{o.low:.6g}, {o.high:.6g}] {o.unit}"
         console.result(f"  {o.name:<{width}}  {span:<32} error {_error(o)}")
 

@@ -9,6 +9,7 @@ from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import CAP, Subject
 from wmrgen.backends.report.tex import Term, broken, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
+from wmrgen.bounds.robot import SINGULAR
 from wmrgen.bounds.text import described, error, listed
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row, dot
@@ -95,6 +96,7 @@ def _bounds(s: Subject) -> list[str]:
         for f in found.functions
         if f.proved
         for o in f.outputs
+        if not o.singular
     ]
     lines += table(
         ["function", "output", "at least", "at most", "unit", "rounding error at most"], rows, "llrrlr"
@@ -109,6 +111,9 @@ def _bounds(s: Subject) -> list[str]:
         if not f.proved:
             why = "; ".join(f.alarms) or f"no range is known of {', '.join(code(n) for n in f.unknown)}"
             lines += [f"Not proved: {code(f.name)} ({why}).", ""]
+        singular = [code(o.name) for o in f.outputs if f.proved and o.singular]
+        if singular:
+            lines += [f"No bound for {', '.join(singular)} of {code(f.name)}: {SINGULAR}.", ""]
     return lines
 
 

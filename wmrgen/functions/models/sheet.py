@@ -11,7 +11,7 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 from wmrgen.functions.models.decimals import Reader
-from wmrgen.functions.system import System, rate_port
+from wmrgen.functions.models.system import System, rate_port
 from wmrgen.ports import Port
 from wmrgen.symbolic import Expr, signal
 

@@ -1,4 +1,4 @@
-"""Shapes in the node list whose error is far smaller than that of their operations one by one."""
+"""What the lemmas ask of the node list: sums of squares below a root, comparisons that are a minimum, guards."""
 
 from __future__ import annotations
 
@@ -20,15 +20,10 @@ class Term:
     squared: bool
     roundings: int
 
-    @classmethod
-    def whole(cls, root: int) -> Term:
-        """The argument of a root as one term."""
-        return cls(ONE, root, False, 0)
-
 
 def terms_below_root(nodes: Sequence[Node], root: int) -> tuple[Term, ...]:
     """The argument of a square root as a sum of terms with positive factors."""
-    found: list[Term] = []
+    terms: list[Term] = []
     stack = [(root, ONE, 0)]
     while stack:
         i, factor, roundings = stack.pop()
@@ -38,13 +33,13 @@ def terms_below_root(nodes: Sequence[Node], root: int) -> tuple[Term, ...]:
             stack += [(a, factor, roundings + 1) for a in reversed(node.args)]
         elif node.op is Op.MUL and (square := _square(nodes, node)) is not None:
             scale, base, extra = square
-            found.append(Term(factor * scale, base, True, roundings + extra))
+            terms.append(Term(factor * scale, base, True, roundings + extra))
         elif product is not None and product[0].sign > 0:
             # The constant's own rounding counts as one, the product as another.
             stack.append((product[1], factor * product[0], roundings + 2))
         else:
-            found.append(Term(factor, i, False, roundings))
-    return tuple(found)
+            terms.append(Term(factor, i, False, roundings))
+    return tuple(terms)
 
 
 def scaled(nodes: Sequence[Node], node: Node) -> tuple[Exact, int] | None:
@@ -69,38 +64,17 @@ def _square(nodes: Sequence[Node], node: Node) -> tuple[Exact, int, int] | None:
     return None
 
 
-def sinc_argument(nodes: Sequence[Node], node: Node) -> int | None:
-    """x of sin(x) / x, or of a product sin(x) (1/x)."""
-    if node.op is Op.DIV:
-        sine, x = nodes[node.args[0]], node.args[1]
-        return x if sine.op is Op.SIN and sine.args[0] == x else None
-    for s, d in (node.args, node.args[::-1]):
-        if nodes[s].op is Op.SIN and inverted(nodes, d) == nodes[s].args[0]:
-            return nodes[s].args[0]
-    return None
-
-
 def extremum(nodes: Sequence[Node], node: Node) -> tuple[Op, int, int] | None:
     """(MIN or MAX, a, b) of a comparison that chooses between the numbers compared."""
-    a, b = node.args[0], node.args[1]
     if node.op in (Op.MIN, Op.MAX):
-        return node.op, a, b
+        return node.op, node.args[0], node.args[1]
     if node.op is Op.SELECT:
-        x, y = node.args[2], node.args[3]
+        a, b, x, y = node.args
         if _same(nodes, x, b) and _same(nodes, y, a):
             return Op.MAX, a, b
         if _same(nodes, x, a) and _same(nodes, y, b):
             return Op.MIN, a, b
     return None
-
-
-def largest_of(nodes: Sequence[Node], i: int) -> int | None:
-    """Node ``i``, or x where it is the larger of x and a constant."""
-    if nodes[i].op not in (Op.SELECT, Op.MAX, Op.MIN):
-        return i
-    found = extremum(nodes, nodes[i])
-    choices = [k for k in found[1:] if nodes[k].value is None] if found and found[0] is Op.MAX else []
-    return choices[0] if len(choices) == 1 else None
 
 
 def _same(nodes: Sequence[Node], a: int, b: int) -> bool:
@@ -137,69 +111,44 @@ def without_factors(nodes: Sequence[Node], i: int) -> tuple[Exact, int]:
             return factor, i
 
 
-def parity(nodes: Sequence[Node], node: Node) -> bool:
-    """Whether the node is w - 2 rint(w / 2), w whole: -1, 0 or 1."""
-    if node.op is not Op.SUB or nodes[node.args[0]].op.value != "rint":
-        return False
-    double = scaled(nodes, nodes[node.args[1]])
-    if double is None or double[0] != Exact(2) or nodes[double[1]].op.value != "rint":
-        return False
-    half = scaled(nodes, nodes[nodes[double[1]].args[0]])
-    return half is not None and half[0] == Exact(1) / Exact(2) and half[1] == node.args[0]
-
-
-def nearest_turn(nodes: Sequence[Node], node: Node) -> tuple[Exact, int, int, int] | None:
-    """(s, x, p, r) of x - s rint(r), r = k (x - p), k s within 1e-9 of 1: the x modulo s that is nearest to p."""
-    if node.op is not Op.SUB:
-        return None
-    x = node.args[0]
-    steps = scaled(nodes, nodes[node.args[1]])
-    if steps is None or nodes[steps[1]].op.value != "rint":
-        return None
-    r = nodes[steps[1]].args[0]
-    share = scaled(nodes, nodes[r])
-    if share is None or abs(float(share[0] * steps[0]) - 1) > 1e-9:
-        return None
-    difference = nodes[share[1]]
-    if difference.op is not Op.SUB or difference.args[0] != x:
-        return None
-    return steps[0], x, difference.args[1], r
-
-
-def cone(nodes: Sequence[Node], roots: Collection[int], stop: Collection[int] = ()) -> set[int]:
-    """Nodes that ``roots`` need, up to those of ``stop``."""
-    found, stack = set[int](), list(roots)
+def cone(nodes: Sequence[Node], roots: Collection[int]) -> set[int]:
+    """Nodes that ``roots`` need."""
+    needed, stack = set[int](), list(roots)
     while stack:
         k = stack.pop()
-        if k not in found:
-            found.add(k)
-            stack += () if k in stop else nodes[k].args
-    return found
+        if k not in needed:
+            needed.add(k)
+            stack += nodes[k].args
+    return needed
 
 
-def inverted(nodes: Sequence[Node], k: int) -> int | None:
-    """D of 1/D."""
-    node = nodes[k]
-    return node.args[1] if node.op is Op.DIV and nodes[node.args[0]].value == ONE else None
-
-
-def quotient(nodes: Sequence[Node], k: int) -> tuple[int, int] | None:
-    """(N, D) of N / D, or of N (1/D)."""
-    if nodes[k].op is Op.DIV:
-        above, below = nodes[k].args
-        return above, below
-    for above, inverse in (nodes[k].args, nodes[k].args[::-1]) if nodes[k].op is Op.MUL else ():
-        divisor = inverted(nodes, inverse)
-        if divisor is not None:
-            return above, divisor
-    return None
-
-
-def contracted(nodes: Sequence[Node]) -> dict[int, int]:
-    """Products with several uses, a sum among them that a compiler may contract with it (fused multiply-add): uses."""
+def contracted(nodes: Sequence[Node]) -> frozenset[int]:
+    """Products with several uses, a sum among them that a compiler may contract with it (fused multiply-add)."""
     uses: dict[int, list[Op]] = {}
     for node in nodes:
         for k in set(node.args):
             if nodes[k].op is Op.MUL:
                 uses.setdefault(k, []).append(node.op)
-    return {k: len(ops) for k, ops in uses.items() if len(ops) > 1 and (Op.ADD in ops or Op.SUB in ops)}
+    return frozenset(k for k, ops in uses.items() if len(ops) > 1 and (Op.ADD in ops or Op.SUB in ops))
+
+
+def effective(nodes: Sequence[Node], results: Collection[int]) -> dict[int, tuple[float, float]]:
+    """(low, high) by node: outside, the node changes nothing, for its one use is the minimum with a number, say."""
+    uses = [0] * len(nodes)
+    for k in (*results, *(k for node in nodes for k in node.args)):
+        uses[k] += 1
+    ranges: dict[int, tuple[float, float]] = {}
+    for i in range(len(nodes) - 1, -1, -1):
+        limit, product = extremum(nodes, nodes[i]), scaled(nodes, nodes[i])
+        if product is not None and i in ranges and uses[product[1]] == 1 and product[0]:
+            ends = sorted(end / float(product[0]) for end in ranges[i])
+            ranges[product[1]] = ends[0], ends[1]
+        if limit is None:
+            continue
+        low, high = ranges.get(i, (-float("inf"), float("inf")))
+        for end, x in (limit[1:], limit[:0:-1]):
+            value = nodes[end].value
+            if value is not None and uses[x] == (1 if nodes[i].op is not Op.SELECT else 2):
+                is_min = limit[0] is Op.MIN
+                ranges[x] = (low, min(high, float(value))) if is_min else (max(low, float(value)), high)
+    return ranges

@@ -1,0 +1,249 @@
+"""Ranges and rounding errors of straight-line code over boxes of inputs.
+
+Model: the float program computes v_i = op_i(v) + d_i with |d_i| at most half a unit in the last place of the largest
+result (library functions: as many units as are assumed of them; constants: their own rounding). Call the program with
+noise t d, 0 <= t <= 1: t = 1 is the float program, t = 0 the exact formula. By the mean value theorem an output
+differs by at most sum_i |d_i| sup |dv/dd_i|, and intervals bound the derivatives over every t and every input of the
+box, from the outputs back (`Walk.errors`). A comparison is taken as the float program decides it, a rounding to a whole
+number likewise. What each operation does to ranges and derivatives stands in `wmrgen.bounds.lemmas`.
+
+Where a vector may vanish, derivatives are bounded in terms of its length h (`wmrgen.bounds.lengths`): errors are
+claimed where h is 64 times its own error or more, so that h changes by at most 1/64 while t runs from 0 to 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wmrgen.bounds import interval as iv
+from wmrgen.bounds.forms import Forms
+from wmrgen.bounds.interval import GROW, Array, Interval
+from wmrgen.bounds.lengths import SHORT, SMALL_ANGLE, Length, lengths
+from wmrgen.bounds.lengths import share as share_of
+from wmrgen.bounds.precision import Format, Library
+from wmrgen.bounds.shapes import contracted, effective
+from wmrgen.bounds.slopes import Partial, Slope
+from wmrgen.ir.nodes import Function, Op
+
+_TURN = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """The rounding of a node: at most ``size`` plus, by length, ``over`` / h.
+
+    ``relative``: it is at most this share of the result, plus ``tiny``. ``divisions``: see `Errors`.
+    """
+
+    size: Array
+    relative: float | None = None
+    over: Mapping[int, Array] = field(default_factory=dict)
+    divisions: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """What a lemma says of a result; ``away``: a lower bound of its absolute value.
+
+    ``widen``: whether the noise is a rounding that ``range`` does not hold yet.
+    """
+
+    range: Interval
+    partials: tuple[Partial, ...] = ()
+    noise: Noise | None = None
+    away: Array | None = None
+    widen: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Of some nodes (rows) on every box: off by at most ``plain`` + sum of ``over`` / h.
+
+    ``divisions``: those by lengths, and by what comes close to zero, on which they depend.
+    """
+
+    plain: Array
+    over: Mapping[int, Array]
+    divisions: tuple[frozenset[int], ...]
+
+    @property
+    def total(self) -> Array:
+        """Without lengths; infinite where there are some."""
+        if not self.over:
+            return self.plain
+        return np.where(sum(self.over.values()) > 0, np.inf, self.plain)
+
+
+class Walk:
+    """One walk through the node list. ``inputs``: (lo, hi) arrays by input name, one entry per box.
+
+    ``twice``: sums that the code rounds once more than they stand here. ``known``: bounds of errors that are known, by
+    node.
+    """
+
+    def __init__(
+        self,
+        function: Function,
+        inputs: Mapping[str, Interval],
+        form: Format,
+        library: Library,
+        twice: Collection[int] = (),
+        known: Mapping[int, Array] | None = None,
+    ) -> None:
+        self.results, self.nodes, self.inputs = function.results, function.nodes, inputs
+        self.form, self.library, self.twice = form, library, frozenset(twice)
+        self.known = known or {}
+        self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
+        self.lengths: dict[int, Length] = lengths(self.nodes)
+        self.effective = effective(self.nodes, function.results)
+        self.contracted = contracted(self.nodes)
+        self.forms = Forms(self.nodes, self.boxes, 16 * library.ulps(Op.SIN) * form.unit)
+        self.ranges: list[Interval] = []
+        self.away: list[Array] = []
+        self.noise: list[Noise | None] = []
+        self.partials: list[tuple[Partial, ...]] = []
+        self.noisy: list[bool] = []  # whether a node has noise, or depends on any
+        self.behind: list[
+            frozenset[int]
+        ] = []  # the lengths by which a node, or what it depends on, is divided
+        self.alarms: list[tuple[int, str, NDArray[np.bool_]]] = []
+        self.singular: set[int] = set()  # divisions by what comes close to zero, and guards against it
+
+    def run(self, count: int | None = None) -> Walk:
+        """The walk, of the first ``count`` nodes alone if that is given."""
+        from wmrgen.bounds.lemmas import LEMMAS
+
+        with np.errstate(all="ignore"):
+            for i, node in enumerate(self.nodes[:count]):
+                self._record(i, LEMMAS[node.op](self, i, node))
+        return self
+
+    def _record(self, i: int, value: Value) -> None:
+        """A result with its rounding."""
+        interval, away, noise = value.range, value.away, value.noise
+        size = np.zeros(()) if noise is None else noise.size
+        if noise is not None and value.widen:
+            interval = iv.widened(interval, size)
+            away = None if away is None else away - size
+        fits = iv.magnitude(interval) <= self.form.largest
+        if not np.all(fits):
+            self.alarm(i, "may overflow", ~fits)
+            interval = np.nan_to_num(interval[0], nan=-np.inf), np.nan_to_num(interval[1], nan=np.inf)
+        least = iv.smallest(interval)
+        self.forms.add(i, self.ranges, size)
+        self.ranges.append(interval)
+        self.away.append(least if away is None else np.maximum(least, away))
+        self.noise.append(noise)
+        behind = frozenset((i,)) if i in self.lengths else frozenset[int]()
+        behind |= frozenset() if noise is None else noise.divisions & self.lengths.keys()
+        self.behind.append(behind.union(*(self.behind[p.arg] for p in value.partials)))
+        self.partials.append(value.partials)
+        self.noisy.append(noise is not None or any(self.noisy[p.arg] for p in value.partials))
+
+    # ---- what lemmas ask for
+
+    def alarm(self, i: int, what: str, where: NDArray[np.bool_]) -> None:
+        """An alarm on the boxes ``where``, if any."""
+        if np.any(where):
+            self.alarms.append((i, what, where))
+
+    def rounded(self, value: Interval, i: int | None = None, times: float = 1.0) -> Noise:
+        """The error of a rounding of results in ``value``, as far as they count (`effective`)."""
+        size = iv.magnitude(value)
+        if i in self.effective:
+            size = np.minimum(size, max(map(abs, self.effective[i])))
+        noise = self.form.half_ulp(size) * times
+        return Noise(noise, self.form.unit * times)
+
+    def library_noise(self, op: Op, value: Interval) -> Noise:
+        """The error of a library function whose results lie in ``value``."""
+        if self.library.circle and op in (Op.SIN, Op.COS):
+            value = -np.ones(self.boxes), np.ones(self.boxes)
+        return Noise(2 * self.library.ulps(op) * self.form.half_ulp(iv.magnitude(value)) + self.form.tiny)
+
+    def share(self, j: int, i: int) -> float | None:
+        """s where |node i| is at most s h, h the length of ``j``, wherever errors are claimed."""
+        length = self.lengths[j]
+        known = share_of(self, length, i)
+        return None if known is None else known[0] + known[1] / (SMALL_ANGLE / 2 * length.rho)
+
+    def measured(self, j: int) -> Length:
+        """The length by which node ``j`` divides, and how far it is off."""
+        length = self.lengths[j]
+        errors = self.errors([x for _, x in length.parts])
+        squares = [(f * e) ** 2 for (f, _), e in zip(length.parts, errors.total, strict=True)]
+        length.rho = float(np.sqrt(sum(squares)).max()) * GROW + SHORT
+        return length
+
+    # ---- errors
+
+    def errors(self, roots: Sequence[int]) -> Errors:
+        """How far the nodes ``roots`` may be off."""
+        if not self.singular and all(k in self.known for k in roots):
+            return Errors(np.array([self.known[k] for k in roots]), {}, (frozenset(),) * len(roots))
+        with np.errstate(all="ignore"):
+            return self._errors(roots)
+
+    def _errors(self, roots: Sequence[int]) -> Errors:
+        slopes: dict[int, Slope] = {}
+        apart: dict[int, Slope] = {}  # what may be contracted: a rounding per use
+        for row, k in enumerate(roots):
+            self._reached(slopes, apart, k, Slope.unit(row, len(roots), self.boxes))
+        plain = np.zeros((len(roots), self.boxes))
+        over: dict[int, Array] = {}
+        touched: list[set[int]] = [set() for _ in roots]
+        for i in range(max(roots, default=-1), -1, -1):
+            slope = slopes.pop(i, None)
+            if slope is None:
+                continue
+            noise = self.noise[i]
+            if noise is not None:
+                plain = plain + self._felt(i, apart.get(i, slope), noise, over)
+            counts = {i} & (self.lengths.keys() | self.singular) | (
+                noise.divisions if noise is not None else set()
+            )
+            for dependent in np.flatnonzero(slope.any()) if counts else ():
+                touched[int(dependent)] |= counts
+            for p in self.partials[i]:
+                self._reached(slopes, apart, p.arg, slope.times(p, self))
+        plain = np.nan_to_num(plain * GROW, nan=np.inf, posinf=np.inf)
+        for row, k in enumerate(roots):
+            if k in self.known:
+                plain[row] = np.minimum(plain[row], self.known[k])
+        over = {
+            j: np.nan_to_num(v * GROW * _TURN, nan=np.inf, posinf=np.inf) for j, v in over.items() if v.any()
+        }
+        return Errors(plain, over, tuple(map(frozenset, touched)))
+
+    def _reached(self, slopes: dict[int, Slope], apart: dict[int, Slope], k: int, more: Slope) -> None:
+        """One more way from the roots to node ``k``."""
+        slopes[k] = slopes[k].plus(more) if k in slopes else more
+        if k in self.contracted:
+            more = more.absolute()
+            apart[k] = apart[k].plus(more) if k in apart else more
+
+    def _felt(self, i: int, slope: Slope, noise: Noise, over: dict[int, Array]) -> Array:
+        """What the rounding of a node does to the roots, but for what is added to ``over``."""
+        total = _product(slope.size, noise.size)
+        for j, more in noise.over.items():
+            a, b = slope.of(j)
+            over[j] = over.get(j, 0.0) + _product(a, more)
+            total = total + _product(b, more)  # h_j cancels
+        for j, steep in slope.over.items():
+            share = None if noise.relative is None else self.share(j, i)
+            if share is None or noise.relative is None:
+                over[j] = over.get(j, 0.0) + _product(steep, noise.size)
+            else:
+                total = total + steep * share * noise.relative
+                over[j] = over.get(j, 0.0) + steep * self.form.tiny
+            if noise.over:  # 1 / h twice: nothing is claimed
+                total = np.where(steep > 0, np.inf, total)
+        return total
+
+
+def _product(size: Array, noise: Array) -> Array:
+    return np.where((noise > 0) & (size > 0), size * noise, 0.0)

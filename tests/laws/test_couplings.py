@@ -14,6 +14,8 @@ from tests.laws.layouts import lengths, offsets, radii
 from tests.laws.test_constraints import check_null_space, check_ranks
 from tests.oracle import oracle
 from tests.oracle.harness import named, twist_of
+from wmrgen.errors import NotDerivableError
+from wmrgen.ir.interpret import EXACT, evaluate_module
 
 Layout = dict[str, Any]
 
@@ -101,3 +103,92 @@ def test_belt_driven_wheels_only_translate(places: list[tuple[float, float]], r:
     np.testing.assert_allclose(twist_of(back), [0.5, vy, 0.0], atol=1e-9)
     m = model.derivation.mobility
     assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == (1, 1, 2)
+
+
+CHAINED = [wheel("rear", "fixed", 0.0, 0.0), wheel("front", "steered", 0.6, 0.0)]
+TRICYCLE = [*AXLE, wheel("front", "steered", 0.5, 0.0)]
+MIRRORED = [
+    wheel("a", "steered", 0.3, 0.2), wheel("b", "steered", -0.3, 0.2) | {"heading": np.pi, "text": {"heading": "pi"}},
+]  # fmt: skip
+LOCKED = [*AXLE, wheel("c", "fixed", 0.5, 0.0, heading=0.5), wheel("d", "steered", 0.4, 0.4)]
+GEARED = {
+    "bicycle on one chain": (CHAINED, [("spin", ["rear", "front"])], (1, 0, 1)),
+    "tricycle, all wheels geared": (TRICYCLE, [("spin", ["a", "b", "front"])], (1, 0, 1)),
+    "one belt and one chain, a wheel the other way round": (
+        MIRRORED, [("steer", ["a", "b"]), ("spin", ["a", "b"])], (1, 0, 1)),
+    "locked by its fixed wheels": (LOCKED, [("spin", ["a", "b", "d"])], (0, 0, 0)),
+    "locked, and two steered wheels on a belt": (
+        [*LOCKED, wheel("e", "steered", -0.4, 0.4)], [("steer", ["d", "e"])], (0, 0, 0)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", GEARED)
+def test_geared(case: str) -> None:
+    wheels, couplings, wanted = GEARED[case]
+    layout = {"wheels": wheels, "couplings": couplings}
+    model = derived(layout)
+    m = model.derivation.mobility
+    assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == wanted
+    assert m.degree_of_mobility == len(m.null_space) == model.derivation.null_space.cols
+    assert {n for n in model.ports("dynamics")[0] if n.startswith("eta")} == {
+        f"eta{k + 1}" for k in range(m.degree_of_mobility)
+    }
+
+
+@pytest.mark.parametrize("case", ["bicycle on one chain", "tricycle, all wheels geared"])
+def test_a_chain_tells_what_slides(case: str) -> None:
+    """Straight ahead nothing slides; in a bend wheels at one speed cannot all roll."""
+    wheels, couplings, _ = GEARED[case]
+    model = derived({"wheels": wheels, "couplings": couplings})
+    assert model.call("inverse", {"vx": 0.7})["slip"] == pytest.approx(0.0, abs=1e-12)
+    assert model.call("inverse", {"vx": 0.7, "omega": 0.9})["slip"] > 0.01
+
+
+def test_a_chained_wheel_turns_about_rather_than_backwards() -> None:
+    """At 100 degrees the nearer heading would roll against the chain."""
+    model = derived({"wheels": CHAINED, "couplings": [("spin", ["rear", "front"])]})
+    found = model.call("inverse", {"vx": 1.0, "front.steer": 1.75})
+    assert found["front.steer"] == pytest.approx(0.0, abs=1e-12)
+    assert found["front.spin"] == found["rear.spin"] == pytest.approx(10.0)
+    assert found["slip"] == pytest.approx(0.0, abs=1e-12)
+
+
+MIXED = [
+    wheel("s", "steered", 0.4, 0.0),
+    wheel("t", "castor", -0.4, 0.0, d=-0.05),
+    wheel("f", "fixed", 0.0, 0.2),
+]
+OFFSET = [wheel("s", "steered", 0.4, 0.0, o=0.03), wheel("f", "fixed", 0.0, 0.2)]
+
+
+@pytest.mark.parametrize(
+    ("wheels", "coupling", "said"),
+    [
+        (MIXED, ("steer", ["t", "s"]), "the swivel angle of the castor t follows from the motion"),
+        (MIXED, ("spin", ["s", "t"]), "the swivel angle of the castor t follows from the motion"),
+        (OFFSET, ("spin", ["f", "s"]), "s is steered and has an offset_y"),
+    ],
+)
+def test_couplings_without_a_model_are_refused(wheels: Any, coupling: Any, said: str) -> None:
+    with pytest.raises(NotDerivableError, match=said):
+        derived({"wheels": wheels, "couplings": [coupling]})
+
+
+@pytest.mark.parametrize("joint", ["steer", "spin"])
+def test_dynamics_of_coupled_castors(joint: str) -> None:
+    """Their angles are states that the motion turns; CasADi, NumPy and exact arithmetic agree."""
+    model = derived({"wheels": [*CASTORS, wheel("f", "fixed", 0.0, 0.0)], "couplings": [(joint, ["a", "b"])]})
+    case = {n: 0.1 * (k + 1) for k, n in enumerate(model.ports("dynamics")[0])}
+    exact = evaluate_module(model.derivation.raw_module, "dynamics", case, EXACT)
+    found = model.call("dynamics", case)
+    assert found == pytest.approx({k: float(v) for k, v in exact.items()}, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("case", [*KNOWN, *GEARED])
+def test_degrees_do_not_depend_on_the_unit_of_length(case: str, scale: float) -> None:
+    wheels, couplings, wanted = (KNOWN | GEARED)[case]
+    lengths = ("x", "y", "r", "d")
+    scaled = [{k: v * scale if k in lengths else v for k, v in w.items()} for w in wheels]
+    m = derived({"wheels": scaled, "couplings": couplings}).derivation.mobility
+    assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == wanted

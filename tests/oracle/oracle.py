@@ -135,20 +135,31 @@ def sliding_rows(layout: Layout, kind: str, steer: dict[str, float]) -> Array:
     return np.array(found).reshape(-1, 3)
 
 
-def rank(matrix: Array) -> int:
-    """Rank at 1e-9 of the largest singular value."""
+def rank(matrix: Array, tol: float = TOL) -> int:
+    """Rank at ``tol`` of the largest singular value."""
     if not matrix.size:
         return 0
     s = np.linalg.svd(matrix, compute_uv=False)
-    return int((s > TOL * max(s[0], 1e-300)).sum())
+    return int((s > tol * max(s[0], 1e-300)).sum())
 
 
-def null(matrix: Array) -> Array:
+def null(matrix: Array, tol: float = TOL) -> Array:
     """Orthonormal basis of the null space, as columns."""
     if not matrix.size:
         return np.eye(matrix.shape[1])
     _, s, vt = np.linalg.svd(matrix)
-    return np.asarray(vt[(s > TOL * max(s[0], 1e-300)).sum() :].T)
+    return np.asarray(vt[(s > tol * max(s[0], 1e-300)).sum() :].T)
+
+
+def leaders(layout: Layout, joint: str) -> dict[str, str]:
+    """Per wheel the first wheel that its joint is coupled to, directly or through others."""
+    lead = {w["name"]: w["name"] for w in layout["wheels"]}
+    order = list(lead)
+    for kind, names in layout.get("couplings", []):
+        if kind == joint:
+            merged = {lead[n] for n in names}
+            lead = {n: min(merged, key=order.index) if g in merged else g for n, g in lead.items()}
+    return lead
 
 
 def constraint(layout: Layout, steer: dict[str, float]) -> Array:
@@ -156,28 +167,28 @@ def constraint(layout: Layout, steer: dict[str, float]) -> Array:
 
     The left null space of the joint-rate columns, times the twist columns.
     """
-    merged: dict[str, str] = {}
-    for joint, names in layout.get("couplings", []):
-        merged |= {f"{name}.{joint}": f"{names[0]}.{joint}" for name in names}
+    a, b = contact_rows(layout, steer)
+    return null(b.T).T @ a if b.size else a
+
+
+def contact_rows(layout: Layout, steer: dict[str, float]) -> tuple[Array, Array]:
+    """(A, B) with A twist + B rates = 0: every rolling and sliding row, coupled rates in one column."""
+    spins, swivels = leaders(layout, "spin"), leaders(layout, "steer")
     rows, columns = [], []
     for wheel in layout["wheels"]:
         name = wheel["name"]
-        for kind, r, spin, rate in wheel_rows(wheel, steer.get(name, 0.0)):
+        for _, r, spin, rate in wheel_rows(wheel, steer.get(name, 0.0)):
             column = {}
             if spin:
-                column[merged.get(f"{name}.spin", f"{name}.spin")] = spin
+                column[f"{spins[name]}.spin"] = spin
             # A steered wheel's rate is a free input chosen elsewhere: only a castor's follows the twist.
             if abs(rate) > 1e-15 and wheel["type"] == "castor":
-                column[merged.get(f"{name}.steer", f"{name}.steer")] = rate
-            del kind
+                column[f"{swivels[name]}.steer"] = rate
             rows.append(r)
             columns.append(column)
     joints = sorted({joint for column in columns for joint in column})
-    b = np.array([[column.get(joint, 0.0) for joint in joints] for column in columns]).reshape(
-        len(rows), len(joints)
-    )
-    a = np.array(rows).reshape(-1, 3)
-    return null(b.T).T @ a if b.size else a
+    b = np.array([[column.get(joint, 0.0) for joint in joints] for column in columns])
+    return np.array(rows).reshape(-1, 3), b.reshape(len(rows), len(joints))
 
 
 def admissible_steering(layout: Layout, seed: int = 1) -> dict[str, float] | None:
@@ -237,7 +248,9 @@ def unsteered(layout: Layout) -> Layout:
     steered = {w["name"] for w in layout["wheels"] if w["type"] == "steered"}
     return {
         "wheels": [w for w in layout["wheels"] if w["name"] not in steered],
-        "couplings": [c for c in layout.get("couplings", []) if not set(c[1]) & steered],
+        "couplings": [
+            (joint, [n for n in names if n not in steered]) for joint, names in layout.get("couplings", [])
+        ],
     }
 
 

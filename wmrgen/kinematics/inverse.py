@@ -14,6 +14,7 @@ import sympy
 from wmrgen.constraints import rolling_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.castors import CastorMotion, castor_motion
+from wmrgen.kinematics.geared import turning_alike
 from wmrgen.kinematics.line import pivot
 from wmrgen.kinematics.project import Projection, project
 from wmrgen.kinematics.records import (
@@ -77,7 +78,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     outputs.append(
         (
             slip_port(f"sliding that the ground must give: RMS over the constraining wheels{_held(targets)}"),
-            _slip(projection, left_over, targets),
+            _slip(projection, targets, [*left_over, *turned_unlike(robot, joints, speeds)]),
         )
     )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
@@ -99,14 +100,21 @@ def _held(targets: dict[int, Target]) -> str:
     return ", plus that over held steering" if any(t.lateral is not None for t in targets.values()) else ""
 
 
-def _slip(projection: Projection, left_over: list[Poly], targets: dict[int, Target]) -> Expr:
-    """What slides: the forbidden part of the twist, and steered wheels that a limit or a coupling holds back."""
-    forbidden = norm((*projection.residuals, *left_over), projection.weight)
+def _slip(projection: Projection, targets: dict[int, Target], coupled: list[list[Expr]]) -> Expr:
+    """What slides: the forbidden part of the twist, steered wheels held back, and each group of coupled wheels.
+
+    Mean squares [m/s] add up; ``coupled``: per group what its common rate leaves over.
+    """
+    forbidden = norm(projection.residuals, projection.weight)
     held = [t.lateral for t in targets.values() if t.lateral is not None]
-    if not held:
+    means = [
+        times(sympy.Rational(1, len(speeds)), add(*(square(v) for v in speeds)))
+        for speeds in (held, *coupled)
+        if speeds
+    ]
+    if not means:
         return forbidden
-    mean = times(sympy.Rational(1, len(held)), add(*(square(v) for v in held)))
-    return root(mean if forbidden.is_zero else add(square(forbidden), mean))
+    return root(add(*([] if forbidden.is_zero else [square(forbidden)]), *means))
 
 
 def steered_groups(robot: Robot) -> list[list[Wheel]]:
@@ -130,16 +138,16 @@ def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Targe
             result.update({w.index: one for w in members})
         else:
             result.update(steer_group(robot, members, velocities, names))
-    return result
+    return turning_alike(robot, twist, result, names)
 
 
-def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Poly], list[Poly]]:
+def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Poly], list[list[Expr]]]:
     """Steering rates of castors: d rate = -(sliding row . xi) (Siegwart (3.18)).
 
     Castors turned by one motor share the least-squares rate; what their contacts still slide comes second.
     """
     rates: dict[int, Poly] = {}
-    left_over: list[Poly] = []
+    left_over: list[list[Expr]] = []
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.swivels)):
         if len(members) == 1:
             rates[members[0].index] = seen[members[0].index].free_rate
@@ -149,7 +157,7 @@ def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Pol
         total = Poly.sum(d * d for d in offsets).inverse()
         shared = -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)
         rates.update({w.index: shared for w in members})
-        left_over += [s + d * shared for d, s in zip(offsets, slides, strict=True)]
+        left_over.append([expression(s + d * shared) for d, s in zip(offsets, slides, strict=True)])
     return rates, left_over
 
 
@@ -186,6 +194,16 @@ def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
         shared = add(*(_scaled(j.rim, j.radius * total) for j in coupled.values()))
         result.update(dict.fromkeys(coupled, shared))
     return result
+
+
+def turned_unlike(robot: Robot, joints: dict[int, Joints], speeds: dict[int, Expr]) -> list[list[Expr]]:
+    """Rim speeds [m/s] that a common spin leaves to sliding, per group in which a wheel turns (see `project`)."""
+    unlike: list[list[Expr]] = []
+    for members in robot.together("spin", (robot.wheels[i] for i in joints)):
+        coupled = {w.index: joints[w.index] for w in members}
+        if len({(j.rim, j.radius.key) for j in coupled.values()}) > 1 and any(w.turns for w in members):
+            unlike.append([subtract(j.rim, _scaled(speeds[i], j.radius)) for i, j in coupled.items()])
+    return unlike
 
 
 def _scaled(rim: Expr, factor: Poly) -> Expr:

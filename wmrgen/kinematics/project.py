@@ -70,10 +70,10 @@ def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:
 
 
 def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
-    """Rim-speed differences that equal spins cannot follow (unsteered wheels)."""
+    """Rim-speed differences that equal spins cannot follow, of groups in which no wheel turns."""
     found: list[Poly] = []
-    for members in robot.together("spin", (w for w in robot.wheels if w.has_spin and not w.turns)):
-        if len(members) == 1:
+    for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
+        if len(members) == 1 or any(w.turns for w in members):
             continue
         radii = [working_view(w).rolling_radius for w in members]
         rims = [dot(rolling_row(w, working_view(w)).row, twist) for w in members]

@@ -12,7 +12,7 @@ from wmrgen.exact.angles import cos_sin
 from wmrgen.exact.evaluate import fix, number, parameters_in, substituted
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.layout.couplings import common_limits, groups
+from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
 from wmrgen.layout.expressions import PI, to_poly
 from wmrgen.layout.extras import Extras
 from wmrgen.layout.records import Geometry, Interval, Parameter, Robot, Wheel
@@ -54,6 +54,7 @@ def build(spec: RobotSpec) -> Robot:
         gains=extras.gains(),
         functions=tuple(f.name for f in spec.functions),
     )
+    refuse_unmodelled(spec, robot)
     return common_limits(spec, robot)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.spec.records import RobotSpec
 
@@ -22,6 +22,38 @@ def groups(spec: RobotSpec, joint: str) -> tuple[int, ...]:
         members = {leader[names.index(n)] for n in coupling.wheels}
         leader = [min(members) if k in members else k for k in leader]
     return tuple(leader)
+
+
+def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
+    """NotDerivableError for couplings through which the body's motion would depend on steering rates or on castors.
+
+    A steered wheel chooses its angle freely, at a rate of its own; a castor's angle and rate follow from the motion.
+    """
+    for coupling in spec.couplings:
+        wheels = [robot.wheel(name) for name in coupling.wheels]
+        group = robot.steer_group if coupling.joint == "steer" else robot.spin_group
+        every = [w for w in robot.wheels if any(group[w.index] == group[k.index] for k in wheels)]
+        steered = [w for w in every if w.kind.steers]
+        castors = [w for w in every if w.kind.swivels]
+        offset = [w for w in steered if w.nominal.o]
+        joint = coupling.joint
+        if steered and castors:
+            what = (
+                f"{castors[0].name}.{joint} cannot be coupled to {steered[0].name}.{joint}: "
+                f"the swivel angle of the castor {castors[0].name} follows from the motion, "
+                f"the angle of the steered wheel {steered[0].name} is chosen"
+            )
+            raise NotDerivableError(
+                f"{what}\nCouple castors with castors, or write one of the two as the other type.",
+                coupling.mark,
+            )
+        if offset and joint == "spin":
+            raise NotDerivableError(
+                f"{offset[0].name}.spin cannot be coupled: {offset[0].name} is steered and has an offset_y, so that "
+                "it also turns while it is steered, and steering alone would move the robot\n"
+                f"Leave {offset[0].name}.spin out of the coupling, or set its offset_y to 0.",
+                coupling.mark,
+            )
 
 
 def common_limits(spec: RobotSpec, robot: Robot) -> Robot:

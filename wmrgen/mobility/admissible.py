@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.coupled import geared
 from wmrgen.mobility.ranks import null_basis
 from wmrgen.mobility.records import Array
 
@@ -45,29 +46,49 @@ def _pivot(w: Wheel, turned: bool) -> Array:
 
 def quadrics(robot: Robot) -> list[Array]:
     """Symmetric 3x3 forms that vanish on twists allowed by the couplings of steered wheels."""
+    unit = twist_unit(robot)
     forms: list[Array] = []
     for i, leader in enumerate(robot.steer_group):
         a, b = robot.wheels[leader], robot.wheels[i]
         if i != leader and a.kind.steers and b.kind.steers:
             p, q = _pivot(a, True), _pivot(b, True)
             forms.append(np.outer(p[0], q[1]) - np.outer(p[1], q[0]))
-    for i, leader in enumerate(robot.spin_group):
-        a, b = robot.wheels[leader], robot.wheels[i]
-        if i != leader and (a.kind.steers or b.kind.steers) and not (a.nominal.o or b.nominal.o):
-            forms.append(_speed(a) * float(b.nominal.r) ** 2 - _speed(b) * float(a.nominal.r) ** 2)
+    for i, k in geared(robot):
+        a, b = robot.wheels[i], robot.wheels[k]
+        if robot.steer_group[i] == robot.steer_group[k]:
+            # One angle for both: not only the sizes of the velocities are in proportion, seen from the wheels.
+            both = _pivot(a, True) - _pivot(b, True) * float(a.nominal.r / b.nominal.r)
+            forms += [np.outer(row, row) / (row @ row) for row in both if np.abs(row / unit).max() > SMALL]
+        else:
+            ratio = float(a.nominal.rolling_radius / b.nominal.rolling_radius)
+            forms.append((_speed(a) - _speed(b) * ratio**2) / max(1.0, ratio**2))
     forms = [(f + f.T) / 2 for f in forms]
-    return [f for f in forms if np.abs(f).max() > SMALL]
+    return [f for f in forms if np.abs(f / np.outer(unit, unit)).max() > SMALL]
+
+
+def twist_unit(robot: Robot) -> Array:
+    """What a twist is measured in: 1 m/s, 1 m/s, and the yaw rate that moves the farthest pivot at 1 m/s about P."""
+    reach = max(float(np.hypot(float(w.nominal.x), float(w.nominal.y))) for w in robot.wheels)
+    return np.array([1.0, 1.0, reach or 1.0])
 
 
 def _speed(w: Wheel) -> Array:
     """The form of the squared rim speed."""
     p = _pivot(w, True)
-    return p.T @ p if w.kind.steers else np.outer(p[0], p[0])
+    if w.kind.steers:
+        return p.T @ p
+    along = float(w.nominal.cg) * p[0] + float(w.nominal.sg) * p[1]
+    return np.outer(along, along)
 
 
-def components(constant_null: Array, forms: list[Array]) -> list[Component]:
-    """Components of {xi in span(rows of constant_null): every form vanishes}."""
+def components(constant_null: Array, forms: list[Array], unit: Array | None = None) -> list[Component]:
+    """Components of {xi in span(rows of constant_null): every form vanishes}. ``unit``: see `twist_unit`."""
     size = len(constant_null)
+    if not size:
+        return []
+    if forms and unit is not None:  # The same whatever the unit of length.
+        constant_null = np.eye(3) / unit if size == 3 else constant_null
+        constant_null = constant_null / np.linalg.norm(constant_null * unit, axis=1)[:, None]
     reduced = [constant_null @ f @ constant_null.T for f in forms]
     reduced = [f for f in reduced if np.abs(f).max() > SMALL]
 
@@ -77,7 +98,7 @@ def components(constant_null: Array, forms: list[Array]) -> list[Component]:
         return Component(len(rows), rows, weights @ rows, True, rows)
 
     if not reduced:
-        return [linear(np.eye(size))] if size else []
+        return [linear(np.eye(size))]
     if size == 2:
         return [linear(v[None, :]) for v in _binary_roots(reduced)]
     if size == 3:

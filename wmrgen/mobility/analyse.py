@@ -12,6 +12,7 @@ from wmrgen.constraints import (
     View,
     constrain,
     nominal_view,
+    rolling_row,
     sliding_row,
     symbolic_view,
     working_view,
@@ -21,11 +22,11 @@ from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.actuation import actuation
 from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1
-from wmrgen.mobility.coupled import constant_rows, steered_sets
+from wmrgen.mobility.coupled import constant_rows, geared
 from wmrgen.mobility.findings import Findings
 from wmrgen.mobility.freedom import closure, growth_vector
 from wmrgen.mobility.nullspace import null_columns
-from wmrgen.mobility.ranks import decide, independent, null_basis, singular_values, to_array, unit_rows
+from wmrgen.mobility.ranks import decide, independent, null_basis, singular_values, unit_rows
 from wmrgen.mobility.reasons import reasons
 from wmrgen.mobility.records import Admissible, Array, Mobility, Rank
 from wmrgen.mobility.singular import singularities
@@ -42,10 +43,16 @@ class _Basis:
     sources: tuple[int | None, ...]  # constant rows: the fixed wheel, or None for a coupling
     coupled: tuple[Row, ...]  # the rows of the None sources, in order
     steered: tuple[int, ...]
+    spins: tuple[tuple[int, int], ...]  # pairs of wheels with equal spins
 
     def leaders(self, robot: Robot) -> tuple[str, ...]:
         """The wheels whose joint angles the rows depend on, each coupled set once."""
-        return tuple(dict.fromkeys(robot.wheels[robot.steer_group[i]].name for i in self.steered))
+        return tuple(dict.fromkeys(robot.wheels[robot.steer_group[i]].name for i in self.turning(robot)))
+
+    def turning(self, robot: Robot) -> tuple[int, ...]:
+        """The steered wheels that give a row."""
+        by_spin = (i for pair in self.spins for i in pair if robot.wheels[i].kind.steers)
+        return tuple(dict.fromkeys((*self.steered, *by_spin)))
 
     def rows(self, robot: Robot, view: View) -> tuple[Row, ...]:
         """The rows in one view of the geometry."""
@@ -54,26 +61,27 @@ class _Basis:
             next(spare) if i is None else sliding_row(robot.wheels[i], view(robot.wheels[i])).row
             for i in self.sources
         ]
-        found += [_led(robot, robot.wheels[i], view) for i in self.steered]
+        found += [_led(robot, sliding_row(robot.wheels[i], view(robot.wheels[i])).row) for i in self.steered]
+        found += [_led(robot, _equal_spins(robot.wheels[i], robot.wheels[k], view)) for i, k in self.spins]
         return tuple(found)
 
 
 def analyse(robot: Robot) -> Mobility:
     """Degrees, ranks, reachable dimensions and the reasons for them."""
     c = constrain(robot, nominal_view)
-    constant = constant_rows(c, steered_sets(robot))
+    constant = constant_rows(c)
     picked, numbers = admissible(c, [row for row, _ in constant])
     rank, at = rank_C1(robot, numbers, picked)
     mobility = 3 - rank.value
     steerability = max(picked.dimension - mobility, 0) if mobility else 0
     basis = _basis(robot, constant, picked, at, rank)
     rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_fixed]))
-    dof = closure(_all_twists(c, [row for row, _ in constant], picked))
+    dof = closure(_all_twists(c, [row for row, _ in constant], picked)) if mobility else 0
     now = null_basis(unit_rows(at)) if mobility else np.zeros((0, 3))
     growth = growth_vector(now, picked.tangent, steerability)
     degenerate = (mobility, steerability) not in CAMPION
     found = Findings(
-        robot, c, picked, rank_fixed, rank, mobility, steerability, basis.steered, at, degenerate
+        robot, c, picked, rank_fixed, rank, mobility, steerability, basis.turning(robot), at, degenerate
     )
     symbolic = null_columns(basis.rows(robot, symbolic_view)) if mobility else ()
     columns = tuple(_fixed(column, robot) for column in symbolic)
@@ -102,7 +110,8 @@ def _basis(
         values = [p.constant for p in picked.normal]
         head = np.vstack([head, [[float(v) if v is not None else 0.0 for v in values]]])
     steered = [w.index for w in robot.wheels if w.kind.steers]
-    rows = unit_rows(np.vstack([head, at[len(picked.chosen) : len(picked.chosen) + len(steered)]]))
+    pairs = geared(robot)
+    rows = unit_rows(np.vstack([head, at[len(picked.chosen) :]]))
     chosen = _chosen(robot, rows, len(head), steered, rank.value)
     keep = [i for i in chosen if i < len(head)]
     if len(keep) < len(head):
@@ -112,8 +121,12 @@ def _basis(
             if i in keep
         ]
         sources = [sources[i] for i in keep]
+    free = [i - len(head) for i in chosen if i >= len(head)]
     return _Basis(
-        tuple(sources), tuple(coupled), tuple(steered[i - len(head)] for i in chosen if i >= len(head))
+        tuple(sources),
+        tuple(coupled),
+        tuple(steered[i] for i in free if i < len(steered)),
+        tuple(pairs[i - len(steered)] for i in free if i >= len(steered)),
     )
 
 
@@ -125,6 +138,7 @@ def _fixed(column: Row, robot: Robot) -> Row:
 def _chosen(robot: Robot, rows: Array, head: int, steered: list[int], rank: int) -> list[int]:
     """Rows that span: all independent constant ones, and the steered wheels that stay independent longest.
 
+    Rows of equal spins (those after the steered wheels) come where the steered wheels do not suffice.
     Of several choices the one is taken whose axles differ most with every wheel at its zero angle, then with
     every wheel turned by 90 degrees: the posture model is singular where they fall into one line.
     """
@@ -132,7 +146,7 @@ def _chosen(robot: Robot, rows: Array, head: int, steered: list[int], rank: int)
         return []
     constant = independent(rows[:head], min(rank, head)) if head else []
     wanted = rank - len(constant)
-    candidates = range(head, min(len(rows), head + MOST_CANDIDATES))
+    candidates = range(head, head + min(len(steered), MOST_CANDIDATES))
     best: tuple[tuple[float, float], list[int]] | None = None
     for group in combinations(candidates, wanted):
         picked = [*constant, *group]
@@ -156,19 +170,29 @@ def _apart(constant: Array, wheels: list[Wheel], turned: bool) -> float:
     return singular_values(np.array(rows).reshape(-1, 3))[-1] if rows else 0.0
 
 
-def _led(robot: Robot, w: Wheel, view: View) -> Row:
-    """The sliding row of a steered wheel, in the joint angle of the wheel that its coupling follows."""
-    lead = robot.wheels[robot.steer_group[w.index]].name
+def _equal_spins(a: Wheel, b: Wheel, view: View) -> Row:
+    """r_b e_a - r_a e_b: the rolling rows of two wheels that turn alike."""
+    p, q = view(a), view(b)
+    x, y, k = (
+        u * q.rolling_radius - v * p.rolling_radius
+        for u, v in zip(rolling_row(a, p).row, rolling_row(b, q).row, strict=True)
+    )
+    return x, y, k
+
+
+def _led(robot: Robot, row: Row) -> Row:
+    """A row of steered wheels in the joint angles of the wheels that their couplings follow."""
 
     def value(gen: Gen) -> Poly | None:
-        return Poly.gen(gen.kind, lead) if gen.kind in ("cos", "sin") else None
+        if gen.kind not in ("cos", "sin"):
+            return None
+        return Poly.gen(gen.kind, robot.wheels[robot.steer_group[robot.wheel(gen.name).index]].name)
 
-    row = sliding_row(w, view(w)).row
     return row[0].substitute(value), row[1].substitute(value), row[2].substitute(value)
 
 
 def _all_twists(c: Constraints, rows: list[Row], picked: Admissible) -> Array:
     """A spanning set of every admissible twist, over castor angles where those matter."""
     if any(g.kind in ("cos", "sin") for row in rows for p in row for g in p.generators):
-        return np.vstack([null_basis(unit_rows(to_array(fixed_numbers(c, rows, seed)))) for seed in range(3)])
+        return np.vstack([admissible(c, rows, seed)[0].basis for seed in range(3)])
     return picked.basis

@@ -16,8 +16,9 @@ from wmrgen.exact.linalg import null_space
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.admissible import Component, components, quadrics
-from wmrgen.mobility.coupled import steered_sets
+from wmrgen.mobility.admissible import Component, components, quadrics, twist_unit
+from wmrgen.mobility.coupled import coupled_steering, geared
+from wmrgen.mobility.freedom import closure
 from wmrgen.mobility.ranks import decide, independent, null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Admissible, Array, Rank
 
@@ -49,14 +50,14 @@ def fixed_numbers(c: Constraints, rows: list[Row], seed: int = 0) -> list[ExactR
     return numbers
 
 
-def admissible(c: Constraints, rows: list[Row]) -> tuple[Admissible, list[ExactRow]]:
-    """The admissible cone of the layout and its constant rows. ``c``, ``rows``: nominal."""
+def admissible(c: Constraints, rows: list[Row], seed: int = 0) -> tuple[Admissible, list[ExactRow]]:
+    """The admissible cone of the layout and its constant rows. ``c``, ``rows``: nominal; ``seed``: castors' angles."""
     robot = c.robot
-    numbers = fixed_numbers(c, rows)
+    numbers = fixed_numbers(c, rows, seed)
     array = unit_rows(to_array(numbers))
     value, _ = numeric_rank(array)
     chosen = independent(array, value)
-    found = components(null_basis(array[chosen]), quadrics(robot))
+    found = components(null_basis(array[chosen]), quadrics(robot), twist_unit(robot))
     best = _freest(robot, array[chosen], found)
     normal = _normal(best, array[chosen])
     picked = Admissible(
@@ -67,13 +68,13 @@ def admissible(c: Constraints, rows: list[Row]) -> tuple[Admissible, list[ExactR
 
 
 def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
-    """The component with most freedom of steering; none at all when no twist is admissible."""
+    """The component with most freedom of steering, then of motion; none at all when no twist is admissible."""
     empty = Component(0, np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
-    best, score = empty, (-1, -1)
+    best, score = empty, (-1, 0, 0)
     for component in found:
         mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant)))[0]
-        new = (component.dimension - mobility, mobility)
-        if new > score:
+        new = (component.dimension - mobility, mobility, closure(component.basis))
+        if mobility and new > score:
             best, score = component, new
     return best
 
@@ -105,32 +106,49 @@ def steering_for(w: Wheel, twist: Array) -> tuple[float, float]:
 
 def rows_at(robot: Robot, twist: Array, constant: Array) -> Array:
     """All rows on xi at the steering that ``twist`` asks for, couplings eliminated: (N, 3)."""
-    free = steered_sets(robot)
     rows = [constant]
-    for w in robot.wheels:
-        if w.kind.steers:
-            c, s = steering_for(w, twist)
-            x, y = float(w.nominal.x), float(w.nominal.y)
-            rows.append(np.array([[-s, c, x * c + y * s]]))
-    rows.append(_coupled_spins(robot, twist, free))
+    headings = steering(robot, twist)
+    for i, (c, s) in headings.items():
+        x, y = float(robot.wheels[i].nominal.x), float(robot.wheels[i].nominal.y)
+        rows.append(np.array([[-s, c, x * c + y * s]]))
+    rows += [(_speed(robot, i, headings) - _speed(robot, k, headings))[None, :] for i, k in geared(robot)]
     return np.vstack(rows)
 
 
-def _coupled_spins(robot: Robot, twist: Array, free: frozenset[int]) -> Array:
-    """Rows that equal spins among steered wheels impose at the steering that ``twist`` asks for."""
-    rows = []
-    for i, leader in enumerate(robot.spin_group):
-        pair = (robot.wheels[leader], robot.wheels[i])
-        if i == leader or i not in free or any(w.nominal.o for w in pair):
-            continue
-        speeds = []
-        for w in pair:
-            c, s = steering_for(w, twist) if w.kind.steers else (float(w.nominal.ch), float(w.nominal.sh))
-            x, y, r = float(w.nominal.x), float(w.nominal.y), float(w.nominal.r)
-            speeds.append(np.array([c, s, x * s - y * c]) / r)
-        sign = 1.0 if speeds[0] @ twist * (speeds[1] @ twist) >= 0 else -1.0
-        rows.append(speeds[0] - sign * speeds[1])
-    return np.array(rows).reshape(-1, 3)
+def steering(robot: Robot, twist: Array) -> dict[int, tuple[float, float]]:
+    """(cos, sin) of the headings of all steered wheels that let them roll under ``twist``, coupled ones together.
+
+    Wheels that turn alike roll the same way round.
+    """
+    groups = robot.together("steer", (w for w in robot.wheels if w.kind.steers))
+    headings: dict[int, tuple[float, float]] = {}
+    for members in groups:
+        fastest = max(members, key=lambda w: float(np.hypot(*pivot_velocity(w, twist))))
+        joint = complex(*steering_for(fastest, twist)) / _zero(fastest)
+        for w in members:
+            turned = joint * _zero(w) if w is not fastest else complex(*steering_for(fastest, twist))
+            headings[w.index] = (turned.real, turned.imag)
+    for i, k in geared(robot):
+        if _speed(robot, i, headings) @ twist * (_speed(robot, k, headings) @ twist) < 0:
+            for w in next(members for members in groups if robot.wheels[k] in members):
+                c, s = headings[w.index]
+                headings[w.index] = (-c, -s)
+    return dict(sorted(headings.items()))
+
+
+def _zero(w: Wheel) -> complex:
+    """The heading at joint angle zero, as a point of the unit circle."""
+    return complex(float(w.nominal.ch), float(w.nominal.sh))
+
+
+def _speed(robot: Robot, i: int, headings: dict[int, tuple[float, float]]) -> Array:
+    """The row that gives the spin [rad/s] of a twist; ``headings``: of steered wheels."""
+    g = robot.wheels[i].nominal
+    along = (
+        complex(*headings[i]) if i in headings else _zero(robot.wheels[i]) * complex(float(g.cg), float(g.sg))
+    )
+    c, s, x, y = along.real, along.imag, float(g.x), float(g.y)
+    return np.array([c, s, x * s - y * c]) / float(g.rolling_radius)
 
 
 def rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[Rank, Array]:
@@ -139,8 +157,7 @@ def rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[
     value, singular = numeric_rank(unit_rows(at))
     if not picked.dimension:
         value = 3
-    coupled = bool(steered_sets(robot))
-    exact = None if coupled else _exact_rank(robot, numbers)
+    exact = None if coupled_steering(robot) else _exact_rank(robot, numbers)
     return Rank(value, exact, singular), at
 
 

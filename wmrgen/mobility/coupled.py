@@ -17,11 +17,11 @@ from wmrgen.layout.records import Robot
 
 
 def coupled_sets(robot: Robot) -> list[frozenset[int]]:
-    """Connected sets of wheels that share a coupled joint, each of two wheels or more."""
+    """Connected sets of wheels that share a coupled joint, each of two wheels or more; steered wheels left out."""
     sets: list[set[int]] = []
     for group in (robot.spin_group, robot.steer_group):
         for leader in dict.fromkeys(group):
-            members = {i for i, g in enumerate(group) if g == leader}
+            members = {i for i, g in enumerate(group) if g == leader and not robot.wheels[i].kind.steers}
             if len(members) < 2:
                 continue
             touching = [s for s in sets if s & members]
@@ -58,15 +58,14 @@ def eliminate(robot: Robot, rows: Sequence[ConstraintRow]) -> list[Row]:
     return [row for row in combined if any(row)]
 
 
-def constant_rows(c: Constraints, has_steered: frozenset[int]) -> list[tuple[Row, int | None]]:
+def constant_rows(c: Constraints) -> list[tuple[Row, int | None]]:
     """Rows on xi that do not depend on a steered wheel, each with the fixed wheel it comes from.
 
     The wheel is None for a combination that a coupling produced. A castor's angle may remain in a row (two
-    castors turned by one motor). ``has_steered``: wheels whose coupled set contains a steered wheel; their
-    couplings are treated with the steering.
+    castors turned by one motor). Couplings with steered wheels are treated with the steering.
     """
     rows: list[tuple[Row, int | None]] = []
-    sets = [s for s in coupled_sets(c.robot) if not s & has_steered]
+    sets = coupled_sets(c.robot)
     inside = frozenset[int]().union(*sets)
     for s in sets:
         members = [r for r in (*c.rolling, *c.sliding) if r.wheel.index in s]
@@ -77,7 +76,23 @@ def constant_rows(c: Constraints, has_steered: frozenset[int]) -> list[tuple[Row
     return [(row, wheel) for row, wheel in rows if any(row)]
 
 
-def steered_sets(robot: Robot) -> frozenset[int]:
-    """Wheels that are coupled, directly or through others, to a steered wheel."""
-    sets = [s for s in coupled_sets(robot) if any(robot.wheels[i].kind.steers for i in s)]
-    return frozenset[int]().union(*sets)
+def geared(robot: Robot) -> list[tuple[int, int]]:
+    """Pairs of wheels with equal spins, of which the second steers; each wheel of a group once, after the first.
+
+    The first of a pair does not steer where the group has such a wheel. Wheels that steer together follow the first
+    of them.
+    """
+    pairs: list[tuple[int, int]] = []
+    for members in robot.together("spin", robot.wheels):
+        first = min(members, key=lambda w: (w.kind.steers, w.index))
+        for unit in robot.together("steer", (w for w in members if w.kind.steers)):
+            if unit[0] is not first:
+                pairs.append((first.index, unit[0].index))
+            pairs += [(unit[0].index, w.index) for w in unit[1:]]
+    return pairs
+
+
+def coupled_steering(robot: Robot) -> bool:
+    """Whether the steering of wheels is tied to other joints."""
+    steered = [w.index for w in robot.wheels if w.kind.steers]
+    return len({robot.steer_group[i] for i in steered}) < len(steered) or bool(geared(robot))

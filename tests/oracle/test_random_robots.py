@@ -1,0 +1,59 @@
+"""Six hundred random robots against the oracle in exact arithmetic, CasADi and NumPy; C for a sample.
+
+A robot with couplings that have no model must be refused in words, and no other one may be.
+"""
+
+from __future__ import annotations
+
+import random
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.laws.common import command_line
+from tests.oracle.agreement import check_forward, check_inverse, refused
+from tests.oracle.compare import case_of, compare, degrees
+from tests.oracle.draw import KINDS, robot
+from tests.oracle.harness import Model, robot_text
+from wmrgen.errors import NotDerivableError
+
+PLAIN, COUPLED = 440, 20  # robots without couplings, and of each kind of coupling
+
+
+def drawn(everyday_plain: int, everyday_coupled: int, step: int = 1) -> list[object]:
+    """(kind, seed), the first of each kind every day."""
+    found: list[object] = []
+    for kind in KINDS:
+        count, few = (PLAIN, everyday_plain) if kind == "none" else (COUPLED, everyday_coupled)
+        for seed in range(0, count, step):
+            marks = [] if seed < few * step else [pytest.mark.slow]
+            found.append(pytest.param(kind, seed, marks=marks, id=f"{kind.replace(' ', '_')}_{seed}"))
+    return found
+
+
+@pytest.mark.parametrize(("kind", "seed"), drawn(14, 2))
+def test_a_random_robot(kind: str, seed: int, tmp_path: Path) -> None:
+    layout = robot(seed, kind)
+    if refused(layout):
+        with pytest.raises(NotDerivableError, match="cannot be coupled"):
+            Model.of(robot_text(layout), tmp_path)
+        return
+    compare(layout, Model.of(robot_text(layout), tmp_path), seed)
+
+
+@pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")
+@pytest.mark.parametrize(("kind", "seed"), drawn(0, 0, step=10))
+def test_a_random_robot_in_c(kind: str, seed: int, tmp_path: Path) -> None:
+    """The C in float, through the command line; twists of ordinary size."""
+    layout = robot(seed, kind)
+    if refused(layout):
+        return
+    model = Model.of(robot_text(layout), tmp_path)
+    free, rng = degrees(layout), random.Random(seed)
+    cases = [case_of(layout, model, "inverse", rng, odd=k == 3) for k in range(4)]
+    for case, found in zip(cases, command_line(model.path, "inverse", cases, "c", tmp_path), strict=True):
+        check_inverse(layout, free, case, found, 2e-4)
+    sensed = [case_of(layout, model, "forward", rng, odd=False) for _ in range(3)]
+    for case, found in zip(sensed, command_line(model.path, "forward", sensed, "c", tmp_path), strict=True):
+        check_forward(layout, case, found, 1e-4)

@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -155,7 +155,16 @@ def _until(ready: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
+@pytest.fixture
+def heeded() -> Iterator[None]:
+    """A shell lets what it starts in the background ignore SIGINT, and children inherit that."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @LINUX
+@pytest.mark.usefixtures("heeded")
 @pytest.mark.parametrize("name", SIGNALS)
 def test_a_signal_stops_the_compiler_and_what_it_started(robot_file: Path, tmp_path: Path, name: str) -> None:
     compiler, temporary = tmp_path / "slow-cc", tmp_path / "tmp"
@@ -180,6 +189,7 @@ def test_a_signal_stops_the_compiler_and_what_it_started(robot_file: Path, tmp_p
 
 
 @POSIX
+@pytest.mark.usefixtures("heeded")
 @pytest.mark.parametrize("name", SIGNALS)
 def test_a_signal_leaves_nothing_staged(robot_file: Path, tmp_path: Path, name: str) -> None:
     out = tmp_path / "out"

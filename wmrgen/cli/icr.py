@@ -55,12 +55,7 @@ def _centre(values: Mapping[str, float]) -> dict[str, Any]:
         return {"icr": [x / w, y / w], "radius": values["radius"], "curvature": values["curvature"]}
     if hypot(x, y) <= 0:
         return {"icr": "none: standstill"}
-    return {
-        "icr": "at infinity",
-        "direction": atan2(y, x),
-        "travel": atan2(-x + 0.0, y),
-        "curvature": 0.0,
-    }
+    return {"icr": "at infinity", "direction": atan2(y, x), "travel": atan2(-x + 0.0, y), "curvature": 0.0}
 
 
 def _floats(values: Mapping[str, Exact]) -> dict[str, float]:
@@ -93,8 +88,8 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     slip = float(derivation.evaluate("inverse", turned | {"vx": y, "vy": -x, "omega": w})["slip"])
     if slip > _TOLERANCE * max(1.0, float(abs(x)), float(abs(y)), float(abs(w))):
         console.note(
-            f"{derivation.robot.name}: the axles cannot meet there, because the fixed wheels keep theirs; the angles "
-            "are those of the nearest motion"
+            f"{derivation.robot.name}: the axles cannot meet there, because the fixed wheels keep theirs; the "
+            "angles are those of the nearest motion"
         )
     return _floats(found)
 

@@ -51,6 +51,6 @@ def _refuse_impossible(case: dict[str, Exact], angle: str) -> None:
     if not 0 < turn <= 90 + 1e-9:
         hint = f" A bare number is in radians: write {angle}deg." if angle.strip()[-1:].isdigit() else ""
         raise UsageError(
-            f"a roller angle of {turn:.6g} deg is impossible: from the hub axis to the roller axis there are "
-            f"more than 0 and at most 90 deg (90 deg is an omni wheel).{hint}"
+            f"a roller angle of {turn:.6g} deg is impossible: from the hub axis to the roller axis there are more "
+            f"than 0 and at most 90 deg (90 deg is an omni wheel).{hint}"
         )

@@ -35,9 +35,8 @@ def analysis(s: Subject) -> list[str]:
         "lr",
     )
     lines += [
-        f"Rows are scaled to m/s. A singular value counts when it exceeds {TOLERANCE:g} of the "
-        "largest; the margin says how "
-        "many times over the smallest of those does.",
+        f"Rows are scaled to m/s. A singular value counts when it exceeds {TOLERANCE:g} of the largest; the margin "
+        "says how many times over the smallest of those does.",
         *_degrees(m),
         *_remark(s),
         *_generic(s),
@@ -83,15 +82,13 @@ def _remark(s: Subject) -> list[str]:
         return []
     if _plain_steering(s.mobility):
         return [
-            "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in "
-            "one point must not be "
-            "counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts.",
+            "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in one point "
+            "must not be counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts.",
             "",
         ]
     return [
-        "The couplings cut the set of admissible twists; its dimension is what steering and driving "
-        "share between them, "
-        "and takes the place of rank C<sub>1s</sub> in (3.41).",
+        "The couplings cut the set of admissible twists; its dimension is what steering and driving share between "
+        "them, and takes the place of rank C<sub>1s</sub> in (3.41).",
         "",
     ]
 
@@ -112,8 +109,8 @@ def _generic(s: Subject) -> list[str]:
         other, here = (decide(r).value for r in (_numbers(letters, values), _numbers(numbers, {})))
         if other != here:
             lines += [
-                f"The rank of {name} is {here} for the values given, but {other} for parameters in general: "
-                "two lengths happen to be equal.",
+                f"The rank of {name} is {here} for the values given, but {other} for parameters in general: two "
+                "lengths happen to be equal.",
                 "",
             ]
     return lines

@@ -1,5 +1,4 @@
-"""Formulas of the program (sympy) as LaTeX: sums of products over named quantities, roots and "
-"absolute values."""
+"""Formulas of the program (sympy) as sums of terms: products over named quantities, roots and absolute values."""
 
 from __future__ import annotations
 

@@ -36,9 +36,8 @@ def forward(s: Subject) -> list[str]:
 
 def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
     lines = [
-        "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all "
-        "known is one measurement, "
-        "in m/s, with equal weight. Passive castors and balls say nothing.",
+        "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all known is one "
+        "measurement, in m/s, with equal weight. Passive castors and balls say nothing.",
         "",
     ]
     if contacts:
@@ -48,9 +47,8 @@ def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
         moving = any(c.wheel.nominal.d or c.wheel.nominal.o for c in contacts)
         speed = "v + ω ẑ × B = " + ("(r φ̇ + o ψ̇) e − d ψ̇ n" if moving else "r φ̇ e")
         lines.append(
-            f"* Both rows are known of {wheels}. Turned into the robot's axes they say how fast the "
-            "contact point B moves: "
-            f"{speed}, with e the rolling direction" + (" and n = ẑ × e." if moving else ".")
+            f"* Both rows are known of {wheels}. Turned into the robot's axes they say how fast the contact point "
+            f"B moves: {speed}, with e the rolling direction" + (" and n = ẑ × e." if moving else ".")
         )
     for kind, words in (("rolling", "the rolling row"), ("sliding", "the sliding row")):
         found = [c for c in components if c.wheel.kind.sliding_row == (kind == "sliding")]
@@ -122,9 +120,8 @@ def _condition(rows: list[tuple[Row, Poly]]) -> list[str]:
 def _why(pairs: bool, turns: bool) -> str:
     if pairs and turns:
         return (
-            "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of "
-            "HᵀH: the matrix is "
-            "constant whatever the steering does."
+            "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the "
+            "matrix is constant whatever the steering does."
         )
     return "The matrix does not depend on any joint angle."
 
@@ -160,9 +157,8 @@ def _residual(slip: object, known: dict[str, str]) -> list[str]:
         return ["The rates can never contradict each other, so the residual `slip` is 0.", ""]
     text = "".join(pieces(found)).removeprefix("+")
     lines = [
-        "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed "
-        "wires: `slip` is the "
-        "norm of z − H ξ [m/s]."
+        "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
+        "the norm of z − H ξ [m/s]."
     ]
     return lines + (math(rf"\mathrm{{slip}} = {text}") if len(text) < 420 else [""])
 
@@ -189,19 +185,17 @@ def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
         ]
     return [
         *lines,
-        "The rigid motion nearest to them is found as if by hand: take the means away, fit the "
-        "rotation to what is left, "
-        "then the translation to the means.",
+        "The rigid motion nearest to them is found as if by hand: take the means away, fit the rotation to what "
+        "is left, then the translation to the means.",
         *aligned([
             r"\bar{B} &= \frac{1}{n}\sum_i B_i, \qquad \bar{w} = \frac{1}{n}\sum_i w_i",
             r"\omega &= \frac{\sum_i (B_i-\bar{B})\times(w_i-\bar{w})}{\sum_i |B_i-\bar{B}|^2}",
             r"v &= \bar{w} - \omega\,\hat{z}\times\bar{B}",
         ]),
-        "This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here "
-        f"n = {len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is "
-        f"all that is left for run time; {_divisor(s)} The residual `slip`, the norm of all w<sub>i</sub> − v "
-        "− ω ẑ × B<sub>i</sub> [m/s], "
-        "is a signal for slip, a dead encoder or crossed wires.",
+        "This needs two contact points apart from each other, H of rank 3 (Kelly Box 4.2). Here n = "
+        f"{len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is all that is left for "
+        f"run time; {_divisor(s)} The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> "
+        "[m/s], is a signal for slip, a dead encoder or crossed wires.",
         "",
     ]  # fmt: skip
 
@@ -211,9 +205,9 @@ def _divisor(s: Subject) -> str:
     if spread(measurements(s.robot)[0]) is None:
         return "its denominator is kept above 10⁻¹² m²."
     return (
-        "its denominator cannot vanish, for the pivots stand far enough apart. The code has both sums multiplied out, "
-        "with the pivots measured from their mean: B<sub>i</sub> × w<sub>i</sub> and |B<sub>i</sub>|² then lose their "
-        "products of sines."
+        "its denominator cannot vanish, for the pivots stand far enough apart. The code has both sums multiplied "
+        "out, with the pivots measured from their mean: B<sub>i</sub> × w<sub>i</sub> and |B<sub>i</sub>|² then "
+        "lose their products of sines."
     )
 
 
@@ -253,9 +247,9 @@ def _solution(rank: int, may_fall: bool) -> list[str]:
         ]
     return [
         *lines,
-        "This needs H of full column rank 3 (Tzafestas (2.8a)). "
-        "Where the rows leave a direction unseen, det(HᵀH) vanishes (a singular value under a thousandth of the "
-        "largest counts as none). There the smallest twist is taken, by the Moore-Penrose inverse",
+        "This needs H of full column rank 3 (Tzafestas (2.8a)). Where the rows leave a direction unseen, det(HᵀH) "
+        "vanishes (a singular value under a thousandth of the largest counts as none). There the smallest twist "
+        "is taken, by the Moore-Penrose inverse",
         *math(_RANK_2 + r",\qquad " + _INVARIANTS),
         "and Hᵀz / c₁ where a second direction is lost.",
         "",
@@ -273,7 +267,6 @@ def _general(s: Subject, contacts: list[Contact], components: list[Component]) -
     ]
     return [
         *lines,
-        "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or "
-        "crossed wires.",
+        "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
         "",
     ]

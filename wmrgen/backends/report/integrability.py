@@ -20,15 +20,15 @@ def integrability(s: Subject) -> list[str]:
     return [
         "Integrability:",
         "",
-        f"The sliding row of {who} is c(q) q̇ = 0 in the coordinates q = (x, y, θ) of the world{held}, "
-        "with h the wheel's heading and k the third entry of its row. Frobenius asks for c · curl c:",
+        f"The sliding row of {who} is c(q) q̇ = 0 in the coordinates q = (x, y, θ) of the world{held}, with h the "
+        "wheel's heading and k the third entry of its row. Frobenius asks for c · curl c:",
         *aligned([
             r"c &= \begin{bmatrix} -\sin(\theta+h) & \cos(\theta+h) & k \end{bmatrix}",
             r"\mathrm{curl}\,c &= \begin{bmatrix} \sin(\theta+h) & -\cos(\theta+h) & 0 \end{bmatrix}",
             rf"c\cdot\mathrm{{curl}}\,c &= -\sin^2(\theta+h) - \cos^2(\theta+h) = {value}",
         ]),
-        "It is not zero, so none of these equations alone is the derivative of a condition on the pose "
-        "(Tzafestas (2.25)). " + _together(s),
+        "It is not zero, so none of these equations alone is the derivative of a condition on the pose (Tzafestas "
+        "(2.25)). " + _together(s),
         "",
     ]  # fmt: skip
 
@@ -45,7 +45,7 @@ def _together(s: Subject) -> str:
         return "Together they forbid all motion."
     if m.holonomic:
         return (
-            f"Together they can be integrated all the same: the brackets of the motions left over give nothing new, "
-            f"DOF = DDOF = {m.dof}."
+            "Together they can be integrated all the same: the brackets of the motions left over give nothing "
+            f"new, DOF = DDOF = {m.dof}."
         )
     return f"Nor can they together: brackets of the motions left over reach {m.dof} dimensions, DDOF is {m.ddof}."

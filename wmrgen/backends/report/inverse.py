@@ -87,8 +87,7 @@ def _projection(projection: Projection) -> list[str]:
         if p != q
     ]
     return [
-        "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the "
-        "rest is driven:",
+        "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
         *aligned(changed),
     ]
 
@@ -99,18 +98,17 @@ def _coupled(s: Subject, twist: Row) -> list[str]:
     for joint, members in s.robot.couplings:
         if joint == "spin":
             lines += [
-                f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / "
-                "Σ r² of the single "
-                "solutions above.",
+                f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / Σ r² of the "
+                "single solutions above.",
                 "",
             ]
         elif alike([s.letters.wheel(n) for n in members], twist):
             same.append(listed(members))
         else:
             lines += [
-                f"{listed(members)} share one angle that need not suit all: the one that leaves least "
-                "sliding turns by "
-                "half of atan2(Σ 2 u w, Σ (u² − w²)), the sums over the wheels seen from the first of them.",
+                f"{listed(members)} share one angle that need not suit all: the one that leaves least sliding "
+                "turns by half of atan2(Σ 2 u w, Σ (u² − w²)), the sums over the wheels seen from the first of "
+                "them.",
                 "",
             ]
     if same:

@@ -25,9 +25,8 @@ def matrices(s: Subject) -> list[str]:
     lines = [
         "## 3 The matrices",
         "",
-        "The rolling equations stacked are J₁ ξ = J₂ φ̇ (3.24), the sliding equations of fixed and "
-        "steered wheels are "
-        "C₁ ξ = 0 with C<sub>1f</sub> above C<sub>1s</sub> (3.26). Rows follow the order of the layout table.",
+        "The rolling equations stacked are J₁ ξ = J₂ φ̇ (3.24), the sliding equations of fixed and steered wheels "
+        "are C₁ ξ = 0 with C<sub>1f</sub> above C<sub>1s</sub> (3.26). Rows follow the order of the layout table.",
         "",
     ]
     if c.rolling:
@@ -77,9 +76,8 @@ def _pfaffian(s: Subject) -> list[str]:
         return []
     ports = [f"{s.robot.wheels[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in joints]
     lines = [
-        "With every joint rate in one vector the same equations are the Pfaffian form A(q) q̇ = 0, "
-        "the starting point "
-        "of any test of integrability.",
+        "With every joint rate in one vector the same equations are the Pfaffian form A(q) q̇ = 0, the starting "
+        "point of any test of integrability.",
         "",
     ]
     if 3 + len(joints) > _PFAFFIAN:

@@ -19,9 +19,8 @@ def motion(s: Subject) -> list[str]:
 def _odometry() -> list[str]:
     switch = rf"\frac{{{SWITCH.numerator}}}{{{SWITCH.denominator}}}"
     return [
-        "A constant twist moves P along an arc. Its chord points along the heading half-way through, "
-        "and is shorter than the "
-        "arc by sin h / h. With h = ω Δt / 2 the pose after Δt is exactly",
+        "A constant twist moves P along an arc. Its chord points along the heading half-way through, and is "
+        "shorter than the arc by sin h / h. With h = ω Δt / 2 the pose after Δt is exactly",
         *aligned([
             r"x' &= x + \Delta t\,\mathrm{sinc}(h)\left(v_x\cos(\theta+h) - v_y\sin(\theta+h)\right)",
             r"y' &= y + \Delta t\,\mathrm{sinc}(h)\left(v_x\sin(\theta+h) + v_y\cos(\theta+h)\right)",
@@ -47,8 +46,8 @@ def _posture(s: Subject) -> list[str]:
     body = [sum((c[i] * e for c, e in zip(columns, etas, strict=True)), Poly({})) for i in range(3)]
     steering = s.mobility.basis_wheels
     lines = [
-        "The continuous model that a predictive controller integrates takes the coordinates η of the "
-        "twist in the null space"
+        "The continuous model that a predictive controller integrates takes the coordinates η of the twist in the "
+        "null space"
         + (" and the steering rates" if steering else "")
         + " as inputs:",
         *math(r"\frac{d}{dt}\begin{bmatrix} x \\ y \\ \theta \end{bmatrix} = R(\theta)^T N\,\eta"
@@ -58,9 +57,8 @@ def _posture(s: Subject) -> list[str]:
     ]  # fmt: skip
     if steering:
         lines += [
-            f"where the steering of {' and '.join(code(n) for n in steering)} is the state; any other "
-            "steered wheel follows "
-            "through `inverse`.",
+            f"where the steering of {' and '.join(code(n) for n in steering)} is the state; any other steered "
+            "wheel follows through `inverse`.",
             "",
         ]
     return lines

@@ -46,18 +46,14 @@ def opening(s: Subject) -> list[str]:
     )
     lines += [
         f"This robot has {_counted(robot)}. It is {verdict}: at any instant it has "
-        f"{_freedoms(m.degree_of_mobility)} of motion, and steering opens "
-        f"{_word(m.degree_of_steerability)} more. This page derives that, and every formula of the generated "
-        "code, from the layout alone.",
+        f"{_freedoms(m.degree_of_mobility)} of motion, and steering opens {_word(m.degree_of_steerability)} more. "
+        "This page derives that, and every formula of the generated code, from the layout alone.",
         "",
-        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, "
-        "*Introduction to Autonomous "
-        "Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, angles "
-        "counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that "
-        "frame, the book's "
-        "R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, "
-        "roots and short "
-        "decimals are exact; decimals with six digits are rounded.",
+        "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
+        "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, "
+        "angles counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the "
+        "book's R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots "
+        "and short decimals are exact; decimals with six digits are rounded.",
         "",
     ]  # fmt: skip
     return lines
@@ -114,14 +110,7 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
     rows = []
     for w in wheels:
         g = w.nominal
-        row = [
-            code(w.name),
-            w.kind.label,
-            ", ".join(w.actuated) or "—",
-            plain(g.x),
-            plain(g.y),
-            _short(w.l),
-        ]
+        row = [code(w.name), w.kind.label, ", ".join(w.actuated) or "—", plain(g.x), plain(g.y), _short(w.l)]
         row += [_angle(w.alpha), *([_angle(w.beta), _angle(w.heading)] if w.kind.directed else ["—", "—"])]
         row += [_angle(w.gamma) if w.kind.rollers else "—"] * swedish + [plain(g.r)]
         row += [plain(g.r_sw) if g.r_sw else "—"] * rollers
@@ -146,8 +135,8 @@ def _legend(robot: Robot) -> list[str]:
         said.append("heading is the direction of positive rolling, α + β − 90°")
     if any(kind.turns for kind in kinds):
         said.append(
-            "for steered wheels and castors β and heading hold at steering angle ψ = 0, so that the "
-            "book's β(t) is β + ψ"
+            "for steered wheels and castors β and heading hold at steering angle ψ = 0, so that the book's β(t) "
+            "is β + ψ"
         )
     if any(kind.swivels for kind in kinds):
         said.append("d is the distance from the pivot to the contact point, along the rolling direction")
@@ -161,14 +150,7 @@ def _legend(robot: Robot) -> list[str]:
 
 
 def _parameters(robot: Robot) -> list[str]:
-    rows = [
-        [
-            code(p.name),
-            plain(p.nominal),
-            _in_code(p),
-        ]
-        for p in robot.parameters
-    ]
+    rows = [[code(p.name), plain(p.nominal), _in_code(p)] for p in robot.parameters]
     return table(["parameter", "value", "in the code"], rows, "lrl")
 
 
@@ -187,8 +169,7 @@ def _remarks(robot: Robot) -> list[str]:
     if pair:
         a, b = pair
         found.append(
-            f"{code(a.name)} and {code(b.name)} stand {_short(2 * abs(float(a.nominal.y)))} m apart "
-            "(the track); "
+            f"{code(a.name)} and {code(b.name)} stand {_short(2 * abs(float(a.nominal.y)))} m apart (the track); "
             "their y is the half-track."
         )
     swedish = [w for w in robot.wheels if w.kind.rollers]
@@ -221,8 +202,7 @@ def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:
 
 
 def _pattern(wheels: list[Wheel]) -> str:
-    """X when the roller axes of four corner wheels run towards the middle, O when they run around "
-    "it, else ""."""
+    """The pattern of four corner wheels: X when their roller axes run towards the middle, O when around it, or ""."""
     signs = set()
     for w in wheels:
         g = w.nominal

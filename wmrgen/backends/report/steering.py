@@ -27,9 +27,8 @@ def steering(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
     shared = [w for w in limited if not alike(partners(s, w), twist)]
     narrow = [w for w in limited if w not in shared and _range(s, w) <= NARROW]
     lines = [
-        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as "
-        "it stands, at angle "
-        "ψ, that velocity has a component u along the wheel and w across it:",
+        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as it stands, "
+        "at angle ψ, that velocity has a component u along the wheel and w across it:",
         *aligned([
             r"a &= v_x - y\,\omega, & b &= v_y + x\,\omega",
             r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
@@ -37,18 +36,15 @@ def steering(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
     ]  # fmt: skip
     zero = "where h is the wheel's heading at ψ = 0."
     lines += [zero, ""] if len(narrow) == len(wheels) else _nearer(zero, shift)
-    lines += [
-        "The pivots' velocities:",
-        *aligned(_unique([velocity(w, twist) for w in wheels], wheels)),
-    ]
+    lines += ["The pivots' velocities:", *aligned(_unique([velocity(w, twist) for w in wheels], wheels))]
     roomy = [w for w in limited if w not in shared and w not in narrow]
     return [*lines, *_roomy(s, roomy), *_narrow(s, narrow, shift), *_shared(s, shared)]
 
 
 def _nearer(zero: str, shift: str) -> list[str]:
     return [
-        f"{zero} Two headings roll, half a turn apart. The nearer one is at most 90° away; "
-        "it is reached by driving backwards when u < 0:",
+        f"{zero} Two headings roll, half a turn apart. The nearer one is at most 90° away; it is reached by "
+        "driving backwards when u < 0:",
         *math(
             r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad",
             rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}},",
@@ -89,10 +85,8 @@ def _roomy(s: Subject, wheels: list[Wheel]) -> list[str]:
         return []
     return [
         f"Steering is limited: {_ranges(s, wheels)}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken "
-        "if that is inside; if "
-        "neither is, the limit nearest to it. The rate then is that of the pivot's velocity along "
-        "the wheel so turned, "
-        "u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root.",
+        "if that is inside; if neither is, the limit nearest to it. The rate then is that of the pivot's velocity "
+        "along the wheel so turned, u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root.",
         "",
     ]
 
@@ -102,8 +96,8 @@ def _narrow(s: Subject, wheels: list[Wheel], shift: str) -> list[str]:
         return []
     return [
         f"Steering is limited to less than a quarter turn: {_ranges(s, wheels)}. At most one of the two headings "
-        "that roll lies inside, and the wheel takes the angle inside at which it slides least. Seen from the middle "
-        "m of the limits, which are 2ρ apart, the velocity is p along the wheel and q across it:",
+        "that roll lies inside, and the wheel takes the angle inside at which it slides least. Seen from the "
+        "middle m of the limits, which are 2ρ apart, the velocity is p along the wheel and q across it:",
         *aligned([
             r"p &= a\cos(h+m) + b\sin(h+m), & q &= b\cos(h+m) - a\sin(h+m)",
             r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "

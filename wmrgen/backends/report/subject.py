@@ -17,8 +17,7 @@ CAP = 16  # wheels whose equations are written out
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """``letters``: the robot with every parameter a symbol, for formulas. ``numbers``: every "
-    "parameter its value."""
+    """``letters``: the robot with every parameter a symbol, for formulas. ``numbers``: every parameter its value."""
 
     derivation: Derivation
     robot: Robot

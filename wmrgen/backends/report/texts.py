@@ -40,8 +40,8 @@ def texts(s: Subject) -> list[str]:
     if not found:
         return [
             *lines,
-            "No text among the five that wmrgen reproduces writes this layout out; its rows are those of "
-            "section 2, with the numbers given there.",
+            "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
+            "2, with the numbers given there.",
             "",
         ]
     lines += ["The rows of this robot are those of", ""]

@@ -23,8 +23,7 @@ def wheel_rows(s: Subject) -> list[str]:
     lines = [
         "## 2 What each wheel demands",
         "",
-        "Each wheel gives one equation along its rolling direction and, unless it slides freely, one "
-        "across it.",
+        "Each wheel gives one equation along its rolling direction and, unless it slides freely, one across it.",
         "",
     ]
     for name in dict.fromkeys(w.type for w in s.robot.wheels):

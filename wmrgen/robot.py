@@ -293,9 +293,9 @@ class Derivation:
         return functions(self.module)
 
     def _repr_latex_(self) -> str:
-        import sympy
+        from wmrgen.printing import Latex
 
-        return f"$$C_1 N = 0,\\quad N = {sympy.latex(self.null_space)}$$"
+        return f"$$C_1 N = 0,\\quad N = {Latex().doprint(self.null_space)}$$"
 
     def _repr_svg_(self) -> str:
         from wmrgen.backends.drawing.scene import picture

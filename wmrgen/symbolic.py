@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import sympy
 from sympy.functions.elementary.piecewise import ExprCondPair
 
+from wmrgen import notation
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 
@@ -17,10 +18,11 @@ Expr: TypeAlias = Any  # sympy.Expr; sympy ships no types
 
 
 class Quantity(sympy.Symbol):  # type: ignore[misc]
-    """A real symbol. ``name`` is a C identifier; LaTeX output escapes it."""
+    """A real symbol. ``name`` is a C identifier."""
 
     def _latex(self, printer: Any) -> str:
-        return latex_name(self.name)
+        del printer
+        return notation.parameter(self.name)
 
 
 class Parameter(Quantity):
@@ -29,6 +31,10 @@ class Parameter(Quantity):
 
 class Input(Quantity):
     """An input of a function: ``left_spin`` for the port ``left.spin``."""
+
+    def _latex(self, printer: Any) -> str:
+        del printer
+        return notation.symbol(self.name)
 
 
 class Local(Quantity):
@@ -49,31 +55,6 @@ class Nearest(sympy.Function):  # type: ignore[misc]
     def fdiff(self, argindex: int = 1) -> Expr:
         del argindex
         return sympy.S.Zero
-
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        text = rf"\operatorname{{rint}}\left({printer.doprint(self.args[0])}\right)"
-        return text if exp is None else f"{{{text}}}^{{{exp}}}"
-
-
-_GREEK = {"omega": r"\omega", "theta": r"\theta", "vx": "v_x", "vy": "v_y", "dt": r"\Delta t"}
-_JOINTS = (("_steer_rate", r"\dot{\beta}"), ("_steer", r"\beta"), ("_spin", r"\dot{\varphi}"))
-
-
-def latex_name(name: str) -> str:
-    """A name for LaTeX math: joints as Greek letters with the wheel as index."""
-    if name in _GREEK:
-        return _GREEK[name]
-    for suffix, letter in _JOINTS:
-        if name.endswith(suffix) and len(name) > len(suffix):
-            return rf"{letter}_{{\mathrm{{{escape(name[: -len(suffix)])}}}}}"
-    if len(name) == 1:
-        return name
-    return rf"\mathit{{{escape(name)}}}"
-
-
-def escape(name: str) -> str:
-    """An identifier inside LaTeX braces."""
-    return name.replace("_", r"\_")
 
 
 def parameter(name: str) -> Parameter:

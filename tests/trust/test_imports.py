@@ -16,13 +16,14 @@ SOURCES = {p.relative_to(PACKAGE).with_suffix("").as_posix(): p for p in sorted(
 
 # From left to right. The IR stands beside the stages: it knows none of them, and `lower` hands over to it.
 STAGES = (
-    "spec layout constraints symbolic mobility kinematics functions program lower modules model robot"
+    "spec layout constraints symbolic printing mobility kinematics functions program lower modules model robot"
 ).split()
-TOOLS = {"errors", "exact", "ports", "wheels", "reading"}
+TOOLS = {"errors", "exact", "notation", "ports", "wheels", "reading"}
 MAY_IMPORT = {stage: {*TOOLS, *STAGES[:k]} for k, stage in enumerate(STAGES)} | {
     "errors": set(),
     "exact": {"errors"},
     "ports": {"exact"},
+    "notation": set(),
     "wheels": set(),
     "reading": set(),
     "ir": set(TOOLS),

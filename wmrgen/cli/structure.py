@@ -18,7 +18,7 @@ Shown = Callable[[Any], str]
 
 def run(path: Path, *, as_json: bool) -> int:
     """Print Frobenius's test with its proofs, integrals, Lie brackets, flat outputs and the chained form."""
-    from wmrgen.functions.models.decimals import exact
+    from wmrgen.printing import exact
 
     with console.progress() as step:
         step(f"deriving {path}")
@@ -36,7 +36,7 @@ def run(path: Path, *, as_json: bool) -> int:
 
 def _lines(d: Derivation) -> list[str]:
     """What a reader sees: fractions too long to read as decimals."""
-    from wmrgen.functions.models.decimals import Reader
+    from wmrgen.printing import Reader
 
     shown = Reader()
     found = _facts(d, shown)

@@ -4,25 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 import sympy
-from sympy.printing.latex import LatexPrinter
 
-from wmrgen.backends.report import names
-from wmrgen.backends.report.numbers import decimal
+from wmrgen import notation
 from wmrgen.backends.report.tex import Factor, Term, total
 from wmrgen.exact.number import ONE, Exact, exact_sqrt
-from wmrgen.kinematics.records import Formula
 from wmrgen.symbolic import Expr, Parameter
 
 _TWIST = {"vx": 0, "vy": 1, "omega": 2}
 Ports = Mapping[str, str]
-
-
-def ports(formula: Formula) -> dict[str, str]:
-    """Symbol name -> contract name."""
-    return {p.name.replace(".", "_"): p.name for p in formula.inputs}
 
 
 def terms(expr: Expr, known: Ports) -> list[Term]:
@@ -73,11 +64,11 @@ def _factor(expr: Expr, known: Ports) -> Factor:
         return Factor(rf"\sqrt{{{total(terms(base, known))}}}", int(power.p), 2, (8, ""))
     n = int(power)
     if isinstance(base, Parameter):
-        return Factor(names.parameter(base.name), n, 0, (0, base.name))
+        return Factor(notation.parameter(base.name), n, 0, (0, base.name))
     if isinstance(base, sympy.Symbol):
         port = known.get(base.name, base.name.removesuffix("_fit"))
         order = list(known).index(base.name) if base.name in known else -1
-        return Factor(names.port(port), n, 2, (_TWIST.get(port, 3 + order), ""))
+        return Factor(notation.port(port), n, 2, (_TWIST.get(port, 3 + order), ""))
     if isinstance(base, sympy.Abs):
         return Factor(rf"\left|{total(terms(base.args[0], known))}\right|", n, 2, (8, ""))
     if isinstance(base, sympy.cos | sympy.sin):
@@ -94,39 +85,5 @@ def _factor(expr: Expr, known: Ports) -> Factor:
 def _angle(angle: Expr, known: Ports) -> str:
     """The argument of a sine: a joint's name, or an expression in parentheses."""
     if isinstance(angle, sympy.Symbol):
-        return names.port(known.get(angle.name, angle.name))
+        return notation.port(known.get(angle.name, angle.name))
     return rf"\left({total(terms(angle, known))}\right)"
-
-
-class Printer(LatexPrinter):  # type: ignore[misc]
-    """sympy's LaTeX without what GitHub refuses, inputs as the contract's names."""
-
-    printmethod = ""  # not the symbols' own
-
-    def __init__(self, ports: dict[str, str]) -> None:
-        super().__init__({"order": "none"})
-        self.ports = ports
-
-    def _print_Symbol(self, expr: Any, style: str = "plain") -> str:
-        return names.port(self.ports[expr.name]) if expr.name in self.ports else names.parameter(expr.name)
-
-    _print_Quantity = _print_Parameter = _print_Input = _print_Local = _print_Symbol
-
-    def _print_atan2(self, expr: Any) -> str:
-        y, x = (self._print(a) for a in expr.args)
-        return rf"\mathrm{{atan2}}\left({y},\, {x}\right)"
-
-    def _print_Piecewise(self, expr: Any) -> str:
-        (then, condition), (otherwise, _) = expr.args
-        cases = (
-            rf"{self._print(then)} & {self._print(condition)} \\ {self._print(otherwise)} & \mathrm{{else}}"
-        )
-        return rf"\begin{{cases}} {cases} \end{{cases}}"
-
-    def _print_Rational(self, expr: Any) -> str:
-        if len(str(expr.q)) < 7 and len(str(expr.p)) < 10:
-            return str(super()._print_Rational(expr))
-        power = len(str(expr.q)) - 1
-        if expr.q == 10**power and expr.p == 1:
-            return f"10^{{-{power}}}"
-        return decimal(float(expr))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from wmrgen.backends.report import names
-from wmrgen.backends.report.expr import ports, terms
+from wmrgen import notation
+from wmrgen.backends.report.expr import terms
 from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
 from wmrgen.backends.report.tex import broken, matrix, pieces, poly, summands, terms_of, width
@@ -12,6 +12,7 @@ from wmrgen.kinematics.forward import constant_normal
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Component, Contact, measurements
 from wmrgen.kinematics.smallest import generic_rank
+from wmrgen.printing import symbol_names
 
 _TERMS = 24  # summands of a printed formula
 _PSEUDO = " (as a pseudo-inverse, because it is singular: the smallest twist that explains the rates)."
@@ -140,14 +141,14 @@ def _singular(normal: list[list[Poly]]) -> bool:
 def _closed(s: Subject) -> list[str]:
     """The outputs of ``forward`` and what its residual means."""
     formula = s.derivation.program.formula("forward")
-    known = ports(formula)
+    known = symbol_names(formula.inputs)
     outputs = {p.name: e for p, e in formula.outputs}
     fits = {symbol.name.removesuffix("_fit"): e for symbol, e in formula.locals}
     lines = []
     for name in ("vx", "vy", "omega"):
         parts = summands(terms(fits.get(name, outputs[name]), known))
         shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
-        lines.append(f"{names.port(name)} &= {broken(shown)}")
+        lines.append(f"{notation.port(name)} &= {broken(shown)}")
     return [*aligned(lines), *_residual(outputs["slip"], known)]
 
 
@@ -167,7 +168,7 @@ def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
     """Rigid motion through measured contact velocities."""
     lines = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
     for c in contacts[:3]:
-        index = f"_{{{names.wheel(c.wheel.name)}}}"
+        index = f"_{{{notation.wheel(c.wheel.name)}}}"
         b, w = matrix([[poly(c.bx)], [poly(c.by)]]), matrix([[_sum(c.wx)], [_sum(c.wy)]])
         wide = max(map(width, (poly(c.bx), poly(c.by)))) + max(map(width, (_sum(c.wx), _sum(c.wy)))) > 55
         lines += aligned(

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from wmrgen.backends.report import names
-from wmrgen.backends.report.expr import Printer
+from wmrgen import notation
 from wmrgen.backends.report.markdown import aligned, code, sentence, table
 from wmrgen.backends.report.subject import Subject
 from wmrgen.kinematics.records import Formula
+from wmrgen.printing import Latex
 from wmrgen.program import asked
 from wmrgen.symbolic import Expr
 
@@ -28,17 +28,14 @@ def _function(f: Formula) -> list[str]:
     ports = [(p, "in") for p in f.inputs] + [(p, "out") for p, _ in f.outputs]
     rows = [[code(p.name), way, p.unit or "1", sentence(p.text)] for p, way in ports]
     lines += table(["port", "", "unit", "meaning"], rows, "l")
-    printer = Printer({p.name.replace(".", "_"): p.name for p, _ in ports})
+    printer = Latex(p for p, _ in ports)
     if sum(_size(e) for _, e in (*f.locals, *f.outputs)) > _LONG:
         return [*lines, "(The formulas are long; they stand in the code.)", ""]
-    if f.locals:
-        pairs = [(printer.doprint(symbol), printer.doprint(expr)) for symbol, expr in f.locals]
-        lines += ["With", *_equations(pairs)]
-    return lines + _equations([(names.port(p.name), printer.doprint(e)) for p, e in f.outputs])
-
-
-def _equations(pairs: list[tuple[str, str]]) -> list[str]:
-    return aligned(f"{left} &= {right}" for left, right in pairs)
+    intermediate = [f"{printer.doprint(symbol)} &= {printer.doprint(expr)}" for symbol, expr in f.locals]
+    pairs = [(notation.port(p.name), printer.doprint(expr)) for p, expr in f.outputs]
+    results = [f"{name} &= {value}" for name, value in pairs if name != value]  # x = x tells nothing
+    lines += ["With", *aligned(intermediate)] if intermediate else []
+    return lines + (aligned(results) if results else [])
 
 
 def _size(expr: Expr) -> int:

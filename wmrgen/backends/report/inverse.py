@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report import names
+from wmrgen import notation
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.backends.report.steering import alike, partners, steering
 from wmrgen.backends.report.subject import CAP, Subject, cut_note
@@ -54,7 +54,7 @@ def _sum(p: Poly) -> str:
 
 
 def _rate(w: Wheel, joint: str = "spin") -> str:
-    return names.port(f"{w.name}.{joint}")
+    return notation.port(f"{w.name}.{joint}")
 
 
 def _spin(w: Wheel, twist: Row) -> Poly:
@@ -72,7 +72,7 @@ def _driven(projection: Projection) -> Row:
     """The twist that is driven; components that the projection changed carry a star."""
     parts = [
         p if p == q or not p else Poly.gen("input", f"{n}_driven")
-        for p, q, n in zip(projection.twist, TWIST, names.TWIST, strict=True)
+        for p, q, n in zip(projection.twist, TWIST, notation.TWIST, strict=True)
     ]
     return parts[0], parts[1], parts[2]
 
@@ -82,8 +82,8 @@ def _projection(projection: Projection) -> list[str]:
     if projection.twist == TWIST:
         return []
     changed = [
-        f"{names.port(n)}^{{*}} &= {_sum(p)}"
-        for p, q, n in zip(projection.twist, TWIST, names.TWIST, strict=True)
+        f"{notation.port(n)}^{{*}} &= {_sum(p)}"
+        for p, q, n in zip(projection.twist, TWIST, notation.TWIST, strict=True)
         if p != q
     ]
     return [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report import names
+from wmrgen import notation
 from wmrgen.backends.report.markdown import aligned, math
 from wmrgen.backends.report.subject import Subject
 from wmrgen.backends.report.tex import WIDE, matrix, poly, rows, width
@@ -90,7 +90,7 @@ def _pfaffian(s: Subject) -> list[str]:
     for r in (*c.rolling, *c.sliding):
         rates = dict(r.rates)
         entries.append([poly(p) for p in (*r.row, *(rates.get(j, Poly({})) for j in joints))])
-    vector = ", ".join(["v_x", "v_y", r"\omega", *(names.port(p) for p in ports)])
+    vector = ", ".join(["v_x", "v_y", r"\omega", *(notation.port(p) for p in ports)])
     size = sum(max(width(row[i]) for row in entries) for i in range(3 + len(joints))) + 3 * len(joints)
     if size > WIDE:
         return [*lines, f"(A is too wide to print: {len(entries)} rows and {3 + len(joints)} columns.)", ""]

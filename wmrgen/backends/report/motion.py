@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from wmrgen.backends.report import names
 from wmrgen.backends.report.markdown import aligned, code, math
-from wmrgen.backends.report.numbers import decimal
 from wmrgen.backends.report.subject import Subject
 from wmrgen.backends.report.tex import broken, summands, terms_of
 from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.odometry import SWITCH, WORST_ERROR
+from wmrgen.notation import TWIST, decimal, port
 
 
 def motion(s: Subject) -> list[str]:
@@ -53,7 +52,7 @@ def _posture(s: Subject) -> list[str]:
         *math(r"\frac{d}{dt}\begin{bmatrix} x \\ y \\ \theta \end{bmatrix} = R(\theta)^T N\,\eta"
               + (r", \qquad \frac{d}{dt}\psi_i = \dot{\psi}_i" if steering else "")),
         "Here, with the values of section 1 put in,",
-        *aligned(f"{names.port(n)} &= {broken(summands(terms_of(p)))}" for n, p in zip(names.TWIST, body, strict=True)),
+        *aligned(f"{port(n)} &= {broken(summands(terms_of(p)))}" for n, p in zip(TWIST, body, strict=True)),
     ]  # fmt: skip
     if steering:
         lines += [

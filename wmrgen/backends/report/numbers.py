@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from wmrgen.exact.number import Exact
+from wmrgen.notation import decimal
 
 _ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
 _READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)
@@ -72,18 +73,6 @@ def _terminating(f: Fraction) -> str | None:
         return None
     whole, rest = divmod(scaled.numerator, 10**8)
     return f"{whole}.{rest:08d}".rstrip("0").rstrip(".")
-
-
-def decimal(value: float) -> str:
-    """Six significant digits in LaTeX."""
-    return _scientific(f"{value + 0.0:.6g}")
-
-
-def _scientific(text: str) -> str:
-    if "e" not in text:
-        return text
-    digits, exponent = text.split("e")
-    return rf"{digits}\cdot 10^{{{int(exponent)}}}"
 
 
 def plain(value: Exact) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
 
-from wmrgen.backends.report import names
+from wmrgen import notation
 from wmrgen.backends.report.markdown import aligned, listed, math
 from wmrgen.backends.report.subject import Subject
 from wmrgen.backends.report.tex import poly
@@ -76,7 +76,7 @@ def alike(wheels: list[Wheel], twist: Row) -> bool:
 def _unique(lines: list[str], wheels: list[Wheel]) -> list[str]:
     found: dict[str, list[str]] = {}
     for text, w in zip(lines, wheels, strict=True):
-        found.setdefault(text, []).append(names.wheel(w.name))
+        found.setdefault(text, []).append(notation.wheel(w.name))
     return [f"{text} && ({', '.join(who)})" for text, who in found.items()]
 
 

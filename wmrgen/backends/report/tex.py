@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from wmrgen.backends.report import names
+from wmrgen import notation
 from wmrgen.backends.report.numbers import magnitude
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 
 _LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
 _SPACE = "\\;"
-_TWIST = {names.port(n) for n in _LEADS}
+_TWIST = {notation.port(n) for n in _LEADS}
 WIDE = 80  # characters of a line before a sum is broken
 
 
@@ -62,16 +62,16 @@ def terms_of(value: Poly) -> list[Term]:
 def _factor(gen: Gen, power: int) -> Factor:
     match gen.kind:
         case "param":
-            return Factor(names.parameter(gen.name), power, 0, (0, gen.name))
+            return Factor(notation.parameter(gen.name), power, 0, (0, gen.name))
         case "pi":
             return Factor(r"\pi", power, 0, (0, ""))
         case "cos" | "sin":
             return Factor(
-                rf"\{gen.kind}{names.port(gen.name + '.steer')}", power, 1, (0, gen.name + gen.kind)
+                rf"\{gen.kind}{notation.port(gen.name + '.steer')}", power, 1, (0, gen.name + gen.kind)
             )
         case "input" | "local":
             late = 3 if gen.name.endswith(".spin") else 4  # joints in file order, spins before steering rates
-            return Factor(names.port(gen.name), power, 2, (_LEADS.get(gen.name, late), ""))
+            return Factor(notation.port(gen.name), power, 2, (_LEADS.get(gen.name, late), ""))
         case "inv":
             return Factor(poly(gen.args[0]), -power, 0, (1, gen.key), True)
         case "sqrt":

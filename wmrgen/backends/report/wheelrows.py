@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report import names
+from wmrgen import notation
 from wmrgen.backends.report.markdown import aligned, code, listed, math
 from wmrgen.backends.report.subject import CAP, Subject
 from wmrgen.backends.report.tex import WIDE, broken, pieces, poly, summands, terms_of, width
@@ -108,7 +108,7 @@ def _equations(rows: list[ConstraintRow]) -> list[str]:
     found: dict[str, list[str]] = {}
     for (left, right), c in zip(sides, rows, strict=True):
         text = f"{right} &= {broken(left)}" if long else f"{broken(left)} &= {right}"
-        found.setdefault(text, []).append(names.wheel(c.wheel.name))
+        found.setdefault(text, []).append(notation.wheel(c.wheel.name))
     return [text if who[0] in text else f"{text} && ({', '.join(who)})" for text, who in found.items()]
 
 
@@ -128,6 +128,6 @@ def _rollers(w: Wheel) -> list[str]:
     g = symbolic_view(w)
     c, s = rolling_direction(w, g)
     across = dot(along((-s, c), g), TWIST) + g.r * g.sg * Poly.gen("input", f"{w.name}.spin")
-    rate = rf"\dot{{\varphi}}_{{sw,{names.wheel(w.name)}}}"
+    rate = rf"\dot{{\varphi}}_{{sw,{notation.wheel(w.name)}}}"
     radius = poly(g.r_sw) if g.r_sw else "r_{sw}"
     return aligned([rf"{radius}\,{rate} &= {broken(summands(terms_of(across)))}"])

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import sympy
-from sympy.printing.latex import LatexPrinter
-from sympy.printing.str import StrPrinter
 
-from wmrgen.functions.models.decimals import Reader
 from wmrgen.functions.models.system import System, rate_port
 from wmrgen.ports import Port
+from wmrgen.printing import Latex, Reader, Text, Writer, exact
 from wmrgen.symbolic import Expr, signal
 
 LONGEST = 4000  # nodes of an expression that is still written out
-Printer = Callable[[Expr], str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +37,11 @@ class Sheet:
     equations: tuple[Equation, ...]
     fields: tuple[tuple[str, tuple[Expr, ...]], ...]
     domain: tuple[tuple[Expr, str], ...]
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """Everything that has a name in the contract."""
+        return (*self.state, *self.inputs, *self.parameters)
 
 
 def sheet_of(form: str, system: System) -> Sheet:
@@ -87,31 +88,13 @@ def _size(expr: Expr, memo: dict[Expr, int]) -> int:
     return memo[expr]
 
 
-class _Plain(StrPrinter):  # type: ignore[misc]
-    """Python syntax with the contract's names: ``front.steer``, or ``front_steer`` where they must be identifiers."""
-
-    def __init__(self, names: Mapping[str, str]) -> None:
-        super().__init__()
-        self.names = names
-
-    def _print_Symbol(self, expr: Expr) -> str:
-        return self.names.get(expr.name, expr.name)
-
-    _print_Quantity = _print_Parameter = _print_Input = _print_Local = _print_Symbol
-
-
-def _names(sheet: Sheet) -> dict[str, str]:
-    ports = (*sheet.state, *sheet.inputs, *sheet.parameters)
-    return {p.name.replace(".", "_"): p.name for p in ports}
-
-
-def _written(printer: Printer, expr: Expr) -> str:
+def _written(printer: Writer, expr: Expr) -> str:
     return printer(expr) if _size(expr, {}) <= LONGEST else "(too long to write out; it stands in the code)"
 
 
 def lines(sheet: Sheet) -> list[str]:
     """Plain text, one equation a line; fractions too long to read as decimals."""
-    printer = Reader(_Plain(_names(sheet)).doprint)
+    printer = Reader(Text(sheet.ports).doprint)
     found = [f"{sheet.form}: {sheet.text}"]
     if sheet.state:
         found.append(f"state:  {' '.join(p.name for p in sheet.state)}")
@@ -146,26 +129,25 @@ def _aligned(pairs: list[tuple[str, str]]) -> list[str]:
 
 def data(sheet: Sheet) -> dict[str, Any]:
     """The sheet as plain data; expressions in Python syntax over names with underscores."""
-    printer: Printer = _Plain({}).doprint
     return {
         "form": sheet.form,
         "text": sheet.text,
         "state": [p.name for p in sheet.state],
         "inputs": [p.name for p in sheet.inputs],
         "parameters": {p.name: float(p.default) for p in sheet.parameters if p.default is not None},
-        "where": {e.left: printer(e.right) for e in sheet.where},
+        "where": {e.left: exact(e.right) for e in sheet.where},
         "equations": {
-            rate_port(Port(e.left, sheet.state[0].role, "")).name if e.rate else e.left: printer(e.right)
+            rate_port(Port(e.left, sheet.state[0].role, "")).name if e.rate else e.left: exact(e.right)
             for e in sheet.equations
         },
-        "fields": {name: [printer(e) for e in field] for name, field in sheet.fields},
-        "domain": [{"condition": f"{printer(c)} = 0", "meaning": text} for c, text in sheet.domain],
+        "fields": {name: [exact(e) for e in field] for name, field in sheet.fields},
+        "domain": [{"condition": f"{exact(c)} = 0", "meaning": text} for c, text in sheet.domain],
     }
 
 
 def latex(sheet: Sheet) -> str:
     """The equations as an aligned environment."""
-    printer = LatexPrinter()
+    printer = Latex(sheet.ports, order=None)
     shown = Reader(printer.doprint)
     rows = []
     for e in (*sheet.where, *sheet.equations):

@@ -11,8 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
-import sympy
-
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import rank
 from wmrgen.exact.number import Exact
@@ -24,6 +22,7 @@ from wmrgen.functions.models.vector_fields import Field, derivative, to_poly, va
 from wmrgen.functions.trailers.trailer import trailer_system
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
+from wmrgen.printing import exact
 from wmrgen.symbolic import Expr, expression
 
 MOST_STATES = 10  # each further state triples the time; 10 take a second
@@ -42,7 +41,7 @@ class Bracket:
         """Components in the order of the state."""
         return tuple(expression(p) for p in self.polys)
 
-    def written(self, shown: Callable[[Expr], str] = sympy.sstr) -> tuple[str, ...]:
+    def written(self, shown: Callable[[Expr], str] = exact) -> tuple[str, ...]:
         """Components in Python syntax, or as ``shown`` writes them."""
         return tuple(shown(tidy(e)) for e in self.field)
 

@@ -18,6 +18,8 @@ from wmrgen.functions.structure.forms import Form, exterior, frobenius_component
 from wmrgen.functions.structure.integrals import Integral, integrals
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
+from wmrgen.notation import escape
+from wmrgen.printing import Latex, exact
 from wmrgen.symbolic import Expr, expression
 
 SMALL = 1e-12  # what rounding to 40 digits leaves of a zero
@@ -43,7 +45,7 @@ class RowTest:
     @property
     def proof(self) -> str:
         """One line that can be followed by hand."""
-        return self.proof_in(sympy.sstr)
+        return self.proof_in(exact)
 
     def proof_in(self, shown: Callable[[Expr], str]) -> str:
         """The same line with expressions as ``shown`` writes them."""
@@ -52,7 +54,7 @@ class RowTest:
     @property
     def latex(self) -> str:
         """The same line for LaTeX math."""
-        return _written(self, sympy.latex, _LATEX)
+        return _written(self, Latex().doprint, _LATEX)
 
     @property
     def text(self) -> str:
@@ -160,5 +162,5 @@ def _written(test: RowTest, shown: Callable[[Expr], str], sign: _Signs) -> str:
         return f"c = ({row}), {product} = 0{verdict}"
     names, value = next((n, e) for n, e in test.components if e != 0)
     plain = sign is _PLAIN
-    basis = sign.wedge.join(sign.differential % (n if plain else n.replace("_", r"\_")) for n in names)
+    basis = sign.wedge.join(sign.differential % (n if plain else escape(n)) for n in names)
     return f"c = ({row}), {product} = ({shown(value)}) {basis} + {sign.more}{sign.nonzero}{verdict}"

@@ -1,0 +1,93 @@
+"""Names and decimals as LaTeX: single letters where texts have them, Greek for joints, bodies as an index."""
+
+from __future__ import annotations
+
+import re
+
+TWIST = ("vx", "vy", "omega")
+_GREEK = frozenset(
+    "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu xi rho sigma tau phi psi omega".split()
+)
+_JOINTS = {
+    "spin": r"\dot{\varphi}", "spin_rate": r"\ddot{\varphi}",
+    "steer": r"\psi", "steer_rate": r"\dot{\psi}", "steer_acceleration": r"\ddot{\psi}",
+}  # fmt: skip
+_COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
+_NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
+
+
+def escape(name: str) -> str:
+    """An identifier inside LaTeX braces."""
+    return name.replace("_", r"\_")
+
+
+def decimal(value: float) -> str:
+    """Six significant digits in LaTeX."""
+    digits, e, exponent = f"{value + 0.0:.6g}".partition("e")
+    return rf"{digits}\cdot 10^{{{int(exponent)}}}" if e else digits
+
+
+def wheel(name: str) -> str:
+    """A wheel's name as an index."""
+    return rf"\mathrm{{{escape(name)}}}"
+
+
+def parameter(name: str) -> str:
+    """``r``, ``d_1``, ``h_x`` as they are written by hand, ``gamma`` in Greek; other words in italics."""
+    short = re.fullmatch(r"([a-z])_?([a-z0-9]|\d+)?", name)
+    if short:
+        return f"{short[1]}_{{{short[2]}}}" if short[2] else name
+    return rf"\{name}" if name in _GREEK else rf"\mathit{{{escape(name)}}}"
+
+
+def port(name: str) -> str:
+    """An input or output by its contract name: ``omega``, ``left.spin``, ``point.vx``, ``x_rate``, ``v_m.x``."""
+    if name == "dt":
+        return r"\Delta t"
+    if name.endswith("_driven"):
+        return f"{port(name.removesuffix('_driven'))}^{{*}}"
+    owner, _, word = name.rpartition(".")
+    if owner and word in _JOINTS:
+        return f"{_JOINTS[word]}_{{{wheel(owner)}}}"
+    if word in ("x", "y", "z") and _is_letter(owner.partition("_")[0]):
+        return _quantity(owner, [word])
+    return _quantity(word, [wheel(owner)] if owner else [])
+
+
+def symbol(name: str) -> str:
+    """A port by the name of its symbol, ``left_spin``, in which the wheel's own name may have low lines."""
+    joints = (joint for joint in sorted(_JOINTS, key=len, reverse=True) if name.endswith(f"_{joint}"))
+    joint = next(joints, "")
+    return port(f"{name.removesuffix('_' + joint)}.{joint}" if joint else name)
+
+
+def _is_letter(head: str) -> bool:
+    numbered = _NUMBERED.fullmatch(head)
+    return len(head) == 1 or (numbered[1] if numbered else head) in _GREEK
+
+
+def _quantity(name: str, indices: list[str]) -> str:
+    """``x_rate`` with a dot, ``vx``, ``eta1``, ``k_rho`` and ``goal_x`` with an index of their own before others."""
+    base, dots = name, 0
+    while base.endswith("_rate"):
+        base, dots = base.removesuffix("_rate"), dots + 1
+    head, _, index = base.partition("_")
+    split = _COMPONENT.fullmatch(head) or _NUMBERED.fullmatch(head)
+    own = [*([split[2]] if split else []), *([_word(index)] if index else [])]
+    head = split[1] if split else head
+    if not _is_letter(head) and index and not re.fullmatch(r"\d+|[a-z]", index):
+        head, own = base, []
+    text = rf"\{head}" if head in _GREEK else head if len(head) == 1 else rf"\mathrm{{{_spaced(head)}}}"
+    text = rf"\{'d' * dots}ot{{{text}}}" if dots else text
+    shown = ",".join([*own, *indices])
+    return f"{text}_{shown}" if re.fullmatch("[a-z]", shown) else rf"{text}_{{{shown}}}" if shown else text
+
+
+def _word(index: str) -> str:
+    if re.fullmatch(r"\d+|[a-z]", index):
+        return index
+    return rf"\{index}" if index in _GREEK else rf"\mathrm{{{_spaced(index)}}}"
+
+
+def _spaced(words: str) -> str:
+    return words.replace("_", r"\;")

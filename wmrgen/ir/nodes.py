@@ -48,9 +48,9 @@ class Op(StrEnum):
     WITHIN = "within"  # within(a, m): m with the sign of a where |a| > m, else a; m of NaN; m > 0
     BEYOND = "beyond"  # beyond(a, m): m with the sign of a where |a| < m, else a; m > 0
     SIGNED = "signed"  # signed(a, b): -a where the sign bit of the float b is set, else a
-    # What only the smallest C has, see `wmrgen.ir.outline`:
-    CALL = "call"  # of the part called ``name``, over its parameters
-    PART = "part"  # the result number ``name`` of a call that has several
+    # Operations that keep their meaning, see `Module.kernels`:
+    CALL = "call"  # of the kernel called ``name``, over its inputs
+    PART = "part"  # the result number ``name`` of a call whose kernel has several
 
 
 ARITY = {
@@ -95,12 +95,14 @@ class Function:
 class Module:
     """All functions of a robot. ``prepare`` is None when no geometry is tunable.
 
-    The outputs of ``prepare`` are the PREPARED inputs of the other functions, by name.
+    The outputs of ``prepare`` are the PREPARED inputs of the other functions, by name. ``kernels``: what the functions
+    call, those that are called before those that call; a call gives their inputs in order.
     """
 
     name: str
     functions: tuple[Function, ...]
     prepare: Function | None = None
+    kernels: tuple[Function, ...] = ()
 
     def function(self, name: str) -> Function:
         """The function called ``name``; KeyError when there is none."""

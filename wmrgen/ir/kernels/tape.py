@@ -26,7 +26,21 @@ class Tape:
         """``node`` of another function over ``args``."""
         if node.value is not None:
             return self.const(node.value)
-        return self.put(node.op, *args) if args else self._new((node.name, ()), node)
+        if node.name is not None:  # an input, a call or a part of one
+            return self._new((f"{node.op} {node.name}", args), Node(node.op, args, name=node.name))
+        return self.put(node.op, *args)
+
+    def input(self, name: str) -> int:
+        """An input."""
+        return self.copy(Node(Op.INPUT, name=name), ())
+
+    def call(self, kernel: str, *args: int) -> int:
+        """A call of a kernel."""
+        return self.copy(Node(Op.CALL, name=kernel), args)
+
+    def part(self, call: int, number: int) -> int:
+        """One of several results of a call."""
+        return self.copy(Node(Op.PART, name=str(number)), (call,))
 
     def put(self, op: Op, *args: int) -> int:
         """The node of an operation."""

@@ -38,19 +38,19 @@ def measure(
     processor: Processor,
     math: str = DEFAULT.math,
     flags: Sequence[str] = gcc.FLAGS,
-    size: bool = False,
+    small: bool = False,
 ) -> dict[str, Footprint]:
-    """C function -> what it occupies. ``size``: as ``derive --size`` writes it."""
+    """C function -> what it occupies. ``small``: with its kernels called, not inlined."""
     found = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
-            header, source = sources(module, Meta(math=math, target=processor.target, size=size))
+            header, source = sources(module, Meta(math=math, target=processor.target))
             (folder / f"{module.name}.h").write_text(header)
             (folder / f"{module.name}.c").write_text(source)
         files = [f"{module.name}.c" for module in modules]
         include = () if "avr" in processor.compiler else ("-isystem", str(INCLUDE))
-        words = (*processor.flags, *flags, *include, "-fstack-usage", "-c")
+        words = (*processor.flags, *flags, *(gcc.SMALL if small else ()), *include, "-fstack-usage", "-c")
         gcc.run(folder, processor.compiler, *words, *files)
         for module in modules:
             symbols = Image(folder / f"{module.name}.o").symbols
@@ -64,15 +64,21 @@ def measure(
 
 
 def _whole(robot: str, source: str, found: Mapping[str, Footprint]) -> dict[str, Footprint]:
-    """The functions that call parts (``--size``), with the text of these and the stack of the deepest."""
-    whole = {}
+    """The functions that call kernels, with the text of these and the stack of the deepest."""
+    whole: dict[str, Footprint] = {}
+    calls: dict[str, set[str]] = {}
     for text in source.split("\n}\n"):
-        name = re.search(rf"^(?:void|static .*?) ({robot}_\w+)\(", text, re.M)
-        called = set(re.findall(rf"\b({robot}_part\d+)\(", text)) - {name[1] if name else ""}
-        if name and called:
-            own, parts = found[name[1]], [found[part] for part in called]
-            depth = max(part.stack for part in parts)
-            whole[name[1]] = Footprint(own.own + sum(part.own for part in parts), own.stack + depth, own.own)
+        name = re.search(rf"^(?:void|WMRGEN_KERNEL \w+) ((?:{robot}|wmrgen)_\w+)\(", text, re.M)
+        if name is None or name[1] not in found:
+            continue
+        own = found[name[1]]
+        inner = {k for k in re.findall(r"\b(wmrgen_\w+)\(", text) if k in found and k != name[1]}
+        every = inner.union(*(calls.get(k, set()) for k in inner))
+        calls[name[1]] = every
+        if every:
+            depth = max(whole.get(k, found[k]).stack for k in inner)
+            text_ = own.own + sum(found[k].own for k in every)
+            whole[name[1]] = Footprint(text_, own.stack + depth, own.own)
     return whole
 
 
@@ -106,4 +112,6 @@ def heading(first: str, second: str, there: Sequence[Processor]) -> Iterator[str
 
 def total(found: Mapping[str, Footprint], robot: str) -> int:
     """Bytes of code of all functions of ``robot``."""
-    return sum(footprint.own for name, footprint in found.items() if name.startswith(f"{robot}_"))
+    return sum(
+        footprint.own for name, footprint in found.items() if name.startswith((f"{robot}_", "wmrgen_"))
+    )

@@ -56,17 +56,21 @@ class Bench:
         processor: str = "m4f",
         jobs: Sequence[Job] = JOBS,
         others: bool = False,
-        size: bool = False,
+        small: bool = False,
     ) -> None:
         self.flat: dict[str, tuple[str, ...]] = {}
         self.jobs = jobs
         modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in jobs)]
         target = M0 if processor.startswith("m0") else M4F
-        write_sources(folder, modules, lambda m: sources(m, Meta(math=math, target=target.name, size=size)))
+        write_sources(folder, modules, lambda m: sources(m, Meta(math=math, target=target.name)))
         files = [f"{module.name}.c" for module in modules] + [LAYOUTS]
         files += references(folder, {module.name for module in modules})
         files += [name for job in jobs for name in self._others(folder, job)] if others else []
-        flags = (*gcc.FLAGS, *(("-DREFERENCE_INLINE",) if math == "inline" else ()))
+        flags = (
+            *gcc.FLAGS,
+            *(("-DREFERENCE_INLINE",) if math == "inline" else ()),
+            *(gcc.SMALL if small else ()),
+        )
         image = Image(gcc.build(folder, files, f"{math}.{processor}.elf", processor, flags))
         self.fleet = Fleet(tuple(modules), image, {}, target)
 

@@ -1,4 +1,4 @@
-"""What ``wmrgen derive --size`` saves in bytes, and what it costs in instructions."""
+"""What ``-DWMRGEN_SMALL`` saves in bytes, and what it costs in instructions."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def table() -> Iterator[str]:
         yield "The least flash: needs arm-none-eabi-gcc."
         return
     modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in JOBS)]
-    usual, small = ([measure(modules, processor, size=way) for processor in there] for way in (False, True))
-    yield "The same with `--size`; a function with the parts that it calls, which all functions of a robot share."
+    usual, small = ([measure(modules, processor, small=way) for processor in there] for way in (False, True))
+    yield "The same with `-DWMRGEN_SMALL`; a function with the kernels it calls, which all functions of a robot share."
     yield ""
     yield from rows(there, small)
     yield ""
-    yield "Bytes of code of all functions of a robot together, as usual → with `--size`."
+    yield "Bytes of code of all functions of a robot together, as usual → with `-DWMRGEN_SMALL`."
     yield ""
     yield from heading("layout", "robot", there)
     for layout, robot in dict.fromkeys((job.layout, job.robot) for job in JOBS):
@@ -35,13 +35,13 @@ def table() -> Iterator[str]:
     yield ""
     yield "Instructions per call on the emulated Cortex-M4F, inline."
     yield ""
-    yield "| layout | function | as usual | with `--size` |"
+    yield "| layout | function | as usual | with `-DWMRGEN_SMALL` |"
     yield "|---|---|---:|---:|"
     with tempfile.TemporaryDirectory() as name:
         benches = []
         for way in (False, True):
             folder = Path(name) / str(way)
             folder.mkdir()
-            benches.append(Bench(folder, DEFAULT.math, size=way))
+            benches.append(Bench(folder, DEFAULT.math, small=way))
         for job in JOBS:
             yield f"| {job.layout} | {job.function} | {' | '.join(str(b.count(job)) for b in benches)} |"

@@ -57,7 +57,6 @@ def meta(derivation: Derivation, choice: Choice, model: bytes) -> Meta:
         scalar=choice.scalar,
         math=choice.math,
         target=choice.target,
-        size=choice.size,
         bound_lines=_bound_lines(derivation, choice),
         site=site(derivation.robot),
         formulas=derivation.raw_module.functions,
@@ -68,8 +67,7 @@ def _bound_lines(derivation: Derivation, choice: Choice) -> tuple[str, ...]:
     """Nothing for double, which is not bounded."""
     if choice.scalar != DEFAULT.scalar:
         return ()
-    usual = replace(choice, size=False)  # the same operations
-    return header_lines(derivation.bounds if usual == DEFAULT else derivation.bounds_of(usual))
+    return header_lines(derivation.bounds if choice == DEFAULT else derivation.bounds_of(choice))
 
 
 def site(robot: Robot) -> Site:

@@ -11,6 +11,7 @@ from pathlib import Path
 from benchmarks.emulator.zig import CODE, DATA
 
 FLAGS = ("-O2", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-ffunction-sections")
+SMALL = ("-DWMRGEN_SMALL",)  # kernels are called, not inlined
 _ARM = "arm-none-eabi-gcc"
 _HARD = ("-mthumb", "-mfloat-abi=hard")
 

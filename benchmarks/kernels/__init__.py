@@ -25,12 +25,12 @@ def table(step: int = 1) -> Iterator[str]:
     yield "| kernel | target | range | floats tried | worst | at | stated |"
     yield "|---|---|---|---:|---:|---:|---:|"
     with tempfile.TemporaryDirectory() as folder:
-        for target, crowded in ((M4F, False), (M4F, True), (HOST, False), (M0, False)):
-            program = verify.build(Path(folder), target, crowded)
-            for r in verify.CROWDED if crowded else verify.RANGES:
+        for target, vector in ((M4F, False), (M4F, True), (HOST, False), (M0, False)):
+            program = verify.build(Path(folder), target, vector)
+            for r in verify.VECTOR if vector else verify.RANGES:
                 found = verify.worst(program, r, step)
                 unit = "2^-24" if r.absolute else "ulp"
-                name = f"{r.function} of many angles" if crowded else r.function
+                name = f"{r.function} of a vector" if vector else r.function
                 yield (
                     f"| {name} | {target} | {r.start:g} to {r.end:g} | {found.count} "
                     f"| {found.worst:.3f} {unit} | {found.where:.9g} | {stated(r, target)} |"

@@ -48,26 +48,26 @@ class Found:
     count: int
 
 
-# What differs where a module has functions of many angles.
-CROWDED = tuple(r for r in RANGES if r.function == "cosine")
+VECTOR = tuple(r for r in RANGES if r.function == "cosine")  # the cosine of a vector of a size and an angle
 
 
-def module(crowded: bool = False) -> Module:
-    """A module of the kernels alone, or with a function of many angles."""
+def module(vector: bool = False) -> Module:
+    """A module of the kernels alone; ``vector``: the cosine is that of the vector of size 1 at this angle."""
     ops = {"sine": Op.SIN, "cosine": Op.COS, "arctangent": Op.ATAN}
     x, y = Port("x", Role.STATE, "", "argument"), Port("y", Role.COMMAND, "", "value")
     nodes = {name: (Node(Op.INPUT, name="x"), Node(op, (0,))) for name, op in ops.items()}
-    kernels = tuple(Function(name, (x,), n, (y,), (1,), name) for name, n in nodes.items())
-    return Module("kernel", (*kernels, crowd()) if crowded else kernels)
+    kernels = {name: Function(name, (x,), n, (y,), (1,), name) for name, n in nodes.items()}
+    return Module("kernel", tuple((kernels | ({"cosine": _vector()} if vector else {})).values()))
 
 
-def crowd() -> Function:
-    """Sums of a cos x and of a sin x, as of four steered wheels."""
-    b, ports = Builder(), [Port(f"{n}{k}", Role.STATE, "", n) for k in range(4) for n in "ax"]
-    pairs = [(b.input(f"a{k}"), b.input(f"x{k}")) for k in range(4)]
-    results = [b.sum([b.mul(a, wave(x)) for a, x in pairs]) for wave in (b.cos, b.sin)]
-    outputs = tuple(Port(n, Role.COMMAND, "", n) for n in ("x", "y"))
-    return b.function("crowd", ports, outputs, results)
+def _vector() -> Function:
+    """Both parts of the vector of size 1 at the angle x; y is the one along."""
+    b = Builder()
+    x, one = b.input("x"), b.const(1)
+    size = b.max(one, b.min(one, x))  # 1, and no constant
+    results = [b.mul(size, wave(x)) for wave in (b.cos, b.sin)]
+    ports = (Port("x", Role.STATE, "", "argument"),), tuple(Port(n, Role.COMMAND, "", n) for n in ("y", "z"))
+    return b.function("cosine", ports[0], ports[1], results, "cosine")
 
 
 def compiler() -> str:
@@ -78,9 +78,9 @@ def compiler() -> str:
     return found
 
 
-def build(folder: Path, target: str, crowded: bool = False) -> Path:
+def build(folder: Path, target: str, vector: bool = False) -> Path:
     """The driver for the kernels of ``target``; with the instructions of this machine where the compiler knows it."""
-    header, source = sources(module(crowded), Meta(target=target))
+    header, source = sources(module(vector), Meta(target=target))
     (folder / "kernel.h").write_text(header)
     (folder / "kernel.c").write_text(source)
     program = folder / f"kernels_{target}"

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_d8725a3bd42398aa)
+#if !defined(ACKERMANN_CAR_PAIR_752ee8da83f9fb9e)
 #error "ackermann_car.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -73,6 +73,81 @@ static inline float wmrgen_beyond(float a, float m)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void ackermann_car_inverse(const ackermann_car_inverse_in *in, ackermann_car_inverse_out *out)
 {
     const float t0 = 0.75f * in->omega;
@@ -80,27 +155,19 @@ void ackermann_car_inverse(const ackermann_car_inverse_in *in, ackermann_car_inv
     const float t2 = in->vx + t0; /* front_right: p */
     const float t3 = 2.5f * in->omega;
     const float t4 = wmrgen_within(t3 / wmrgen_beyond(t1, 1e-20f), 0.83909965f); /* front_left: t */
-    const float t5 = t4 * t4;
-    const float t6 = 3.3333333f * (fmaf(t3, t4, t1) / sqrtf(t5 + 1.0f));
-    const float t7 = fmaf(t5, fmaf(t5, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t8 = fmaf(t5, fmaf(t5, t7, (-0.0762479f)), 0.10709304f);
-    const float t9 = fmaf(t5, fmaf(t5, t8, (-0.14225537f)), 0.1999624f);
-    const float t10 = fabsf(t3);
-    const float t11 = ((fabsf(t1) + t10) < 2e-20f) ? wmrgen_within(in->front_left.steer, 0.6981317f) : fmaf(t4 * t5, fmaf(t5, t9, (-0.33333313f)), t4);
-    const float t12 = wmrgen_within(t3 / wmrgen_beyond(t2, 1e-20f), 0.83909965f); /* front_right: t */
-    const float t13 = t12 * t12;
-    const float t14 = 3.3333333f * (fmaf(t3, t12, t2) / sqrtf(t13 + 1.0f));
-    const float t15 = fmaf(t13, fmaf(t13, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t16 = fmaf(t13, fmaf(t13, t15, (-0.0762479f)), 0.10709304f);
-    const float t17 = fmaf(t13, fmaf(t13, t16, (-0.14225537f)), 0.1999624f);
-    const float t18 = ((t10 + fabsf(t2)) < 2e-20f) ? wmrgen_within(in->front_right.steer, 0.6981317f) : fmaf(t12 * t13, fmaf(t13, t17, (-0.33333313f)), t12);
+    const float t5 = 3.3333333f * (fmaf(t3, t4, t1) / sqrtf(fmaf(t4, t4, 1.0f)));
+    const float t6 = fabsf(t3);
+    const float t7 = ((fabsf(t1) + t6) < 2e-20f) ? wmrgen_within(in->front_left.steer, 0.6981317f) : wmrgen_arctangent(t4);
+    const float t8 = wmrgen_within(t3 / wmrgen_beyond(t2, 1e-20f), 0.83909965f); /* front_right: t */
+    const float t9 = 3.3333333f * (fmaf(t3, t8, t2) / sqrtf(fmaf(t8, t8, 1.0f)));
+    const float t10 = ((t6 + fabsf(t2)) < 2e-20f) ? wmrgen_within(in->front_right.steer, 0.6981317f) : wmrgen_arctangent(t8);
 
     out->rear_left.spin = 3.3333333f * t1;
     out->rear_right.spin = 3.3333333f * t2;
-    out->front_left.spin = t6;
-    out->front_left.steer = t11;
-    out->front_right.spin = t14;
-    out->front_right.steer = t18;
+    out->front_left.spin = t5;
+    out->front_left.steer = t7;
+    out->front_right.spin = t9;
+    out->front_right.steer = t10;
 }
 
 void ackermann_car_inverse_slip(
@@ -123,110 +190,70 @@ void ackermann_car_inverse_slip(
 
 void ackermann_car_forward(const ackermann_car_forward_in *in, ackermann_car_forward_out *out)
 {
-    const float t0 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front_right.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = fmaf(t6 * t3, t9, t6); /* front_right: row of H, vy */
-    const float t11 = fmaf(2.5f, t10, -(0.75f * t7)); /* front_right: row of H, omega */
-    const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
-    const float t13 = t12 - 12582912.0f;
-    const float t14 = fmaf(t13, 8.742278e-08f, fmaf(-t13, 3.1415927f, in->front_left.steer));
-    const float t15 = t14 * t14;
-    const float t16 = fmaf(t15, fmaf(t15, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t17 = fmaf(t14 * t15, fmaf(t15, t16, (-0.16666657f)), t14);
-    const float t18 = wmrgen_flip(1.0f, t12);
-    const float t19 = t18 * t17;
-    const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = fmaf(t18 * t15, t21, t18); /* front_left: row of H, vy */
-    const float t23 = fmaf(0.75f, t19, 2.5f * t22); /* front_left: row of H, omega */
-    const float t24 = fmaf(t19, t23, t7 * t11);
-    const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
-    const float t26 = fmaf(t22, t19, t10 * t7);
-    const float t27 = fmaf(t10, t10, fmaf(t22, t22, 2.0f)); /* HtH[1][1] */
-    const float t28 = fmaf(t27, t24, -(t25 * t26)); /* adj(HtH)[0][2] */
-    const float t29 = fmaf(t11, t11, fmaf(t23, t23, 1.125f)); /* HtH[2][2] */
-    const float t30 = fmaf(t29, t26, -(t25 * t24)); /* adj(HtH)[0][1] */
-    const float t31 = fmaf(t27, t29, -(t25 * t25)); /* adj(HtH)[0][0] */
-    const float t32 = fmaf(t7, t7, fmaf(t19, t19, 2.0f)); /* HtH[0][0] */
-    const float t33 = fmaf(-t24, t28, fmaf(t31, t32, -(t26 * t30))); /* det(HtH) */
-    const float t34 = (t33 < 2.25f) ? 2.25f : t33;
-    const float t35 = 1.0f / t34;
-    const float t36 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
-    const float t37 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
-    const float t38 = fmaf(t37, t30, t36 * fmaf(t26, t24, -(t25 * t32))); /* (adj(HtH) Htz)[1] */
-    const float t39 = fmaf(t37, t28, t36 * fmaf(t27, t32, -(t26 * t26))); /* (adj(HtH) Htz)[2] */
+    const wmrgen_vector t0 = wmrgen_direction(in->front_right.steer);
+    const float t1 = fmaf(2.5f, t0.x, -(0.75f * t0.y)); /* front_right: row of H, omega */
+    const wmrgen_vector t2 = wmrgen_direction(in->front_left.steer);
+    const float t3 = fmaf(0.75f, t2.y, 2.5f * t2.x); /* front_left: row of H, omega */
+    const float t4 = fmaf(t1, t1, fmaf(t3, t3, 1.125f)); /* HtH[2][2] */
+    const float t5 = fmaf(t2.x, t3, t0.x * t1); /* HtH[1][2] */
+    const float t6 = fmaf(t0.x, t0.x, fmaf(t2.x, t2.x, 2.0f)); /* HtH[1][1] */
+    const float t7 = fmaf(t6, t4, -(t5 * t5)); /* adj(HtH)[0][0] */
+    const float t8 = fmaf(t2.x, t2.y, t0.x * t0.y);
+    const float t9 = fmaf(t2.y, t3, t0.y * t1);
+    const float t10 = fmaf(t6, t9, -(t5 * t8)); /* adj(HtH)[0][2] */
+    const float t11 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
+    const float t12 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
+    const float t13 = fmaf(t4, t8, -(t5 * t9)); /* adj(HtH)[0][1] */
+    const float t14 = fmaf(t0.y, t0.y, fmaf(t2.y, t2.y, 2.0f)); /* HtH[0][0] */
+    const float t15 = fmaf(-t9, t10, fmaf(t7, t14, -(t8 * t13))); /* det(HtH) */
+    const float t16 = (t15 < 2.25f) ? 2.25f : t15;
+    const float t17 = 1.0f / t16;
+    const float t18 = fmaf(t12, t13, t11 * fmaf(t8, t9, -(t5 * t14))); /* (adj(HtH) Htz)[1] */
+    const float t19 = fmaf(t12, t10, t11 * fmaf(t6, t14, -(t8 * t8))); /* (adj(HtH) Htz)[2] */
 
-    out->vx = fmaf(t31, t37, t28 * t36) * t35;
-    out->vy = t35 * t38;
-    out->omega = t35 * t39;
+    out->vx = fmaf(t7, t12, t10 * t11) * t17;
+    out->vy = t17 * t18;
+    out->omega = t17 * t19;
 }
 
 void ackermann_car_forward_slip(
     const ackermann_car_forward_slip_in *in,
     ackermann_car_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front_right.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = fmaf(t6 * t3, t9, t6); /* front_right: row of H, vy */
-    const float t11 = fmaf(2.5f, t10, -(0.75f * t7)); /* front_right: row of H, omega */
-    const float t12 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
-    const float t13 = t12 - 12582912.0f;
-    const float t14 = fmaf(t13, 8.742278e-08f, fmaf(-t13, 3.1415927f, in->front_left.steer));
-    const float t15 = t14 * t14;
-    const float t16 = fmaf(t15, fmaf(t15, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t17 = fmaf(t14 * t15, fmaf(t15, t16, (-0.16666657f)), t14);
-    const float t18 = wmrgen_flip(1.0f, t12);
-    const float t19 = t18 * t17;
-    const float t20 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t21 = fmaf(t15, fmaf(t15, t20, 0.041666657f), (-0.5f));
-    const float t22 = fmaf(t18 * t15, t21, t18); /* front_left: row of H, vy */
-    const float t23 = fmaf(0.75f, t19, 2.5f * t22); /* front_left: row of H, omega */
-    const float t24 = fmaf(t19, t23, t7 * t11);
-    const float t25 = fmaf(t22, t23, t10 * t11); /* HtH[1][2] */
-    const float t26 = fmaf(t22, t19, t10 * t7);
-    const float t27 = fmaf(t10, t10, fmaf(t22, t22, 2.0f)); /* HtH[1][1] */
-    const float t28 = fmaf(t27, t24, -(t25 * t26)); /* adj(HtH)[0][2] */
-    const float t29 = fmaf(t11, t11, fmaf(t23, t23, 1.125f)); /* HtH[2][2] */
-    const float t30 = fmaf(t29, t26, -(t25 * t24)); /* adj(HtH)[0][1] */
-    const float t31 = fmaf(t27, t29, -(t25 * t25)); /* adj(HtH)[0][0] */
-    const float t32 = fmaf(t7, t7, fmaf(t19, t19, 2.0f)); /* HtH[0][0] */
-    const float t33 = fmaf(-t24, t28, fmaf(t31, t32, -(t26 * t30))); /* det(HtH) */
-    const float t34 = (t33 < 2.25f) ? 2.25f : t33;
-    const float t35 = 1.0f / t34;
-    const float t36 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
-    const float t37 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
-    const float t38 = fmaf(t31, t37, t28 * t36) * t35; /* vx */
-    const float t39 = fmaf(t37, t30, t36 * fmaf(t26, t24, -(t25 * t32))); /* (adj(HtH) Htz)[1] */
-    const float t40 = t35 * t39; /* vy */
-    const float t41 = fmaf(t37, t28, t36 * fmaf(t27, t32, -(t26 * t26))); /* (adj(HtH) Htz)[2] */
-    const float t42 = t35 * t41; /* omega */
-    const float t43 = (-0.75f) * t42;
-    const float t44 = fmaf(0.3f, in->rear_left.spin, -t38) - t43; /* residual 0 */
-    const float t45 = fmaf(0.3f, in->rear_right.spin, t43 - t38); /* residual 2 */
-    const float t46 = fmaf(-t23, t42, fmaf(t19, t38, -(t22 * t40))); /* residual 4 */
-    const float t47 = fmaf(-t11, t42, fmaf(t7, t38, -(t10 * t40))); /* residual 5 */
-    const float t48 = fmaf(t47, t47, fmaf(t46, t46, fmaf(t44, t44, t45 * t45)));
+    const wmrgen_vector t0 = wmrgen_direction(in->front_right.steer);
+    const float t1 = fmaf(2.5f, t0.x, -(0.75f * t0.y)); /* front_right: row of H, omega */
+    const wmrgen_vector t2 = wmrgen_direction(in->front_left.steer);
+    const float t3 = fmaf(0.75f, t2.y, 2.5f * t2.x); /* front_left: row of H, omega */
+    const float t4 = fmaf(t1, t1, fmaf(t3, t3, 1.125f)); /* HtH[2][2] */
+    const float t5 = fmaf(t2.x, t3, t0.x * t1); /* HtH[1][2] */
+    const float t6 = fmaf(t0.x, t0.x, fmaf(t2.x, t2.x, 2.0f)); /* HtH[1][1] */
+    const float t7 = fmaf(t6, t4, -(t5 * t5)); /* adj(HtH)[0][0] */
+    const float t8 = fmaf(t2.x, t2.y, t0.x * t0.y);
+    const float t9 = fmaf(t2.y, t3, t0.y * t1);
+    const float t10 = fmaf(t6, t9, -(t5 * t8)); /* adj(HtH)[0][2] */
+    const float t11 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
+    const float t12 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
+    const float t13 = fmaf(t4, t8, -(t5 * t9)); /* adj(HtH)[0][1] */
+    const float t14 = fmaf(t0.y, t0.y, fmaf(t2.y, t2.y, 2.0f)); /* HtH[0][0] */
+    const float t15 = fmaf(-t9, t10, fmaf(t7, t14, -(t8 * t13))); /* det(HtH) */
+    const float t16 = (t15 < 2.25f) ? 2.25f : t15;
+    const float t17 = 1.0f / t16;
+    const float t18 = fmaf(t7, t12, t10 * t11) * t17; /* vx */
+    const float t19 = fmaf(t12, t13, t11 * fmaf(t8, t9, -(t5 * t14))); /* (adj(HtH) Htz)[1] */
+    const float t20 = t17 * t19; /* vy */
+    const float t21 = fmaf(t12, t10, t11 * fmaf(t6, t14, -(t8 * t8))); /* (adj(HtH) Htz)[2] */
+    const float t22 = t17 * t21; /* omega */
+    const float t23 = (-0.75f) * t22;
+    const float t24 = fmaf(0.3f, in->rear_left.spin, -t18) - t23; /* residual 0 */
+    const float t25 = fmaf(0.3f, in->rear_right.spin, t23 - t18); /* residual 2 */
+    const float t26 = fmaf(-t3, t22, fmaf(t2.y, t18, -(t2.x * t20))); /* residual 4 */
+    const float t27 = fmaf(-t1, t22, fmaf(t0.y, t18, -(t0.x * t20))); /* residual 5 */
+    const float t28 = fmaf(t27, t27, fmaf(t26, t26, fmaf(t24, t24, t25 * t25)));
 
-    out->vx = t38;
-    out->vy = t40;
-    out->omega = t42;
-    out->slip = sqrtf((2.0f * (t40 * t40)) + t48);
+    out->vx = t18;
+    out->vy = t20;
+    out->omega = t22;
+    out->slip = sqrtf((2.0f * (t20 * t20)) + t28);
 }
 
 void ackermann_car_odometry(const ackermann_car_odometry_in *in, ackermann_car_odometry_out *out)
@@ -236,32 +263,16 @@ void ackermann_car_odometry(const ackermann_car_odometry_in *in, ackermann_car_o
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -12,9 +12,11 @@
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
  * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
  * angle at its limit for one. Check inputs, or take the functions of the _checked files.
- * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
- * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
+ * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
+ * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
+ * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
+ * the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -54,7 +56,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "df2aa84f1fd4d0752a4ff6fc147d397b"
-#define ACKERMANN_CAR_PAIR_d8725a3bd42398aa 1
+#define ACKERMANN_CAR_PAIR_752ee8da83f9fb9e 1
 
 #ifdef __cplusplus
 extern "C" {

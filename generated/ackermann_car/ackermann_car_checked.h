@@ -20,7 +20,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_d8725a3bd42398aa)
+#if !defined(ACKERMANN_CAR_PAIR_752ee8da83f9fb9e)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

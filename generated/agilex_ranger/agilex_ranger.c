@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_7211138bafdc952d)
+#if !defined(AGILEX_RANGER_PAIR_84339e7ea39e5ed6)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -73,6 +73,98 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR_AT)
+#define WMRGEN_VECTOR_AT
+/* The vector of this size at this angle: size (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t1 = t0 - 25165824.0f;
+    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t3 = wmrgen_flip(size, t0);
+
+    result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inverse_out *out)
 {
     const float t0 = fmaf(1.1920929e-09f, in->omega, fmaf((-0.28f), in->omega, in->vx)); /* front_left: a, rear_left: a */
@@ -82,118 +174,62 @@ void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inv
     const float t4 = sqrtf(t1 + t3); /* front_left: sqrt(a^2 + b^2) */
     const float t5 = fabsf(t0);
     const float t6 = (1e-20f < t4) ? (t4 + t5) : 1e-20f;
-    const float t7 = t2 / t6;
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t10 = fmaf(t8, fmaf(t8, t9, (-0.0762479f)), 0.10709304f);
-    const float t11 = fmaf(t8, fmaf(t8, t10, (-0.14225537f)), 0.1999624f);
-    const float t12 = fmaf(t7 * t8, fmaf(t8, t11, (-0.33333313f)), t7);
-    const float t13 = wmrgen_signed(2.0f, t0);
-    const float t14 = wmrgen_within(in->front_left.steer, 1.57f);
-    const float t15 = (1e-20f < t4) ? (t13 * t12) : t14; /* front_left: heading, front_left: angle inside the limits */
-    const float t16 = fmaf(0.31830987f, t15 - t14, 12582912.0f);
-    const float t17 = fmaf((-3.1415927f), t16 - 12582912.0f, t15); /* front_left: nearer angle */
-    const float t18 = (1.5707964f < t17) ? (t17 - 3.1415927f) : t17;
-    const float t19 = (t17 < (-1.5707964f)) ? (t17 + 3.1415927f) : t18;
-    const float t20 = wmrgen_within(t19, 1.57f);
-    const float t21 = t20 - t17; /* front left excess */
-    const float t22 = fmaf(t21, 0.63661975f, 25165824.0f);
-    const float t23 = t22 - 25165824.0f;
-    const float t24 = fmaf(t23, 4.371139e-08f, fmaf(-t23, 1.5707964f, t21));
-    const float t25 = 1.5707964f - fabsf(t24);
-    const float t26 = t25 * t25;
-    const float t27 = fmaf(t26, fmaf(t26, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t28 = fmaf(t25 * t26, fmaf(t26, t27, (-0.16666657f)), t25);
-    const float t29 = wmrgen_signed(8.333333f, t0);
-    const float t30 = wmrgen_flip(t29 * (wmrgen_flip(t4, t22) * t28), t16);
-    const float t31 = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
-    const float t32 = t31 * t31;
-    const float t33 = sqrtf(t3 + t32); /* front_right: sqrt(a^2 + b^2) */
-    const float t34 = fabsf(t31);
-    const float t35 = (1e-20f < t33) ? (t33 + t34) : 1e-20f;
-    const float t36 = t2 / t35;
-    const float t37 = t36 * t36;
-    const float t38 = fmaf(t37, fmaf(t37, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t39 = fmaf(t37, fmaf(t37, t38, (-0.0762479f)), 0.10709304f);
-    const float t40 = fmaf(t37, fmaf(t37, t39, (-0.14225537f)), 0.1999624f);
-    const float t41 = fmaf(t36 * t37, fmaf(t37, t40, (-0.33333313f)), t36);
-    const float t42 = wmrgen_signed(2.0f, t31);
-    const float t43 = wmrgen_within(in->front_right.steer, 1.57f);
-    const float t44 = (1e-20f < t33) ? (t42 * t41) : t43; /* front_right: heading, front_right: angle inside the limits */
-    const float t45 = fmaf(0.31830987f, t44 - t43, 12582912.0f);
-    const float t46 = fmaf((-3.1415927f), t45 - 12582912.0f, t44); /* front_right: nearer angle */
-    const float t47 = (1.5707964f < t46) ? (t46 - 3.1415927f) : t46;
-    const float t48 = (t46 < (-1.5707964f)) ? (t46 + 3.1415927f) : t47;
-    const float t49 = wmrgen_within(t48, 1.57f);
-    const float t50 = t49 - t46; /* front right excess */
-    const float t51 = fmaf(t50, 0.63661975f, 25165824.0f);
-    const float t52 = t51 - 25165824.0f;
-    const float t53 = fmaf(t52, 4.371139e-08f, fmaf(-t52, 1.5707964f, t50));
-    const float t54 = 1.5707964f - fabsf(t53);
-    const float t55 = t54 * t54;
-    const float t56 = fmaf(t55, fmaf(t55, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t57 = fmaf(t54 * t55, fmaf(t55, t56, (-0.16666657f)), t54);
-    const float t58 = wmrgen_signed(8.333333f, t31);
-    const float t59 = wmrgen_flip(t58 * (wmrgen_flip(t33, t51) * t57), t45);
-    const float t60 = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
-    const float t61 = t60 * t60;
-    const float t62 = sqrtf(t1 + t61); /* rear_left: sqrt(a^2 + b^2) */
-    const float t63 = (1e-20f < t62) ? (t5 + t62) : 1e-20f;
-    const float t64 = t60 / t63;
-    const float t65 = t64 * t64;
-    const float t66 = fmaf(t65, fmaf(t65, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t67 = fmaf(t65, fmaf(t65, t66, (-0.0762479f)), 0.10709304f);
-    const float t68 = fmaf(t65, fmaf(t65, t67, (-0.14225537f)), 0.1999624f);
-    const float t69 = fmaf(t64 * t65, fmaf(t65, t68, (-0.33333313f)), t64);
-    const float t70 = wmrgen_within(in->rear_left.steer, 1.57f);
-    const float t71 = (1e-20f < t62) ? (t13 * t69) : t70; /* rear_left: heading, rear_left: angle inside the limits */
-    const float t72 = fmaf(0.31830987f, t71 - t70, 12582912.0f);
-    const float t73 = fmaf((-3.1415927f), t72 - 12582912.0f, t71); /* rear_left: nearer angle */
-    const float t74 = (1.5707964f < t73) ? (t73 - 3.1415927f) : t73;
-    const float t75 = (t73 < (-1.5707964f)) ? (t73 + 3.1415927f) : t74;
-    const float t76 = wmrgen_within(t75, 1.57f);
-    const float t77 = t76 - t73; /* rear left excess */
-    const float t78 = fmaf(t77, 0.63661975f, 25165824.0f);
-    const float t79 = t78 - 25165824.0f;
-    const float t80 = fmaf(t79, 4.371139e-08f, fmaf(-t79, 1.5707964f, t77));
-    const float t81 = 1.5707964f - fabsf(t80);
-    const float t82 = t81 * t81;
-    const float t83 = fmaf(t82, fmaf(t82, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t84 = fmaf(t81 * t82, fmaf(t82, t83, (-0.16666657f)), t81);
-    const float t85 = wmrgen_flip(t29 * (wmrgen_flip(t62, t78) * t84), t72);
-    const float t86 = sqrtf(t32 + t61); /* rear_right: sqrt(a^2 + b^2) */
-    const float t87 = (1e-20f < t86) ? (t34 + t86) : 1e-20f;
-    const float t88 = t60 / t87;
-    const float t89 = t88 * t88;
-    const float t90 = fmaf(t89, fmaf(t89, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t91 = fmaf(t89, fmaf(t89, t90, (-0.0762479f)), 0.10709304f);
-    const float t92 = fmaf(t89, fmaf(t89, t91, (-0.14225537f)), 0.1999624f);
-    const float t93 = fmaf(t88 * t89, fmaf(t89, t92, (-0.33333313f)), t88);
-    const float t94 = wmrgen_within(in->rear_right.steer, 1.57f);
-    const float t95 = (1e-20f < t86) ? (t42 * t93) : t94; /* rear_right: heading, rear_right: angle inside the limits */
-    const float t96 = fmaf(0.31830987f, t95 - t94, 12582912.0f);
-    const float t97 = fmaf((-3.1415927f), t96 - 12582912.0f, t95); /* rear_right: nearer angle */
-    const float t98 = (1.5707964f < t97) ? (t97 - 3.1415927f) : t97;
-    const float t99 = (t97 < (-1.5707964f)) ? (t97 + 3.1415927f) : t98;
-    const float t100 = wmrgen_within(t99, 1.57f);
-    const float t101 = t100 - t97; /* rear right excess */
-    const float t102 = fmaf(t101, 0.63661975f, 25165824.0f);
-    const float t103 = t102 - 25165824.0f;
-    const float t104 = fmaf(t103, 4.371139e-08f, fmaf(-t103, 1.5707964f, t101));
-    const float t105 = 1.5707964f - fabsf(t104);
-    const float t106 = t105 * t105;
-    const float t107 = fmaf(t106, fmaf(t106, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t108 = fmaf(t105 * t106, fmaf(t106, t107, (-0.16666657f)), t105);
-    const float t109 = wmrgen_flip(t58 * (wmrgen_flip(t86, t102) * t108), t96);
+    const float t7 = wmrgen_signed(2.0f, t0);
+    const float t8 = wmrgen_within(in->front_left.steer, 1.57f);
+    const float t9 = (1e-20f < t4) ? (t7 * wmrgen_arctangent(t2 / t6)) : t8; /* front_left: heading, front_left: angle inside the limits */
+    const float t10 = fmaf(0.31830987f, t9 - t8, 12582912.0f);
+    const float t11 = fmaf((-3.1415927f), t10 - 12582912.0f, t9); /* front_left: nearer angle */
+    const float t12 = (1.5707964f < t11) ? (t11 - 3.1415927f) : t11;
+    const float t13 = (t11 < (-1.5707964f)) ? (t11 + 3.1415927f) : t12;
+    const float t14 = wmrgen_within(t13, 1.57f);
+    const wmrgen_vector t15 = wmrgen_direction(t14 - t11);
+    const float t16 = wmrgen_signed(8.333333f, t0);
+    const float t17 = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
+    const float t18 = t17 * t17;
+    const float t19 = sqrtf(t3 + t18); /* front_right: sqrt(a^2 + b^2) */
+    const float t20 = fabsf(t17);
+    const float t21 = (1e-20f < t19) ? (t19 + t20) : 1e-20f;
+    const float t22 = wmrgen_signed(2.0f, t17);
+    const float t23 = wmrgen_within(in->front_right.steer, 1.57f);
+    const float t24 = (1e-20f < t19) ? (t22 * wmrgen_arctangent(t2 / t21)) : t23; /* front_right: heading, front_right: angle inside the limits */
+    const float t25 = fmaf(0.31830987f, t24 - t23, 12582912.0f);
+    const float t26 = fmaf((-3.1415927f), t25 - 12582912.0f, t24); /* front_right: nearer angle */
+    const float t27 = (1.5707964f < t26) ? (t26 - 3.1415927f) : t26;
+    const float t28 = (t26 < (-1.5707964f)) ? (t26 + 3.1415927f) : t27;
+    const float t29 = wmrgen_within(t28, 1.57f);
+    const wmrgen_vector t30 = wmrgen_direction(t29 - t26);
+    const float t31 = wmrgen_signed(8.333333f, t17);
+    const float t32 = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
+    const float t33 = t32 * t32;
+    const float t34 = sqrtf(t1 + t33); /* rear_left: sqrt(a^2 + b^2) */
+    const float t35 = (1e-20f < t34) ? (t5 + t34) : 1e-20f;
+    const float t36 = wmrgen_within(in->rear_left.steer, 1.57f);
+    const float t37 = (1e-20f < t34) ? (t7 * wmrgen_arctangent(t32 / t35)) : t36; /* rear_left: heading, rear_left: angle inside the limits */
+    const float t38 = fmaf(0.31830987f, t37 - t36, 12582912.0f);
+    const float t39 = fmaf((-3.1415927f), t38 - 12582912.0f, t37); /* rear_left: nearer angle */
+    const float t40 = (1.5707964f < t39) ? (t39 - 3.1415927f) : t39;
+    const float t41 = (t39 < (-1.5707964f)) ? (t39 + 3.1415927f) : t40;
+    const float t42 = wmrgen_within(t41, 1.57f);
+    const wmrgen_vector t43 = wmrgen_direction(t42 - t39);
+    const float t44 = sqrtf(t18 + t33); /* rear_right: sqrt(a^2 + b^2) */
+    const float t45 = (1e-20f < t44) ? (t20 + t44) : 1e-20f;
+    const float t46 = wmrgen_within(in->rear_right.steer, 1.57f);
+    const float t47 = (1e-20f < t44) ? (t22 * wmrgen_arctangent(t32 / t45)) : t46; /* rear_right: heading, rear_right: angle inside the limits */
+    const float t48 = fmaf(0.31830987f, t47 - t46, 12582912.0f);
+    const float t49 = fmaf((-3.1415927f), t48 - 12582912.0f, t47); /* rear_right: nearer angle */
+    const float t50 = (1.5707964f < t49) ? (t49 - 3.1415927f) : t49;
+    const float t51 = (t49 < (-1.5707964f)) ? (t49 + 3.1415927f) : t50;
+    const float t52 = wmrgen_within(t51, 1.57f);
+    const wmrgen_vector t53 = wmrgen_direction(t52 - t49);
 
-    out->front_left.spin = t30;
-    out->front_left.steer = t20;
-    out->front_right.spin = t59;
-    out->front_right.steer = t49;
-    out->rear_left.spin = t85;
-    out->rear_left.steer = t76;
-    out->rear_right.spin = t109;
-    out->rear_right.steer = t100;
+    out->front_left.spin = wmrgen_flip(t16 * (t4 * t15.x), t10);
+    out->front_left.steer = t14;
+    out->front_right.spin = wmrgen_flip(t31 * (t19 * t30.x), t25);
+    out->front_right.steer = t29;
+    out->rear_left.spin = wmrgen_flip(t16 * (t34 * t43.x), t38);
+    out->rear_left.steer = t42;
+    out->rear_right.spin = wmrgen_flip(t31 * (t44 * t53.x), t48);
+    out->rear_right.steer = t52;
 }
 
 void agilex_ranger_inverse_slip(
@@ -207,286 +243,128 @@ void agilex_ranger_inverse_slip(
     const float t4 = sqrtf(t1 + t3); /* front_left: sqrt(a^2 + b^2) */
     const float t5 = fabsf(t0);
     const float t6 = (1e-20f < t4) ? (t4 + t5) : 1e-20f;
-    const float t7 = t2 / t6;
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t10 = fmaf(t8, fmaf(t8, t9, (-0.0762479f)), 0.10709304f);
-    const float t11 = fmaf(t8, fmaf(t8, t10, (-0.14225537f)), 0.1999624f);
-    const float t12 = fmaf(t7 * t8, fmaf(t8, t11, (-0.33333313f)), t7);
-    const float t13 = wmrgen_signed(2.0f, t0);
-    const float t14 = wmrgen_within(in->front_left.steer, 1.57f);
-    const float t15 = (1e-20f < t4) ? (t13 * t12) : t14; /* front_left: heading, front_left: angle inside the limits */
-    const float t16 = fmaf(0.31830987f, t15 - t14, 12582912.0f);
-    const float t17 = fmaf((-3.1415927f), t16 - 12582912.0f, t15); /* front_left: nearer angle */
-    const float t18 = (1.5707964f < t17) ? (t17 - 3.1415927f) : t17;
-    const float t19 = (t17 < (-1.5707964f)) ? (t17 + 3.1415927f) : t18;
-    const float t20 = wmrgen_within(t19, 1.57f) - t17; /* front left excess */
-    const float t21 = fmaf(t20, 0.63661975f, 25165824.0f);
-    const float t22 = t21 - 25165824.0f;
-    const float t23 = fmaf(t22, 4.371139e-08f, fmaf(-t22, 1.5707964f, t20));
-    const float t24 = t23 * t23;
-    const float t25 = fmaf(t24, fmaf(t24, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t26 = fmaf(t23 * t24, fmaf(t24, t25, (-0.16666657f)), t23);
-    const float t27 = wmrgen_signed(wmrgen_flip(t4, t21) * t26, t0);
-    const float t28 = wmrgen_flip(t27, t16);
-    const float t29 = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
-    const float t30 = t29 * t29;
-    const float t31 = sqrtf(t3 + t30); /* front_right: sqrt(a^2 + b^2) */
-    const float t32 = fabsf(t29);
-    const float t33 = (1e-20f < t31) ? (t31 + t32) : 1e-20f;
-    const float t34 = t2 / t33;
-    const float t35 = t34 * t34;
-    const float t36 = fmaf(t35, fmaf(t35, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t37 = fmaf(t35, fmaf(t35, t36, (-0.0762479f)), 0.10709304f);
-    const float t38 = fmaf(t35, fmaf(t35, t37, (-0.14225537f)), 0.1999624f);
-    const float t39 = fmaf(t34 * t35, fmaf(t35, t38, (-0.33333313f)), t34);
-    const float t40 = wmrgen_signed(2.0f, t29);
-    const float t41 = wmrgen_within(in->front_right.steer, 1.57f);
-    const float t42 = (1e-20f < t31) ? (t40 * t39) : t41; /* front_right: heading, front_right: angle inside the limits */
-    const float t43 = fmaf(0.31830987f, t42 - t41, 12582912.0f);
-    const float t44 = fmaf((-3.1415927f), t43 - 12582912.0f, t42); /* front_right: nearer angle */
-    const float t45 = (1.5707964f < t44) ? (t44 - 3.1415927f) : t44;
-    const float t46 = (t44 < (-1.5707964f)) ? (t44 + 3.1415927f) : t45;
-    const float t47 = wmrgen_within(t46, 1.57f) - t44; /* front right excess */
-    const float t48 = fmaf(t47, 0.63661975f, 25165824.0f);
-    const float t49 = t48 - 25165824.0f;
-    const float t50 = fmaf(t49, 4.371139e-08f, fmaf(-t49, 1.5707964f, t47));
-    const float t51 = t50 * t50;
-    const float t52 = fmaf(t51, fmaf(t51, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t53 = fmaf(t50 * t51, fmaf(t51, t52, (-0.16666657f)), t50);
-    const float t54 = wmrgen_signed(wmrgen_flip(t31, t48) * t53, t29);
-    const float t55 = wmrgen_flip(t54, t43);
-    const float t56 = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
-    const float t57 = t56 * t56;
-    const float t58 = sqrtf(t1 + t57); /* rear_left: sqrt(a^2 + b^2) */
-    const float t59 = (1e-20f < t58) ? (t5 + t58) : 1e-20f;
-    const float t60 = t56 / t59;
-    const float t61 = t60 * t60;
-    const float t62 = fmaf(t61, fmaf(t61, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t63 = fmaf(t61, fmaf(t61, t62, (-0.0762479f)), 0.10709304f);
-    const float t64 = fmaf(t61, fmaf(t61, t63, (-0.14225537f)), 0.1999624f);
-    const float t65 = fmaf(t60 * t61, fmaf(t61, t64, (-0.33333313f)), t60);
-    const float t66 = wmrgen_within(in->rear_left.steer, 1.57f);
-    const float t67 = (1e-20f < t58) ? (t13 * t65) : t66; /* rear_left: heading, rear_left: angle inside the limits */
-    const float t68 = fmaf(0.31830987f, t67 - t66, 12582912.0f);
-    const float t69 = fmaf((-3.1415927f), t68 - 12582912.0f, t67); /* rear_left: nearer angle */
-    const float t70 = (1.5707964f < t69) ? (t69 - 3.1415927f) : t69;
-    const float t71 = (t69 < (-1.5707964f)) ? (t69 + 3.1415927f) : t70;
-    const float t72 = wmrgen_within(t71, 1.57f) - t69; /* rear left excess */
-    const float t73 = fmaf(t72, 0.63661975f, 25165824.0f);
-    const float t74 = t73 - 25165824.0f;
-    const float t75 = fmaf(t74, 4.371139e-08f, fmaf(-t74, 1.5707964f, t72));
-    const float t76 = t75 * t75;
-    const float t77 = fmaf(t76, fmaf(t76, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t78 = fmaf(t75 * t76, fmaf(t76, t77, (-0.16666657f)), t75);
-    const float t79 = wmrgen_signed(wmrgen_flip(t58, t73) * t78, t0);
-    const float t80 = wmrgen_flip(t79, t68);
-    const float t81 = sqrtf(t30 + t57); /* rear_right: sqrt(a^2 + b^2) */
-    const float t82 = (1e-20f < t81) ? (t32 + t81) : 1e-20f;
-    const float t83 = t56 / t82;
-    const float t84 = t83 * t83;
-    const float t85 = fmaf(t84, fmaf(t84, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t86 = fmaf(t84, fmaf(t84, t85, (-0.0762479f)), 0.10709304f);
-    const float t87 = fmaf(t84, fmaf(t84, t86, (-0.14225537f)), 0.1999624f);
-    const float t88 = fmaf(t83 * t84, fmaf(t84, t87, (-0.33333313f)), t83);
-    const float t89 = wmrgen_within(in->rear_right.steer, 1.57f);
-    const float t90 = (1e-20f < t81) ? (t40 * t88) : t89; /* rear_right: heading, rear_right: angle inside the limits */
-    const float t91 = fmaf(0.31830987f, t90 - t89, 12582912.0f);
-    const float t92 = fmaf((-3.1415927f), t91 - 12582912.0f, t90); /* rear_right: nearer angle */
-    const float t93 = (1.5707964f < t92) ? (t92 - 3.1415927f) : t92;
-    const float t94 = (t92 < (-1.5707964f)) ? (t92 + 3.1415927f) : t93;
-    const float t95 = wmrgen_within(t94, 1.57f) - t92; /* rear right excess */
-    const float t96 = fmaf(t95, 0.63661975f, 25165824.0f);
-    const float t97 = t96 - 25165824.0f;
-    const float t98 = fmaf(t97, 4.371139e-08f, fmaf(-t97, 1.5707964f, t95));
-    const float t99 = t98 * t98;
-    const float t100 = fmaf(t99, fmaf(t99, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t101 = fmaf(t98 * t99, fmaf(t99, t100, (-0.16666657f)), t98);
-    const float t102 = wmrgen_signed(wmrgen_flip(t81, t96) * t101, t29);
-    const float t103 = wmrgen_flip(t102, t91);
-    const float t104 = fmaf(t103, t103, fmaf(t80, t80, fmaf(t28, t28, t55 * t55)));
+    const float t7 = wmrgen_signed(2.0f, t0);
+    const float t8 = wmrgen_within(in->front_left.steer, 1.57f);
+    const float t9 = (1e-20f < t4) ? (t7 * wmrgen_arctangent(t2 / t6)) : t8; /* front_left: heading, front_left: angle inside the limits */
+    const float t10 = fmaf(0.31830987f, t9 - t8, 12582912.0f);
+    const float t11 = fmaf((-3.1415927f), t10 - 12582912.0f, t9); /* front_left: nearer angle */
+    const float t12 = (1.5707964f < t11) ? (t11 - 3.1415927f) : t11;
+    const float t13 = (t11 < (-1.5707964f)) ? (t11 + 3.1415927f) : t12;
+    const wmrgen_vector t14 = wmrgen_direction(wmrgen_within(t13, 1.57f) - t11);
+    const float t15 = wmrgen_flip(wmrgen_signed(t4 * t14.y, t0), t10);
+    const float t16 = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
+    const float t17 = t16 * t16;
+    const float t18 = sqrtf(t3 + t17); /* front_right: sqrt(a^2 + b^2) */
+    const float t19 = fabsf(t16);
+    const float t20 = (1e-20f < t18) ? (t18 + t19) : 1e-20f;
+    const float t21 = wmrgen_signed(2.0f, t16);
+    const float t22 = wmrgen_within(in->front_right.steer, 1.57f);
+    const float t23 = (1e-20f < t18) ? (t21 * wmrgen_arctangent(t2 / t20)) : t22; /* front_right: heading, front_right: angle inside the limits */
+    const float t24 = fmaf(0.31830987f, t23 - t22, 12582912.0f);
+    const float t25 = fmaf((-3.1415927f), t24 - 12582912.0f, t23); /* front_right: nearer angle */
+    const float t26 = (1.5707964f < t25) ? (t25 - 3.1415927f) : t25;
+    const float t27 = (t25 < (-1.5707964f)) ? (t25 + 3.1415927f) : t26;
+    const wmrgen_vector t28 = wmrgen_direction(wmrgen_within(t27, 1.57f) - t25);
+    const float t29 = wmrgen_flip(wmrgen_signed(t18 * t28.y, t16), t24);
+    const float t30 = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
+    const float t31 = t30 * t30;
+    const float t32 = sqrtf(t1 + t31); /* rear_left: sqrt(a^2 + b^2) */
+    const float t33 = (1e-20f < t32) ? (t5 + t32) : 1e-20f;
+    const float t34 = wmrgen_within(in->rear_left.steer, 1.57f);
+    const float t35 = (1e-20f < t32) ? (t7 * wmrgen_arctangent(t30 / t33)) : t34; /* rear_left: heading, rear_left: angle inside the limits */
+    const float t36 = fmaf(0.31830987f, t35 - t34, 12582912.0f);
+    const float t37 = fmaf((-3.1415927f), t36 - 12582912.0f, t35); /* rear_left: nearer angle */
+    const float t38 = (1.5707964f < t37) ? (t37 - 3.1415927f) : t37;
+    const float t39 = (t37 < (-1.5707964f)) ? (t37 + 3.1415927f) : t38;
+    const wmrgen_vector t40 = wmrgen_direction(wmrgen_within(t39, 1.57f) - t37);
+    const float t41 = wmrgen_flip(wmrgen_signed(t32 * t40.y, t0), t36);
+    const float t42 = sqrtf(t17 + t31); /* rear_right: sqrt(a^2 + b^2) */
+    const float t43 = (1e-20f < t42) ? (t19 + t42) : 1e-20f;
+    const float t44 = wmrgen_within(in->rear_right.steer, 1.57f);
+    const float t45 = (1e-20f < t42) ? (t21 * wmrgen_arctangent(t30 / t43)) : t44; /* rear_right: heading, rear_right: angle inside the limits */
+    const float t46 = fmaf(0.31830987f, t45 - t44, 12582912.0f);
+    const float t47 = fmaf((-3.1415927f), t46 - 12582912.0f, t45); /* rear_right: nearer angle */
+    const float t48 = (1.5707964f < t47) ? (t47 - 3.1415927f) : t47;
+    const float t49 = (t47 < (-1.5707964f)) ? (t47 + 3.1415927f) : t48;
+    const wmrgen_vector t50 = wmrgen_direction(wmrgen_within(t49, 1.57f) - t47);
+    const float t51 = wmrgen_flip(wmrgen_signed(t42 * t50.y, t16), t46);
+    const float t52 = fmaf(t51, t51, fmaf(t41, t41, fmaf(t15, t15, t29 * t29)));
 
-    out->slip = sqrtf(0.25f * t104);
+    out->slip = sqrtf(0.25f * t52);
 }
 
 void agilex_ranger_forward(const agilex_ranger_forward_in *in, agilex_ranger_forward_out *out)
 {
-    const float t0 = fmaf(in->front_right.steer, 0.63661975f, 25165824.0f);
-    const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, in->front_right.steer));
-    const float t3 = 1.5707964f - fabsf(t2);
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t6 = fmaf(t3 * t4, fmaf(t4, t5, (-0.16666657f)), t3);
-    const float t7 = wmrgen_flip(in->front_right.spin, t0);
-    const float t8 = t2 * t2;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t2 * t8, fmaf(t8, t9, (-0.16666657f)), t2);
-    const float t11 = fmaf(in->rear_right.steer, 0.63661975f, 25165824.0f);
-    const float t12 = t11 - 25165824.0f;
-    const float t13 = fmaf(t12, 4.371139e-08f, fmaf(-t12, 1.5707964f, in->rear_right.steer));
-    const float t14 = 1.5707964f - fabsf(t13);
-    const float t15 = t14 * t14;
-    const float t16 = fmaf(t15, fmaf(t15, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t17 = fmaf(t14 * t15, fmaf(t15, t16, (-0.16666657f)), t14);
-    const float t18 = wmrgen_flip(in->rear_right.spin, t11);
-    const float t19 = fmaf(t7, t6, t18 * t17);
-    const float t20 = t13 * t13;
-    const float t21 = fmaf(t20, fmaf(t20, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t22 = fmaf(t13 * t20, fmaf(t20, t21, (-0.16666657f)), t13);
-    const float t23 = fmaf(in->front_left.steer, 0.63661975f, 25165824.0f);
-    const float t24 = t23 - 25165824.0f;
-    const float t25 = fmaf(t24, 4.371139e-08f, fmaf(-t24, 1.5707964f, in->front_left.steer));
-    const float t26 = 1.5707964f - fabsf(t25);
-    const float t27 = t26 * t26;
-    const float t28 = fmaf(t27, fmaf(t27, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t29 = fmaf(t26 * t27, fmaf(t27, t28, (-0.16666657f)), t26);
-    const float t30 = wmrgen_flip(in->front_left.spin, t23);
-    const float t31 = t25 * t25;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t25 * t31, fmaf(t31, t32, (-0.16666657f)), t25);
-    const float t34 = fmaf(t30, t33, t7 * t10);
-    const float t35 = fmaf(in->rear_left.steer, 0.63661975f, 25165824.0f);
-    const float t36 = t35 - 25165824.0f;
-    const float t37 = fmaf(t36, 4.371139e-08f, fmaf(-t36, 1.5707964f, in->rear_left.steer));
-    const float t38 = 1.5707964f - fabsf(t37);
-    const float t39 = t38 * t38;
-    const float t40 = fmaf(t39, fmaf(t39, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t41 = fmaf(t38 * t39, fmaf(t39, t40, (-0.16666657f)), t38);
-    const float t42 = wmrgen_flip(in->rear_left.spin, t35);
-    const float t43 = fmaf(t30, t29, t42 * t41);
-    const float t44 = t37 * t37;
-    const float t45 = fmaf(t44, fmaf(t44, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t46 = fmaf(t37 * t44, fmaf(t44, t45, (-0.16666657f)), t37);
-    const float t47 = fmaf(t42, t46, t18 * t22);
-    const float t48 = fmaf(0.048059806f, t34 - t47, 0.029903881f * (t19 - t43)); /* omega */
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->rear_right.spin, in->rear_right.steer);
+    const float t2 = t0.x + t1.x;
+    const wmrgen_vector t3 = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
+    const wmrgen_vector t4 = wmrgen_vector_at(in->rear_left.spin, in->rear_left.steer);
+    const float t5 = t3.x + t4.x;
+    const float t6 = t4.y + t1.y;
+    const float t7 = t3.y + t0.y;
+    const float t8 = fmaf(0.048059806f, t7 - t6, 0.029903881f * (t2 - t5)); /* omega */
 
-    out->vx = 0.03f * (t19 + t43);
-    out->vy = 0.03f * (t47 + t34);
-    out->omega = t48;
+    out->vx = 0.03f * (t2 + t5);
+    out->vy = 0.03f * (t6 + t7);
+    out->omega = t8;
 }
 
 void agilex_ranger_forward_slip(
     const agilex_ranger_forward_slip_in *in,
     agilex_ranger_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front_right.steer, 0.63661975f, 25165824.0f);
-    const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, in->front_right.steer));
-    const float t3 = 1.5707964f - fabsf(t2);
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t6 = fmaf(t3 * t4, fmaf(t4, t5, (-0.16666657f)), t3);
-    const float t7 = wmrgen_flip(in->front_right.spin, t0);
-    const float t8 = t7 * t6;
-    const float t9 = t2 * t2;
-    const float t10 = fmaf(t9, fmaf(t9, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t11 = fmaf(t2 * t9, fmaf(t9, t10, (-0.16666657f)), t2);
-    const float t12 = t7 * t11;
-    const float t13 = fmaf(in->rear_right.steer, 0.63661975f, 25165824.0f);
-    const float t14 = t13 - 25165824.0f;
-    const float t15 = fmaf(t14, 4.371139e-08f, fmaf(-t14, 1.5707964f, in->rear_right.steer));
-    const float t16 = 1.5707964f - fabsf(t15);
-    const float t17 = t16 * t16;
-    const float t18 = fmaf(t17, fmaf(t17, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t19 = fmaf(t16 * t17, fmaf(t17, t18, (-0.16666657f)), t16);
-    const float t20 = wmrgen_flip(in->rear_right.spin, t13);
-    const float t21 = t20 * t19;
-    const float t22 = t8 + t21;
-    const float t23 = t15 * t15;
-    const float t24 = fmaf(t23, fmaf(t23, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t25 = fmaf(t15 * t23, fmaf(t23, t24, (-0.16666657f)), t15);
-    const float t26 = t20 * t25;
-    const float t27 = fmaf(in->front_left.steer, 0.63661975f, 25165824.0f);
-    const float t28 = t27 - 25165824.0f;
-    const float t29 = fmaf(t28, 4.371139e-08f, fmaf(-t28, 1.5707964f, in->front_left.steer));
-    const float t30 = 1.5707964f - fabsf(t29);
-    const float t31 = t30 * t30;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t30 * t31, fmaf(t31, t32, (-0.16666657f)), t30);
-    const float t34 = wmrgen_flip(in->front_left.spin, t27);
-    const float t35 = t34 * t33;
-    const float t36 = t29 * t29;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t29 * t36, fmaf(t36, t37, (-0.16666657f)), t29);
-    const float t39 = t34 * t38;
-    const float t40 = t39 + t12;
-    const float t41 = fmaf(in->rear_left.steer, 0.63661975f, 25165824.0f);
-    const float t42 = t41 - 25165824.0f;
-    const float t43 = fmaf(t42, 4.371139e-08f, fmaf(-t42, 1.5707964f, in->rear_left.steer));
-    const float t44 = 1.5707964f - fabsf(t43);
-    const float t45 = t44 * t44;
-    const float t46 = fmaf(t45, fmaf(t45, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t47 = fmaf(t44 * t45, fmaf(t45, t46, (-0.16666657f)), t44);
-    const float t48 = wmrgen_flip(in->rear_left.spin, t41);
-    const float t49 = t48 * t47;
-    const float t50 = t35 + t49;
-    const float t51 = 0.03f * (t22 + t50); /* vx */
-    const float t52 = t43 * t43;
-    const float t53 = fmaf(t52, fmaf(t52, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t54 = fmaf(t43 * t52, fmaf(t52, t53, (-0.16666657f)), t43);
-    const float t55 = t48 * t54;
-    const float t56 = t55 + t26;
-    const float t57 = 0.03f * (t56 + t40); /* vy */
-    const float t58 = fmaf(0.048059806f, t40 - t56, 0.029903881f * (t22 - t50)); /* omega */
-    const float t59 = 0.28f * t58;
-    const float t60 = -(t51 - t59);
-    const float t61 = fmaf(0.12f, t35, t60);
-    const float t62 = 0.45f * t58;
-    const float t63 = -(t57 + t62);
-    const float t64 = fmaf(0.12f, t39, t63);
-    const float t65 = -(t51 + t59);
-    const float t66 = fmaf(0.12f, t8, t65);
-    const float t67 = fmaf(0.12f, t12, t63);
-    const float t68 = fmaf(t67, t67, fmaf(t66, t66, fmaf(t61, t61, t64 * t64)));
-    const float t69 = fmaf(0.12f, t49, t60);
-    const float t70 = -(t57 - t62);
-    const float t71 = fmaf(0.12f, t55, t70);
-    const float t72 = fmaf(0.12f, t21, t65);
-    const float t73 = fmaf(t72, t72, fmaf(t71, t71, fmaf(t69, t69, t68)));
-    const float t74 = fmaf(0.12f, t26, t70);
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->rear_right.spin, in->rear_right.steer);
+    const float t2 = t0.x + t1.x;
+    const wmrgen_vector t3 = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
+    const wmrgen_vector t4 = wmrgen_vector_at(in->rear_left.spin, in->rear_left.steer);
+    const float t5 = t3.x + t4.x;
+    const float t6 = 0.03f * (t2 + t5); /* vx */
+    const float t7 = t4.y + t1.y;
+    const float t8 = t3.y + t0.y;
+    const float t9 = 0.03f * (t7 + t8); /* vy */
+    const float t10 = fmaf(0.048059806f, t8 - t7, 0.029903881f * (t2 - t5)); /* omega */
+    const float t11 = 0.28f * t10;
+    const float t12 = -(t6 - t11);
+    const float t13 = fmaf(0.12f, t3.x, t12);
+    const float t14 = 0.45f * t10;
+    const float t15 = -(t9 + t14);
+    const float t16 = fmaf(0.12f, t3.y, t15);
+    const float t17 = -(t6 + t11);
+    const float t18 = fmaf(0.12f, t0.x, t17);
+    const float t19 = fmaf(0.12f, t0.y, t15);
+    const float t20 = fmaf(t19, t19, fmaf(t18, t18, fmaf(t13, t13, t16 * t16)));
+    const float t21 = fmaf(0.12f, t4.x, t12);
+    const float t22 = -(t9 - t14);
+    const float t23 = fmaf(0.12f, t4.y, t22);
+    const float t24 = fmaf(0.12f, t1.x, t17);
+    const float t25 = fmaf(t24, t24, fmaf(t23, t23, fmaf(t21, t21, t20)));
+    const float t26 = fmaf(0.12f, t1.y, t22);
 
-    out->vx = t51;
-    out->vy = t57;
-    out->omega = t58;
-    out->slip = sqrtf(fmaf(t74, t74, t73));
+    out->vx = t6;
+    out->vy = t9;
+    out->omega = t10;
+    out->slip = sqrtf(fmaf(t26, t26, t25));
 }
 
 void agilex_ranger_odometry(const agilex_ranger_odometry_in *in, agilex_ranger_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
-    const float t1 = 0.5f * t0; /* h */
-    const float t2 = in->theta + t1; /* theta + h */
-    const float t3 = fmaf(t2, 0.63661975f, 25165824.0f);
-    const float t4 = t3 - 25165824.0f;
-    const float t5 = fmaf(t4, 4.371139e-08f, fmaf(-t4, 1.5707964f, t2));
-    const float t6 = 1.5707964f - fabsf(t5);
-    const float t7 = t6 * t6;
-    const float t8 = fmaf(t7, fmaf(t7, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t9 = fmaf(t6 * t7, fmaf(t7, t8, (-0.16666657f)), t6);
-    const float t10 = wmrgen_flip(1.0f, t3);
-    const float t11 = t10 * t9;
-    const float t12 = t5 * t5;
-    const float t13 = fmaf(t12, fmaf(t12, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t14 = fmaf(t5 * t12, fmaf(t12, t13, (-0.16666657f)), t5);
-    const float t15 = t10 * t14;
-    const float t16 = t0 * t0;
-    const float t17 = 0.25f * t16; /* h^2 */
-    const float t18 = (t17 < 0.0025f) ? 1.0f : t1; /* h or 1 */
-    const float t19 = fmaf(t18, 0.63661975f, 25165824.0f);
-    const float t20 = t19 - 25165824.0f;
-    const float t21 = fmaf(t20, 4.371139e-08f, fmaf(-t20, 1.5707964f, t18));
-    const float t22 = t21 * t21;
-    const float t23 = fmaf(t22, fmaf(t22, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t24 = fmaf(t21 * t22, fmaf(t22, t23, (-0.16666657f)), t21);
-    const float t25 = -t17;
-    const float t26 = fmaf(t25, fmaf((-4.9603175e-05f), t16, 0.008333334f), 0.16666667f);
-    const float t27 = (t17 < 0.0025f) ? fmaf(t25, t26, 1.0f) : (wmrgen_flip(1.0f, t19) * t24 / t18);
-    const float t28 = in->dt * t27; /* dt sinc(h) */
-    const float t29 = fmaf(fmaf(in->vx, t11, -(in->vy * t15)), t28, in->x);
-    const float t30 = fmaf(t28, fmaf(in->vx, t15, t11 * in->vy), in->y);
+    const float t1 = t0 * t0;
+    const float t2 = 0.25f * t1; /* h^2 */
+    const float t3 = 0.5f * t0; /* h */
+    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t29;
-    out->y = t30;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

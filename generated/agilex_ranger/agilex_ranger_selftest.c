@@ -16,7 +16,7 @@
  */
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_7211138bafdc952d)
+#if !defined(AGILEX_RANGER_PAIR_84339e7ea39e5ed6)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_e1d8282573306720)
+#if !defined(ANDINO_PAIR_5dafe843ab4cc0c6)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

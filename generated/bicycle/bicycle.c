@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_063f7a16e4d2c61c)
+#if !defined(BICYCLE_PAIR_a3160131a7d6c424)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -73,36 +73,100 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void bicycle_inverse(const bicycle_inverse_in *in, bicycle_inverse_out *out)
 {
     const float t0 = fmaf(in->vx, in->vx, 1.21f * (in->omega * in->omega));
     const float t1 = sqrtf(t0); /* front: sqrt(a^2 + b^2) */
     const float t2 = (1e-20f < t1) ? (t1 + fabsf(in->vx)) : 1e-20f;
-    const float t3 = 1.1f * in->omega / t2;
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t6 = fmaf(t4, fmaf(t4, t5, (-0.0762479f)), 0.10709304f);
-    const float t7 = fmaf(t4, fmaf(t4, t6, (-0.14225537f)), 0.1999624f);
-    const float t8 = fmaf(t3 * t4, fmaf(t4, t7, (-0.33333313f)), t3);
-    const float t9 = wmrgen_within(in->front.steer, 1.0471976f);
-    const float t10 = (1e-20f < t1) ? (wmrgen_signed(2.0f, in->vx) * t8) : t9; /* front: heading */
-    const float t11 = fmaf(0.31830987f, t10 - t9, 12582912.0f);
-    const float t12 = fmaf((-3.1415927f), t11 - 12582912.0f, t10); /* front: nearer angle */
-    const float t13 = (1.5707964f < t12) ? (t12 - 3.1415927f) : t12;
-    const float t14 = (t12 < (-1.5707964f)) ? (t12 + 3.1415927f) : t13;
-    const float t15 = wmrgen_within(t14, 1.0471976f); /* front: angle inside the limits */
-    const float t16 = t15 - t12; /* front excess */
-    const float t17 = fmaf(t16, 0.31830987f, 12582912.0f);
-    const float t18 = t17 - 12582912.0f;
-    const float t19 = fmaf(t18, 8.742278e-08f, fmaf(-t18, 3.1415927f, t16));
-    const float t20 = t19 * t19;
-    const float t21 = fmaf(t20, fmaf(t20, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t22 = fmaf(t20, fmaf(t20, t21, 0.041666657f), (-0.5f));
-    const float t23 = wmrgen_signed(2.9411764f, in->vx) * (wmrgen_flip(t1, t17) * fmaf(t20, t22, 1.0f));
+    const float t3 = wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(1.1f * in->omega / t2);
+    const float t4 = wmrgen_within(in->front.steer, 1.0471976f);
+    const float t5 = (1e-20f < t1) ? t3 : t4; /* front: heading */
+    const float t6 = fmaf(0.31830987f, t5 - t4, 12582912.0f);
+    const float t7 = fmaf((-3.1415927f), t6 - 12582912.0f, t5); /* front: nearer angle */
+    const float t8 = (1.5707964f < t7) ? (t7 - 3.1415927f) : t7;
+    const float t9 = (t7 < (-1.5707964f)) ? (t7 + 3.1415927f) : t8;
+    const float t10 = wmrgen_within(t9, 1.0471976f); /* front: angle inside the limits */
+    const wmrgen_vector t11 = wmrgen_direction(t10 - t7);
+    const float t12 = wmrgen_signed(2.9411764f, in->vx) * (t1 * t11.x);
 
     out->rear.spin = 2.9411764f * in->vx;
-    out->front.spin = wmrgen_flip(t23, t11);
-    out->front.steer = t15;
+    out->front.spin = wmrgen_flip(t12, t6);
+    out->front.steer = t10;
 }
 
 void bicycle_inverse_slip(const bicycle_inverse_slip_in *in, bicycle_inverse_slip_out *out)
@@ -110,142 +174,110 @@ void bicycle_inverse_slip(const bicycle_inverse_slip_in *in, bicycle_inverse_sli
     const float t0 = fmaf(in->vx, in->vx, 1.21f * (in->omega * in->omega));
     const float t1 = sqrtf(t0); /* front: sqrt(a^2 + b^2) */
     const float t2 = (1e-20f < t1) ? (t1 + fabsf(in->vx)) : 1e-20f;
-    const float t3 = 1.1f * in->omega / t2;
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t6 = fmaf(t4, fmaf(t4, t5, (-0.0762479f)), 0.10709304f);
-    const float t7 = fmaf(t4, fmaf(t4, t6, (-0.14225537f)), 0.1999624f);
-    const float t8 = fmaf(t3 * t4, fmaf(t4, t7, (-0.33333313f)), t3);
-    const float t9 = wmrgen_within(in->front.steer, 1.0471976f);
-    const float t10 = (1e-20f < t1) ? (wmrgen_signed(2.0f, in->vx) * t8) : t9; /* front: heading */
-    const float t11 = fmaf(0.31830987f, t10 - t9, 12582912.0f);
-    const float t12 = fmaf((-3.1415927f), t11 - 12582912.0f, t10); /* front: nearer angle */
-    const float t13 = (1.5707964f < t12) ? (t12 - 3.1415927f) : t12;
-    const float t14 = (t12 < (-1.5707964f)) ? (t12 + 3.1415927f) : t13;
-    const float t15 = wmrgen_within(t14, 1.0471976f) - t12; /* front excess */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_signed(wmrgen_flip(t1, t16) * t21, in->vx);
-    const float t23 = wmrgen_flip(t22, t11);
-    const float t24 = fabsf(in->vy);
+    const float t3 = wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(1.1f * in->omega / t2);
+    const float t4 = wmrgen_within(in->front.steer, 1.0471976f);
+    const float t5 = (1e-20f < t1) ? t3 : t4; /* front: heading */
+    const float t6 = fmaf(0.31830987f, t5 - t4, 12582912.0f);
+    const float t7 = fmaf((-3.1415927f), t6 - 12582912.0f, t5); /* front: nearer angle */
+    const float t8 = (1.5707964f < t7) ? (t7 - 3.1415927f) : t7;
+    const float t9 = (t7 < (-1.5707964f)) ? (t7 + 3.1415927f) : t8;
+    const wmrgen_vector t10 = wmrgen_direction(wmrgen_within(t9, 1.0471976f) - t7);
+    const float t11 = wmrgen_flip(wmrgen_signed(t1 * t10.y, in->vx), t6);
+    const float t12 = fabsf(in->vy);
 
-    out->slip = sqrtf(fmaf(t24, t24, t23 * t23));
+    out->slip = sqrtf(fmaf(t12, t12, t11 * t11));
 }
 
 void bicycle_forward(const bicycle_forward_in *in, bicycle_forward_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = fmaf(t6 * t3, t9, t6); /* front: row of H, vy */
-    const float t11 = t7 * t10;
-    const float t12 = t11 * t11;
-    const float t13 = t7 * t7;
-    const float t14 = t13 + 1.0f; /* HtH[0][0] */
-    const float t15 = t10 * t10;
-    const float t16 = t15 + 1.0f; /* HtH[1][1] */
-    const float t17 = t14 * t16;
-    const float t18 = 1.21f * t15; /* HtH[2][2], adj(HtH)[0][0], adj(HtH)[1][1], det(HtH) */
-    const float t19 = fmaf(1.21f, t14 * t15, t18);
-    const float t20 = t19 + fmaf((-2.21f), t12, t17); /* c2 */
-    const float t21 = (t20 < 1e-12f) ? 1e-12f : t20;
-    const float t22 = 1.0f / t21; /* over c2 */
-    const float t23 = t18 * in->rear.spin;
-    const float t24 = t13 + 2.0f;
-    const float t25 = fmaf(2.21f, t15, t24); /* c1 */
-    const float t26 = 0.34f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float t27 = fmaf(t25, 0.34f * fmaf(-t23, t22, in->rear.spin), -(t14 * t26));
-    const float t28 = fmaf(1.6528926f, t19, fmaf((-3.0f), t12, t17)); /* size2 */
-    const float t29 = fmaf(3.0f, t15, t24); /* size1 */
-    const float t30 = 6.05e-07f * (t29 * t28); /* edge3 */
-    const float t31 = fmaf(t16, t11, -(t15 * t11));
-    const float t32 = fmaf(t14, t18, t11 * ((-1.21f) * t31));
-    const float t33 = (t32 < 1e-12f) ? 1e-12f : t32;
-    const float t34 = 0.34f / t33;
-    const float t35 = (t30 < t32) ? (t23 * t34) : (t22 * t27);
-    const float t36 = 0.000001f * (t29 * t29); /* edge2 */
-    const float t37 = (t25 < 1e-12f) ? 1e-12f : t25;
-    const float t38 = (t36 < t28) ? t35 : (t26 / t37);
-    const float t39 = t11 * in->rear.spin;
-    const float t40 = (t30 < t32) ? 0.0f : (t22 * (0.34f * t39));
-    const float t41 = (t36 < t28) ? t40 : 0.0f;
-    const float t42 = 1.1f * t31 * in->rear.spin;
-    const float t43 = 0.34f * fmaf(1.1f, t39, -(t25 * (t22 * t42)));
-    const float t44 = (t30 < t32) ? (t34 * t42) : (t22 * t43);
-    const float t45 = (t36 < t28) ? t44 : 0.0f;
+    const wmrgen_vector t0 = wmrgen_direction(in->front.steer);
+    const float t1 = t0.y * t0.x;
+    const float t2 = t1 * t1;
+    const float t3 = t0.y * t0.y;
+    const float t4 = t3 + 1.0f; /* HtH[0][0] */
+    const float t5 = t0.x * t0.x;
+    const float t6 = t5 + 1.0f; /* HtH[1][1] */
+    const float t7 = t4 * t6;
+    const float t8 = 1.21f * t5; /* HtH[2][2], adj(HtH)[0][0], adj(HtH)[1][1], det(HtH) */
+    const float t9 = fmaf(1.21f, t4 * t5, t8);
+    const float t10 = t9 + fmaf((-2.21f), t2, t7); /* c2 */
+    const float t11 = (t10 < 1e-12f) ? 1e-12f : t10;
+    const float t12 = 1.0f / t11; /* over c2 */
+    const float t13 = t8 * in->rear.spin;
+    const float t14 = t3 + 2.0f;
+    const float t15 = fmaf(2.21f, t5, t14); /* c1 */
+    const float t16 = 0.34f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
+    const float t17 = fmaf(t15, 0.34f * fmaf(-t13, t12, in->rear.spin), -(t4 * t16));
+    const float t18 = fmaf(1.6528926f, t9, fmaf((-3.0f), t2, t7)); /* size2 */
+    const float t19 = fmaf(3.0f, t5, t14); /* size1 */
+    const float t20 = 6.05e-07f * (t19 * t18); /* edge3 */
+    const float t21 = fmaf(t6, t1, -(t5 * t1));
+    const float t22 = fmaf(t4, t8, t1 * ((-1.21f) * t21));
+    const float t23 = (t22 < 1e-12f) ? 1e-12f : t22;
+    const float t24 = 0.34f / t23;
+    const float t25 = (t20 < t22) ? (t13 * t24) : (t12 * t17);
+    const float t26 = 0.000001f * (t19 * t19); /* edge2 */
+    const float t27 = (t15 < 1e-12f) ? 1e-12f : t15;
+    const float t28 = (t26 < t18) ? t25 : (t16 / t27);
+    const float t29 = t1 * in->rear.spin;
+    const float t30 = (t20 < t22) ? 0.0f : (t12 * (0.34f * t29));
+    const float t31 = (t26 < t18) ? t30 : 0.0f;
+    const float t32 = 1.1f * t21 * in->rear.spin;
+    const float t33 = 0.34f * fmaf(1.1f, t29, -(t15 * (t12 * t32)));
+    const float t34 = (t20 < t22) ? (t24 * t32) : (t12 * t33);
+    const float t35 = (t26 < t18) ? t34 : 0.0f;
 
-    out->vx = t38;
-    out->vy = t41;
-    out->omega = t45;
+    out->vx = t28;
+    out->vy = t31;
+    out->omega = t35;
 }
 
 void bicycle_forward_slip(const bicycle_forward_slip_in *in, bicycle_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t9 = fmaf(t3, fmaf(t3, t8, 0.041666657f), (-0.5f));
-    const float t10 = fmaf(t6 * t3, t9, t6); /* front: row of H, vy */
-    const float t11 = t7 * t10;
-    const float t12 = t11 * t11;
-    const float t13 = t7 * t7;
-    const float t14 = t13 + 1.0f; /* HtH[0][0] */
-    const float t15 = t10 * t10;
-    const float t16 = t15 + 1.0f; /* HtH[1][1] */
-    const float t17 = t14 * t16;
-    const float t18 = 1.21f * t15; /* HtH[2][2], adj(HtH)[0][0], adj(HtH)[1][1], det(HtH) */
-    const float t19 = fmaf(1.21f, t14 * t15, t18);
-    const float t20 = t19 + fmaf((-2.21f), t12, t17); /* c2 */
-    const float t21 = (t20 < 1e-12f) ? 1e-12f : t20;
-    const float t22 = 1.0f / t21; /* over c2 */
-    const float t23 = t18 * in->rear.spin;
-    const float t24 = t13 + 2.0f;
-    const float t25 = fmaf(2.21f, t15, t24); /* c1 */
-    const float t26 = 0.34f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float t27 = fmaf(t25, 0.34f * fmaf(-t23, t22, in->rear.spin), -(t14 * t26));
-    const float t28 = fmaf(1.6528926f, t19, fmaf((-3.0f), t12, t17)); /* size2 */
-    const float t29 = fmaf(3.0f, t15, t24); /* size1 */
-    const float t30 = 6.05e-07f * (t29 * t28); /* edge3 */
-    const float t31 = fmaf(t16, t11, -(t15 * t11));
-    const float t32 = fmaf(t14, t18, t11 * ((-1.21f) * t31));
-    const float t33 = (t32 < 1e-12f) ? 1e-12f : t32;
-    const float t34 = 0.34f / t33;
-    const float t35 = (t30 < t32) ? (t23 * t34) : (t22 * t27);
-    const float t36 = 0.000001f * (t29 * t29); /* edge2 */
-    const float t37 = (t25 < 1e-12f) ? 1e-12f : t25;
-    const float t38 = (t36 < t28) ? t35 : (t26 / t37);
-    const float t39 = t11 * in->rear.spin;
-    const float t40 = (t30 < t32) ? 0.0f : (t22 * (0.34f * t39));
-    const float t41 = (t36 < t28) ? t40 : 0.0f;
-    const float t42 = 1.1f * t31 * in->rear.spin;
-    const float t43 = 0.34f * fmaf(1.1f, t39, -(t25 * (t22 * t42)));
-    const float t44 = (t30 < t32) ? (t34 * t42) : (t22 * t43);
-    const float t45 = (t36 < t28) ? t44 : 0.0f;
-    const float t46 = fmaf(t7, t38, t10 * fmaf((-1.1f), t45, -t41));
-    const float t47 = t26 - t38;
-    const float t48 = sqrtf(fmaf(t46, t46, fmaf(t47, t47, t41 * t41)));
+    const wmrgen_vector t0 = wmrgen_direction(in->front.steer);
+    const float t1 = t0.y * t0.x;
+    const float t2 = t1 * t1;
+    const float t3 = t0.y * t0.y;
+    const float t4 = t3 + 1.0f; /* HtH[0][0] */
+    const float t5 = t0.x * t0.x;
+    const float t6 = t5 + 1.0f; /* HtH[1][1] */
+    const float t7 = t4 * t6;
+    const float t8 = 1.21f * t5; /* HtH[2][2], adj(HtH)[0][0], adj(HtH)[1][1], det(HtH) */
+    const float t9 = fmaf(1.21f, t4 * t5, t8);
+    const float t10 = t9 + fmaf((-2.21f), t2, t7); /* c2 */
+    const float t11 = (t10 < 1e-12f) ? 1e-12f : t10;
+    const float t12 = 1.0f / t11; /* over c2 */
+    const float t13 = t8 * in->rear.spin;
+    const float t14 = t3 + 2.0f;
+    const float t15 = fmaf(2.21f, t5, t14); /* c1 */
+    const float t16 = 0.34f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
+    const float t17 = fmaf(t15, 0.34f * fmaf(-t13, t12, in->rear.spin), -(t4 * t16));
+    const float t18 = fmaf(1.6528926f, t9, fmaf((-3.0f), t2, t7)); /* size2 */
+    const float t19 = fmaf(3.0f, t5, t14); /* size1 */
+    const float t20 = 6.05e-07f * (t19 * t18); /* edge3 */
+    const float t21 = fmaf(t6, t1, -(t5 * t1));
+    const float t22 = fmaf(t4, t8, t1 * ((-1.21f) * t21));
+    const float t23 = (t22 < 1e-12f) ? 1e-12f : t22;
+    const float t24 = 0.34f / t23;
+    const float t25 = (t20 < t22) ? (t13 * t24) : (t12 * t17);
+    const float t26 = 0.000001f * (t19 * t19); /* edge2 */
+    const float t27 = (t15 < 1e-12f) ? 1e-12f : t15;
+    const float t28 = (t26 < t18) ? t25 : (t16 / t27);
+    const float t29 = t1 * in->rear.spin;
+    const float t30 = (t20 < t22) ? 0.0f : (t12 * (0.34f * t29));
+    const float t31 = (t26 < t18) ? t30 : 0.0f;
+    const float t32 = 1.1f * t21 * in->rear.spin;
+    const float t33 = 0.34f * fmaf(1.1f, t29, -(t15 * (t12 * t32)));
+    const float t34 = (t20 < t22) ? (t24 * t32) : (t12 * t33);
+    const float t35 = (t26 < t18) ? t34 : 0.0f;
+    const float t36 = fmaf(t0.y, t28, t0.x * fmaf((-1.1f), t35, -t31));
+    const float t37 = t16 - t28;
+    const float t38 = sqrtf(fmaf(t36, t36, fmaf(t37, t37, t31 * t31)));
 
-    out->vx = t38;
-    out->vy = t41;
-    out->omega = t45;
-    out->slip = t48;
+    out->vx = t28;
+    out->vy = t31;
+    out->omega = t35;
+    out->slip = t38;
 }
 
 void bicycle_odometry(const bicycle_odometry_in *in, bicycle_odometry_out *out)
@@ -255,32 +287,16 @@ void bicycle_odometry(const bicycle_odometry_in *in, bicycle_odometry_out *out)
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

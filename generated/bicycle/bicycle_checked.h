@@ -20,7 +20,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_063f7a16e4d2c61c)
+#if !defined(BICYCLE_PAIR_a3160131a7d6c424)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -12,9 +12,11 @@
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
  * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
  * angle at its limit for one. Check inputs, or take the functions of the _checked files.
- * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
- * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
+ * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
+ * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
+ * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
+ * the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -56,7 +58,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "29d85424cfdd7b532f150744b2888dcb"
-#define CAR_WITH_TRAILERS_PAIR_43bfd121389b3b8a 1
+#define CAR_WITH_TRAILERS_PAIR_37a5f12a677e80e9 1
 
 #ifdef __cplusplus
 extern "C" {

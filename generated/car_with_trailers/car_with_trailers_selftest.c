@@ -16,7 +16,7 @@
  */
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_43bfd121389b3b8a)
+#if !defined(CAR_WITH_TRAILERS_PAIR_37a5f12a677e80e9)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

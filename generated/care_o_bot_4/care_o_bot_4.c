@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_864da9f98b48800e)
+#if !defined(CARE_O_BOT_4_PAIR_e94febaa1e0fdb44)
 #error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -62,6 +62,98 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR_AT)
+#define WMRGEN_VECTOR_AT
+/* The vector of this size at this angle: size (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t1 = t0 - 25165824.0f;
+    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t3 = wmrgen_flip(size, t0);
+
+    result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void care_o_bot_4_inverse(const care_o_bot_4_inverse_in *in, care_o_bot_4_inverse_out *out)
 {
     const float t0 = fmaf((-1.335144e-09f), in->omega, fmaf((-0.21515f), in->omega, in->vx)); /* fl: a */
@@ -69,46 +161,29 @@ void care_o_bot_4_inverse(const care_o_bot_4_inverse_in *in, care_o_bot_4_invers
     const float t2 = t1 * t1;
     const float t3 = sqrtf(fmaf(t0, t0, t2)); /* fl: sqrt(a^2 + b^2) */
     const float t4 = (1e-20f < t3) ? (t3 + fabsf(t0)) : 1e-20f;
-    const float t5 = t1 / t4;
-    const float t6 = t5 * t5;
-    const float t7 = fmaf(t6, fmaf(t6, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t8 = fmaf(t6, fmaf(t6, t7, (-0.0762479f)), 0.10709304f);
-    const float t9 = fmaf(t6, fmaf(t6, t8, (-0.14225537f)), 0.1999624f);
-    const float t10 = fmaf(t5 * t6, fmaf(t6, t9, (-0.33333313f)), t5);
-    const float t11 = (1e-20f < t3) ? (wmrgen_signed(2.0f, t0) * t10) : in->fl.steer; /* fl: heading */
-    const float t12 = fmaf(0.31830987f, t11 - in->fl.steer, 12582912.0f);
-    const float t13 = wmrgen_flip(wmrgen_signed(13.333333f, t0) * t3, t12);
-    const float t14 = fmaf((-2.565384e-09f), in->omega, fmaf((-0.24844f), in->omega, in->vy)); /* b: b */
-    const float t15 = sqrtf(fmaf(in->vx, in->vx, t14 * t14)); /* b: sqrt(a^2 + b^2) */
-    const float t16 = (1e-20f < t15) ? (t15 + fabsf(in->vx)) : 1e-20f;
-    const float t17 = t14 / t16;
-    const float t18 = t17 * t17;
-    const float t19 = fmaf(t18, fmaf(t18, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t20 = fmaf(t18, fmaf(t18, t19, (-0.0762479f)), 0.10709304f);
-    const float t21 = fmaf(t18, fmaf(t18, t20, (-0.14225537f)), 0.1999624f);
-    const float t22 = fmaf(t17 * t18, fmaf(t18, t21, (-0.33333313f)), t17);
-    const float t23 = (1e-20f < t15) ? (wmrgen_signed(2.0f, in->vx) * t22) : in->b.steer; /* b: heading */
-    const float t24 = fmaf(0.31830987f, t23 - in->b.steer, 12582912.0f);
-    const float t25 = wmrgen_flip(wmrgen_signed(13.333333f, in->vx) * t15, t24);
-    const float t26 = fmaf(1.335144e-09f, in->omega, fmaf(0.21515f, in->omega, in->vx)); /* fr: a */
-    const float t27 = sqrtf(fmaf(t26, t26, t2)); /* fr: sqrt(a^2 + b^2) */
-    const float t28 = (1e-20f < t27) ? (t27 + fabsf(t26)) : 1e-20f;
-    const float t29 = t1 / t28;
-    const float t30 = t29 * t29;
-    const float t31 = fmaf(t30, fmaf(t30, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t32 = fmaf(t30, fmaf(t30, t31, (-0.0762479f)), 0.10709304f);
-    const float t33 = fmaf(t30, fmaf(t30, t32, (-0.14225537f)), 0.1999624f);
-    const float t34 = fmaf(t29 * t30, fmaf(t30, t33, (-0.33333313f)), t29);
-    const float t35 = (1e-20f < t27) ? (wmrgen_signed(2.0f, t26) * t34) : in->fr.steer; /* fr: heading */
-    const float t36 = fmaf(0.31830987f, t35 - in->fr.steer, 12582912.0f);
-    const float t37 = wmrgen_flip(wmrgen_signed(13.333333f, t26) * t27, t36);
+    const float t5 = (1e-20f < t3) ? (wmrgen_signed(2.0f, t0) * wmrgen_arctangent(t1 / t4)) : in->fl.steer; /* fl: heading */
+    const float t6 = fmaf(0.31830987f, t5 - in->fl.steer, 12582912.0f);
+    const float t7 = wmrgen_flip(wmrgen_signed(13.333333f, t0) * t3, t6);
+    const float t8 = fmaf((-2.565384e-09f), in->omega, fmaf((-0.24844f), in->omega, in->vy)); /* b: b */
+    const float t9 = sqrtf(fmaf(in->vx, in->vx, t8 * t8)); /* b: sqrt(a^2 + b^2) */
+    const float t10 = (1e-20f < t9) ? (t9 + fabsf(in->vx)) : 1e-20f;
+    const float t11 = wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(t8 / t10);
+    const float t12 = (1e-20f < t9) ? t11 : in->b.steer; /* b: heading */
+    const float t13 = fmaf(0.31830987f, t12 - in->b.steer, 12582912.0f);
+    const float t14 = wmrgen_flip(wmrgen_signed(13.333333f, in->vx) * t9, t13);
+    const float t15 = fmaf(1.335144e-09f, in->omega, fmaf(0.21515f, in->omega, in->vx)); /* fr: a */
+    const float t16 = sqrtf(fmaf(t15, t15, t2)); /* fr: sqrt(a^2 + b^2) */
+    const float t17 = (1e-20f < t16) ? (t16 + fabsf(t15)) : 1e-20f;
+    const float t18 = (1e-20f < t16) ? (wmrgen_signed(2.0f, t15) * wmrgen_arctangent(t1 / t17)) : in->fr.steer; /* fr: heading */
+    const float t19 = fmaf(0.31830987f, t18 - in->fr.steer, 12582912.0f);
+    const float t20 = wmrgen_flip(wmrgen_signed(13.333333f, t15) * t16, t19);
 
-    out->fl.spin = t13;
-    out->fl.steer = fmaf((-3.1415927f), t12 - 12582912.0f, t11);
-    out->b.spin = t25;
-    out->b.steer = fmaf((-3.1415927f), t24 - 12582912.0f, t23);
-    out->fr.spin = t37;
-    out->fr.steer = fmaf((-3.1415927f), t36 - 12582912.0f, t35);
+    out->fl.spin = t7;
+    out->fl.steer = fmaf((-3.1415927f), t6 - 12582912.0f, t5);
+    out->b.spin = t14;
+    out->b.steer = fmaf((-3.1415927f), t13 - 12582912.0f, t12);
+    out->fr.spin = t20;
+    out->fr.steer = fmaf((-3.1415927f), t19 - 12582912.0f, t18);
 }
 
 void care_o_bot_4_inverse_slip(
@@ -122,102 +197,44 @@ void care_o_bot_4_inverse_slip(
 
 void care_o_bot_4_forward(const care_o_bot_4_forward_in *in, care_o_bot_4_forward_out *out)
 {
-    const float t0 = fmaf(in->b.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->b.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = fmaf(in->fl.steer, 0.31830987f, 12582912.0f);
-    const float t7 = t6 - 12582912.0f;
-    const float t8 = fmaf(t7, 8.742278e-08f, fmaf(-t7, 3.1415927f, in->fl.steer));
-    const float t9 = t8 * t8;
-    const float t10 = fmaf(t9, fmaf(t9, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t11 = fmaf(t9, fmaf(t9, t10, 0.041666657f), (-0.5f));
-    const float t12 = wmrgen_flip(in->fl.spin, t6);
-    const float t13 = t12 * fmaf(t9, t11, 1.0f);
-    const float t14 = wmrgen_flip(in->b.spin, t0);
-    const float t15 = fmaf(in->fr.steer, 0.31830987f, 12582912.0f);
-    const float t16 = t15 - 12582912.0f;
-    const float t17 = fmaf(t16, 8.742278e-08f, fmaf(-t16, 3.1415927f, in->fr.steer));
-    const float t18 = t17 * t17;
-    const float t19 = fmaf(t18, fmaf(t18, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t20 = fmaf(t18, fmaf(t18, t19, 0.041666657f), (-0.5f));
-    const float t21 = wmrgen_flip(in->fr.spin, t15);
-    const float t22 = t21 * fmaf(t18, t20, 1.0f);
-    const float t23 = 0.025f * (t22 + fmaf(t14, fmaf(t3, t5, 1.0f), t13)); /* vx */
-    const float t24 = fmaf(t9, fmaf(t9, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t25 = fmaf(t8 * t9, fmaf(t9, t24, (-0.16666657f)), t8);
-    const float t26 = fmaf(t18, fmaf(t18, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t27 = fmaf(t17 * t18, fmaf(t18, t26, (-0.16666657f)), t17);
-    const float t28 = fmaf(t12, t25, t21 * t27);
-    const float t29 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t30 = fmaf(t2 * t3, fmaf(t3, t29, (-0.16666657f)), t2);
-    const float t31 = t14 * t30;
-    const float t32 = fmaf(0.087146334f, t22 - t13, -(0.10063042f * t31));
+    const wmrgen_vector t0 = wmrgen_vector_at(in->fl.spin, in->fl.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->b.spin, in->b.steer);
+    const wmrgen_vector t2 = wmrgen_vector_at(in->fr.spin, in->fr.steer);
+    const float t3 = t0.y + t2.y;
+    const float t4 = fmaf(0.087146334f, t2.x - t0.x, -(0.10063042f * t1.y));
 
-    out->vx = t23;
-    out->vy = 0.025f * (t31 + t28);
-    out->omega = fmaf(0.05031521f, t28, t32);
+    out->vx = 0.025f * (t2.x + (t0.x + t1.x));
+    out->vy = 0.025f * (t1.y + t3);
+    out->omega = fmaf(0.05031521f, t3, t4);
 }
 
 void care_o_bot_4_forward_slip(
     const care_o_bot_4_forward_slip_in *in,
     care_o_bot_4_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->fl.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->fl.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(in->fl.spin, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
-    const float t8 = fmaf(in->b.steer, 0.31830987f, 12582912.0f);
-    const float t9 = t8 - 12582912.0f;
-    const float t10 = fmaf(t9, 8.742278e-08f, fmaf(-t9, 3.1415927f, in->b.steer));
-    const float t11 = t10 * t10;
-    const float t12 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t13 = fmaf(t11, fmaf(t11, t12, 0.041666657f), (-0.5f));
-    const float t14 = wmrgen_flip(in->b.spin, t8);
-    const float t15 = t14 * fmaf(t11, t13, 1.0f);
-    const float t16 = fmaf(in->fr.steer, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, in->fr.steer));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t21 = fmaf(t19, fmaf(t19, t20, 0.041666657f), (-0.5f));
-    const float t22 = wmrgen_flip(in->fr.spin, t16);
-    const float t23 = t22 * fmaf(t19, t21, 1.0f);
-    const float t24 = 0.025f * (t23 + (t7 + t15)); /* vx */
-    const float t25 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t26 = fmaf(t2 * t3, fmaf(t3, t25, (-0.16666657f)), t2);
-    const float t27 = t6 * t26;
-    const float t28 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t29 = fmaf(t18 * t19, fmaf(t19, t28, (-0.16666657f)), t18);
-    const float t30 = t22 * t29;
-    const float t31 = t27 + t30;
-    const float t32 = fmaf(t11, fmaf(t11, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t10 * t11, fmaf(t11, t32, (-0.16666657f)), t10);
-    const float t34 = t14 * t33;
-    const float t35 = 0.025f * (t34 + t31); /* vy */
-    const float t36 = fmaf(0.087146334f, t23 - t7, -(0.10063042f * t34));
-    const float t37 = fmaf(0.05031521f, t31, t36); /* omega */
-    const float t38 = (-0.21515f) * t37;
-    const float t39 = -t24;
-    const float t40 = fmaf(0.075f, t7, t39) - t38;
-    const float t41 = -fmaf(0.12422f, t37, t35);
-    const float t42 = fmaf(0.075f, t27, t41);
-    const float t43 = fmaf(0.075f, t15, t39);
-    const float t44 = fmaf(0.24844f, t37, fmaf(0.075f, t34, -t35));
-    const float t45 = fmaf(t44, t44, fmaf(t43, t43, fmaf(t40, t40, t42 * t42)));
-    const float t46 = fmaf(0.075f, t23, t38 - t24);
-    const float t47 = fmaf(0.075f, t30, t41);
+    const wmrgen_vector t0 = wmrgen_vector_at(in->fl.spin, in->fl.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->b.spin, in->b.steer);
+    const wmrgen_vector t2 = wmrgen_vector_at(in->fr.spin, in->fr.steer);
+    const float t3 = 0.025f * (t2.x + (t0.x + t1.x)); /* vx */
+    const float t4 = t0.y + t2.y;
+    const float t5 = 0.025f * (t1.y + t4); /* vy */
+    const float t6 = fmaf(0.087146334f, t2.x - t0.x, -(0.10063042f * t1.y));
+    const float t7 = fmaf(0.05031521f, t4, t6); /* omega */
+    const float t8 = (-0.21515f) * t7;
+    const float t9 = -t3;
+    const float t10 = fmaf(0.075f, t0.x, t9) - t8;
+    const float t11 = -fmaf(0.12422f, t7, t5);
+    const float t12 = fmaf(0.075f, t0.y, t11);
+    const float t13 = fmaf(0.075f, t1.x, t9);
+    const float t14 = fmaf(0.24844f, t7, fmaf(0.075f, t1.y, -t5));
+    const float t15 = fmaf(t14, t14, fmaf(t13, t13, fmaf(t10, t10, t12 * t12)));
+    const float t16 = fmaf(0.075f, t2.x, t8 - t3);
+    const float t17 = fmaf(0.075f, t2.y, t11);
 
-    out->vx = t24;
-    out->vy = t35;
-    out->omega = t37;
-    out->slip = sqrtf(fmaf(t47, t47, fmaf(t46, t46, t45)));
+    out->vx = t3;
+    out->vy = t5;
+    out->omega = t7;
+    out->slip = sqrtf(fmaf(t17, t17, fmaf(t16, t16, t15)));
 }
 
 void care_o_bot_4_odometry(const care_o_bot_4_odometry_in *in, care_o_bot_4_odometry_out *out)
@@ -227,32 +244,16 @@ void care_o_bot_4_odometry(const care_o_bot_4_odometry_in *in, care_o_bot_4_odom
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

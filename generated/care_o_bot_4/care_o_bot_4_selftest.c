@@ -16,7 +16,7 @@
  */
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_864da9f98b48800e)
+#if !defined(CARE_O_BOT_4_PAIR_e94febaa1e0fdb44)
 #error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 

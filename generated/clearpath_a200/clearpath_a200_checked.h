@@ -20,7 +20,7 @@
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_b5d05b7d04a887ad)
+#if !defined(CLEARPATH_A200_PAIR_91daeecc55b9475e)
 #error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_aea3bb319701b5f9)
+#if !defined(F1TENTH_PAIR_262e62fc63e4511d)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -73,19 +73,90 @@ static inline float wmrgen_beyond(float a, float m)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void f1tenth_inverse(const f1tenth_inverse_in *in, f1tenth_inverse_out *out)
 {
     const float t0 = 0.3302f * in->omega; /* front: q */
     const float t1 = wmrgen_within(t0 / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
-    const float t2 = t1 * t1;
-    const float t3 = 20.0f * (fmaf(t0, t1, in->vx) / sqrtf(t2 + 1.0f));
-    const float t4 = fmaf(t2, fmaf(t2, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t5 = fmaf(t2, fmaf(t2, t4, (-0.0762479f)), 0.10709304f);
-    const float t6 = fmaf(t2, fmaf(t2, t5, (-0.14225537f)), 0.1999624f);
-    const float t7 = ((fabsf(in->vx) + fabsf(t0)) < 2e-20f) ? wmrgen_within(in->front.steer, 0.41887903f) : fmaf(t1 * t2, fmaf(t2, t6, (-0.33333313f)), t1);
+    const float t2 = fmaf(t0, t1, in->vx) / sqrtf(fmaf(t1, t1, 1.0f));
+    const float t3 = ((fabsf(in->vx) + fabsf(t0)) < 2e-20f) ? wmrgen_within(in->front.steer, 0.41887903f) : wmrgen_arctangent(t1);
 
-    out->front.spin = t3;
-    out->front.steer = t7;
+    out->front.spin = 20.0f * t2;
+    out->front.steer = t3;
     out->rear.spin = 20.0f * in->vx;
 }
 
@@ -101,124 +172,104 @@ void f1tenth_inverse_slip(const f1tenth_inverse_slip_in *in, f1tenth_inverse_sli
 
 void f1tenth_forward(const f1tenth_forward_in *in, f1tenth_forward_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = fmaf(t6 * t3, t5, t6); /* front: row of H, vy */
-    const float t8 = t7 * t7;
-    const float t9 = t8 + 1.0f; /* HtH[1][1] */
-    const float t10 = fmaf(0.025201563f, t8, 0.029395102f); /* HtH[2][2] */
-    const float t11 = fmaf(0.15875f, t8, (-0.17145f)); /* HtH[1][2] */
-    const float t12 = fmaf(t9, t10, -(t11 * t11)); /* adj(HtH)[0][0], det(HtH) */
-    const float t13 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t14 = fmaf(t2 * t3, fmaf(t3, t13, (-0.16666657f)), t2);
-    const float t15 = t6 * t14;
-    const float t16 = fmaf(t15, t15, 1.0f); /* HtH[0][0] */
-    const float t17 = t15 * t7;
-    const float t18 = t17 * t17;
-    const float t19 = t12 + fmaf(t16, t10, -(0.025201563f * t18));
-    const float t20 = fmaf(t16, t9, -t18); /* adj(HtH)[2][2] */
-    const float t21 = t20 + t19; /* c2 */
-    const float t22 = (t21 < 1e-12f) ? 1e-12f : t21;
-    const float t23 = 1.0f / t22; /* over c2 */
-    const float t24 = t12 * in->rear.spin;
-    const float t25 = t16 + t9;
-    const float t26 = t25 + t10; /* c1 */
-    const float t27 = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float t28 = fmaf(t26, 0.05f * fmaf(-t24, t23, in->rear.spin), -(t16 * t27));
-    const float t29 = fmaf(36.632275f, t19, t20); /* size2 */
-    const float t30 = fmaf(36.632275f, t10, t25); /* size1 */
-    const float t31 = 2.7298332e-08f * (t30 * t29); /* edge3 */
-    const float t32 = t11 * t17;
-    const float t33 = fmaf(0.15875f, t9 * t17, -t32); /* adj(HtH)[0][2] */
-    const float t34 = fmaf(t10, t17, -(0.15875f * t32)); /* adj(HtH)[0][1] */
-    const float t35 = fmaf(t16, t12, t17 * fmaf((-0.15875f), t33, -t34));
-    const float t36 = (t35 < 1e-12f) ? 1e-12f : t35;
-    const float t37 = 0.05f / t36;
-    const float t38 = (t31 < t35) ? (t24 * t37) : (t23 * t28);
-    const float t39 = 0.000001f * (t30 * t30); /* edge2 */
-    const float t40 = (t26 < 1e-12f) ? 1e-12f : t26;
-    const float t41 = (t39 < t29) ? t38 : (t27 / t40);
-    const float t42 = t34 * in->rear.spin;
-    const float t43 = t17 * in->rear.spin;
-    const float t44 = (t31 < t35) ? (t37 * t42) : (t23 * (0.05f * fmaf(-t26, t23 * t42, t43)));
-    const float t45 = (t39 < t29) ? t44 : 0.0f;
-    const float t46 = t33 * in->rear.spin;
-    const float t47 = 0.05f * fmaf(0.15875f, t43, -(t26 * (t23 * t46)));
-    const float t48 = (t31 < t35) ? (t37 * t46) : (t23 * t47);
-    const float t49 = (t39 < t29) ? t48 : 0.0f;
+    const wmrgen_vector t0 = wmrgen_direction(in->front.steer);
+    const float t1 = t0.x * t0.x;
+    const float t2 = fmaf(0.025201563f, t1, 0.029395102f); /* HtH[2][2] */
+    const float t3 = fmaf(0.15875f, t1, (-0.17145f)); /* HtH[1][2] */
+    const float t4 = t1 + 1.0f; /* HtH[1][1] */
+    const float t5 = fmaf(t4, t2, -(t3 * t3)); /* adj(HtH)[0][0], det(HtH) */
+    const float t6 = t0.y * t0.x;
+    const float t7 = t6 * t6;
+    const float t8 = fmaf(t0.y, t0.y, 1.0f); /* HtH[0][0] */
+    const float t9 = t5 + fmaf(t8, t2, -(0.025201563f * t7));
+    const float t10 = fmaf(t8, t4, -t7); /* adj(HtH)[2][2] */
+    const float t11 = t10 + t9; /* c2 */
+    const float t12 = (t11 < 1e-12f) ? 1e-12f : t11;
+    const float t13 = 1.0f / t12; /* over c2 */
+    const float t14 = t5 * in->rear.spin;
+    const float t15 = t8 + t4;
+    const float t16 = t15 + t2; /* c1 */
+    const float t17 = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
+    const float t18 = fmaf(t16, 0.05f * fmaf(-t14, t13, in->rear.spin), -(t8 * t17));
+    const float t19 = fmaf(36.632275f, t9, t10); /* size2 */
+    const float t20 = fmaf(36.632275f, t2, t15); /* size1 */
+    const float t21 = 2.7298332e-08f * (t20 * t19); /* edge3 */
+    const float t22 = t3 * t6;
+    const float t23 = fmaf(t2, t6, -(0.15875f * t22)); /* adj(HtH)[0][1] */
+    const float t24 = fmaf(0.15875f, t4 * t6, -t22); /* adj(HtH)[0][2] */
+    const float t25 = fmaf(t8, t5, t6 * fmaf((-0.15875f), t24, -t23));
+    const float t26 = (t25 < 1e-12f) ? 1e-12f : t25;
+    const float t27 = 0.05f / t26;
+    const float t28 = (t21 < t25) ? (t14 * t27) : (t13 * t18);
+    const float t29 = 0.000001f * (t20 * t20); /* edge2 */
+    const float t30 = (t16 < 1e-12f) ? 1e-12f : t16;
+    const float t31 = (t29 < t19) ? t28 : (t17 / t30);
+    const float t32 = t23 * in->rear.spin;
+    const float t33 = t6 * in->rear.spin;
+    const float t34 = (t21 < t25) ? (t27 * t32) : (t13 * (0.05f * fmaf(-t16, t13 * t32, t33)));
+    const float t35 = (t29 < t19) ? t34 : 0.0f;
+    const float t36 = t24 * in->rear.spin;
+    const float t37 = 0.05f * fmaf(0.15875f, t33, -(t16 * (t13 * t36)));
+    const float t38 = (t21 < t25) ? (t27 * t36) : (t13 * t37);
+    const float t39 = (t29 < t19) ? t38 : 0.0f;
 
-    out->vx = t41;
-    out->vy = t45;
-    out->omega = t49;
+    out->vx = t31;
+    out->vy = t35;
+    out->omega = t39;
 }
 
 void f1tenth_forward_slip(const f1tenth_forward_slip_in *in, f1tenth_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = fmaf(t6 * t3, t5, t6); /* front: row of H, vy */
-    const float t8 = t7 * t7;
-    const float t9 = t8 + 1.0f; /* HtH[1][1] */
-    const float t10 = fmaf(0.025201563f, t8, 0.029395102f); /* HtH[2][2] */
-    const float t11 = fmaf(0.15875f, t8, (-0.17145f)); /* HtH[1][2] */
-    const float t12 = fmaf(t9, t10, -(t11 * t11)); /* adj(HtH)[0][0], det(HtH) */
-    const float t13 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t14 = fmaf(t2 * t3, fmaf(t3, t13, (-0.16666657f)), t2);
-    const float t15 = t6 * t14;
-    const float t16 = fmaf(t15, t15, 1.0f); /* HtH[0][0] */
-    const float t17 = t15 * t7;
-    const float t18 = t17 * t17;
-    const float t19 = t12 + fmaf(t16, t10, -(0.025201563f * t18));
-    const float t20 = fmaf(t16, t9, -t18); /* adj(HtH)[2][2] */
-    const float t21 = t20 + t19; /* c2 */
-    const float t22 = (t21 < 1e-12f) ? 1e-12f : t21;
-    const float t23 = 1.0f / t22; /* over c2 */
-    const float t24 = t12 * in->rear.spin;
-    const float t25 = t16 + t9;
-    const float t26 = t25 + t10; /* c1 */
-    const float t27 = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float t28 = fmaf(t26, 0.05f * fmaf(-t24, t23, in->rear.spin), -(t16 * t27));
-    const float t29 = fmaf(36.632275f, t19, t20); /* size2 */
-    const float t30 = fmaf(36.632275f, t10, t25); /* size1 */
-    const float t31 = 2.7298332e-08f * (t30 * t29); /* edge3 */
-    const float t32 = t11 * t17;
-    const float t33 = fmaf(0.15875f, t9 * t17, -t32); /* adj(HtH)[0][2] */
-    const float t34 = fmaf(t10, t17, -(0.15875f * t32)); /* adj(HtH)[0][1] */
-    const float t35 = fmaf(t16, t12, t17 * fmaf((-0.15875f), t33, -t34));
-    const float t36 = (t35 < 1e-12f) ? 1e-12f : t35;
-    const float t37 = 0.05f / t36;
-    const float t38 = (t31 < t35) ? (t24 * t37) : (t23 * t28);
-    const float t39 = 0.000001f * (t30 * t30); /* edge2 */
-    const float t40 = (t26 < 1e-12f) ? 1e-12f : t26;
-    const float t41 = (t39 < t29) ? t38 : (t27 / t40);
-    const float t42 = t34 * in->rear.spin;
-    const float t43 = t17 * in->rear.spin;
-    const float t44 = (t31 < t35) ? (t37 * t42) : (t23 * (0.05f * fmaf(-t26, t23 * t42, t43)));
-    const float t45 = (t39 < t29) ? t44 : 0.0f;
-    const float t46 = t33 * in->rear.spin;
-    const float t47 = 0.05f * fmaf(0.15875f, t43, -(t26 * (t23 * t46)));
-    const float t48 = (t31 < t35) ? (t37 * t46) : (t23 * t47);
-    const float t49 = (t39 < t29) ? t48 : 0.0f; /* omega */
-    const float t50 = -t45;
-    const float t51 = fmaf(t15, t41, t7 * fmaf((-0.15875f), t49, t50));
-    const float t52 = fmaf(0.17145f, t49, t50);
-    const float t53 = t27 - t41;
-    const float t54 = sqrtf(fmaf(t51, t51, fmaf(t53, t53, t52 * t52)));
+    const wmrgen_vector t0 = wmrgen_direction(in->front.steer);
+    const float t1 = t0.x * t0.x;
+    const float t2 = fmaf(0.025201563f, t1, 0.029395102f); /* HtH[2][2] */
+    const float t3 = fmaf(0.15875f, t1, (-0.17145f)); /* HtH[1][2] */
+    const float t4 = t1 + 1.0f; /* HtH[1][1] */
+    const float t5 = fmaf(t4, t2, -(t3 * t3)); /* adj(HtH)[0][0], det(HtH) */
+    const float t6 = t0.y * t0.x;
+    const float t7 = t6 * t6;
+    const float t8 = fmaf(t0.y, t0.y, 1.0f); /* HtH[0][0] */
+    const float t9 = t5 + fmaf(t8, t2, -(0.025201563f * t7));
+    const float t10 = fmaf(t8, t4, -t7); /* adj(HtH)[2][2] */
+    const float t11 = t10 + t9; /* c2 */
+    const float t12 = (t11 < 1e-12f) ? 1e-12f : t11;
+    const float t13 = 1.0f / t12; /* over c2 */
+    const float t14 = t5 * in->rear.spin;
+    const float t15 = t8 + t4;
+    const float t16 = t15 + t2; /* c1 */
+    const float t17 = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
+    const float t18 = fmaf(t16, 0.05f * fmaf(-t14, t13, in->rear.spin), -(t8 * t17));
+    const float t19 = fmaf(36.632275f, t9, t10); /* size2 */
+    const float t20 = fmaf(36.632275f, t2, t15); /* size1 */
+    const float t21 = 2.7298332e-08f * (t20 * t19); /* edge3 */
+    const float t22 = t3 * t6;
+    const float t23 = fmaf(t2, t6, -(0.15875f * t22)); /* adj(HtH)[0][1] */
+    const float t24 = fmaf(0.15875f, t4 * t6, -t22); /* adj(HtH)[0][2] */
+    const float t25 = fmaf(t8, t5, t6 * fmaf((-0.15875f), t24, -t23));
+    const float t26 = (t25 < 1e-12f) ? 1e-12f : t25;
+    const float t27 = 0.05f / t26;
+    const float t28 = (t21 < t25) ? (t14 * t27) : (t13 * t18);
+    const float t29 = 0.000001f * (t20 * t20); /* edge2 */
+    const float t30 = (t16 < 1e-12f) ? 1e-12f : t16;
+    const float t31 = (t29 < t19) ? t28 : (t17 / t30);
+    const float t32 = t23 * in->rear.spin;
+    const float t33 = t6 * in->rear.spin;
+    const float t34 = (t21 < t25) ? (t27 * t32) : (t13 * (0.05f * fmaf(-t16, t13 * t32, t33)));
+    const float t35 = (t29 < t19) ? t34 : 0.0f;
+    const float t36 = t24 * in->rear.spin;
+    const float t37 = 0.05f * fmaf(0.15875f, t33, -(t16 * (t13 * t36)));
+    const float t38 = (t21 < t25) ? (t27 * t36) : (t13 * t37);
+    const float t39 = (t29 < t19) ? t38 : 0.0f; /* omega */
+    const float t40 = -t35;
+    const float t41 = fmaf(t0.y, t31, t0.x * fmaf((-0.15875f), t39, t40));
+    const float t42 = fmaf(0.17145f, t39, t40);
+    const float t43 = t17 - t31;
+    const float t44 = sqrtf(fmaf(t41, t41, fmaf(t43, t43, t42 * t42)));
 
-    out->vx = t41;
-    out->vy = t45;
-    out->omega = t49;
-    out->slip = t54;
+    out->vx = t31;
+    out->vy = t35;
+    out->omega = t39;
+    out->slip = t44;
 }
 
 void f1tenth_odometry(const f1tenth_odometry_in *in, f1tenth_odometry_out *out)
@@ -228,32 +279,16 @@ void f1tenth_odometry(const f1tenth_odometry_in *in, f1tenth_odometry_out *out)
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -20,7 +20,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_aea3bb319701b5f9)
+#if !defined(F1TENTH_PAIR_262e62fc63e4511d)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_aec8f4d8852a5de3)
+#if !defined(FESTO_ROBOTINO_PAIR_4454ace8d89979a9)
 #error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_3f695240dca883e0)
+#if !defined(JPL_OSR_PAIR_cacea3646d9530cc)
 #error "jpl_osr.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -62,77 +62,145 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR_AT)
+#define WMRGEN_VECTOR_AT
+/* The vector of this size at this angle: size (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t1 = t0 - 25165824.0f;
+    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t3 = wmrgen_flip(size, t0);
+
+    result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void jpl_osr_inverse(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out)
 {
     const float t0 = 0.177f * in->omega;
     const float t1 = in->vx - t0; /* left_front: a, left_back: a */
-    const float t2 = t1 * t1;
-    const float t3 = in->omega * in->omega;
-    const float t4 = 0.075076f * t3;
-    const float t5 = sqrtf(t2 + t4); /* left_front: sqrt(a^2 + b^2) */
-    const float t6 = fabsf(t1);
-    const float t7 = (1e-20f < t5) ? (t5 + t6) : 1e-20f;
-    const float t8 = 0.274f * in->omega;
-    const float t9 = t8 / t7;
-    const float t10 = t9 * t9;
-    const float t11 = fmaf(t10, fmaf(t10, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t12 = fmaf(t10, fmaf(t10, t11, (-0.0762479f)), 0.10709304f);
-    const float t13 = fmaf(t10, fmaf(t10, t12, (-0.14225537f)), 0.1999624f);
-    const float t14 = fmaf(t9 * t10, fmaf(t10, t13, (-0.33333313f)), t9);
-    const float t15 = wmrgen_signed(2.0f, t1);
-    const float t16 = (1e-20f < t5) ? (t15 * t14) : in->left_front.steer; /* left_front: heading */
-    const float t17 = fmaf(0.31830987f, t16 - in->left_front.steer, 12582912.0f);
-    const float t18 = wmrgen_signed(13.333333f, t1);
-    const float t19 = in->vx + t0; /* right_front: a, right_back: a */
-    const float t20 = t19 * t19;
-    const float t21 = sqrtf(t4 + t20); /* right_front: sqrt(a^2 + b^2) */
-    const float t22 = fabsf(t19);
-    const float t23 = (1e-20f < t21) ? (t21 + t22) : 1e-20f;
-    const float t24 = t8 / t23;
-    const float t25 = t24 * t24;
-    const float t26 = fmaf(t25, fmaf(t25, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t27 = fmaf(t25, fmaf(t25, t26, (-0.0762479f)), 0.10709304f);
-    const float t28 = fmaf(t25, fmaf(t25, t27, (-0.14225537f)), 0.1999624f);
-    const float t29 = fmaf(t24 * t25, fmaf(t25, t28, (-0.33333313f)), t24);
-    const float t30 = wmrgen_signed(2.0f, t19);
-    const float t31 = (1e-20f < t21) ? (t30 * t29) : in->right_front.steer; /* right_front: heading */
-    const float t32 = fmaf(0.31830987f, t31 - in->right_front.steer, 12582912.0f);
-    const float t33 = wmrgen_signed(13.333333f, t19);
-    const float t34 = 0.0961f * t3;
-    const float t35 = sqrtf(t2 + t34); /* left_back: sqrt(a^2 + b^2) */
-    const float t36 = (1e-20f < t35) ? (t6 + t35) : 1e-20f;
-    const float t37 = (-0.31f) * in->omega;
-    const float t38 = t37 / t36;
-    const float t39 = t38 * t38;
-    const float t40 = fmaf(t39, fmaf(t39, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t41 = fmaf(t39, fmaf(t39, t40, (-0.0762479f)), 0.10709304f);
-    const float t42 = fmaf(t39, fmaf(t39, t41, (-0.14225537f)), 0.1999624f);
-    const float t43 = fmaf(t38 * t39, fmaf(t39, t42, (-0.33333313f)), t38);
-    const float t44 = (1e-20f < t35) ? (t15 * t43) : in->left_back.steer; /* left_back: heading */
-    const float t45 = fmaf(0.31830987f, t44 - in->left_back.steer, 12582912.0f);
-    const float t46 = sqrtf(t20 + t34); /* right_back: sqrt(a^2 + b^2) */
-    const float t47 = (1e-20f < t46) ? (t22 + t46) : 1e-20f;
-    const float t48 = t37 / t47;
-    const float t49 = t48 * t48;
-    const float t50 = fmaf(t49, fmaf(t49, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t51 = fmaf(t49, fmaf(t49, t50, (-0.0762479f)), 0.10709304f);
-    const float t52 = fmaf(t49, fmaf(t49, t51, (-0.14225537f)), 0.1999624f);
-    const float t53 = fmaf(t48 * t49, fmaf(t49, t52, (-0.33333313f)), t48);
-    const float t54 = (1e-20f < t46) ? (t30 * t53) : in->right_back.steer; /* right_back: heading */
-    const float t55 = fmaf(0.31830987f, t54 - in->right_back.steer, 12582912.0f);
-    const float t56 = 13.333333f * in->vx;
-    const float t57 = 3.3733332f * in->omega;
+    const float t2 = wmrgen_signed(13.333333f, t1);
+    const float t3 = t1 * t1;
+    const float t4 = in->omega * in->omega;
+    const float t5 = 0.075076f * t4;
+    const float t6 = sqrtf(t3 + t5); /* left_front: sqrt(a^2 + b^2) */
+    const float t7 = fabsf(t1);
+    const float t8 = (1e-20f < t6) ? (t6 + t7) : 1e-20f;
+    const float t9 = 0.274f * in->omega;
+    const float t10 = wmrgen_signed(2.0f, t1);
+    const float t11 = (1e-20f < t6) ? (t10 * wmrgen_arctangent(t9 / t8)) : in->left_front.steer; /* left_front: heading */
+    const float t12 = fmaf(0.31830987f, t11 - in->left_front.steer, 12582912.0f);
+    const float t13 = in->vx + t0; /* right_front: a, right_back: a */
+    const float t14 = wmrgen_signed(13.333333f, t13);
+    const float t15 = t13 * t13;
+    const float t16 = sqrtf(t5 + t15); /* right_front: sqrt(a^2 + b^2) */
+    const float t17 = fabsf(t13);
+    const float t18 = (1e-20f < t16) ? (t16 + t17) : 1e-20f;
+    const float t19 = wmrgen_signed(2.0f, t13);
+    const float t20 = (1e-20f < t16) ? (t19 * wmrgen_arctangent(t9 / t18)) : in->right_front.steer; /* right_front: heading */
+    const float t21 = fmaf(0.31830987f, t20 - in->right_front.steer, 12582912.0f);
+    const float t22 = 0.0961f * t4;
+    const float t23 = sqrtf(t3 + t22); /* left_back: sqrt(a^2 + b^2) */
+    const float t24 = (1e-20f < t23) ? (t7 + t23) : 1e-20f;
+    const float t25 = (-0.31f) * in->omega;
+    const float t26 = (1e-20f < t23) ? (t10 * wmrgen_arctangent(t25 / t24)) : in->left_back.steer; /* left_back: heading */
+    const float t27 = fmaf(0.31830987f, t26 - in->left_back.steer, 12582912.0f);
+    const float t28 = sqrtf(t15 + t22); /* right_back: sqrt(a^2 + b^2) */
+    const float t29 = (1e-20f < t28) ? (t17 + t28) : 1e-20f;
+    const float t30 = (1e-20f < t28) ? (t19 * wmrgen_arctangent(t25 / t29)) : in->right_back.steer; /* right_back: heading */
+    const float t31 = fmaf(0.31830987f, t30 - in->right_back.steer, 12582912.0f);
+    const float t32 = 13.333333f * in->vx;
+    const float t33 = 3.3733332f * in->omega;
 
-    out->left_front.spin = wmrgen_flip(t18 * t5, t17);
-    out->left_front.steer = fmaf((-3.1415927f), t17 - 12582912.0f, t16);
-    out->right_front.spin = wmrgen_flip(t33 * t21, t32);
-    out->right_front.steer = fmaf((-3.1415927f), t32 - 12582912.0f, t31);
-    out->left_back.spin = wmrgen_flip(t18 * t35, t45);
-    out->left_back.steer = fmaf((-3.1415927f), t45 - 12582912.0f, t44);
-    out->right_back.spin = wmrgen_flip(t33 * t46, t55);
-    out->right_back.steer = fmaf((-3.1415927f), t55 - 12582912.0f, t54);
-    out->left_middle.spin = t56 - t57;
-    out->right_middle.spin = t57 + t56;
+    out->left_front.spin = wmrgen_flip(t2 * t6, t12);
+    out->left_front.steer = fmaf((-3.1415927f), t12 - 12582912.0f, t11);
+    out->right_front.spin = wmrgen_flip(t14 * t16, t21);
+    out->right_front.steer = fmaf((-3.1415927f), t21 - 12582912.0f, t20);
+    out->left_back.spin = wmrgen_flip(t2 * t23, t27);
+    out->left_back.steer = fmaf((-3.1415927f), t27 - 12582912.0f, t26);
+    out->right_back.spin = wmrgen_flip(t14 * t28, t31);
+    out->right_back.steer = fmaf((-3.1415927f), t31 - 12582912.0f, t30);
+    out->left_middle.spin = t32 - t33;
+    out->right_middle.spin = t33 + t32;
 }
 
 void jpl_osr_inverse_slip(const jpl_osr_inverse_slip_in *in, jpl_osr_inverse_slip_out *out)
@@ -142,189 +210,82 @@ void jpl_osr_inverse_slip(const jpl_osr_inverse_slip_in *in, jpl_osr_inverse_sli
 
 void jpl_osr_forward(const jpl_osr_forward_in *in, jpl_osr_forward_out *out)
 {
-    const float t0 = fmaf(in->right_front.steer, 0.63661975f, 25165824.0f);
-    const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, in->right_front.steer));
-    const float t3 = 1.5707964f - fabsf(t2);
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t6 = fmaf(t3 * t4, fmaf(t4, t5, (-0.16666657f)), t3);
-    const float t7 = wmrgen_flip(in->right_front.spin, t0);
-    const float t8 = t2 * t2;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t2 * t8, fmaf(t8, t9, (-0.16666657f)), t2);
-    const float t11 = fmaf(in->right_back.steer, 0.63661975f, 25165824.0f);
-    const float t12 = t11 - 25165824.0f;
-    const float t13 = fmaf(t12, 4.371139e-08f, fmaf(-t12, 1.5707964f, in->right_back.steer));
-    const float t14 = 1.5707964f - fabsf(t13);
-    const float t15 = t14 * t14;
-    const float t16 = fmaf(t15, fmaf(t15, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t17 = fmaf(t14 * t15, fmaf(t15, t16, (-0.16666657f)), t14);
-    const float t18 = wmrgen_flip(in->right_back.spin, t11);
-    const float t19 = fmaf(t7, t6, t18 * t17);
-    const float t20 = t13 * t13;
-    const float t21 = fmaf(t20, fmaf(t20, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t22 = fmaf(t13 * t20, fmaf(t20, t21, (-0.16666657f)), t13);
-    const float t23 = fmaf(in->left_front.steer, 0.63661975f, 25165824.0f);
-    const float t24 = t23 - 25165824.0f;
-    const float t25 = fmaf(t24, 4.371139e-08f, fmaf(-t24, 1.5707964f, in->left_front.steer));
-    const float t26 = 1.5707964f - fabsf(t25);
-    const float t27 = t26 * t26;
-    const float t28 = fmaf(t27, fmaf(t27, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t29 = fmaf(t26 * t27, fmaf(t27, t28, (-0.16666657f)), t26);
-    const float t30 = wmrgen_flip(in->left_front.spin, t23);
-    const float t31 = t25 * t25;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t25 * t31, fmaf(t31, t32, (-0.16666657f)), t25);
-    const float t34 = fmaf(t30, t33, t7 * t10);
-    const float t35 = fmaf(in->left_back.steer, 0.63661975f, 25165824.0f);
-    const float t36 = t35 - 25165824.0f;
-    const float t37 = fmaf(t36, 4.371139e-08f, fmaf(-t36, 1.5707964f, in->left_back.steer));
-    const float t38 = 1.5707964f - fabsf(t37);
-    const float t39 = t38 * t38;
-    const float t40 = fmaf(t39, fmaf(t39, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t41 = fmaf(t38 * t39, fmaf(t39, t40, (-0.16666657f)), t38);
-    const float t42 = wmrgen_flip(in->left_back.spin, t35);
-    const float t43 = fmaf(t30, t29, t42 * t41);
-    const float t44 = t43 + (in->left_middle.spin + in->right_middle.spin);
-    const float t45 = fmaf(0.69960475f, t43 - t19, in->left_middle.spin - in->right_middle.spin);
-    const float t46 = t37 * t37;
-    const float t47 = fmaf(t46, fmaf(t46, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t48 = fmaf(t37 * t46, fmaf(t46, t47, (-0.16666657f)), t37);
-    const float t49 = fmaf(t42, t48, t18 * t22);
-    const float t50 = fmaf((-0.00038280358f), t45, fmaf(0.012049109f, t49, 0.012932735f * t34)); /* vy */
-    const float t51 = fmaf(0.03606121f, t34, -(0.037574265f * t49));
+    const wmrgen_vector t0 = wmrgen_vector_at(in->right_front.spin, in->right_front.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->right_back.spin, in->right_back.steer);
+    const float t2 = t0.x + t1.x;
+    const wmrgen_vector t3 = wmrgen_vector_at(in->left_front.spin, in->left_front.steer);
+    const wmrgen_vector t4 = wmrgen_vector_at(in->left_back.spin, in->left_back.steer);
+    const float t5 = t3.x + t4.x;
+    const float t6 = t5 + (in->left_middle.spin + in->right_middle.spin);
+    const float t7 = fmaf(0.69960475f, t5 - t2, in->left_middle.spin - in->right_middle.spin);
+    const float t8 = t4.y + t1.y;
+    const float t9 = t3.y + t0.y;
+    const float t10 = fmaf((-0.00038280358f), t7, fmaf(0.012049109f, t8, 0.012932735f * t9)); /* vy */
+    const float t11 = fmaf((-0.031900298f), t7, fmaf(0.03606121f, t9, -(0.037574265f * t8))); /* omega */
 
-    out->vx = 0.0125f * (t19 + t44);
-    out->vy = t50;
-    out->omega = fmaf((-0.031900298f), t45, t51);
+    out->vx = 0.0125f * (t2 + t6);
+    out->vy = t10;
+    out->omega = t11;
 }
 
 void jpl_osr_forward_slip(const jpl_osr_forward_slip_in *in, jpl_osr_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->right_front.steer, 0.63661975f, 25165824.0f);
-    const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, in->right_front.steer));
-    const float t3 = 1.5707964f - fabsf(t2);
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t6 = fmaf(t3 * t4, fmaf(t4, t5, (-0.16666657f)), t3);
-    const float t7 = wmrgen_flip(in->right_front.spin, t0);
-    const float t8 = t7 * t6;
-    const float t9 = t2 * t2;
-    const float t10 = fmaf(t9, fmaf(t9, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t11 = fmaf(t2 * t9, fmaf(t9, t10, (-0.16666657f)), t2);
-    const float t12 = t7 * t11;
-    const float t13 = fmaf(in->right_back.steer, 0.63661975f, 25165824.0f);
-    const float t14 = t13 - 25165824.0f;
-    const float t15 = fmaf(t14, 4.371139e-08f, fmaf(-t14, 1.5707964f, in->right_back.steer));
-    const float t16 = 1.5707964f - fabsf(t15);
-    const float t17 = t16 * t16;
-    const float t18 = fmaf(t17, fmaf(t17, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t19 = fmaf(t16 * t17, fmaf(t17, t18, (-0.16666657f)), t16);
-    const float t20 = wmrgen_flip(in->right_back.spin, t13);
-    const float t21 = t20 * t19;
-    const float t22 = t8 + t21;
-    const float t23 = t15 * t15;
-    const float t24 = fmaf(t23, fmaf(t23, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t25 = fmaf(t15 * t23, fmaf(t23, t24, (-0.16666657f)), t15);
-    const float t26 = t20 * t25;
-    const float t27 = fmaf(in->left_front.steer, 0.63661975f, 25165824.0f);
-    const float t28 = t27 - 25165824.0f;
-    const float t29 = fmaf(t28, 4.371139e-08f, fmaf(-t28, 1.5707964f, in->left_front.steer));
-    const float t30 = 1.5707964f - fabsf(t29);
-    const float t31 = t30 * t30;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t30 * t31, fmaf(t31, t32, (-0.16666657f)), t30);
-    const float t34 = wmrgen_flip(in->left_front.spin, t27);
-    const float t35 = t34 * t33;
-    const float t36 = t29 * t29;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t29 * t36, fmaf(t36, t37, (-0.16666657f)), t29);
-    const float t39 = t34 * t38;
-    const float t40 = t39 + t12;
-    const float t41 = fmaf(in->left_back.steer, 0.63661975f, 25165824.0f);
-    const float t42 = t41 - 25165824.0f;
-    const float t43 = fmaf(t42, 4.371139e-08f, fmaf(-t42, 1.5707964f, in->left_back.steer));
-    const float t44 = 1.5707964f - fabsf(t43);
-    const float t45 = t44 * t44;
-    const float t46 = fmaf(t45, fmaf(t45, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t47 = fmaf(t44 * t45, fmaf(t45, t46, (-0.16666657f)), t44);
-    const float t48 = wmrgen_flip(in->left_back.spin, t41);
-    const float t49 = t48 * t47;
-    const float t50 = t35 + t49;
-    const float t51 = t50 + (in->left_middle.spin + in->right_middle.spin);
-    const float t52 = 0.0125f * (t22 + t51); /* vx */
-    const float t53 = fmaf(0.69960475f, t50 - t22, in->left_middle.spin - in->right_middle.spin);
-    const float t54 = t43 * t43;
-    const float t55 = fmaf(t54, fmaf(t54, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t56 = fmaf(t43 * t54, fmaf(t54, t55, (-0.16666657f)), t43);
-    const float t57 = t48 * t56;
-    const float t58 = t57 + t26;
-    const float t59 = fmaf((-0.00038280358f), t53, fmaf(0.012049109f, t58, 0.012932735f * t40)); /* vy */
-    const float t60 = fmaf(0.03606121f, t40, -(0.037574265f * t58));
-    const float t61 = fmaf((-0.031900298f), t53, t60); /* omega */
-    const float t62 = -fmaf(0.274f, t61, t59);
-    const float t63 = fmaf(0.075f, t12, t62);
-    const float t64 = fmaf(0.075f, t39, t62);
-    const float t65 = 0.177f * t61;
-    const float t66 = -(t52 - t65);
-    const float t67 = fmaf(0.075f, t35, t66);
-    const float t68 = -(t52 + t65);
-    const float t69 = fmaf(0.075f, t8, t68);
-    const float t70 = fmaf(t63, t63, fmaf(t69, t69, fmaf(t67, t67, t64 * t64)));
-    const float t71 = fmaf(0.075f, t49, t66);
-    const float t72 = -fmaf((-0.31f), t61, t59);
-    const float t73 = fmaf(0.075f, t57, t72);
-    const float t74 = fmaf(0.075f, t21, t68);
-    const float t75 = fmaf(t74, t74, fmaf(t73, t73, fmaf(t71, t71, t70)));
-    const float t76 = fmaf(0.075f, t26, t72);
-    const float t77 = (-0.253f) * t61;
-    const float t78 = fmaf(0.075f, in->left_middle.spin, -t52) - t77;
-    const float t79 = fmaf(0.075f, in->right_middle.spin, t77 - t52);
-    const float t80 = fmaf(t79, t79, fmaf(t78, t78, fmaf(t76, t76, t75)));
+    const wmrgen_vector t0 = wmrgen_vector_at(in->right_front.spin, in->right_front.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->right_back.spin, in->right_back.steer);
+    const float t2 = t0.x + t1.x;
+    const wmrgen_vector t3 = wmrgen_vector_at(in->left_front.spin, in->left_front.steer);
+    const wmrgen_vector t4 = wmrgen_vector_at(in->left_back.spin, in->left_back.steer);
+    const float t5 = t3.x + t4.x;
+    const float t6 = t5 + (in->left_middle.spin + in->right_middle.spin);
+    const float t7 = 0.0125f * (t2 + t6); /* vx */
+    const float t8 = fmaf(0.69960475f, t5 - t2, in->left_middle.spin - in->right_middle.spin);
+    const float t9 = t4.y + t1.y;
+    const float t10 = t3.y + t0.y;
+    const float t11 = fmaf((-0.00038280358f), t8, fmaf(0.012049109f, t9, 0.012932735f * t10)); /* vy */
+    const float t12 = fmaf((-0.031900298f), t8, fmaf(0.03606121f, t10, -(0.037574265f * t9))); /* omega */
+    const float t13 = -fmaf(0.274f, t12, t11);
+    const float t14 = fmaf(0.075f, t0.y, t13);
+    const float t15 = fmaf(0.075f, t3.y, t13);
+    const float t16 = 0.177f * t12;
+    const float t17 = -(t7 - t16);
+    const float t18 = fmaf(0.075f, t3.x, t17);
+    const float t19 = -(t7 + t16);
+    const float t20 = fmaf(0.075f, t0.x, t19);
+    const float t21 = fmaf(t14, t14, fmaf(t20, t20, fmaf(t18, t18, t15 * t15)));
+    const float t22 = fmaf(0.075f, t4.x, t17);
+    const float t23 = -fmaf((-0.31f), t12, t11);
+    const float t24 = fmaf(0.075f, t4.y, t23);
+    const float t25 = fmaf(0.075f, t1.x, t19);
+    const float t26 = fmaf(t25, t25, fmaf(t24, t24, fmaf(t22, t22, t21)));
+    const float t27 = fmaf(0.075f, t1.y, t23);
+    const float t28 = (-0.253f) * t12;
+    const float t29 = fmaf(0.075f, in->left_middle.spin, -t7) - t28;
+    const float t30 = fmaf(0.075f, in->right_middle.spin, t28 - t7);
+    const float t31 = fmaf(t30, t30, fmaf(t29, t29, fmaf(t27, t27, t26)));
 
-    out->vx = t52;
-    out->vy = t59;
-    out->omega = t61;
-    out->slip = sqrtf((2.0f * (t59 * t59)) + t80);
+    out->vx = t7;
+    out->vy = t11;
+    out->omega = t12;
+    out->slip = sqrtf((2.0f * (t11 * t11)) + t31);
 }
 
 void jpl_osr_odometry(const jpl_osr_odometry_in *in, jpl_osr_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
-    const float t1 = 0.5f * t0; /* h */
-    const float t2 = in->theta + t1; /* theta + h */
-    const float t3 = fmaf(t2, 0.63661975f, 25165824.0f);
-    const float t4 = t3 - 25165824.0f;
-    const float t5 = fmaf(t4, 4.371139e-08f, fmaf(-t4, 1.5707964f, t2));
-    const float t6 = 1.5707964f - fabsf(t5);
-    const float t7 = t6 * t6;
-    const float t8 = fmaf(t7, fmaf(t7, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t9 = fmaf(t6 * t7, fmaf(t7, t8, (-0.16666657f)), t6);
-    const float t10 = wmrgen_flip(1.0f, t3);
-    const float t11 = t10 * t9;
-    const float t12 = t5 * t5;
-    const float t13 = fmaf(t12, fmaf(t12, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t14 = fmaf(t5 * t12, fmaf(t12, t13, (-0.16666657f)), t5);
-    const float t15 = t10 * t14;
-    const float t16 = t0 * t0;
-    const float t17 = 0.25f * t16; /* h^2 */
-    const float t18 = (t17 < 0.0025f) ? 1.0f : t1; /* h or 1 */
-    const float t19 = fmaf(t18, 0.63661975f, 25165824.0f);
-    const float t20 = t19 - 25165824.0f;
-    const float t21 = fmaf(t20, 4.371139e-08f, fmaf(-t20, 1.5707964f, t18));
-    const float t22 = t21 * t21;
-    const float t23 = fmaf(t22, fmaf(t22, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t24 = fmaf(t21 * t22, fmaf(t22, t23, (-0.16666657f)), t21);
-    const float t25 = -t17;
-    const float t26 = fmaf(t25, fmaf((-4.9603175e-05f), t16, 0.008333334f), 0.16666667f);
-    const float t27 = (t17 < 0.0025f) ? fmaf(t25, t26, 1.0f) : (wmrgen_flip(1.0f, t19) * t24 / t18);
-    const float t28 = in->dt * t27; /* dt sinc(h) */
-    const float t29 = fmaf(fmaf(in->vx, t11, -(in->vy * t15)), t28, in->x);
-    const float t30 = fmaf(t28, fmaf(in->vx, t15, t11 * in->vy), in->y);
+    const float t1 = t0 * t0;
+    const float t2 = 0.25f * t1; /* h^2 */
+    const float t3 = 0.5f * t0; /* h */
+    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t29;
-    out->y = t30;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

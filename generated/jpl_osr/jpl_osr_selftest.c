@@ -16,7 +16,7 @@
  */
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_3f695240dca883e0)
+#if !defined(JPL_OSR_PAIR_cacea3646d9530cc)
 #error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_6a29287fc443bda4)
+#if !defined(KELLY_4WS_PAIR_1134dd228e0790c9)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -62,6 +62,81 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void kelly_4ws_inverse(const kelly_4ws_inverse_in *in, kelly_4ws_inverse_out *out)
 {
     const float t0 = fmaf(1.1920929e-08f, in->omega, fmaf((-0.3f), in->omega, in->vx)); /* w1: a, w3: a */
@@ -71,63 +146,39 @@ void kelly_4ws_inverse(const kelly_4ws_inverse_in *in, kelly_4ws_inverse_out *ou
     const float t4 = sqrtf(t1 + t3); /* w1: sqrt(a^2 + b^2) */
     const float t5 = fabsf(t0);
     const float t6 = (1e-20f < t4) ? (t4 + t5) : 1e-20f;
-    const float t7 = t2 / t6;
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t10 = fmaf(t8, fmaf(t8, t9, (-0.0762479f)), 0.10709304f);
-    const float t11 = fmaf(t8, fmaf(t8, t10, (-0.14225537f)), 0.1999624f);
-    const float t12 = fmaf(t7 * t8, fmaf(t8, t11, (-0.33333313f)), t7);
-    const float t13 = wmrgen_signed(2.0f, t0);
-    const float t14 = (1e-20f < t4) ? (t13 * t12) : in->w1.steer; /* w1: heading */
-    const float t15 = fmaf(0.31830987f, t14 - in->w1.steer, 12582912.0f);
-    const float t16 = wmrgen_signed(10.0f, t0);
-    const float t17 = 0.7f * in->omega;
-    const float t18 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vx)); /* w2: a, w4: a */
-    const float t19 = t18 * t18;
-    const float t20 = sqrtf(t3 + t19); /* w2: sqrt(a^2 + b^2) */
-    const float t21 = fabsf(t18);
-    const float t22 = (1e-20f < t20) ? (t20 + t21) : 1e-20f;
-    const float t23 = t2 / t22;
-    const float t24 = t23 * t23;
-    const float t25 = fmaf(t24, fmaf(t24, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t26 = fmaf(t24, fmaf(t24, t25, (-0.0762479f)), 0.10709304f);
-    const float t27 = fmaf(t24, fmaf(t24, t26, (-0.14225537f)), 0.1999624f);
-    const float t28 = fmaf(t23 * t24, fmaf(t24, t27, (-0.33333313f)), t23);
-    const float t29 = wmrgen_signed(2.0f, t18);
-    const float t30 = (1e-20f < t20) ? (t29 * t28) : in->w2.steer; /* w2: heading */
-    const float t31 = fmaf(0.31830987f, t30 - in->w2.steer, 12582912.0f);
-    const float t32 = wmrgen_signed(10.0f, t18);
-    const float t33 = fmaf((-0.5f), in->omega, in->vy); /* w3: b, w4: b */
-    const float t34 = t33 * t33;
-    const float t35 = sqrtf(t1 + t34); /* w3: sqrt(a^2 + b^2) */
-    const float t36 = (1e-20f < t35) ? (t5 + t35) : 1e-20f;
-    const float t37 = t33 / t36;
-    const float t38 = t37 * t37;
-    const float t39 = fmaf(t38, fmaf(t38, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t40 = fmaf(t38, fmaf(t38, t39, (-0.0762479f)), 0.10709304f);
-    const float t41 = fmaf(t38, fmaf(t38, t40, (-0.14225537f)), 0.1999624f);
-    const float t42 = fmaf(t37 * t38, fmaf(t38, t41, (-0.33333313f)), t37);
-    const float t43 = (1e-20f < t35) ? (t13 * t42) : in->w3.steer; /* w3: heading */
-    const float t44 = fmaf(0.31830987f, t43 - in->w3.steer, 12582912.0f);
-    const float t45 = sqrtf(t19 + t34); /* w4: sqrt(a^2 + b^2) */
-    const float t46 = (1e-20f < t45) ? (t21 + t45) : 1e-20f;
-    const float t47 = t33 / t46;
-    const float t48 = t47 * t47;
-    const float t49 = fmaf(t48, fmaf(t48, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t50 = fmaf(t48, fmaf(t48, t49, (-0.0762479f)), 0.10709304f);
-    const float t51 = fmaf(t48, fmaf(t48, t50, (-0.14225537f)), 0.1999624f);
-    const float t52 = fmaf(t47 * t48, fmaf(t48, t51, (-0.33333313f)), t47);
-    const float t53 = (1e-20f < t45) ? (t29 * t52) : in->w4.steer; /* w4: heading */
-    const float t54 = fmaf(0.31830987f, t53 - in->w4.steer, 12582912.0f);
+    const float t7 = wmrgen_signed(2.0f, t0);
+    const float t8 = (1e-20f < t4) ? (t7 * wmrgen_arctangent(t2 / t6)) : in->w1.steer; /* w1: heading */
+    const float t9 = fmaf(0.31830987f, t8 - in->w1.steer, 12582912.0f);
+    const float t10 = wmrgen_signed(10.0f, t0);
+    const float t11 = 0.7f * in->omega;
+    const float t12 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vx)); /* w2: a, w4: a */
+    const float t13 = t12 * t12;
+    const float t14 = sqrtf(t3 + t13); /* w2: sqrt(a^2 + b^2) */
+    const float t15 = fabsf(t12);
+    const float t16 = (1e-20f < t14) ? (t14 + t15) : 1e-20f;
+    const float t17 = wmrgen_signed(2.0f, t12);
+    const float t18 = (1e-20f < t14) ? (t17 * wmrgen_arctangent(t2 / t16)) : in->w2.steer; /* w2: heading */
+    const float t19 = fmaf(0.31830987f, t18 - in->w2.steer, 12582912.0f);
+    const float t20 = wmrgen_signed(10.0f, t12);
+    const float t21 = fmaf((-0.5f), in->omega, in->vy); /* w3: b, w4: b */
+    const float t22 = t21 * t21;
+    const float t23 = sqrtf(t1 + t22); /* w3: sqrt(a^2 + b^2) */
+    const float t24 = (1e-20f < t23) ? (t5 + t23) : 1e-20f;
+    const float t25 = (1e-20f < t23) ? (t7 * wmrgen_arctangent(t21 / t24)) : in->w3.steer; /* w3: heading */
+    const float t26 = fmaf(0.31830987f, t25 - in->w3.steer, 12582912.0f);
+    const float t27 = sqrtf(t13 + t22); /* w4: sqrt(a^2 + b^2) */
+    const float t28 = (1e-20f < t27) ? (t15 + t27) : 1e-20f;
+    const float t29 = (1e-20f < t27) ? (t17 * wmrgen_arctangent(t21 / t28)) : in->w4.steer; /* w4: heading */
+    const float t30 = fmaf(0.31830987f, t29 - in->w4.steer, 12582912.0f);
 
-    out->w1.spin = wmrgen_flip(t16 * t4, t15) - t17;
-    out->w1.steer = fmaf((-3.1415927f), t15 - 12582912.0f, t14);
-    out->w2.spin = t17 + wmrgen_flip(t32 * t20, t31);
-    out->w2.steer = fmaf((-3.1415927f), t31 - 12582912.0f, t30);
-    out->w3.spin = wmrgen_flip(t16 * t35, t44) - t17;
-    out->w3.steer = fmaf((-3.1415927f), t44 - 12582912.0f, t43);
-    out->w4.spin = t17 + wmrgen_flip(t32 * t45, t54);
-    out->w4.steer = fmaf((-3.1415927f), t54 - 12582912.0f, t53);
+    out->w1.spin = wmrgen_flip(t10 * t4, t9) - t11;
+    out->w1.steer = fmaf((-3.1415927f), t9 - 12582912.0f, t8);
+    out->w2.spin = t11 + wmrgen_flip(t20 * t14, t19);
+    out->w2.steer = fmaf((-3.1415927f), t19 - 12582912.0f, t18);
+    out->w3.spin = wmrgen_flip(t10 * t23, t26) - t11;
+    out->w3.steer = fmaf((-3.1415927f), t26 - 12582912.0f, t25);
+    out->w4.spin = t11 + wmrgen_flip(t20 * t27, t30);
+    out->w4.steer = fmaf((-3.1415927f), t30 - 12582912.0f, t29);
 }
 
 void kelly_4ws_inverse_slip(const kelly_4ws_inverse_slip_in *in, kelly_4ws_inverse_slip_out *out)
@@ -139,181 +190,101 @@ void kelly_4ws_inverse_slip(const kelly_4ws_inverse_slip_in *in, kelly_4ws_inver
 
 void kelly_4ws_forward(const kelly_4ws_forward_in *in, kelly_4ws_forward_out *out)
 {
-    const float t0 = fmaf(in->w3.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->w3.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(in->w4.steer, 0.31830987f, 12582912.0f);
-    const float t9 = t8 - 12582912.0f;
-    const float t10 = fmaf(t9, 8.742278e-08f, fmaf(-t9, 3.1415927f, in->w4.steer));
-    const float t11 = t10 * t10;
-    const float t12 = fmaf(t11, fmaf(t11, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t13 = fmaf(t10 * t11, fmaf(t11, t12, (-0.16666657f)), t10);
-    const float t14 = wmrgen_flip(1.0f, t8);
-    const float t15 = t14 * t13;
-    const float t16 = t7 - t15;
-    const float t17 = fmaf(in->w1.steer, 0.31830987f, 12582912.0f);
-    const float t18 = t17 - 12582912.0f;
-    const float t19 = fmaf(t18, 8.742278e-08f, fmaf(-t18, 3.1415927f, in->w1.steer));
-    const float t20 = t19 * t19;
-    const float t21 = fmaf(t20, fmaf(t20, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t22 = fmaf(t19 * t20, fmaf(t20, t21, (-0.16666657f)), t19);
-    const float t23 = wmrgen_flip(1.0f, t17);
-    const float t24 = t23 * t22;
-    const float t25 = fmaf(in->w2.steer, 0.31830987f, 12582912.0f);
-    const float t26 = t25 - 12582912.0f;
-    const float t27 = fmaf(t26, 8.742278e-08f, fmaf(-t26, 3.1415927f, in->w2.steer));
-    const float t28 = t27 * t27;
-    const float t29 = fmaf(t28, fmaf(t28, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t30 = fmaf(t27 * t28, fmaf(t28, t29, (-0.16666657f)), t27);
-    const float t31 = wmrgen_flip(1.0f, t25);
-    const float t32 = t31 * t30;
-    const float t33 = t24 - t32;
-    const float t34 = (-0.07f) * (t16 + t33); /* sum fx */
-    const float t35 = -t34;
-    const float t36 = fmaf(0.1f, in->w4.spin, -(0.07f * in->w4.steer_rate));
-    const float t37 = fmaf(0.07f, in->w3.steer_rate, 0.1f * in->w3.spin);
-    const float t38 = fmaf(t37, t7, t36 * t15);
-    const float t39 = fmaf(0.1f, in->w2.spin, -(0.07f * in->w2.steer_rate));
-    const float t40 = fmaf(0.07f, in->w1.steer_rate, 0.1f * in->w1.spin);
-    const float t41 = fmaf(t40, t24, t39 * t32);
-    const float t42 = t38 + t41; /* sum: its velocity, y */
-    const float t43 = fmaf(t28, fmaf(t28, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t44 = fmaf(t28, fmaf(t28, t43, 0.041666657f), (-0.5f));
-    const float t45 = fmaf(t31 * t28, t44, t31);
-    const float t46 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t47 = fmaf(t11, fmaf(t11, t46, 0.041666657f), (-0.5f));
-    const float t48 = fmaf(t14 * t11, t47, t14);
-    const float t49 = fmaf(t45, t39, t48 * t36);
-    const float t50 = fmaf(t20, fmaf(t20, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t51 = fmaf(t20, fmaf(t20, t50, 0.041666657f), (-0.5f));
-    const float t52 = fmaf(t23 * t20, t51, t23);
-    const float t53 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t54 = fmaf(t3, fmaf(t3, t53, 0.041666657f), (-0.5f));
-    const float t55 = fmaf(t6 * t3, t54, t6);
-    const float t56 = fmaf(t52, t40, t55 * t37);
-    const float t57 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
-    const float t58 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
-    const float t59 = fmaf(0.028f, t57, -(0.0196f * (in->w4.steer_rate + t58)));
-    const float t60 = (2.0f * (t41 - t38)) + fmaf(1.2f, t49 - t56, t59); /* moment */
-    const float t61 = t49 + t56; /* sum: its velocity, x */
-    const float t62 = t52 + t55;
-    const float t63 = t45 + t48;
-    const float t64 = 0.07f * (t62 - t63); /* sum fy */
-    const float t65 = fmaf(0.168f, t63 + t62, fmaf(0.28f, t16 - t33, 5.5184f)); /* inertia */
-    const float t66 = fmaf(t61, t64, fmaf(t35, t42, t60)) / fmaf(-t64, t64, fmaf(t35, t34, t65)); /* omega */
+    const float t0 = fmaf(0.07f, in->w1.steer_rate, 0.1f * in->w1.spin);
+    const float t1 = fmaf(0.1f, in->w2.spin, -(0.07f * in->w2.steer_rate));
+    const wmrgen_vector t2 = wmrgen_direction(in->w2.steer);
+    const wmrgen_vector t3 = wmrgen_direction(in->w1.steer);
+    const float t4 = fmaf(t0, t3.y, t1 * t2.y);
+    const float t5 = fmaf(0.07f, in->w3.steer_rate, 0.1f * in->w3.spin);
+    const float t6 = fmaf(0.1f, in->w4.spin, -(0.07f * in->w4.steer_rate));
+    const wmrgen_vector t7 = wmrgen_direction(in->w4.steer);
+    const wmrgen_vector t8 = wmrgen_direction(in->w3.steer);
+    const float t9 = fmaf(t5, t8.y, t6 * t7.y);
+    const float t10 = fmaf(t2.x, t1, t7.x * t6);
+    const float t11 = fmaf(t3.x, t0, t8.x * t5);
+    const float t12 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
+    const float t13 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
+    const float t14 = fmaf(0.028f, t12, -(0.0196f * (in->w4.steer_rate + t13)));
+    const float t15 = (2.0f * (t4 - t9)) + fmaf(1.2f, t10 - t11, t14); /* moment */
+    const float t16 = t9 + t4; /* sum: its velocity, y */
+    const float t17 = t8.y - t7.y;
+    const float t18 = t3.y - t2.y;
+    const float t19 = (-0.07f) * (t17 + t18); /* sum fx */
+    const float t20 = -t19;
+    const float t21 = t10 + t11; /* sum: its velocity, x */
+    const float t22 = t3.x + t8.x;
+    const float t23 = t2.x + t7.x;
+    const float t24 = 0.07f * (t22 - t23); /* sum fy */
+    const float t25 = fmaf(0.168f, t23 + t22, fmaf(0.28f, t17 - t18, 5.5184f)); /* inertia */
+    const float t26 = fmaf(t21, t24, fmaf(t20, t16, t15)) / fmaf(-t24, t24, fmaf(t20, t19, t25)); /* omega */
 
-    out->vx = 0.25f * fmaf(t64, t66, t61);
-    out->vy = 0.25f * fmaf(t35, t66, t42);
-    out->omega = t66;
+    out->vx = 0.25f * fmaf(t24, t26, t21);
+    out->vy = 0.25f * fmaf(t20, t26, t16);
+    out->omega = t26;
 }
 
 void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->w3.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->w3.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(in->w4.steer, 0.31830987f, 12582912.0f);
-    const float t9 = t8 - 12582912.0f;
-    const float t10 = fmaf(t9, 8.742278e-08f, fmaf(-t9, 3.1415927f, in->w4.steer));
-    const float t11 = t10 * t10;
-    const float t12 = fmaf(t11, fmaf(t11, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t13 = fmaf(t10 * t11, fmaf(t11, t12, (-0.16666657f)), t10);
-    const float t14 = wmrgen_flip(1.0f, t8);
-    const float t15 = t14 * t13;
-    const float t16 = t7 - t15;
-    const float t17 = fmaf(in->w1.steer, 0.31830987f, 12582912.0f);
-    const float t18 = t17 - 12582912.0f;
-    const float t19 = fmaf(t18, 8.742278e-08f, fmaf(-t18, 3.1415927f, in->w1.steer));
-    const float t20 = t19 * t19;
-    const float t21 = fmaf(t20, fmaf(t20, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t22 = fmaf(t19 * t20, fmaf(t20, t21, (-0.16666657f)), t19);
-    const float t23 = wmrgen_flip(1.0f, t17);
-    const float t24 = t23 * t22;
-    const float t25 = fmaf(in->w2.steer, 0.31830987f, 12582912.0f);
-    const float t26 = t25 - 12582912.0f;
-    const float t27 = fmaf(t26, 8.742278e-08f, fmaf(-t26, 3.1415927f, in->w2.steer));
-    const float t28 = t27 * t27;
-    const float t29 = fmaf(t28, fmaf(t28, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t30 = fmaf(t27 * t28, fmaf(t28, t29, (-0.16666657f)), t27);
-    const float t31 = wmrgen_flip(1.0f, t25);
-    const float t32 = t31 * t30;
-    const float t33 = t24 - t32;
-    const float t34 = (-0.07f) * (t16 + t33); /* sum fx */
-    const float t35 = -t34;
-    const float t36 = fmaf(0.07f, in->w3.steer_rate, 0.1f * in->w3.spin);
-    const float t37 = t36 * t7; /* w3: its velocity, y */
-    const float t38 = fmaf(0.1f, in->w4.spin, -(0.07f * in->w4.steer_rate));
-    const float t39 = t38 * t15; /* w4: its velocity, y */
-    const float t40 = t37 + t39;
-    const float t41 = fmaf(0.07f, in->w1.steer_rate, 0.1f * in->w1.spin);
-    const float t42 = t41 * t24; /* w1: its velocity, y */
-    const float t43 = fmaf(0.1f, in->w2.spin, -(0.07f * in->w2.steer_rate));
-    const float t44 = t43 * t32; /* w2: its velocity, y */
-    const float t45 = t42 + t44;
-    const float t46 = t40 + t45; /* sum: its velocity, y */
-    const float t47 = fmaf(t28, fmaf(t28, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t48 = fmaf(t28, fmaf(t28, t47, 0.041666657f), (-0.5f));
-    const float t49 = fmaf(t31 * t28, t48, t31);
-    const float t50 = t49 * t43; /* w2: its velocity, x */
-    const float t51 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t52 = fmaf(t11, fmaf(t11, t51, 0.041666657f), (-0.5f));
-    const float t53 = fmaf(t14 * t11, t52, t14);
-    const float t54 = t53 * t38; /* w4: its velocity, x */
-    const float t55 = t50 + t54;
-    const float t56 = fmaf(t20, fmaf(t20, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t57 = fmaf(t20, fmaf(t20, t56, 0.041666657f), (-0.5f));
-    const float t58 = fmaf(t23 * t20, t57, t23);
-    const float t59 = t58 * t41; /* w1: its velocity, x */
-    const float t60 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t61 = fmaf(t3, fmaf(t3, t60, 0.041666657f), (-0.5f));
-    const float t62 = fmaf(t6 * t3, t61, t6);
-    const float t63 = t62 * t36; /* w3: its velocity, x */
-    const float t64 = t59 + t63;
-    const float t65 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
-    const float t66 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
-    const float t67 = fmaf(0.028f, t65, -(0.0196f * (in->w4.steer_rate + t66)));
-    const float t68 = (2.0f * (t45 - t40)) + fmaf(1.2f, t55 - t64, t67); /* moment */
-    const float t69 = t55 + t64; /* sum: its velocity, x */
-    const float t70 = t58 + t62;
-    const float t71 = t49 + t53;
-    const float t72 = 0.07f * (t70 - t71); /* sum fy */
-    const float t73 = fmaf(0.168f, t71 + t70, fmaf(0.28f, t16 - t33, 5.5184f)); /* inertia */
-    const float t74 = fmaf(t69, t72, fmaf(t35, t46, t68)) / fmaf(-t72, t72, fmaf(t35, t34, t73)); /* omega */
-    const float t75 = 0.25f * fmaf(t72, t74, t69);
-    const float t76 = 0.25f * fmaf(t35, t74, t46);
-    const float t77 = 0.3f * t74;
-    const float t78 = t77 - t75;
-    const float t79 = 0.07f * t74;
-    const float t80 = fmaf(t58, t79, t59 + t78); /* residual 0 */
-    const float t81 = (-0.5f) * t74;
-    const float t82 = t81 - t76;
-    const float t83 = fmaf(t24, t79, t42 + t82); /* residual 1 */
-    const float t84 = t75 + t77;
-    const float t85 = (-0.07f) * t74;
-    const float t86 = fmaf(t49, t85, t50 - t84); /* residual 2 */
-    const float t87 = fmaf(t32, t85, t44 + t82); /* residual 3 */
-    const float t88 = fmaf(t87, t87, fmaf(t86, t86, fmaf(t80, t80, t83 * t83)));
-    const float t89 = fmaf(t62, t79, t63 + t78); /* residual 4 */
-    const float t90 = t76 + t81;
-    const float t91 = fmaf(t7, t79, t37 - t90); /* residual 5 */
-    const float t92 = fmaf(t53, t85, t54 - t84); /* residual 6 */
-    const float t93 = fmaf(t92, t92, fmaf(t91, t91, fmaf(t89, t89, t88)));
-    const float t94 = fmaf(t15, t85, t39 - t90); /* residual 7 */
+    const float t0 = fmaf(0.07f, in->w1.steer_rate, 0.1f * in->w1.spin);
+    const wmrgen_vector t1 = wmrgen_direction(in->w1.steer);
+    const float t2 = t0 * t1.y; /* w1: its velocity, y */
+    const float t3 = fmaf(0.1f, in->w2.spin, -(0.07f * in->w2.steer_rate));
+    const wmrgen_vector t4 = wmrgen_direction(in->w2.steer);
+    const float t5 = t3 * t4.y; /* w2: its velocity, y */
+    const float t6 = t2 + t5;
+    const float t7 = fmaf(0.07f, in->w3.steer_rate, 0.1f * in->w3.spin);
+    const wmrgen_vector t8 = wmrgen_direction(in->w3.steer);
+    const float t9 = t7 * t8.y; /* w3: its velocity, y */
+    const float t10 = fmaf(0.1f, in->w4.spin, -(0.07f * in->w4.steer_rate));
+    const wmrgen_vector t11 = wmrgen_direction(in->w4.steer);
+    const float t12 = t10 * t11.y; /* w4: its velocity, y */
+    const float t13 = t9 + t12;
+    const float t14 = t4.x * t3; /* w2: its velocity, x */
+    const float t15 = t11.x * t10; /* w4: its velocity, x */
+    const float t16 = t14 + t15;
+    const float t17 = t1.x * t0; /* w1: its velocity, x */
+    const float t18 = t8.x * t7; /* w3: its velocity, x */
+    const float t19 = t17 + t18;
+    const float t20 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
+    const float t21 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
+    const float t22 = fmaf(0.028f, t20, -(0.0196f * (in->w4.steer_rate + t21)));
+    const float t23 = (2.0f * (t6 - t13)) + fmaf(1.2f, t16 - t19, t22); /* moment */
+    const float t24 = t13 + t6; /* sum: its velocity, y */
+    const float t25 = t8.y - t11.y;
+    const float t26 = t1.y - t4.y;
+    const float t27 = (-0.07f) * (t25 + t26); /* sum fx */
+    const float t28 = -t27;
+    const float t29 = t16 + t19; /* sum: its velocity, x */
+    const float t30 = t1.x + t8.x;
+    const float t31 = t4.x + t11.x;
+    const float t32 = 0.07f * (t30 - t31); /* sum fy */
+    const float t33 = fmaf(0.168f, t31 + t30, fmaf(0.28f, t25 - t26, 5.5184f)); /* inertia */
+    const float t34 = fmaf(t29, t32, fmaf(t28, t24, t23)) / fmaf(-t32, t32, fmaf(t28, t27, t33)); /* omega */
+    const float t35 = 0.25f * fmaf(t32, t34, t29);
+    const float t36 = 0.25f * fmaf(t28, t34, t24);
+    const float t37 = 0.3f * t34;
+    const float t38 = t37 - t35;
+    const float t39 = 0.07f * t34;
+    const float t40 = fmaf(t1.x, t39, t17 + t38); /* residual 0 */
+    const float t41 = (-0.5f) * t34;
+    const float t42 = t41 - t36;
+    const float t43 = fmaf(t1.y, t39, t2 + t42); /* residual 1 */
+    const float t44 = t35 + t37;
+    const float t45 = (-0.07f) * t34;
+    const float t46 = fmaf(t4.x, t45, t14 - t44); /* residual 2 */
+    const float t47 = fmaf(t4.y, t45, t5 + t42); /* residual 3 */
+    const float t48 = fmaf(t47, t47, fmaf(t46, t46, fmaf(t40, t40, t43 * t43)));
+    const float t49 = fmaf(t8.x, t39, t18 + t38); /* residual 4 */
+    const float t50 = t36 + t41;
+    const float t51 = fmaf(t8.y, t39, t9 - t50); /* residual 5 */
+    const float t52 = fmaf(t11.x, t45, t15 - t44); /* residual 6 */
+    const float t53 = fmaf(t52, t52, fmaf(t51, t51, fmaf(t49, t49, t48)));
+    const float t54 = fmaf(t11.y, t45, t12 - t50); /* residual 7 */
 
-    out->vx = t75;
-    out->vy = t76;
-    out->omega = t74;
-    out->slip = sqrtf(fmaf(t94, t94, t93));
+    out->vx = t35;
+    out->vy = t36;
+    out->omega = t34;
+    out->slip = sqrtf(fmaf(t54, t54, t53));
 }
 
 void kelly_4ws_odometry(const kelly_4ws_odometry_in *in, kelly_4ws_odometry_out *out)
@@ -323,32 +294,16 @@ void kelly_4ws_odometry(const kelly_4ws_odometry_in *in, kelly_4ws_odometry_out 
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

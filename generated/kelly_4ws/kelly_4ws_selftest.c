@@ -16,7 +16,7 @@
  */
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_6a29287fc443bda4)
+#if !defined(KELLY_4WS_PAIR_1134dd228e0790c9)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

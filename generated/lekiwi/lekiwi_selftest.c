@@ -16,7 +16,7 @@
  */
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_dff503c5178e6f2c)
+#if !defined(LEKIWI_PAIR_9fd8f6971311cfb0)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_a423bec7414cb2b0)
+#if !defined(LOCKED_BICYCLE_PAIR_f2347623f8828299)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

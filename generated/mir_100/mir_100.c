@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(MIR_100_PAIR_3402e73b07070eb3)
+#if !defined(MIR_100_PAIR_46920af66eb2e0e4)
 #error "mir_100.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,76 +41,92 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
 void mir_100_inverse(const mir_100_inverse_in *in, mir_100_inverse_out *out)
 {
     const float t0 = 16.0f * in->vx;
     const float t1 = 3.561664f * in->omega;
-    const float t2 = fmaf(in->fl_caster.steer, 0.31830987f, 12582912.0f);
-    const float t3 = t2 - 12582912.0f;
-    const float t4 = fmaf(t3, 8.742278e-08f, fmaf(-t3, 3.1415927f, in->fl_caster.steer));
-    const float t5 = t4 * t4;
-    const float t6 = fmaf(t5, fmaf(t5, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t7 = fmaf(t4 * t5, fmaf(t5, t6, (-0.16666657f)), t4);
-    const float t8 = wmrgen_flip(1.0f, t2);
-    const float t9 = t8 * t7;
-    const float t10 = 5.461536f * in->omega;
-    const float t11 = fmaf(t5, fmaf(t5, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t12 = fmaf(t5, fmaf(t5, t11, 0.041666657f), (-0.5f));
-    const float t13 = fmaf(t8 * t5, t12, t8);
-    const float t14 = 5.314136f * in->omega;
-    const float t15 = (-26.17801f) * in->vx;
-    const float t16 = t14 + t15; /* fl caster a, bl caster a */
-    const float t17 = 0.6112f * t16;
-    const float t18 = -in->omega;
-    const float t19 = 8.93576f * in->omega;
-    const float t20 = fmaf(in->fr_caster.steer, 0.31830987f, 12582912.0f);
-    const float t21 = t20 - 12582912.0f;
-    const float t22 = fmaf(t21, 8.742278e-08f, fmaf(-t21, 3.1415927f, in->fr_caster.steer));
-    const float t23 = t22 * t22;
-    const float t24 = fmaf(t23, fmaf(t23, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t25 = fmaf(t22 * t23, fmaf(t23, t24, (-0.16666657f)), t22);
-    const float t26 = wmrgen_flip(1.0f, t20);
-    const float t27 = t26 * t25;
-    const float t28 = fmaf(t23, fmaf(t23, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t29 = fmaf(t23, fmaf(t23, t28, 0.041666657f), (-0.5f));
-    const float t30 = fmaf(t26 * t23, t29, t26);
-    const float t31 = t15 - t14; /* fr caster a, br caster a */
-    const float t32 = 0.6112f * t31;
-    const float t33 = fmaf(in->bl_caster.steer, 0.31830987f, 12582912.0f);
-    const float t34 = t33 - 12582912.0f;
-    const float t35 = fmaf(t34, 8.742278e-08f, fmaf(-t34, 3.1415927f, in->bl_caster.steer));
-    const float t36 = t35 * t35;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t35 * t36, fmaf(t36, t37, (-0.16666657f)), t35);
-    const float t39 = wmrgen_flip(1.0f, t33);
-    const float t40 = t39 * t38;
-    const float t41 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t42 = fmaf(t36, fmaf(t36, t41, 0.041666657f), (-0.5f));
-    const float t43 = fmaf(t39 * t36, t42, t39);
-    const float t44 = 4.322464f * in->omega;
-    const float t45 = 7.0720944f * in->omega;
-    const float t46 = fmaf(in->br_caster.steer, 0.31830987f, 12582912.0f);
-    const float t47 = t46 - 12582912.0f;
-    const float t48 = fmaf(t47, 8.742278e-08f, fmaf(-t47, 3.1415927f, in->br_caster.steer));
-    const float t49 = t48 * t48;
-    const float t50 = fmaf(t49, fmaf(t49, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t51 = fmaf(t48 * t49, fmaf(t49, t50, (-0.16666657f)), t48);
-    const float t52 = wmrgen_flip(1.0f, t46);
-    const float t53 = t52 * t51;
-    const float t54 = fmaf(t49, fmaf(t49, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t55 = fmaf(t49, fmaf(t49, t54, 0.041666657f), (-0.5f));
-    const float t56 = fmaf(t52 * t49, t55, t52);
+    const float t2 = 5.314136f * in->omega;
+    const float t3 = (-26.17801f) * in->vx;
+    const float t4 = t2 + t3; /* fl caster a, bl caster a */
+    const float t5 = 0.6112f * t4;
+    const wmrgen_vector t6 = wmrgen_direction(in->fl_caster.steer);
+    const float t7 = 5.461536f * in->omega;
+    const float t8 = -in->omega;
+    const float t9 = 8.93576f * in->omega;
+    const float t10 = t3 - t2; /* fr caster a, br caster a */
+    const float t11 = 0.6112f * t10;
+    const wmrgen_vector t12 = wmrgen_direction(in->fr_caster.steer);
+    const wmrgen_vector t13 = wmrgen_direction(in->bl_caster.steer);
+    const float t14 = 4.322464f * in->omega;
+    const float t15 = 7.0720944f * in->omega;
+    const wmrgen_vector t16 = wmrgen_direction(in->br_caster.steer);
 
     out->left.spin = t0 - t1;
     out->right.spin = t1 + t0;
-    out->fl_caster.spin = fmaf(t13, t17, -(t9 * t10));
-    out->fl_caster.steer_rate = fmaf(t13, t19, fmaf(t16, t9, t18));
-    out->fr_caster.spin = fmaf(t30, t32, -(t10 * t27));
-    out->fr_caster.steer_rate = fmaf(t19, t30, fmaf(t31, t27, t18));
-    out->bl_caster.spin = fmaf(t40, t44, t17 * t43);
-    out->bl_caster.steer_rate = fmaf(-t43, t45, fmaf(t16, t40, t18));
-    out->br_caster.spin = fmaf(t44, t53, t32 * t56);
-    out->br_caster.steer_rate = fmaf(-t45, t56, fmaf(t31, t53, t18));
+    out->fl_caster.spin = fmaf(t6.x, t5, -(t6.y * t7));
+    out->fl_caster.steer_rate = fmaf(t6.x, t9, fmaf(t4, t6.y, t8));
+    out->fr_caster.spin = fmaf(t12.x, t11, -(t7 * t12.y));
+    out->fr_caster.steer_rate = fmaf(t9, t12.x, fmaf(t10, t12.y, t8));
+    out->bl_caster.spin = fmaf(t13.y, t14, t5 * t13.x);
+    out->bl_caster.steer_rate = fmaf(-t13.x, t15, fmaf(t4, t13.y, t8));
+    out->br_caster.spin = fmaf(t14, t16.y, t11 * t16.x);
+    out->br_caster.steer_rate = fmaf(-t15, t16.x, fmaf(t10, t16.y, t8));
 }
 
 void mir_100_inverse_slip(const mir_100_inverse_slip_in *in, mir_100_inverse_slip_out *out)
@@ -144,32 +160,16 @@ void mir_100_odometry(const mir_100_odometry_in *in, mir_100_odometry_out *out)
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

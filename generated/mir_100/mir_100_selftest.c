@@ -16,7 +16,7 @@
  */
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_3402e73b07070eb3)
+#if !defined(MIR_100_PAIR_46920af66eb2e0e4)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

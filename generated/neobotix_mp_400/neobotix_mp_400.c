@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_22d27848cb218650)
+#if !defined(NEOBOTIX_MP_400_PAIR_33945bf4f6efd423)
 #error "neobotix_mp_400.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,82 +41,94 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
 void neobotix_mp_400_inverse(
     const neobotix_mp_400_inverse_in *in,
     neobotix_mp_400_inverse_out *out)
 {
     const float t0 = 3.3986928f * in->omega;
     const float t1 = 13.071896f * in->vx;
-    const float t2 = fmaf(in->castor_front_left.steer, 0.31830987f, 12582912.0f);
-    const float t3 = t2 - 12582912.0f;
-    const float t4 = fmaf(-t3, 3.1415927f, in->castor_front_left.steer);
-    const float t5 = fmaf(t3, 8.742278e-08f, t4);
-    const float t6 = t5 * t5;
-    const float t7 = fmaf(t6, fmaf(t6, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t8 = fmaf(t5 * t6, fmaf(t6, t7, (-0.16666657f)), t5);
-    const float t9 = wmrgen_flip(1.0f, t2);
-    const float t10 = t9 * t8;
-    const float t11 = 4.3421054f * in->omega;
-    const float t12 = fmaf(t6, fmaf(t6, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t13 = fmaf(t6, fmaf(t6, t12, 0.041666657f), (-0.5f));
-    const float t14 = fmaf(t9 * t6, t13, t9);
-    const float t15 = 7.75f * in->omega;
-    const float t16 = (-50.0f) * in->vx;
-    const float t17 = t15 + t16; /* castor front left a, castor back left a */
-    const float t18 = 0.5263158f * t17;
-    const float t19 = -in->omega;
-    const float t20 = 8.25f * in->omega;
-    const float t21 = fmaf(in->castor_back_left.steer, 0.31830987f, 12582912.0f);
-    const float t22 = t21 - 12582912.0f;
-    const float t23 = fmaf(-t22, 3.1415927f, in->castor_back_left.steer);
-    const float t24 = fmaf(t22, 8.742278e-08f, t23);
-    const float t25 = t24 * t24;
-    const float t26 = fmaf(t25, fmaf(t25, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t27 = fmaf(t24 * t25, fmaf(t25, t26, (-0.16666657f)), t24);
-    const float t28 = wmrgen_flip(1.0f, t21);
-    const float t29 = t28 * t27;
-    const float t30 = fmaf(t25, fmaf(t25, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t31 = fmaf(t25, fmaf(t25, t30, 0.041666657f), (-0.5f));
-    const float t32 = fmaf(t28 * t25, t31, t28);
-    const float t33 = 5.7894735f * in->omega;
-    const float t34 = 11.0f * in->omega;
-    const float t35 = fmaf(in->castor_front_right.steer, 0.31830987f, 12582912.0f);
-    const float t36 = t35 - 12582912.0f;
-    const float t37 = fmaf(-t36, 3.1415927f, in->castor_front_right.steer);
-    const float t38 = fmaf(t36, 8.742278e-08f, t37);
-    const float t39 = t38 * t38;
-    const float t40 = fmaf(t39, fmaf(t39, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t41 = fmaf(t38 * t39, fmaf(t39, t40, (-0.16666657f)), t38);
-    const float t42 = wmrgen_flip(1.0f, t35);
-    const float t43 = t42 * t41;
-    const float t44 = fmaf(t39, fmaf(t39, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t45 = fmaf(t39, fmaf(t39, t44, 0.041666657f), (-0.5f));
-    const float t46 = fmaf(t42 * t39, t45, t42);
-    const float t47 = t16 - t15; /* castor front right a, castor back right a */
-    const float t48 = 0.5263158f * t47;
-    const float t49 = fmaf(in->castor_back_right.steer, 0.31830987f, 12582912.0f);
-    const float t50 = t49 - 12582912.0f;
-    const float t51 = fmaf(-t50, 3.1415927f, in->castor_back_right.steer);
-    const float t52 = fmaf(t50, 8.742278e-08f, t51);
-    const float t53 = t52 * t52;
-    const float t54 = fmaf(t53, fmaf(t53, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t55 = fmaf(t52 * t53, fmaf(t53, t54, (-0.16666657f)), t52);
-    const float t56 = wmrgen_flip(1.0f, t49);
-    const float t57 = t56 * t55;
-    const float t58 = fmaf(t53, fmaf(t53, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t59 = fmaf(t53, fmaf(t53, t58, 0.041666657f), (-0.5f));
-    const float t60 = fmaf(t56 * t53, t59, t56);
+    const float t2 = 7.75f * in->omega;
+    const float t3 = (-50.0f) * in->vx;
+    const float t4 = t2 + t3; /* castor front left a, castor back left a */
+    const float t5 = 0.5263158f * t4;
+    const wmrgen_vector t6 = wmrgen_direction(in->castor_front_left.steer);
+    const float t7 = 4.3421054f * in->omega;
+    const float t8 = -in->omega;
+    const float t9 = 8.25f * in->omega;
+    const wmrgen_vector t10 = wmrgen_direction(in->castor_back_left.steer);
+    const float t11 = 5.7894735f * in->omega;
+    const float t12 = 11.0f * in->omega;
+    const float t13 = t3 - t2; /* castor front right a, castor back right a */
+    const float t14 = 0.5263158f * t13;
+    const wmrgen_vector t15 = wmrgen_direction(in->castor_front_right.steer);
+    const wmrgen_vector t16 = wmrgen_direction(in->castor_back_right.steer);
 
     out->right.spin = t0 + t1;
     out->left.spin = t1 - t0;
-    out->castor_front_left.spin = fmaf(t14, t18, -(t10 * t11));
-    out->castor_front_left.steer_rate = fmaf(t14, t20, fmaf(t17, t10, t19));
-    out->castor_back_left.spin = fmaf(t29, t33, t18 * t32);
-    out->castor_back_left.steer_rate = fmaf(-t32, t34, fmaf(t17, t29, t19));
-    out->castor_front_right.spin = fmaf(t46, t48, -(t11 * t43));
-    out->castor_front_right.steer_rate = fmaf(t20, t46, fmaf(t47, t43, t19));
-    out->castor_back_right.spin = fmaf(t33, t57, t48 * t60);
-    out->castor_back_right.steer_rate = fmaf(-t34, t60, fmaf(t47, t57, t19));
+    out->castor_front_left.spin = fmaf(t6.x, t5, -(t6.y * t7));
+    out->castor_front_left.steer_rate = fmaf(t6.x, t9, fmaf(t4, t6.y, t8));
+    out->castor_back_left.spin = fmaf(t10.y, t11, t5 * t10.x);
+    out->castor_back_left.steer_rate = fmaf(-t10.x, t12, fmaf(t4, t10.y, t8));
+    out->castor_front_right.spin = fmaf(t15.x, t14, -(t7 * t15.y));
+    out->castor_front_right.steer_rate = fmaf(t9, t15.x, fmaf(t13, t15.y, t8));
+    out->castor_back_right.spin = fmaf(t11, t16.y, t14 * t16.x);
+    out->castor_back_right.steer_rate = fmaf(-t12, t16.x, fmaf(t13, t16.y, t8));
 }
 
 void neobotix_mp_400_inverse_slip(
@@ -158,32 +170,16 @@ void neobotix_mp_400_odometry(
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_7b694870ebc66d23)
+#if !defined(NEOBOTIX_MPO_700_PAIR_31cb4d121d26cd82)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,73 +41,88 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
 void neobotix_mpo_700_inverse(
     const neobotix_mpo_700_inverse_in *in,
     neobotix_mpo_700_inverse_out *out)
 {
-    const float t0 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front_left.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = (-22.222221f) * in->vy;
-    const float t9 = 5.3333335f * in->omega;
-    const float t10 = t8 - t9; /* front left b, front right b */
-    const float t11 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t12 = fmaf(t3, fmaf(t3, t11, 0.041666657f), (-0.5f));
-    const float t13 = fmaf(t6 * t3, t12, t6);
-    const float t14 = 4.2222223f * in->omega;
-    const float t15 = (-22.222221f) * in->vx;
-    const float t16 = t14 + t15; /* front left a, back left a */
-    const float t17 = -in->omega;
-    const float t18 = fmaf(in->back_left.steer, 0.31830987f, 12582912.0f);
-    const float t19 = t18 - 12582912.0f;
-    const float t20 = fmaf(t19, 8.742278e-08f, fmaf(-t19, 3.1415927f, in->back_left.steer));
-    const float t21 = t20 * t20;
-    const float t22 = fmaf(t21, fmaf(t21, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t23 = fmaf(t20 * t21, fmaf(t21, t22, (-0.16666657f)), t20);
-    const float t24 = wmrgen_flip(1.0f, t18);
-    const float t25 = t24 * t23;
-    const float t26 = t8 + t9; /* back left b, back right b */
-    const float t27 = fmaf(t21, fmaf(t21, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t28 = fmaf(t21, fmaf(t21, t27, 0.041666657f), (-0.5f));
-    const float t29 = fmaf(t24 * t21, t28, t24);
-    const float t30 = fmaf(in->back_right.steer, 0.31830987f, 12582912.0f);
-    const float t31 = t30 - 12582912.0f;
-    const float t32 = fmaf(t31, 8.742278e-08f, fmaf(-t31, 3.1415927f, in->back_right.steer));
-    const float t33 = t32 * t32;
-    const float t34 = fmaf(t33, fmaf(t33, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t35 = fmaf(t32 * t33, fmaf(t33, t34, (-0.16666657f)), t32);
-    const float t36 = wmrgen_flip(1.0f, t30);
-    const float t37 = t36 * t35;
-    const float t38 = fmaf(t33, fmaf(t33, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t39 = fmaf(t33, fmaf(t33, t38, 0.041666657f), (-0.5f));
-    const float t40 = fmaf(t36 * t33, t39, t36);
-    const float t41 = t15 - t14; /* back right a, front right a */
-    const float t42 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
-    const float t43 = t42 - 12582912.0f;
-    const float t44 = fmaf(-t43, 3.1415927f, in->front_right.steer);
-    const float t45 = fmaf(t43, 8.742278e-08f, t44);
-    const float t46 = t45 * t45;
-    const float t47 = fmaf(t46, fmaf(t46, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t48 = fmaf(t45 * t46, fmaf(t46, t47, (-0.16666657f)), t45);
-    const float t49 = wmrgen_flip(1.0f, t42);
-    const float t50 = t49 * t48;
-    const float t51 = fmaf(t46, fmaf(t46, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t52 = fmaf(t46, fmaf(t46, t51, 0.041666657f), (-0.5f));
-    const float t53 = fmaf(t49 * t46, t52, t49);
+    const float t0 = 4.2222223f * in->omega;
+    const float t1 = (-22.222221f) * in->vx;
+    const float t2 = t0 + t1; /* front left a, back left a */
+    const float t3 = (-22.222221f) * in->vy;
+    const float t4 = 5.3333335f * in->omega;
+    const float t5 = t3 - t4; /* front left b, front right b */
+    const wmrgen_vector t6 = wmrgen_direction(in->front_left.steer);
+    const float t7 = -in->omega;
+    const float t8 = t3 + t4; /* back left b, back right b */
+    const wmrgen_vector t9 = wmrgen_direction(in->back_left.steer);
+    const float t10 = t1 - t0; /* back right a, front right a */
+    const wmrgen_vector t11 = wmrgen_direction(in->back_right.steer);
+    const wmrgen_vector t12 = wmrgen_direction(in->front_right.steer);
 
-    out->front_left.spin = (-0.5f) * fmaf(t16, t13, t10 * t7);
-    out->front_left.steer_rate = fmaf(-t13, t10, fmaf(t16, t7, t17));
-    out->back_left.spin = (-0.5f) * fmaf(t16, t29, t26 * t25);
-    out->back_left.steer_rate = fmaf(-t29, t26, fmaf(t16, t25, t17));
-    out->back_right.spin = (-0.5f) * fmaf(t41, t40, t26 * t37);
-    out->back_right.steer_rate = fmaf(-t26, t40, fmaf(t41, t37, t17));
-    out->front_right.spin = (-0.5f) * fmaf(t41, t53, t10 * t50);
-    out->front_right.steer_rate = fmaf(-t10, t53, fmaf(t41, t50, t17));
+    out->front_left.spin = (-0.5f) * fmaf(t2, t6.x, t5 * t6.y);
+    out->front_left.steer_rate = fmaf(-t6.x, t5, fmaf(t2, t6.y, t7));
+    out->back_left.spin = (-0.5f) * fmaf(t2, t9.x, t8 * t9.y);
+    out->back_left.steer_rate = fmaf(-t9.x, t8, fmaf(t2, t9.y, t7));
+    out->back_right.spin = (-0.5f) * fmaf(t10, t11.x, t8 * t11.y);
+    out->back_right.steer_rate = fmaf(-t8, t11.x, fmaf(t10, t11.y, t7));
+    out->front_right.spin = (-0.5f) * fmaf(t10, t12.x, t5 * t12.y);
+    out->front_right.steer_rate = fmaf(-t5, t12.x, fmaf(t10, t12.y, t7));
 }
 
 void neobotix_mpo_700_inverse_slip(
@@ -123,189 +138,107 @@ void neobotix_mpo_700_forward(
     const neobotix_mpo_700_forward_in *in,
     neobotix_mpo_700_forward_out *out)
 {
-    const float t0 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front_left.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = 2.0f * in->front_left.spin;
-    const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = fmaf(t6 * t3, t10, t6);
-    const float t12 = fmaf(t11, in->front_left.steer_rate, t7 * t8); /* front_left: its velocity, y */
-    const float t13 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
-    const float t14 = t13 - 12582912.0f;
-    const float t15 = fmaf(-t14, 3.1415927f, in->front_right.steer);
-    const float t16 = fmaf(t14, 8.742278e-08f, t15);
-    const float t17 = t16 * t16;
-    const float t18 = fmaf(t17, fmaf(t17, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t19 = fmaf(t16 * t17, fmaf(t17, t18, (-0.16666657f)), t16);
-    const float t20 = wmrgen_flip(1.0f, t13);
-    const float t21 = t20 * t19;
-    const float t22 = 2.0f * in->front_right.spin;
-    const float t23 = fmaf(t17, fmaf(t17, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t24 = fmaf(t17, fmaf(t17, t23, 0.041666657f), (-0.5f));
-    const float t25 = fmaf(t20 * t17, t24, t20);
-    const float t26 = fmaf(t25, in->front_right.steer_rate, t21 * t22); /* front_right: its velocity, y */
-    const float t27 = t12 + t26;
-    const float t28 = fmaf(in->back_left.steer, 0.31830987f, 12582912.0f);
-    const float t29 = t28 - 12582912.0f;
-    const float t30 = fmaf(t29, 8.742278e-08f, fmaf(-t29, 3.1415927f, in->back_left.steer));
-    const float t31 = t30 * t30;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t30 * t31, fmaf(t31, t32, (-0.16666657f)), t30);
-    const float t34 = wmrgen_flip(1.0f, t28);
-    const float t35 = t34 * t33;
-    const float t36 = 2.0f * in->back_left.spin;
-    const float t37 = fmaf(t31, fmaf(t31, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t38 = fmaf(t31, fmaf(t31, t37, 0.041666657f), (-0.5f));
-    const float t39 = fmaf(t34 * t31, t38, t34);
-    const float t40 = fmaf(t39, in->back_left.steer_rate, t35 * t36); /* back_left: its velocity, y */
-    const float t41 = fmaf(in->back_right.steer, 0.31830987f, 12582912.0f);
-    const float t42 = t41 - 12582912.0f;
-    const float t43 = fmaf(t42, 8.742278e-08f, fmaf(-t42, 3.1415927f, in->back_right.steer));
-    const float t44 = t43 * t43;
-    const float t45 = fmaf(t44, fmaf(t44, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t46 = fmaf(t43 * t44, fmaf(t44, t45, (-0.16666657f)), t43);
-    const float t47 = wmrgen_flip(1.0f, t41);
-    const float t48 = t47 * t46;
-    const float t49 = 2.0f * in->back_right.spin;
-    const float t50 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t51 = fmaf(t44, fmaf(t44, t50, 0.041666657f), (-0.5f));
-    const float t52 = fmaf(t47 * t44, t51, t47);
-    const float t53 = fmaf(t52, in->back_right.steer_rate, t48 * t49); /* back_right: its velocity, y */
-    const float t54 = t40 + t53;
-    const float t55 = fmaf(t52, t49, -(in->back_right.steer_rate * t48)); /* back_right: its velocity, x */
-    const float t56 = fmaf(t25, t22, -(in->front_right.steer_rate * t21)); /* front_right: its velocity, x */
-    const float t57 = t55 + t56;
-    const float t58 = fmaf(t11, t8, -(in->front_left.steer_rate * t7)); /* front_left: its velocity, x */
-    const float t59 = fmaf(t39, t36, -(in->back_left.steer_rate * t35)); /* back_left: its velocity, x */
-    const float t60 = t58 + t59;
-    const float t61 = in->front_left.steer_rate + in->back_left.steer_rate;
-    const float t62 = in->front_right.steer_rate + (in->back_right.steer_rate + t61);
-    const float t63 = fmaf(21.333334f, t27 - t54, fmaf(16.88889f, t57 - t60, -(4.0f * t62))); /* moment */
-    const float t64 = t54 + t27; /* sum: its velocity, y */
-    const float t65 = t39 + t52;
-    const float t66 = t11 + t25;
-    const float t67 = t65 + t66;
-    const float t68 = t57 + t60; /* sum: its velocity, x */
-    const float t69 = t48 + t21;
-    const float t70 = t7 + t35;
-    const float t71 = t69 + t70;
-    const float t72 = fmaf(33.77778f, t69 - t70, fmaf(42.666668f, t65 - t66, 756.3457f)); /* inertia */
-    const float t73 = -t71;
-    const float t74 = fmaf(-t68, t71, fmaf(t67, t64, t63)) / fmaf(t73, t71, fmaf(-t67, t67, t72)); /* omega */
+    const wmrgen_vector t0 = wmrgen_direction(in->front_left.steer);
+    const float t1 = 2.0f * in->front_left.spin;
+    const float t2 = fmaf(t0.x, in->front_left.steer_rate, t0.y * t1); /* front_left: its velocity, y */
+    const wmrgen_vector t3 = wmrgen_direction(in->front_right.steer);
+    const float t4 = 2.0f * in->front_right.spin;
+    const float t5 = fmaf(t3.x, in->front_right.steer_rate, t3.y * t4); /* front_right: its velocity, y */
+    const float t6 = t2 + t5;
+    const wmrgen_vector t7 = wmrgen_direction(in->back_left.steer);
+    const float t8 = 2.0f * in->back_left.spin;
+    const float t9 = fmaf(t7.x, in->back_left.steer_rate, t7.y * t8); /* back_left: its velocity, y */
+    const wmrgen_vector t10 = wmrgen_direction(in->back_right.steer);
+    const float t11 = 2.0f * in->back_right.spin;
+    const float t12 = fmaf(t10.x, in->back_right.steer_rate, t10.y * t11); /* back_right: its velocity, y */
+    const float t13 = t9 + t12;
+    const float t14 = fmaf(t10.x, t11, -(in->back_right.steer_rate * t10.y)); /* back_right: its velocity, x */
+    const float t15 = fmaf(t3.x, t4, -(in->front_right.steer_rate * t3.y)); /* front_right: its velocity, x */
+    const float t16 = t14 + t15;
+    const float t17 = fmaf(t0.x, t1, -(in->front_left.steer_rate * t0.y)); /* front_left: its velocity, x */
+    const float t18 = fmaf(t7.x, t8, -(in->back_left.steer_rate * t7.y)); /* back_left: its velocity, x */
+    const float t19 = t17 + t18;
+    const float t20 = in->front_left.steer_rate + in->back_left.steer_rate;
+    const float t21 = in->front_right.steer_rate + (in->back_right.steer_rate + t20);
+    const float t22 = fmaf(21.333334f, t6 - t13, fmaf(16.88889f, t16 - t19, -(4.0f * t21))); /* moment */
+    const float t23 = t13 + t6; /* sum: its velocity, y */
+    const float t24 = t7.x + t10.x;
+    const float t25 = t0.x + t3.x;
+    const float t26 = t24 + t25;
+    const float t27 = t16 + t19; /* sum: its velocity, x */
+    const float t28 = t10.y + t3.y;
+    const float t29 = t0.y + t7.y;
+    const float t30 = t28 + t29;
+    const float t31 = fmaf(33.77778f, t28 - t29, fmaf(42.666668f, t24 - t25, 756.3457f)); /* inertia */
+    const float t32 = -t30;
+    const float t33 = fmaf(-t27, t30, fmaf(t26, t23, t22)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
 
-    out->vx = 0.01125f * fmaf(t73, t74, t68);
-    out->vy = 0.01125f * fmaf(t67, t74, t64);
-    out->omega = t74;
+    out->vx = 0.01125f * fmaf(t32, t33, t27);
+    out->vy = 0.01125f * fmaf(t26, t33, t23);
+    out->omega = t33;
 }
 
 void neobotix_mpo_700_forward_slip(
     const neobotix_mpo_700_forward_slip_in *in,
     neobotix_mpo_700_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front_left.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front_left.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = 2.0f * in->front_left.spin;
-    const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = fmaf(t6 * t3, t10, t6);
-    const float t12 = fmaf(t11, in->front_left.steer_rate, t7 * t8); /* front_left: its velocity, y */
-    const float t13 = fmaf(in->front_right.steer, 0.31830987f, 12582912.0f);
-    const float t14 = t13 - 12582912.0f;
-    const float t15 = fmaf(-t14, 3.1415927f, in->front_right.steer);
-    const float t16 = fmaf(t14, 8.742278e-08f, t15);
-    const float t17 = t16 * t16;
-    const float t18 = fmaf(t17, fmaf(t17, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t19 = fmaf(t16 * t17, fmaf(t17, t18, (-0.16666657f)), t16);
-    const float t20 = wmrgen_flip(1.0f, t13);
-    const float t21 = t20 * t19;
-    const float t22 = 2.0f * in->front_right.spin;
-    const float t23 = fmaf(t17, fmaf(t17, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t24 = fmaf(t17, fmaf(t17, t23, 0.041666657f), (-0.5f));
-    const float t25 = fmaf(t20 * t17, t24, t20);
-    const float t26 = fmaf(t25, in->front_right.steer_rate, t21 * t22); /* front_right: its velocity, y */
-    const float t27 = t12 + t26;
-    const float t28 = fmaf(in->back_left.steer, 0.31830987f, 12582912.0f);
-    const float t29 = t28 - 12582912.0f;
-    const float t30 = fmaf(t29, 8.742278e-08f, fmaf(-t29, 3.1415927f, in->back_left.steer));
-    const float t31 = t30 * t30;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t30 * t31, fmaf(t31, t32, (-0.16666657f)), t30);
-    const float t34 = wmrgen_flip(1.0f, t28);
-    const float t35 = t34 * t33;
-    const float t36 = 2.0f * in->back_left.spin;
-    const float t37 = fmaf(t31, fmaf(t31, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t38 = fmaf(t31, fmaf(t31, t37, 0.041666657f), (-0.5f));
-    const float t39 = fmaf(t34 * t31, t38, t34);
-    const float t40 = fmaf(t39, in->back_left.steer_rate, t35 * t36); /* back_left: its velocity, y */
-    const float t41 = fmaf(in->back_right.steer, 0.31830987f, 12582912.0f);
-    const float t42 = t41 - 12582912.0f;
-    const float t43 = fmaf(t42, 8.742278e-08f, fmaf(-t42, 3.1415927f, in->back_right.steer));
-    const float t44 = t43 * t43;
-    const float t45 = fmaf(t44, fmaf(t44, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t46 = fmaf(t43 * t44, fmaf(t44, t45, (-0.16666657f)), t43);
-    const float t47 = wmrgen_flip(1.0f, t41);
-    const float t48 = t47 * t46;
-    const float t49 = 2.0f * in->back_right.spin;
-    const float t50 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t51 = fmaf(t44, fmaf(t44, t50, 0.041666657f), (-0.5f));
-    const float t52 = fmaf(t47 * t44, t51, t47);
-    const float t53 = fmaf(t52, in->back_right.steer_rate, t48 * t49); /* back_right: its velocity, y */
-    const float t54 = t40 + t53;
-    const float t55 = fmaf(t52, t49, -(in->back_right.steer_rate * t48)); /* back_right: its velocity, x */
-    const float t56 = fmaf(t25, t22, -(in->front_right.steer_rate * t21)); /* front_right: its velocity, x */
-    const float t57 = t55 + t56;
-    const float t58 = fmaf(t11, t8, -(in->front_left.steer_rate * t7)); /* front_left: its velocity, x */
-    const float t59 = fmaf(t39, t36, -(in->back_left.steer_rate * t35)); /* back_left: its velocity, x */
-    const float t60 = t58 + t59;
-    const float t61 = in->front_left.steer_rate + in->back_left.steer_rate;
-    const float t62 = in->front_right.steer_rate + (in->back_right.steer_rate + t61);
-    const float t63 = fmaf(21.333334f, t27 - t54, fmaf(16.88889f, t57 - t60, -(4.0f * t62))); /* moment */
-    const float t64 = t54 + t27; /* sum: its velocity, y */
-    const float t65 = t39 + t52;
-    const float t66 = t11 + t25;
-    const float t67 = t65 + t66;
-    const float t68 = t57 + t60; /* sum: its velocity, x */
-    const float t69 = t48 + t21;
-    const float t70 = t7 + t35;
-    const float t71 = t69 + t70;
-    const float t72 = fmaf(33.77778f, t69 - t70, fmaf(42.666668f, t65 - t66, 756.3457f)); /* inertia */
-    const float t73 = -t71;
-    const float t74 = fmaf(-t68, t71, fmaf(t67, t64, t63)) / fmaf(t73, t71, fmaf(-t67, t67, t72)); /* omega */
-    const float t75 = 0.01125f * fmaf(t73, t74, t68);
-    const float t76 = 0.01125f * fmaf(t67, t74, t64);
-    const float t77 = 0.19f * t74;
-    const float t78 = t77 - t75;
-    const float t79 = fmaf(0.045f, fmaf(-t7, t74, t58), t78); /* residual 0 */
-    const float t80 = (-0.24f) * t74;
-    const float t81 = t80 - t76;
-    const float t82 = fmaf(0.045f, fmaf(t11, t74, t12), t81); /* residual 1 */
-    const float t83 = fmaf(0.045f, fmaf(-t35, t74, t59), t78); /* residual 2 */
-    const float t84 = -(t76 + t80);
-    const float t85 = fmaf(0.045f, fmaf(t39, t74, t40), t84); /* residual 3 */
-    const float t86 = fmaf(t85, t85, fmaf(t83, t83, fmaf(t79, t79, t82 * t82)));
-    const float t87 = -(t75 + t77);
-    const float t88 = fmaf(0.045f, fmaf(-t48, t74, t55), t87); /* residual 4 */
-    const float t89 = fmaf(0.045f, fmaf(t52, t74, t53), t84); /* residual 5 */
-    const float t90 = fmaf(0.045f, fmaf(-t21, t74, t56), t87); /* residual 6 */
-    const float t91 = fmaf(t90, t90, fmaf(t89, t89, fmaf(t88, t88, t86)));
-    const float t92 = fmaf(0.045f, fmaf(t25, t74, t26), t81); /* residual 7 */
+    const wmrgen_vector t0 = wmrgen_direction(in->front_left.steer);
+    const float t1 = 2.0f * in->front_left.spin;
+    const float t2 = fmaf(t0.x, in->front_left.steer_rate, t0.y * t1); /* front_left: its velocity, y */
+    const wmrgen_vector t3 = wmrgen_direction(in->front_right.steer);
+    const float t4 = 2.0f * in->front_right.spin;
+    const float t5 = fmaf(t3.x, in->front_right.steer_rate, t3.y * t4); /* front_right: its velocity, y */
+    const float t6 = t2 + t5;
+    const wmrgen_vector t7 = wmrgen_direction(in->back_left.steer);
+    const float t8 = 2.0f * in->back_left.spin;
+    const float t9 = fmaf(t7.x, in->back_left.steer_rate, t7.y * t8); /* back_left: its velocity, y */
+    const wmrgen_vector t10 = wmrgen_direction(in->back_right.steer);
+    const float t11 = 2.0f * in->back_right.spin;
+    const float t12 = fmaf(t10.x, in->back_right.steer_rate, t10.y * t11); /* back_right: its velocity, y */
+    const float t13 = t9 + t12;
+    const float t14 = fmaf(t10.x, t11, -(in->back_right.steer_rate * t10.y)); /* back_right: its velocity, x */
+    const float t15 = fmaf(t3.x, t4, -(in->front_right.steer_rate * t3.y)); /* front_right: its velocity, x */
+    const float t16 = t14 + t15;
+    const float t17 = fmaf(t0.x, t1, -(in->front_left.steer_rate * t0.y)); /* front_left: its velocity, x */
+    const float t18 = fmaf(t7.x, t8, -(in->back_left.steer_rate * t7.y)); /* back_left: its velocity, x */
+    const float t19 = t17 + t18;
+    const float t20 = in->front_left.steer_rate + in->back_left.steer_rate;
+    const float t21 = in->front_right.steer_rate + (in->back_right.steer_rate + t20);
+    const float t22 = fmaf(21.333334f, t6 - t13, fmaf(16.88889f, t16 - t19, -(4.0f * t21))); /* moment */
+    const float t23 = t13 + t6; /* sum: its velocity, y */
+    const float t24 = t7.x + t10.x;
+    const float t25 = t0.x + t3.x;
+    const float t26 = t24 + t25;
+    const float t27 = t16 + t19; /* sum: its velocity, x */
+    const float t28 = t10.y + t3.y;
+    const float t29 = t0.y + t7.y;
+    const float t30 = t28 + t29;
+    const float t31 = fmaf(33.77778f, t28 - t29, fmaf(42.666668f, t24 - t25, 756.3457f)); /* inertia */
+    const float t32 = -t30;
+    const float t33 = fmaf(-t27, t30, fmaf(t26, t23, t22)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
+    const float t34 = 0.01125f * fmaf(t32, t33, t27);
+    const float t35 = 0.01125f * fmaf(t26, t33, t23);
+    const float t36 = 0.19f * t33;
+    const float t37 = t36 - t34;
+    const float t38 = fmaf(0.045f, fmaf(-t0.y, t33, t17), t37); /* residual 0 */
+    const float t39 = (-0.24f) * t33;
+    const float t40 = t39 - t35;
+    const float t41 = fmaf(0.045f, fmaf(t0.x, t33, t2), t40); /* residual 1 */
+    const float t42 = fmaf(0.045f, fmaf(-t7.y, t33, t18), t37); /* residual 2 */
+    const float t43 = -(t35 + t39);
+    const float t44 = fmaf(0.045f, fmaf(t7.x, t33, t9), t43); /* residual 3 */
+    const float t45 = fmaf(t44, t44, fmaf(t42, t42, fmaf(t38, t38, t41 * t41)));
+    const float t46 = -(t34 + t36);
+    const float t47 = fmaf(0.045f, fmaf(-t10.y, t33, t14), t46); /* residual 4 */
+    const float t48 = fmaf(0.045f, fmaf(t10.x, t33, t12), t43); /* residual 5 */
+    const float t49 = fmaf(0.045f, fmaf(-t3.y, t33, t15), t46); /* residual 6 */
+    const float t50 = fmaf(t49, t49, fmaf(t48, t48, fmaf(t47, t47, t45)));
+    const float t51 = fmaf(0.045f, fmaf(t3.x, t33, t5), t40); /* residual 7 */
 
-    out->vx = t75;
-    out->vy = t76;
-    out->omega = t74;
-    out->slip = sqrtf(fmaf(t92, t92, t91));
+    out->vx = t34;
+    out->vy = t35;
+    out->omega = t33;
+    out->slip = sqrtf(fmaf(t51, t51, t50));
 }
 
 void neobotix_mpo_700_odometry(
@@ -317,32 +250,16 @@ void neobotix_mpo_700_odometry(
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_14eaee1d51b1011a)
+#if !defined(NOMAD_XR4000_PAIR_32f3aa56f9e016bd)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,69 +41,85 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
 void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_inverse_out *out)
 {
-    const float t0 = fmaf(in->castor1.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->castor1.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = (-50.0f) * in->vy;
-    const float t9 = 10.0f * in->omega;
-    const float t10 = t8 - t9; /* castor1 b, castor2 b */
-    const float t11 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t12 = fmaf(t3, fmaf(t3, t11, 0.041666657f), (-0.5f));
-    const float t13 = fmaf(t6 * t3, t12, t6);
-    const float t14 = (-50.0f) * in->vx;
-    const float t15 = t9 + t14; /* castor1 a, castor3 a */
-    const float t16 = -in->omega;
-    const float t17 = fmaf(in->castor2.steer, 0.31830987f, 12582912.0f);
-    const float t18 = t17 - 12582912.0f;
-    const float t19 = fmaf(t18, 8.742278e-08f, fmaf(-t18, 3.1415927f, in->castor2.steer));
-    const float t20 = t19 * t19;
-    const float t21 = fmaf(t20, fmaf(t20, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t22 = fmaf(t19 * t20, fmaf(t20, t21, (-0.16666657f)), t19);
-    const float t23 = wmrgen_flip(1.0f, t17);
-    const float t24 = t23 * t22;
-    const float t25 = fmaf(t20, fmaf(t20, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t26 = fmaf(t20, fmaf(t20, t25, 0.041666657f), (-0.5f));
-    const float t27 = fmaf(t23 * t20, t26, t23);
-    const float t28 = t14 - t9; /* castor2 a, castor4 a */
-    const float t29 = fmaf(in->castor3.steer, 0.31830987f, 12582912.0f);
-    const float t30 = t29 - 12582912.0f;
-    const float t31 = fmaf(t30, 8.742278e-08f, fmaf(-t30, 3.1415927f, in->castor3.steer));
-    const float t32 = t31 * t31;
-    const float t33 = fmaf(t32, fmaf(t32, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t34 = fmaf(t31 * t32, fmaf(t32, t33, (-0.16666657f)), t31);
-    const float t35 = wmrgen_flip(1.0f, t29);
-    const float t36 = t35 * t34;
-    const float t37 = t9 + t8; /* castor3 b, castor4 b */
-    const float t38 = fmaf(t32, fmaf(t32, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t39 = fmaf(t32, fmaf(t32, t38, 0.041666657f), (-0.5f));
-    const float t40 = fmaf(t35 * t32, t39, t35);
-    const float t41 = fmaf(in->castor4.steer, 0.31830987f, 12582912.0f);
-    const float t42 = t41 - 12582912.0f;
-    const float t43 = fmaf(t42, 8.742278e-08f, fmaf(-t42, 3.1415927f, in->castor4.steer));
-    const float t44 = t43 * t43;
-    const float t45 = fmaf(t44, fmaf(t44, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t46 = fmaf(t43 * t44, fmaf(t44, t45, (-0.16666657f)), t43);
-    const float t47 = wmrgen_flip(1.0f, t41);
-    const float t48 = t47 * t46;
-    const float t49 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t50 = fmaf(t44, fmaf(t44, t49, 0.041666657f), (-0.5f));
-    const float t51 = fmaf(t47 * t44, t50, t47);
+    const float t0 = 10.0f * in->omega;
+    const float t1 = (-50.0f) * in->vx;
+    const float t2 = t0 + t1; /* castor1 a, castor3 a */
+    const float t3 = (-50.0f) * in->vy;
+    const float t4 = t3 - t0; /* castor1 b, castor2 b */
+    const wmrgen_vector t5 = wmrgen_direction(in->castor1.steer);
+    const float t6 = -in->omega;
+    const float t7 = t1 - t0; /* castor2 a, castor4 a */
+    const wmrgen_vector t8 = wmrgen_direction(in->castor2.steer);
+    const float t9 = t0 + t3; /* castor3 b, castor4 b */
+    const wmrgen_vector t10 = wmrgen_direction(in->castor3.steer);
+    const wmrgen_vector t11 = wmrgen_direction(in->castor4.steer);
 
-    out->castor1.spin = (-0.36363637f) * fmaf(t15, t13, t10 * t7);
-    out->castor1.steer_rate = fmaf(-t13, t10, fmaf(t15, t7, t16));
-    out->castor2.spin = (-0.36363637f) * fmaf(t28, t27, t10 * t24);
-    out->castor2.steer_rate = fmaf(-t10, t27, fmaf(t28, t24, t16));
-    out->castor3.spin = (-0.36363637f) * fmaf(t15, t40, t37 * t36);
-    out->castor3.steer_rate = fmaf(-t40, t37, fmaf(t15, t36, t16));
-    out->castor4.spin = (-0.36363637f) * fmaf(t28, t51, t37 * t48);
-    out->castor4.steer_rate = fmaf(-t37, t51, fmaf(t28, t48, t16));
+    out->castor1.spin = (-0.36363637f) * fmaf(t2, t5.x, t4 * t5.y);
+    out->castor1.steer_rate = fmaf(-t5.x, t4, fmaf(t2, t5.y, t6));
+    out->castor2.spin = (-0.36363637f) * fmaf(t7, t8.x, t4 * t8.y);
+    out->castor2.steer_rate = fmaf(-t4, t8.x, fmaf(t7, t8.y, t6));
+    out->castor3.spin = (-0.36363637f) * fmaf(t2, t10.x, t9 * t10.y);
+    out->castor3.steer_rate = fmaf(-t10.x, t9, fmaf(t2, t10.y, t6));
+    out->castor4.spin = (-0.36363637f) * fmaf(t7, t11.x, t9 * t11.y);
+    out->castor4.steer_rate = fmaf(-t9, t11.x, fmaf(t7, t11.y, t6));
 }
 
 void nomad_xr4000_inverse_slip(
@@ -117,182 +133,106 @@ void nomad_xr4000_inverse_slip(
 
 void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forward_out *out)
 {
-    const float t0 = fmaf(in->castor3.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->castor3.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = 2.75f * in->castor3.spin;
-    const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = fmaf(t6 * t3, t10, t6);
-    const float t12 = fmaf(in->castor4.steer, 0.31830987f, 12582912.0f);
-    const float t13 = t12 - 12582912.0f;
-    const float t14 = fmaf(t13, 8.742278e-08f, fmaf(-t13, 3.1415927f, in->castor4.steer));
-    const float t15 = t14 * t14;
-    const float t16 = fmaf(t15, fmaf(t15, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t17 = fmaf(t14 * t15, fmaf(t15, t16, (-0.16666657f)), t14);
-    const float t18 = wmrgen_flip(1.0f, t12);
-    const float t19 = t18 * t17;
-    const float t20 = 2.75f * in->castor4.spin;
-    const float t21 = fmaf(t15, fmaf(t15, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t22 = fmaf(t15, fmaf(t15, t21, 0.041666657f), (-0.5f));
-    const float t23 = fmaf(t18 * t15, t22, t18);
-    const float t24 = fmaf(t11, in->castor3.steer_rate, t7 * t8) + fmaf(t23, in->castor4.steer_rate, t19 * t20);
-    const float t25 = fmaf(in->castor1.steer, 0.31830987f, 12582912.0f);
-    const float t26 = t25 - 12582912.0f;
-    const float t27 = fmaf(t26, 8.742278e-08f, fmaf(-t26, 3.1415927f, in->castor1.steer));
-    const float t28 = t27 * t27;
-    const float t29 = fmaf(t28, fmaf(t28, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t30 = fmaf(t27 * t28, fmaf(t28, t29, (-0.16666657f)), t27);
-    const float t31 = wmrgen_flip(1.0f, t25);
-    const float t32 = t31 * t30;
-    const float t33 = 2.75f * in->castor1.spin;
-    const float t34 = fmaf(t28, fmaf(t28, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t35 = fmaf(t28, fmaf(t28, t34, 0.041666657f), (-0.5f));
-    const float t36 = fmaf(t31 * t28, t35, t31);
-    const float t37 = fmaf(in->castor2.steer, 0.31830987f, 12582912.0f);
-    const float t38 = t37 - 12582912.0f;
-    const float t39 = fmaf(t38, 8.742278e-08f, fmaf(-t38, 3.1415927f, in->castor2.steer));
-    const float t40 = t39 * t39;
-    const float t41 = fmaf(t40, fmaf(t40, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t42 = fmaf(t39 * t40, fmaf(t40, t41, (-0.16666657f)), t39);
-    const float t43 = wmrgen_flip(1.0f, t37);
-    const float t44 = t43 * t42;
-    const float t45 = 2.75f * in->castor2.spin;
-    const float t46 = fmaf(t40, fmaf(t40, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t47 = fmaf(t40, fmaf(t40, t46, 0.041666657f), (-0.5f));
-    const float t48 = fmaf(t43 * t40, t47, t43);
-    const float t49 = fmaf(t36, in->castor1.steer_rate, t32 * t33) + fmaf(t48, in->castor2.steer_rate, t44 * t45);
-    const float t50 = t24 + t49; /* sum: its velocity, y */
-    const float t51 = fmaf(t48, t45, -(in->castor2.steer_rate * t44)); /* castor2: its velocity, x */
-    const float t52 = fmaf(t23, t20, -(in->castor4.steer_rate * t19)); /* castor4: its velocity, x */
-    const float t53 = t51 + t52;
-    const float t54 = fmaf(t36, t33, -(in->castor1.steer_rate * t32)); /* castor1: its velocity, x */
-    const float t55 = fmaf(t11, t8, -(in->castor3.steer_rate * t7)); /* castor3: its velocity, x */
-    const float t56 = t54 + t55;
-    const float t57 = in->castor1.steer_rate + in->castor2.steer_rate;
-    const float t58 = in->castor4.steer_rate + (in->castor3.steer_rate + t57);
-    const float t59 = fmaf(40.0f, t49 + (t53 - t56) - t24, -(4.0f * t58)); /* moment */
-    const float t60 = t11 + t23;
-    const float t61 = t36 + t48;
-    const float t62 = t60 + t61;
-    const float t63 = t53 + t56; /* sum: its velocity, x */
-    const float t64 = t44 + t19;
-    const float t65 = t32 + t7;
-    const float t66 = t64 + t65;
-    const float t67 = fmaf(80.0f, t60 + (t64 - t61 - t65), 3216.0f); /* inertia */
-    const float t68 = -t66;
-    const float t69 = fmaf(-t63, t66, fmaf(t62, t50, t59)) / fmaf(t68, t66, fmaf(-t62, t62, t67)); /* omega */
+    const wmrgen_vector t0 = wmrgen_direction(in->castor3.steer);
+    const float t1 = 2.75f * in->castor3.spin;
+    const float t2 = fmaf(t0.x, in->castor3.steer_rate, t0.y * t1); /* castor3: its velocity, y */
+    const wmrgen_vector t3 = wmrgen_direction(in->castor4.steer);
+    const float t4 = 2.75f * in->castor4.spin;
+    const float t5 = fmaf(t3.x, in->castor4.steer_rate, t3.y * t4); /* castor4: its velocity, y */
+    const float t6 = t2 + t5;
+    const wmrgen_vector t7 = wmrgen_direction(in->castor1.steer);
+    const float t8 = 2.75f * in->castor1.spin;
+    const float t9 = fmaf(t7.x, in->castor1.steer_rate, t7.y * t8); /* castor1: its velocity, y */
+    const wmrgen_vector t10 = wmrgen_direction(in->castor2.steer);
+    const float t11 = 2.75f * in->castor2.spin;
+    const float t12 = fmaf(t10.x, in->castor2.steer_rate, t10.y * t11); /* castor2: its velocity, y */
+    const float t13 = t9 + t12;
+    const float t14 = t6 + t13; /* sum: its velocity, y */
+    const float t15 = fmaf(t10.x, t11, -(in->castor2.steer_rate * t10.y)); /* castor2: its velocity, x */
+    const float t16 = fmaf(t3.x, t4, -(in->castor4.steer_rate * t3.y)); /* castor4: its velocity, x */
+    const float t17 = t15 + t16;
+    const float t18 = fmaf(t7.x, t8, -(in->castor1.steer_rate * t7.y)); /* castor1: its velocity, x */
+    const float t19 = fmaf(t0.x, t1, -(in->castor3.steer_rate * t0.y)); /* castor3: its velocity, x */
+    const float t20 = t18 + t19;
+    const float t21 = in->castor1.steer_rate + in->castor2.steer_rate;
+    const float t22 = in->castor4.steer_rate + (in->castor3.steer_rate + t21);
+    const float t23 = fmaf(40.0f, t13 + (t17 - t20) - t6, -(4.0f * t22)); /* moment */
+    const float t24 = t0.x + t3.x;
+    const float t25 = t7.x + t10.x;
+    const float t26 = t24 + t25;
+    const float t27 = t17 + t20; /* sum: its velocity, x */
+    const float t28 = t10.y + t3.y;
+    const float t29 = t7.y + t0.y;
+    const float t30 = t28 + t29;
+    const float t31 = fmaf(80.0f, t24 + (t28 - t25 - t29), 3216.0f); /* inertia */
+    const float t32 = -t30;
+    const float t33 = fmaf(-t27, t30, fmaf(t26, t14, t23)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
 
-    out->vx = 0.005f * fmaf(t68, t69, t63);
-    out->vy = 0.005f * fmaf(t62, t69, t50);
-    out->omega = t69;
+    out->vx = 0.005f * fmaf(t32, t33, t27);
+    out->vy = 0.005f * fmaf(t26, t33, t14);
+    out->omega = t33;
 }
 
 void nomad_xr4000_forward_slip(
     const nomad_xr4000_forward_slip_in *in,
     nomad_xr4000_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->castor3.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->castor3.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = 2.75f * in->castor3.spin;
-    const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = fmaf(t6 * t3, t10, t6);
-    const float t12 = fmaf(t11, in->castor3.steer_rate, t7 * t8); /* castor3: its velocity, y */
-    const float t13 = fmaf(in->castor4.steer, 0.31830987f, 12582912.0f);
-    const float t14 = t13 - 12582912.0f;
-    const float t15 = fmaf(t14, 8.742278e-08f, fmaf(-t14, 3.1415927f, in->castor4.steer));
-    const float t16 = t15 * t15;
-    const float t17 = fmaf(t16, fmaf(t16, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t18 = fmaf(t15 * t16, fmaf(t16, t17, (-0.16666657f)), t15);
-    const float t19 = wmrgen_flip(1.0f, t13);
-    const float t20 = t19 * t18;
-    const float t21 = 2.75f * in->castor4.spin;
-    const float t22 = fmaf(t16, fmaf(t16, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t23 = fmaf(t16, fmaf(t16, t22, 0.041666657f), (-0.5f));
-    const float t24 = fmaf(t19 * t16, t23, t19);
-    const float t25 = fmaf(t24, in->castor4.steer_rate, t20 * t21); /* castor4: its velocity, y */
-    const float t26 = t12 + t25;
-    const float t27 = fmaf(in->castor1.steer, 0.31830987f, 12582912.0f);
-    const float t28 = t27 - 12582912.0f;
-    const float t29 = fmaf(t28, 8.742278e-08f, fmaf(-t28, 3.1415927f, in->castor1.steer));
-    const float t30 = t29 * t29;
-    const float t31 = fmaf(t30, fmaf(t30, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t32 = fmaf(t29 * t30, fmaf(t30, t31, (-0.16666657f)), t29);
-    const float t33 = wmrgen_flip(1.0f, t27);
-    const float t34 = t33 * t32;
-    const float t35 = 2.75f * in->castor1.spin;
-    const float t36 = fmaf(t30, fmaf(t30, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t37 = fmaf(t30, fmaf(t30, t36, 0.041666657f), (-0.5f));
-    const float t38 = fmaf(t33 * t30, t37, t33);
-    const float t39 = fmaf(t38, in->castor1.steer_rate, t34 * t35); /* castor1: its velocity, y */
-    const float t40 = fmaf(in->castor2.steer, 0.31830987f, 12582912.0f);
-    const float t41 = t40 - 12582912.0f;
-    const float t42 = fmaf(t41, 8.742278e-08f, fmaf(-t41, 3.1415927f, in->castor2.steer));
-    const float t43 = t42 * t42;
-    const float t44 = fmaf(t43, fmaf(t43, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t45 = fmaf(t42 * t43, fmaf(t43, t44, (-0.16666657f)), t42);
-    const float t46 = wmrgen_flip(1.0f, t40);
-    const float t47 = t46 * t45;
-    const float t48 = 2.75f * in->castor2.spin;
-    const float t49 = fmaf(t43, fmaf(t43, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t50 = fmaf(t43, fmaf(t43, t49, 0.041666657f), (-0.5f));
-    const float t51 = fmaf(t46 * t43, t50, t46);
-    const float t52 = fmaf(t51, in->castor2.steer_rate, t47 * t48); /* castor2: its velocity, y */
-    const float t53 = t39 + t52;
-    const float t54 = t26 + t53; /* sum: its velocity, y */
-    const float t55 = fmaf(t51, t48, -(in->castor2.steer_rate * t47)); /* castor2: its velocity, x */
-    const float t56 = fmaf(t24, t21, -(in->castor4.steer_rate * t20)); /* castor4: its velocity, x */
-    const float t57 = t55 + t56;
-    const float t58 = fmaf(t38, t35, -(in->castor1.steer_rate * t34)); /* castor1: its velocity, x */
-    const float t59 = fmaf(t11, t8, -(in->castor3.steer_rate * t7)); /* castor3: its velocity, x */
-    const float t60 = t58 + t59;
-    const float t61 = in->castor1.steer_rate + in->castor2.steer_rate;
-    const float t62 = in->castor4.steer_rate + (in->castor3.steer_rate + t61);
-    const float t63 = fmaf(40.0f, t53 + (t57 - t60) - t26, -(4.0f * t62)); /* moment */
-    const float t64 = t11 + t24;
-    const float t65 = t38 + t51;
-    const float t66 = t64 + t65;
-    const float t67 = t57 + t60; /* sum: its velocity, x */
-    const float t68 = t47 + t20;
-    const float t69 = t34 + t7;
-    const float t70 = t68 + t69;
-    const float t71 = fmaf(80.0f, t64 + (t68 - t65 - t69), 3216.0f); /* inertia */
-    const float t72 = -t70;
-    const float t73 = fmaf(-t67, t70, fmaf(t66, t54, t63)) / fmaf(t72, t70, fmaf(-t66, t66, t71)); /* omega */
-    const float t74 = 0.005f * fmaf(t72, t73, t67);
-    const float t75 = 0.005f * fmaf(t66, t73, t54);
-    const float t76 = 0.2f * t73;
-    const float t77 = t76 - t74;
-    const float t78 = fmaf(0.02f, fmaf(-t34, t73, t58), t77); /* residual 0 */
-    const float t79 = -(t75 + t76);
-    const float t80 = fmaf(0.02f, fmaf(t38, t73, t39), t79); /* residual 1 */
-    const float t81 = -(t74 + t76);
-    const float t82 = fmaf(0.02f, fmaf(-t47, t73, t55), t81); /* residual 2 */
-    const float t83 = fmaf(0.02f, fmaf(t51, t73, t52), t79); /* residual 3 */
-    const float t84 = fmaf(t83, t83, fmaf(t82, t82, fmaf(t78, t78, t80 * t80)));
-    const float t85 = fmaf(0.02f, fmaf(-t7, t73, t59), t77); /* residual 4 */
-    const float t86 = t76 - t75;
-    const float t87 = fmaf(0.02f, fmaf(t11, t73, t12), t86); /* residual 5 */
-    const float t88 = fmaf(0.02f, fmaf(-t20, t73, t56), t81); /* residual 6 */
-    const float t89 = fmaf(t88, t88, fmaf(t87, t87, fmaf(t85, t85, t84)));
-    const float t90 = fmaf(0.02f, fmaf(t24, t73, t25), t86); /* residual 7 */
+    const wmrgen_vector t0 = wmrgen_direction(in->castor3.steer);
+    const float t1 = 2.75f * in->castor3.spin;
+    const float t2 = fmaf(t0.x, in->castor3.steer_rate, t0.y * t1); /* castor3: its velocity, y */
+    const wmrgen_vector t3 = wmrgen_direction(in->castor4.steer);
+    const float t4 = 2.75f * in->castor4.spin;
+    const float t5 = fmaf(t3.x, in->castor4.steer_rate, t3.y * t4); /* castor4: its velocity, y */
+    const float t6 = t2 + t5;
+    const wmrgen_vector t7 = wmrgen_direction(in->castor1.steer);
+    const float t8 = 2.75f * in->castor1.spin;
+    const float t9 = fmaf(t7.x, in->castor1.steer_rate, t7.y * t8); /* castor1: its velocity, y */
+    const wmrgen_vector t10 = wmrgen_direction(in->castor2.steer);
+    const float t11 = 2.75f * in->castor2.spin;
+    const float t12 = fmaf(t10.x, in->castor2.steer_rate, t10.y * t11); /* castor2: its velocity, y */
+    const float t13 = t9 + t12;
+    const float t14 = t6 + t13; /* sum: its velocity, y */
+    const float t15 = fmaf(t10.x, t11, -(in->castor2.steer_rate * t10.y)); /* castor2: its velocity, x */
+    const float t16 = fmaf(t3.x, t4, -(in->castor4.steer_rate * t3.y)); /* castor4: its velocity, x */
+    const float t17 = t15 + t16;
+    const float t18 = fmaf(t7.x, t8, -(in->castor1.steer_rate * t7.y)); /* castor1: its velocity, x */
+    const float t19 = fmaf(t0.x, t1, -(in->castor3.steer_rate * t0.y)); /* castor3: its velocity, x */
+    const float t20 = t18 + t19;
+    const float t21 = in->castor1.steer_rate + in->castor2.steer_rate;
+    const float t22 = in->castor4.steer_rate + (in->castor3.steer_rate + t21);
+    const float t23 = fmaf(40.0f, t13 + (t17 - t20) - t6, -(4.0f * t22)); /* moment */
+    const float t24 = t0.x + t3.x;
+    const float t25 = t7.x + t10.x;
+    const float t26 = t24 + t25;
+    const float t27 = t17 + t20; /* sum: its velocity, x */
+    const float t28 = t10.y + t3.y;
+    const float t29 = t7.y + t0.y;
+    const float t30 = t28 + t29;
+    const float t31 = fmaf(80.0f, t24 + (t28 - t25 - t29), 3216.0f); /* inertia */
+    const float t32 = -t30;
+    const float t33 = fmaf(-t27, t30, fmaf(t26, t14, t23)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
+    const float t34 = 0.005f * fmaf(t32, t33, t27);
+    const float t35 = 0.005f * fmaf(t26, t33, t14);
+    const float t36 = 0.2f * t33;
+    const float t37 = t36 - t34;
+    const float t38 = fmaf(0.02f, fmaf(-t7.y, t33, t18), t37); /* residual 0 */
+    const float t39 = -(t35 + t36);
+    const float t40 = fmaf(0.02f, fmaf(t7.x, t33, t9), t39); /* residual 1 */
+    const float t41 = -(t34 + t36);
+    const float t42 = fmaf(0.02f, fmaf(-t10.y, t33, t15), t41); /* residual 2 */
+    const float t43 = fmaf(0.02f, fmaf(t10.x, t33, t12), t39); /* residual 3 */
+    const float t44 = fmaf(t43, t43, fmaf(t42, t42, fmaf(t38, t38, t40 * t40)));
+    const float t45 = fmaf(0.02f, fmaf(-t0.y, t33, t19), t37); /* residual 4 */
+    const float t46 = t36 - t35;
+    const float t47 = fmaf(0.02f, fmaf(t0.x, t33, t2), t46); /* residual 5 */
+    const float t48 = fmaf(0.02f, fmaf(-t3.y, t33, t16), t41); /* residual 6 */
+    const float t49 = fmaf(t48, t48, fmaf(t47, t47, fmaf(t45, t45, t44)));
+    const float t50 = fmaf(0.02f, fmaf(t3.x, t33, t5), t46); /* residual 7 */
 
-    out->vx = t74;
-    out->vy = t75;
-    out->omega = t73;
-    out->slip = sqrtf(fmaf(t90, t90, t89));
+    out->vx = t34;
+    out->vy = t35;
+    out->omega = t33;
+    out->slip = sqrtf(fmaf(t50, t50, t49));
 }
 
 void nomad_xr4000_odometry(const nomad_xr4000_odometry_in *in, nomad_xr4000_odometry_out *out)
@@ -302,32 +242,16 @@ void nomad_xr4000_odometry(const nomad_xr4000_odometry_in *in, nomad_xr4000_odom
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_093191ba2aa8c62a)
+#if !defined(OFFICE_CHAIR_PAIR_c0843fef7effb57d)
 #error "office_chair.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,95 +41,104 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
 void office_chair_inverse(const office_chair_inverse_in *in, office_chair_inverse_out *out)
 {
-    const float t0 = fmaf(in->c1.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->c1.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = (-11.2f) * in->omega;
-    const float t9 = fmaf((-40.0f), in->vy, t8); /* c1 b */
-    const float t10 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t11 = fmaf(t3, fmaf(t3, t10, 0.041666657f), (-0.5f));
-    const float t12 = fmaf(t6 * t3, t11, t6);
-    const float t13 = fmaf(33.333332f, in->vx * t12, -(0.8333333f * (t9 * t7)));
-    const float t14 = -in->omega;
-    const float t15 = fmaf(-t12, t9, fmaf((-40.0f), in->vx * t7, t14));
-    const float t16 = fmaf(in->c2.steer, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, in->c2.steer));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf((-12.36068f), in->vy, t8);
-    const float t25 = 38.04226f * in->vx;
-    const float t26 = t24 + t25; /* c2 b */
-    const float t27 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t28 = fmaf(t19, fmaf(t19, t27, 0.041666657f), (-0.5f));
-    const float t29 = fmaf(t22 * t19, t28, t22);
-    const float t30 = (-12.36068f) * in->vx;
-    const float t31 = 38.04226f * in->vy;
-    const float t32 = t30 - t31; /* c2 a */
-    const float t33 = fmaf(in->c3.steer, 0.31830987f, 12582912.0f);
-    const float t34 = t33 - 12582912.0f;
-    const float t35 = fmaf(t34, 8.742278e-08f, fmaf(-t34, 3.1415927f, in->c3.steer));
-    const float t36 = t35 * t35;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t35 * t36, fmaf(t36, t37, (-0.16666657f)), t35);
-    const float t39 = wmrgen_flip(1.0f, t33);
-    const float t40 = t39 * t38;
-    const float t41 = fmaf(32.36068f, in->vy, t8);
-    const float t42 = 23.51141f * in->vx;
-    const float t43 = t41 + t42; /* c3 b */
-    const float t44 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t45 = fmaf(t36, fmaf(t36, t44, 0.041666657f), (-0.5f));
-    const float t46 = fmaf(t39 * t36, t45, t39);
-    const float t47 = 32.36068f * in->vx;
-    const float t48 = 23.51141f * in->vy;
-    const float t49 = t47 - t48; /* c3 a */
-    const float t50 = fmaf(in->c4.steer, 0.31830987f, 12582912.0f);
-    const float t51 = t50 - 12582912.0f;
-    const float t52 = fmaf(t51, 8.742278e-08f, fmaf(-t51, 3.1415927f, in->c4.steer));
-    const float t53 = t52 * t52;
-    const float t54 = fmaf(t53, fmaf(t53, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t55 = fmaf(t52 * t53, fmaf(t53, t54, (-0.16666657f)), t52);
-    const float t56 = wmrgen_flip(1.0f, t50);
-    const float t57 = t56 * t55;
-    const float t58 = t41 - t42; /* c4 b */
-    const float t59 = fmaf(t53, fmaf(t53, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t60 = fmaf(t53, fmaf(t53, t59, 0.041666657f), (-0.5f));
-    const float t61 = fmaf(t56 * t53, t60, t56);
-    const float t62 = t48 + t47; /* c4 a */
-    const float t63 = fmaf(in->c5.steer, 0.31830987f, 12582912.0f);
-    const float t64 = t63 - 12582912.0f;
-    const float t65 = fmaf(t64, 8.742278e-08f, fmaf(-t64, 3.1415927f, in->c5.steer));
-    const float t66 = t65 * t65;
-    const float t67 = fmaf(t66, fmaf(t66, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t68 = fmaf(t65 * t66, fmaf(t66, t67, (-0.16666657f)), t65);
-    const float t69 = wmrgen_flip(1.0f, t63);
-    const float t70 = t69 * t68;
-    const float t71 = t24 - t25; /* c5 b */
-    const float t72 = fmaf(t66, fmaf(t66, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t73 = fmaf(t66, fmaf(t66, t72, 0.041666657f), (-0.5f));
-    const float t74 = fmaf(t69 * t66, t73, t69);
-    const float t75 = t31 + t30; /* c5 a */
+    const wmrgen_vector t0 = wmrgen_direction(in->c1.steer);
+    const float t1 = (-11.2f) * in->omega;
+    const float t2 = fmaf((-40.0f), in->vy, t1); /* c1 b */
+    const float t3 = fmaf(33.333332f, in->vx * t0.x, -(0.8333333f * (t2 * t0.y)));
+    const float t4 = -in->omega;
+    const float t5 = fmaf(-t0.x, t2, fmaf((-40.0f), in->vx * t0.y, t4));
+    const float t6 = (-12.36068f) * in->vx;
+    const float t7 = 38.04226f * in->vy;
+    const float t8 = t6 - t7; /* c2 a */
+    const float t9 = fmaf((-12.36068f), in->vy, t1);
+    const float t10 = 38.04226f * in->vx;
+    const float t11 = t9 + t10; /* c2 b */
+    const wmrgen_vector t12 = wmrgen_direction(in->c2.steer);
+    const float t13 = 32.36068f * in->vx;
+    const float t14 = 23.51141f * in->vy;
+    const float t15 = t13 - t14; /* c3 a */
+    const float t16 = fmaf(32.36068f, in->vy, t1);
+    const float t17 = 23.51141f * in->vx;
+    const float t18 = t16 + t17; /* c3 b */
+    const wmrgen_vector t19 = wmrgen_direction(in->c3.steer);
+    const float t20 = (-0.8333333f) * fmaf(t15, t19.x, t18 * t19.y);
+    const float t21 = t14 + t13; /* c4 a */
+    const float t22 = t16 - t17; /* c4 b */
+    const wmrgen_vector t23 = wmrgen_direction(in->c4.steer);
+    const float t24 = (-0.8333333f) * fmaf(t21, t23.x, t22 * t23.y);
+    const float t25 = t7 + t6; /* c5 a */
+    const float t26 = t9 - t10; /* c5 b */
+    const wmrgen_vector t27 = wmrgen_direction(in->c5.steer);
+    const float t28 = (-0.8333333f) * fmaf(t25, t27.x, t26 * t27.y);
 
-    out->c1.spin = t13;
-    out->c1.steer_rate = t15;
-    out->c2.spin = (-0.8333333f) * fmaf(t32, t29, t26 * t23);
-    out->c2.steer_rate = fmaf(-t29, t26, fmaf(t32, t23, t14));
-    out->c3.spin = (-0.8333333f) * fmaf(t49, t46, t43 * t40);
-    out->c3.steer_rate = fmaf(-t46, t43, fmaf(t49, t40, t14));
-    out->c4.spin = (-0.8333333f) * fmaf(t62, t61, t58 * t57);
-    out->c4.steer_rate = fmaf(-t61, t58, fmaf(t62, t57, t14));
-    out->c5.spin = (-0.8333333f) * fmaf(t75, t74, t71 * t70);
-    out->c5.steer_rate = fmaf(-t74, t71, fmaf(t75, t70, t14));
+    out->c1.spin = t3;
+    out->c1.steer_rate = t5;
+    out->c2.spin = (-0.8333333f) * fmaf(t8, t12.x, t11 * t12.y);
+    out->c2.steer_rate = fmaf(-t12.x, t11, fmaf(t8, t12.y, t4));
+    out->c3.spin = t20;
+    out->c3.steer_rate = fmaf(-t19.x, t18, fmaf(t15, t19.y, t4));
+    out->c4.spin = t24;
+    out->c4.steer_rate = fmaf(-t23.x, t22, fmaf(t21, t23.y, t4));
+    out->c5.spin = t28;
+    out->c5.steer_rate = fmaf(-t27.x, t26, fmaf(t25, t27.y, t4));
 }
 
 void office_chair_inverse_slip(
@@ -163,32 +172,16 @@ void office_chair_odometry(const office_chair_odometry_in *in, office_chair_odom
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -12,9 +12,11 @@
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
  * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
  * angle at its limit for one. Check inputs, or take the functions of the _checked files.
- * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
- * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24 of the true value.
+ * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
+ * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
+ * 2.36 * 2**-24 of the true value.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
+ * the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -51,7 +53,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "d254b793afdca06e6a8e8749bae019ee"
-#define PIONEER3DX_PAIR_e1dabaf3c106438c 1
+#define PIONEER3DX_PAIR_0a433ae9275e4701 1
 
 #ifdef __cplusplus
 extern "C" {

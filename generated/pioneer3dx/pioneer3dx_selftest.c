@@ -16,7 +16,7 @@
  */
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_e1dabaf3c106438c)
+#if !defined(PIONEER3DX_PAIR_0a433ae9275e4701)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

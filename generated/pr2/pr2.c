@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_40b87553ea897114)
+#if !defined(PR2_PAIR_552d8b2d7778b22a)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -62,6 +62,81 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void pr2_inverse(const pr2_inverse_in *in, pr2_inverse_out *out)
 {
     const float t0 = fmaf(2.1696092e-09f, in->omega, fmaf((-0.2246f), in->omega, in->vx)); /* fl_l: a, bl_l: a */
@@ -71,79 +146,55 @@ void pr2_inverse(const pr2_inverse_in *in, pr2_inverse_out *out)
     const float t4 = sqrtf(t1 + t3); /* fl_l: sqrt(a^2 + b^2) */
     const float t5 = fabsf(t0);
     const float t6 = (1e-20f < t4) ? (t4 + t5) : 1e-20f;
-    const float t7 = t2 / t6;
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t10 = fmaf(t8, fmaf(t8, t9, (-0.0762479f)), 0.10709304f);
-    const float t11 = fmaf(t8, fmaf(t8, t10, (-0.14225537f)), 0.1999624f);
-    const float t12 = fmaf(t7 * t8, fmaf(t8, t11, (-0.33333313f)), t7);
-    const float t13 = wmrgen_signed(2.0f, t0);
-    const float t14 = (1e-20f < t4) ? (t13 * t12) : in->fl_l.steer; /* fl_l: heading */
-    const float t15 = fmaf(0.31830987f, t14 - in->fl_l.steer, 12582912.0f);
-    const float t16 = wmrgen_signed(13.370414f, t0);
-    const float t17 = wmrgen_flip(t16 * t4, t15);
-    const float t18 = 0.6551503f * in->omega;
-    const float t19 = fmaf((-3.1415927f), t15 - 12582912.0f, t14);
-    const float t20 = fmaf((-2.1696092e-09f), in->omega, fmaf(0.2246f, in->omega, in->vx)); /* fr_l: a, br_l: a */
-    const float t21 = t20 * t20;
-    const float t22 = sqrtf(t3 + t21); /* fr_l: sqrt(a^2 + b^2) */
-    const float t23 = fabsf(t20);
-    const float t24 = (1e-20f < t22) ? (t22 + t23) : 1e-20f;
-    const float t25 = t2 / t24;
+    const float t7 = wmrgen_signed(2.0f, t0);
+    const float t8 = (1e-20f < t4) ? (t7 * wmrgen_arctangent(t2 / t6)) : in->fl_l.steer; /* fl_l: heading */
+    const float t9 = fmaf(0.31830987f, t8 - in->fl_l.steer, 12582912.0f);
+    const float t10 = wmrgen_signed(13.370414f, t0);
+    const float t11 = wmrgen_flip(t10 * t4, t9);
+    const float t12 = 0.6551503f * in->omega;
+    const float t13 = fmaf((-3.1415927f), t9 - 12582912.0f, t8);
+    const float t14 = fmaf((-2.1696092e-09f), in->omega, fmaf(0.2246f, in->omega, in->vx)); /* fr_l: a, br_l: a */
+    const float t15 = t14 * t14;
+    const float t16 = sqrtf(t3 + t15); /* fr_l: sqrt(a^2 + b^2) */
+    const float t17 = fabsf(t14);
+    const float t18 = (1e-20f < t16) ? (t16 + t17) : 1e-20f;
+    const float t19 = wmrgen_signed(2.0f, t14);
+    const float t20 = (1e-20f < t16) ? (t19 * wmrgen_arctangent(t2 / t18)) : in->fr_l.steer; /* fr_l: heading */
+    const float t21 = fmaf(0.31830987f, t20 - in->fr_l.steer, 12582912.0f);
+    const float t22 = wmrgen_signed(13.370414f, t14);
+    const float t23 = wmrgen_flip(t22 * t16, t21);
+    const float t24 = fmaf((-3.1415927f), t21 - 12582912.0f, t20);
+    const float t25 = fmaf(2.1696092e-09f, in->omega, fmaf((-0.2246f), in->omega, in->vy)); /* bl_l: b, br_l: b */
     const float t26 = t25 * t25;
-    const float t27 = fmaf(t26, fmaf(t26, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t28 = fmaf(t26, fmaf(t26, t27, (-0.0762479f)), 0.10709304f);
-    const float t29 = fmaf(t26, fmaf(t26, t28, (-0.14225537f)), 0.1999624f);
-    const float t30 = fmaf(t25 * t26, fmaf(t26, t29, (-0.33333313f)), t25);
-    const float t31 = wmrgen_signed(2.0f, t20);
-    const float t32 = (1e-20f < t22) ? (t31 * t30) : in->fr_l.steer; /* fr_l: heading */
-    const float t33 = fmaf(0.31830987f, t32 - in->fr_l.steer, 12582912.0f);
-    const float t34 = wmrgen_signed(13.370414f, t20);
-    const float t35 = wmrgen_flip(t34 * t22, t33);
-    const float t36 = fmaf((-3.1415927f), t33 - 12582912.0f, t32);
-    const float t37 = fmaf(2.1696092e-09f, in->omega, fmaf((-0.2246f), in->omega, in->vy)); /* bl_l: b, br_l: b */
-    const float t38 = t37 * t37;
-    const float t39 = sqrtf(t1 + t38); /* bl_l: sqrt(a^2 + b^2) */
-    const float t40 = (1e-20f < t39) ? (t5 + t39) : 1e-20f;
-    const float t41 = t37 / t40;
-    const float t42 = t41 * t41;
-    const float t43 = fmaf(t42, fmaf(t42, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t44 = fmaf(t42, fmaf(t42, t43, (-0.0762479f)), 0.10709304f);
-    const float t45 = fmaf(t42, fmaf(t42, t44, (-0.14225537f)), 0.1999624f);
-    const float t46 = fmaf(t41 * t42, fmaf(t42, t45, (-0.33333313f)), t41);
-    const float t47 = (1e-20f < t39) ? (t13 * t46) : in->bl_l.steer; /* bl_l: heading */
-    const float t48 = fmaf(0.31830987f, t47 - in->bl_l.steer, 12582912.0f);
-    const float t49 = wmrgen_flip(t16 * t39, t48);
-    const float t50 = fmaf((-3.1415927f), t48 - 12582912.0f, t47);
-    const float t51 = sqrtf(t21 + t38); /* br_l: sqrt(a^2 + b^2) */
-    const float t52 = (1e-20f < t51) ? (t23 + t51) : 1e-20f;
-    const float t53 = t37 / t52;
-    const float t54 = t53 * t53;
-    const float t55 = fmaf(t54, fmaf(t54, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t56 = fmaf(t54, fmaf(t54, t55, (-0.0762479f)), 0.10709304f);
-    const float t57 = fmaf(t54, fmaf(t54, t56, (-0.14225537f)), 0.1999624f);
-    const float t58 = fmaf(t53 * t54, fmaf(t54, t57, (-0.33333313f)), t53);
-    const float t59 = (1e-20f < t51) ? (t31 * t58) : in->br_l.steer; /* br_l: heading */
-    const float t60 = fmaf(0.31830987f, t59 - in->br_l.steer, 12582912.0f);
-    const float t61 = wmrgen_flip(t34 * t51, t60);
-    const float t62 = fmaf((-3.1415927f), t60 - 12582912.0f, t59);
+    const float t27 = sqrtf(t1 + t26); /* bl_l: sqrt(a^2 + b^2) */
+    const float t28 = (1e-20f < t27) ? (t5 + t27) : 1e-20f;
+    const float t29 = (1e-20f < t27) ? (t7 * wmrgen_arctangent(t25 / t28)) : in->bl_l.steer; /* bl_l: heading */
+    const float t30 = fmaf(0.31830987f, t29 - in->bl_l.steer, 12582912.0f);
+    const float t31 = wmrgen_flip(t10 * t27, t30);
+    const float t32 = fmaf((-3.1415927f), t30 - 12582912.0f, t29);
+    const float t33 = sqrtf(t15 + t26); /* br_l: sqrt(a^2 + b^2) */
+    const float t34 = (1e-20f < t33) ? (t17 + t33) : 1e-20f;
+    const float t35 = (1e-20f < t33) ? (t19 * wmrgen_arctangent(t25 / t34)) : in->br_l.steer; /* br_l: heading */
+    const float t36 = fmaf(0.31830987f, t35 - in->br_l.steer, 12582912.0f);
+    const float t37 = wmrgen_flip(t22 * t33, t36);
+    const float t38 = fmaf((-3.1415927f), t36 - 12582912.0f, t35);
 
-    out->fl_l.spin = t17 - t18;
-    out->fl_l.steer = t19;
-    out->fl_r.spin = t17 + t18;
-    out->fl_r.steer = t19;
-    out->fr_l.spin = t35 - t18;
-    out->fr_l.steer = t36;
-    out->fr_r.spin = t18 + t35;
-    out->fr_r.steer = t36;
-    out->bl_l.spin = t49 - t18;
-    out->bl_l.steer = t50;
-    out->bl_r.spin = t18 + t49;
-    out->bl_r.steer = t50;
-    out->br_l.spin = t61 - t18;
-    out->br_l.steer = t62;
-    out->br_r.spin = t18 + t61;
-    out->br_r.steer = t62;
+    out->fl_l.spin = t11 - t12;
+    out->fl_l.steer = t13;
+    out->fl_r.spin = t11 + t12;
+    out->fl_r.steer = t13;
+    out->fr_l.spin = t23 - t12;
+    out->fr_l.steer = t24;
+    out->fr_r.spin = t12 + t23;
+    out->fr_r.steer = t24;
+    out->bl_l.spin = t31 - t12;
+    out->bl_l.steer = t32;
+    out->bl_r.spin = t12 + t31;
+    out->bl_r.steer = t32;
+    out->br_l.spin = t37 - t12;
+    out->br_l.steer = t38;
+    out->br_r.spin = t12 + t37;
+    out->br_r.steer = t38;
 }
 
 void pr2_inverse_slip(const pr2_inverse_slip_in *in, pr2_inverse_slip_out *out)
@@ -155,301 +206,141 @@ void pr2_inverse_slip(const pr2_inverse_slip_in *in, pr2_inverse_slip_out *out)
 
 void pr2_forward(const pr2_forward_in *in, pr2_forward_out *out)
 {
-    const float t0 = fmaf(in->br_l.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->br_l.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(in->br_r.steer, 0.31830987f, 12582912.0f);
-    const float t9 = t8 - 12582912.0f;
-    const float t10 = fmaf(t9, 8.742278e-08f, fmaf(-t9, 3.1415927f, in->br_r.steer));
-    const float t11 = t10 * t10;
-    const float t12 = fmaf(t11, fmaf(t11, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t13 = fmaf(t10 * t11, fmaf(t11, t12, (-0.16666657f)), t10);
-    const float t14 = wmrgen_flip(1.0f, t8);
-    const float t15 = t14 * t13;
-    const float t16 = fmaf(in->bl_l.steer, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, in->bl_l.steer));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(in->bl_r.steer, 0.31830987f, 12582912.0f);
-    const float t25 = t24 - 12582912.0f;
-    const float t26 = fmaf(t25, 8.742278e-08f, fmaf(-t25, 3.1415927f, in->bl_r.steer));
-    const float t27 = t26 * t26;
-    const float t28 = fmaf(t27, fmaf(t27, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t29 = fmaf(t26 * t27, fmaf(t27, t28, (-0.16666657f)), t26);
-    const float t30 = wmrgen_flip(1.0f, t24);
-    const float t31 = t30 * t29;
-    const float t32 = t7 - t15 + (t23 - t31);
-    const float t33 = fmaf(in->fr_l.steer, 0.31830987f, 12582912.0f);
-    const float t34 = t33 - 12582912.0f;
-    const float t35 = fmaf(t34, 8.742278e-08f, fmaf(-t34, 3.1415927f, in->fr_l.steer));
-    const float t36 = t35 * t35;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t35 * t36, fmaf(t36, t37, (-0.16666657f)), t35);
-    const float t39 = wmrgen_flip(1.0f, t33);
-    const float t40 = t39 * t38;
-    const float t41 = fmaf(in->fr_r.steer, 0.31830987f, 12582912.0f);
-    const float t42 = t41 - 12582912.0f;
-    const float t43 = fmaf(t42, 8.742278e-08f, fmaf(-t42, 3.1415927f, in->fr_r.steer));
-    const float t44 = t43 * t43;
-    const float t45 = fmaf(t44, fmaf(t44, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t46 = fmaf(t43 * t44, fmaf(t44, t45, (-0.16666657f)), t43);
-    const float t47 = wmrgen_flip(1.0f, t41);
-    const float t48 = t47 * t46;
-    const float t49 = fmaf(in->fl_l.steer, 0.31830987f, 12582912.0f);
-    const float t50 = t49 - 12582912.0f;
-    const float t51 = fmaf(t50, 8.742278e-08f, fmaf(-t50, 3.1415927f, in->fl_l.steer));
-    const float t52 = t51 * t51;
-    const float t53 = fmaf(t52, fmaf(t52, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t54 = fmaf(t51 * t52, fmaf(t52, t53, (-0.16666657f)), t51);
-    const float t55 = wmrgen_flip(1.0f, t49);
-    const float t56 = t55 * t54;
-    const float t57 = fmaf(in->fl_r.steer, 0.31830987f, 12582912.0f);
-    const float t58 = t57 - 12582912.0f;
-    const float t59 = fmaf(t58, 8.742278e-08f, fmaf(-t58, 3.1415927f, in->fl_r.steer));
-    const float t60 = t59 * t59;
-    const float t61 = fmaf(t60, fmaf(t60, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t62 = fmaf(t59 * t60, fmaf(t60, t61, (-0.16666657f)), t59);
-    const float t63 = wmrgen_flip(1.0f, t57);
-    const float t64 = t63 * t62;
-    const float t65 = t40 - t48 + (t56 - t64);
-    const float t66 = (-0.049f) * (t32 + t65); /* sum fx */
-    const float t67 = -t66;
-    const float t68 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t69 = fmaf(t19, fmaf(t19, t68, 0.041666657f), (-0.5f));
-    const float t70 = fmaf(t22 * t19, t69, t22);
-    const float t71 = fmaf(t27, fmaf(t27, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t72 = fmaf(t27, fmaf(t27, t71, 0.041666657f), (-0.5f));
-    const float t73 = fmaf(t30 * t27, t72, t30);
-    const float t74 = fmaf(t52, fmaf(t52, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t75 = fmaf(t52, fmaf(t52, t74, 0.041666657f), (-0.5f));
-    const float t76 = fmaf(t55 * t52, t75, t55);
-    const float t77 = fmaf(t60, fmaf(t60, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t78 = fmaf(t60, fmaf(t60, t77, 0.041666657f), (-0.5f));
-    const float t79 = fmaf(t63 * t60, t78, t63);
-    const float t80 = t70 - t73 + (t76 - t79);
-    const float t81 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t82 = fmaf(t3, fmaf(t3, t81, 0.041666657f), (-0.5f));
-    const float t83 = fmaf(t6 * t3, t82, t6);
-    const float t84 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t85 = fmaf(t11, fmaf(t11, t84, 0.041666657f), (-0.5f));
-    const float t86 = fmaf(t14 * t11, t85, t14);
-    const float t87 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t88 = fmaf(t36, fmaf(t36, t87, 0.041666657f), (-0.5f));
-    const float t89 = fmaf(t39 * t36, t88, t39);
-    const float t90 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t91 = fmaf(t44, fmaf(t44, t90, 0.041666657f), (-0.5f));
-    const float t92 = fmaf(t47 * t44, t91, t47);
-    const float t93 = t83 - t86 + (t89 - t92);
-    const float t94 = fmaf(0.1760864f, t32 + (t80 - t93 - t65), 6.6106443f); /* inertia */
-    const float t95 = 0.049f * (t93 + t80); /* sum fy */
-    const float t96 = fmaf(0.074792f, in->bl_r.spin, -(0.049f * in->bl_r.steer_rate));
-    const float t97 = fmaf(0.049f, in->bl_l.steer_rate, 0.074792f * in->bl_l.spin);
-    const float t98 = fmaf(0.049f, in->br_l.steer_rate, 0.074792f * in->br_l.spin);
-    const float t99 = fmaf(0.074792f, in->br_r.spin, -(0.049f * in->br_r.steer_rate));
-    const float t100 = fmaf(t99, t15, fmaf(t98, t7, fmaf(t97, t23, t96 * t31)));
-    const float t101 = fmaf(0.074792f, in->fl_r.spin, -(0.049f * in->fl_r.steer_rate));
-    const float t102 = fmaf(0.049f, in->fl_l.steer_rate, 0.074792f * in->fl_l.spin);
-    const float t103 = fmaf(0.049f, in->fr_l.steer_rate, 0.074792f * in->fr_l.spin);
-    const float t104 = fmaf(0.074792f, in->fr_r.spin, -(0.049f * in->fr_r.steer_rate));
-    const float t105 = fmaf(t104, t48, fmaf(t103, t40, fmaf(t102, t56, t101 * t64)));
-    const float t106 = t100 + t105; /* sum: its velocity, y */
-    const float t107 = fmaf(t86, t99, fmaf(t83, t98, fmaf(t89, t103, t92 * t104)));
-    const float t108 = fmaf(t73, t96, fmaf(t70, t97, fmaf(t76, t102, t79 * t101)));
-    const float t109 = in->fl_r.spin - in->fl_l.spin - in->fr_l.spin;
-    const float t110 = in->bl_r.spin + (in->fr_r.spin + t109 - in->bl_l.spin);
-    const float t111 = in->fr_l.steer_rate + (in->fl_l.steer_rate + in->fl_r.steer_rate);
-    const float t112 = in->bl_l.steer_rate + (in->fr_r.steer_rate + t111);
-    const float t113 = in->br_l.steer_rate + (in->bl_r.steer_rate + t112);
-    const float t114 = fmaf(0.029318465f, in->br_r.spin + (t110 - in->br_l.spin), -(0.019208f * (in->br_r.steer_rate + t113)));
-    const float t115 = fmaf(1.7968f, t105 + (t107 - t108) - t100, t114); /* moment */
-    const float t116 = t107 + t108; /* sum: its velocity, x */
-    const float t117 = fmaf(t116, t95, fmaf(t67, t106, t115)) / fmaf(-t95, t95, fmaf(t67, t66, t94)); /* omega */
+    const wmrgen_vector t0 = wmrgen_direction(in->br_l.steer);
+    const wmrgen_vector t1 = wmrgen_direction(in->br_r.steer);
+    const wmrgen_vector t2 = wmrgen_direction(in->bl_l.steer);
+    const wmrgen_vector t3 = wmrgen_direction(in->bl_r.steer);
+    const float t4 = t0.y - t1.y + (t2.y - t3.y);
+    const wmrgen_vector t5 = wmrgen_direction(in->fr_l.steer);
+    const wmrgen_vector t6 = wmrgen_direction(in->fr_r.steer);
+    const wmrgen_vector t7 = wmrgen_direction(in->fl_l.steer);
+    const wmrgen_vector t8 = wmrgen_direction(in->fl_r.steer);
+    const float t9 = t5.y - t6.y + (t7.y - t8.y);
+    const float t10 = (-0.049f) * (t4 + t9); /* sum fx */
+    const float t11 = -t10;
+    const float t12 = fmaf(0.049f, in->bl_l.steer_rate, 0.074792f * in->bl_l.spin);
+    const float t13 = fmaf(0.074792f, in->bl_r.spin, -(0.049f * in->bl_r.steer_rate));
+    const float t14 = fmaf(0.049f, in->br_l.steer_rate, 0.074792f * in->br_l.spin);
+    const float t15 = fmaf(0.074792f, in->br_r.spin, -(0.049f * in->br_r.steer_rate));
+    const float t16 = fmaf(t15, t1.y, fmaf(t14, t0.y, fmaf(t12, t2.y, t13 * t3.y)));
+    const float t17 = fmaf(0.049f, in->fl_l.steer_rate, 0.074792f * in->fl_l.spin);
+    const float t18 = fmaf(0.074792f, in->fl_r.spin, -(0.049f * in->fl_r.steer_rate));
+    const float t19 = fmaf(0.049f, in->fr_l.steer_rate, 0.074792f * in->fr_l.spin);
+    const float t20 = fmaf(0.074792f, in->fr_r.spin, -(0.049f * in->fr_r.steer_rate));
+    const float t21 = fmaf(t20, t6.y, fmaf(t19, t5.y, fmaf(t17, t7.y, t18 * t8.y)));
+    const float t22 = t16 + t21; /* sum: its velocity, y */
+    const float t23 = fmaf(t1.x, t15, fmaf(t0.x, t14, fmaf(t5.x, t19, t6.x * t20)));
+    const float t24 = fmaf(t3.x, t13, fmaf(t2.x, t12, fmaf(t7.x, t17, t8.x * t18)));
+    const float t25 = in->fl_r.spin - in->fl_l.spin - in->fr_l.spin;
+    const float t26 = in->bl_r.spin + (in->fr_r.spin + t25 - in->bl_l.spin);
+    const float t27 = in->fr_l.steer_rate + (in->fl_l.steer_rate + in->fl_r.steer_rate);
+    const float t28 = in->bl_l.steer_rate + (in->fr_r.steer_rate + t27);
+    const float t29 = in->br_l.steer_rate + (in->bl_r.steer_rate + t28);
+    const float t30 = fmaf(0.029318465f, in->br_r.spin + (t26 - in->br_l.spin), -(0.019208f * (in->br_r.steer_rate + t29)));
+    const float t31 = fmaf(t11, t22, fmaf(1.7968f, t21 + (t23 - t24) - t16, t30));
+    const float t32 = t23 + t24; /* sum: its velocity, x */
+    const float t33 = t0.x - t1.x + (t5.x - t6.x);
+    const float t34 = t2.x - t3.x + (t7.x - t8.x);
+    const float t35 = 0.049f * (t33 + t34); /* sum fy */
+    const float t36 = fmaf(0.1760864f, t4 + (t34 - t33 - t9), 6.6106443f); /* inertia */
+    const float t37 = fmaf(t32, t35, t31) / fmaf(-t35, t35, fmaf(t11, t10, t36)); /* omega */
 
-    out->vx = 0.125f * fmaf(t95, t117, t116);
-    out->vy = 0.125f * fmaf(t67, t117, t106);
-    out->omega = t117;
+    out->vx = 0.125f * fmaf(t35, t37, t32);
+    out->vy = 0.125f * fmaf(t11, t37, t22);
+    out->omega = t37;
 }
 
 void pr2_forward_slip(const pr2_forward_slip_in *in, pr2_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->br_l.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->br_l.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = fmaf(in->br_r.steer, 0.31830987f, 12582912.0f);
-    const float t9 = t8 - 12582912.0f;
-    const float t10 = fmaf(t9, 8.742278e-08f, fmaf(-t9, 3.1415927f, in->br_r.steer));
-    const float t11 = t10 * t10;
-    const float t12 = fmaf(t11, fmaf(t11, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t13 = fmaf(t10 * t11, fmaf(t11, t12, (-0.16666657f)), t10);
-    const float t14 = wmrgen_flip(1.0f, t8);
-    const float t15 = t14 * t13;
-    const float t16 = fmaf(in->bl_l.steer, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, in->bl_l.steer));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(in->bl_r.steer, 0.31830987f, 12582912.0f);
-    const float t25 = t24 - 12582912.0f;
-    const float t26 = fmaf(t25, 8.742278e-08f, fmaf(-t25, 3.1415927f, in->bl_r.steer));
-    const float t27 = t26 * t26;
-    const float t28 = fmaf(t27, fmaf(t27, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t29 = fmaf(t26 * t27, fmaf(t27, t28, (-0.16666657f)), t26);
-    const float t30 = wmrgen_flip(1.0f, t24);
-    const float t31 = t30 * t29;
-    const float t32 = t7 - t15 + (t23 - t31);
-    const float t33 = fmaf(in->fr_l.steer, 0.31830987f, 12582912.0f);
-    const float t34 = t33 - 12582912.0f;
-    const float t35 = fmaf(t34, 8.742278e-08f, fmaf(-t34, 3.1415927f, in->fr_l.steer));
-    const float t36 = t35 * t35;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t35 * t36, fmaf(t36, t37, (-0.16666657f)), t35);
-    const float t39 = wmrgen_flip(1.0f, t33);
-    const float t40 = t39 * t38;
-    const float t41 = fmaf(in->fr_r.steer, 0.31830987f, 12582912.0f);
-    const float t42 = t41 - 12582912.0f;
-    const float t43 = fmaf(t42, 8.742278e-08f, fmaf(-t42, 3.1415927f, in->fr_r.steer));
-    const float t44 = t43 * t43;
-    const float t45 = fmaf(t44, fmaf(t44, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t46 = fmaf(t43 * t44, fmaf(t44, t45, (-0.16666657f)), t43);
-    const float t47 = wmrgen_flip(1.0f, t41);
-    const float t48 = t47 * t46;
-    const float t49 = fmaf(in->fl_l.steer, 0.31830987f, 12582912.0f);
-    const float t50 = t49 - 12582912.0f;
-    const float t51 = fmaf(t50, 8.742278e-08f, fmaf(-t50, 3.1415927f, in->fl_l.steer));
-    const float t52 = t51 * t51;
-    const float t53 = fmaf(t52, fmaf(t52, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t54 = fmaf(t51 * t52, fmaf(t52, t53, (-0.16666657f)), t51);
-    const float t55 = wmrgen_flip(1.0f, t49);
-    const float t56 = t55 * t54;
-    const float t57 = fmaf(in->fl_r.steer, 0.31830987f, 12582912.0f);
-    const float t58 = t57 - 12582912.0f;
-    const float t59 = fmaf(t58, 8.742278e-08f, fmaf(-t58, 3.1415927f, in->fl_r.steer));
-    const float t60 = t59 * t59;
-    const float t61 = fmaf(t60, fmaf(t60, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t62 = fmaf(t59 * t60, fmaf(t60, t61, (-0.16666657f)), t59);
-    const float t63 = wmrgen_flip(1.0f, t57);
-    const float t64 = t63 * t62;
-    const float t65 = t40 - t48 + (t56 - t64);
-    const float t66 = (-0.049f) * (t32 + t65); /* sum fx */
-    const float t67 = -t66;
-    const float t68 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t69 = fmaf(t19, fmaf(t19, t68, 0.041666657f), (-0.5f));
-    const float t70 = fmaf(t22 * t19, t69, t22);
-    const float t71 = fmaf(t27, fmaf(t27, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t72 = fmaf(t27, fmaf(t27, t71, 0.041666657f), (-0.5f));
-    const float t73 = fmaf(t30 * t27, t72, t30);
-    const float t74 = fmaf(t52, fmaf(t52, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t75 = fmaf(t52, fmaf(t52, t74, 0.041666657f), (-0.5f));
-    const float t76 = fmaf(t55 * t52, t75, t55);
-    const float t77 = fmaf(t60, fmaf(t60, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t78 = fmaf(t60, fmaf(t60, t77, 0.041666657f), (-0.5f));
-    const float t79 = fmaf(t63 * t60, t78, t63);
-    const float t80 = t70 - t73 + (t76 - t79);
-    const float t81 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t82 = fmaf(t3, fmaf(t3, t81, 0.041666657f), (-0.5f));
-    const float t83 = fmaf(t6 * t3, t82, t6);
-    const float t84 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t85 = fmaf(t11, fmaf(t11, t84, 0.041666657f), (-0.5f));
-    const float t86 = fmaf(t14 * t11, t85, t14);
-    const float t87 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t88 = fmaf(t36, fmaf(t36, t87, 0.041666657f), (-0.5f));
-    const float t89 = fmaf(t39 * t36, t88, t39);
-    const float t90 = fmaf(t44, fmaf(t44, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t91 = fmaf(t44, fmaf(t44, t90, 0.041666657f), (-0.5f));
-    const float t92 = fmaf(t47 * t44, t91, t47);
-    const float t93 = t83 - t86 + (t89 - t92);
-    const float t94 = fmaf(0.1760864f, t32 + (t80 - t93 - t65), 6.6106443f); /* inertia */
-    const float t95 = 0.049f * (t93 + t80); /* sum fy */
-    const float t96 = fmaf(0.049f, in->bl_l.steer_rate, 0.074792f * in->bl_l.spin);
-    const float t97 = t96 * t23; /* bl_l: its velocity, y */
-    const float t98 = fmaf(0.074792f, in->bl_r.spin, -(0.049f * in->bl_r.steer_rate));
-    const float t99 = t98 * t31; /* bl_r: its velocity, y */
-    const float t100 = fmaf(0.049f, in->br_l.steer_rate, 0.074792f * in->br_l.spin);
-    const float t101 = t100 * t7; /* br_l: its velocity, y */
-    const float t102 = fmaf(0.074792f, in->br_r.spin, -(0.049f * in->br_r.steer_rate));
-    const float t103 = t102 * t15; /* br_r: its velocity, y */
-    const float t104 = t103 + (t101 + (t97 + t99));
-    const float t105 = fmaf(0.049f, in->fl_l.steer_rate, 0.074792f * in->fl_l.spin);
-    const float t106 = t105 * t56; /* fl_l: its velocity, y */
-    const float t107 = fmaf(0.074792f, in->fl_r.spin, -(0.049f * in->fl_r.steer_rate));
-    const float t108 = t107 * t64; /* fl_r: its velocity, y */
-    const float t109 = fmaf(0.049f, in->fr_l.steer_rate, 0.074792f * in->fr_l.spin);
-    const float t110 = t109 * t40; /* fr_l: its velocity, y */
-    const float t111 = fmaf(0.074792f, in->fr_r.spin, -(0.049f * in->fr_r.steer_rate));
-    const float t112 = t111 * t48; /* fr_r: its velocity, y */
-    const float t113 = t112 + (t110 + (t106 + t108));
-    const float t114 = t104 + t113; /* sum: its velocity, y */
-    const float t115 = t89 * t109; /* fr_l: its velocity, x */
-    const float t116 = t92 * t111; /* fr_r: its velocity, x */
-    const float t117 = t83 * t100; /* br_l: its velocity, x */
-    const float t118 = t86 * t102; /* br_r: its velocity, x */
-    const float t119 = t118 + (t117 + (t115 + t116));
-    const float t120 = t76 * t105; /* fl_l: its velocity, x */
-    const float t121 = t79 * t107; /* fl_r: its velocity, x */
-    const float t122 = t70 * t96; /* bl_l: its velocity, x */
-    const float t123 = t73 * t98; /* bl_r: its velocity, x */
-    const float t124 = t123 + (t122 + (t120 + t121));
-    const float t125 = in->fl_r.spin - in->fl_l.spin - in->fr_l.spin;
-    const float t126 = in->bl_r.spin + (in->fr_r.spin + t125 - in->bl_l.spin);
-    const float t127 = in->fr_l.steer_rate + (in->fl_l.steer_rate + in->fl_r.steer_rate);
-    const float t128 = in->bl_l.steer_rate + (in->fr_r.steer_rate + t127);
-    const float t129 = in->br_l.steer_rate + (in->bl_r.steer_rate + t128);
-    const float t130 = fmaf(0.029318465f, in->br_r.spin + (t126 - in->br_l.spin), -(0.019208f * (in->br_r.steer_rate + t129)));
-    const float t131 = fmaf(1.7968f, t113 + (t119 - t124) - t104, t130); /* moment */
-    const float t132 = t119 + t124; /* sum: its velocity, x */
-    const float t133 = fmaf(t132, t95, fmaf(t67, t114, t131)) / fmaf(-t95, t95, fmaf(t67, t66, t94)); /* omega */
-    const float t134 = 0.125f * fmaf(t95, t133, t132);
-    const float t135 = 0.125f * fmaf(t67, t133, t114);
-    const float t136 = 0.2246f * t133;
-    const float t137 = t136 - t134;
-    const float t138 = 0.049f * t133;
-    const float t139 = t137 + fmaf(t76, t138, t120); /* residual 0 */
-    const float t140 = t135 + t136;
-    const float t141 = fmaf(t56, t138, t106) - t140; /* residual 1 */
-    const float t142 = (-0.049f) * t133;
-    const float t143 = t137 + fmaf(t79, t142, t121); /* residual 2 */
-    const float t144 = fmaf(t143, t143, fmaf(t139, t139, t141 * t141));
-    const float t145 = fmaf(t64, t142, t108) - t140; /* residual 3 */
-    const float t146 = t134 + t136;
-    const float t147 = fmaf(t89, t138, t115) - t146; /* residual 4 */
-    const float t148 = fmaf(t40, t138, t110) - t140; /* residual 5 */
-    const float t149 = fmaf(t148, t148, fmaf(t147, t147, fmaf(t145, t145, t144)));
-    const float t150 = fmaf(t92, t142, t116) - t146; /* residual 6 */
-    const float t151 = fmaf(t48, t142, t112) - t140; /* residual 7 */
-    const float t152 = t137 + fmaf(t70, t138, t122); /* residual 8 */
-    const float t153 = fmaf(t152, t152, fmaf(t151, t151, fmaf(t150, t150, t149)));
-    const float t154 = t136 - t135;
-    const float t155 = t154 + fmaf(t23, t138, t97); /* residual 9 */
-    const float t156 = t137 + fmaf(t73, t142, t123); /* residual 10 */
-    const float t157 = t154 + fmaf(t31, t142, t99); /* residual 11 */
-    const float t158 = fmaf(t157, t157, fmaf(t156, t156, fmaf(t155, t155, t153)));
-    const float t159 = fmaf(t83, t138, t117) - t146; /* residual 12 */
-    const float t160 = t154 + fmaf(t7, t138, t101); /* residual 13 */
-    const float t161 = fmaf(t86, t142, t118) - t146; /* residual 14 */
-    const float t162 = fmaf(t161, t161, fmaf(t160, t160, fmaf(t159, t159, t158)));
-    const float t163 = t154 + fmaf(t15, t142, t103); /* residual 15 */
+    const wmrgen_vector t0 = wmrgen_direction(in->br_l.steer);
+    const wmrgen_vector t1 = wmrgen_direction(in->br_r.steer);
+    const wmrgen_vector t2 = wmrgen_direction(in->bl_l.steer);
+    const wmrgen_vector t3 = wmrgen_direction(in->bl_r.steer);
+    const float t4 = t0.y - t1.y + (t2.y - t3.y);
+    const wmrgen_vector t5 = wmrgen_direction(in->fr_l.steer);
+    const wmrgen_vector t6 = wmrgen_direction(in->fr_r.steer);
+    const wmrgen_vector t7 = wmrgen_direction(in->fl_l.steer);
+    const wmrgen_vector t8 = wmrgen_direction(in->fl_r.steer);
+    const float t9 = t5.y - t6.y + (t7.y - t8.y);
+    const float t10 = (-0.049f) * (t4 + t9); /* sum fx */
+    const float t11 = -t10;
+    const float t12 = fmaf(0.049f, in->bl_l.steer_rate, 0.074792f * in->bl_l.spin);
+    const float t13 = t12 * t2.y; /* bl_l: its velocity, y */
+    const float t14 = fmaf(0.074792f, in->bl_r.spin, -(0.049f * in->bl_r.steer_rate));
+    const float t15 = t14 * t3.y; /* bl_r: its velocity, y */
+    const float t16 = fmaf(0.049f, in->br_l.steer_rate, 0.074792f * in->br_l.spin);
+    const float t17 = t16 * t0.y; /* br_l: its velocity, y */
+    const float t18 = fmaf(0.074792f, in->br_r.spin, -(0.049f * in->br_r.steer_rate));
+    const float t19 = t18 * t1.y; /* br_r: its velocity, y */
+    const float t20 = t19 + (t17 + (t13 + t15));
+    const float t21 = fmaf(0.049f, in->fl_l.steer_rate, 0.074792f * in->fl_l.spin);
+    const float t22 = t21 * t7.y; /* fl_l: its velocity, y */
+    const float t23 = fmaf(0.074792f, in->fl_r.spin, -(0.049f * in->fl_r.steer_rate));
+    const float t24 = t23 * t8.y; /* fl_r: its velocity, y */
+    const float t25 = fmaf(0.049f, in->fr_l.steer_rate, 0.074792f * in->fr_l.spin);
+    const float t26 = t25 * t5.y; /* fr_l: its velocity, y */
+    const float t27 = fmaf(0.074792f, in->fr_r.spin, -(0.049f * in->fr_r.steer_rate));
+    const float t28 = t27 * t6.y; /* fr_r: its velocity, y */
+    const float t29 = t28 + (t26 + (t22 + t24));
+    const float t30 = t20 + t29; /* sum: its velocity, y */
+    const float t31 = t5.x * t25; /* fr_l: its velocity, x */
+    const float t32 = t6.x * t27; /* fr_r: its velocity, x */
+    const float t33 = t0.x * t16; /* br_l: its velocity, x */
+    const float t34 = t1.x * t18; /* br_r: its velocity, x */
+    const float t35 = t34 + (t33 + (t31 + t32));
+    const float t36 = t7.x * t21; /* fl_l: its velocity, x */
+    const float t37 = t8.x * t23; /* fl_r: its velocity, x */
+    const float t38 = t2.x * t12; /* bl_l: its velocity, x */
+    const float t39 = t3.x * t14; /* bl_r: its velocity, x */
+    const float t40 = t39 + (t38 + (t36 + t37));
+    const float t41 = in->fl_r.spin - in->fl_l.spin - in->fr_l.spin;
+    const float t42 = in->bl_r.spin + (in->fr_r.spin + t41 - in->bl_l.spin);
+    const float t43 = in->fr_l.steer_rate + (in->fl_l.steer_rate + in->fl_r.steer_rate);
+    const float t44 = in->bl_l.steer_rate + (in->fr_r.steer_rate + t43);
+    const float t45 = in->br_l.steer_rate + (in->bl_r.steer_rate + t44);
+    const float t46 = fmaf(0.029318465f, in->br_r.spin + (t42 - in->br_l.spin), -(0.019208f * (in->br_r.steer_rate + t45)));
+    const float t47 = fmaf(t11, t30, fmaf(1.7968f, t29 + (t35 - t40) - t20, t46));
+    const float t48 = t35 + t40; /* sum: its velocity, x */
+    const float t49 = t0.x - t1.x + (t5.x - t6.x);
+    const float t50 = t2.x - t3.x + (t7.x - t8.x);
+    const float t51 = 0.049f * (t49 + t50); /* sum fy */
+    const float t52 = fmaf(0.1760864f, t4 + (t50 - t49 - t9), 6.6106443f); /* inertia */
+    const float t53 = fmaf(t48, t51, t47) / fmaf(-t51, t51, fmaf(t11, t10, t52)); /* omega */
+    const float t54 = 0.125f * fmaf(t51, t53, t48);
+    const float t55 = 0.125f * fmaf(t11, t53, t30);
+    const float t56 = 0.2246f * t53;
+    const float t57 = t56 - t54;
+    const float t58 = 0.049f * t53;
+    const float t59 = t57 + fmaf(t7.x, t58, t36); /* residual 0 */
+    const float t60 = t55 + t56;
+    const float t61 = fmaf(t7.y, t58, t22) - t60; /* residual 1 */
+    const float t62 = (-0.049f) * t53;
+    const float t63 = t57 + fmaf(t8.x, t62, t37); /* residual 2 */
+    const float t64 = fmaf(t8.y, t62, t24) - t60; /* residual 3 */
+    const float t65 = fmaf(t64, t64, fmaf(t63, t63, fmaf(t59, t59, t61 * t61)));
+    const float t66 = t54 + t56;
+    const float t67 = fmaf(t5.x, t58, t31) - t66; /* residual 4 */
+    const float t68 = fmaf(t5.y, t58, t26) - t60; /* residual 5 */
+    const float t69 = fmaf(t6.x, t62, t32) - t66; /* residual 6 */
+    const float t70 = fmaf(t69, t69, fmaf(t68, t68, fmaf(t67, t67, t65)));
+    const float t71 = fmaf(t6.y, t62, t28) - t60; /* residual 7 */
+    const float t72 = t57 + fmaf(t2.x, t58, t38); /* residual 8 */
+    const float t73 = t56 - t55;
+    const float t74 = t73 + fmaf(t2.y, t58, t13); /* residual 9 */
+    const float t75 = fmaf(t74, t74, fmaf(t72, t72, fmaf(t71, t71, t70)));
+    const float t76 = t57 + fmaf(t3.x, t62, t39); /* residual 10 */
+    const float t77 = t73 + fmaf(t3.y, t62, t15); /* residual 11 */
+    const float t78 = fmaf(t0.x, t58, t33) - t66; /* residual 12 */
+    const float t79 = fmaf(t78, t78, fmaf(t77, t77, fmaf(t76, t76, t75)));
+    const float t80 = t73 + fmaf(t0.y, t58, t17); /* residual 13 */
+    const float t81 = fmaf(t1.x, t62, t34) - t66; /* residual 14 */
+    const float t82 = t73 + fmaf(t1.y, t62, t19); /* residual 15 */
+    const float t83 = fmaf(t82, t82, fmaf(t81, t81, fmaf(t80, t80, t79)));
 
-    out->vx = t134;
-    out->vy = t135;
-    out->omega = t133;
-    out->slip = sqrtf(fmaf(t163, t163, t162));
+    out->vx = t54;
+    out->vy = t55;
+    out->omega = t53;
+    out->slip = sqrtf(t83);
 }
 
 void pr2_odometry(const pr2_odometry_in *in, pr2_odometry_out *out)
@@ -459,32 +350,16 @@ void pr2_odometry(const pr2_odometry_in *in, pr2_odometry_out *out)
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

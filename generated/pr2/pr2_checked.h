@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_40b87553ea897114)
+#if !defined(PR2_PAIR_552d8b2d7778b22a)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_3f2d8dc13f0dadd0)
+#if !defined(SSL_PARSIAN_PAIR_db94de8103194b69)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_f081ef0242baf758)
+#if !defined(SYNCHRO_DRIVE_PAIR_9be7fd4f64d1d99a)
 #error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -62,27 +62,114 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR_AT)
+#define WMRGEN_VECTOR_AT
+/* The vector of this size at this angle: size (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t1 = t0 - 25165824.0f;
+    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t3 = wmrgen_flip(size, t0);
+
+    result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void synchro_drive_inverse(const synchro_drive_inverse_in *in, synchro_drive_inverse_out *out)
 {
     const float t0 = sqrtf(fmaf(in->vx, in->vx, in->vy * in->vy)); /* w1: sqrt(a^2 + b^2) */
     const float t1 = (1e-20f < t0) ? (t0 + fabsf(in->vx)) : 1e-20f;
-    const float t2 = in->vy / t1;
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t5 = fmaf(t3, fmaf(t3, t4, (-0.0762479f)), 0.10709304f);
-    const float t6 = fmaf(t3, fmaf(t3, t5, (-0.14225537f)), 0.1999624f);
-    const float t7 = fmaf(t2 * t3, fmaf(t3, t6, (-0.33333313f)), t2);
-    const float t8 = (1e-20f < t0) ? (wmrgen_signed(2.0f, in->vx) * t7) : in->w1.steer; /* w1: heading */
-    const float t9 = fmaf(0.31830987f, t8 - in->w1.steer, 12582912.0f);
-    const float t10 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t0, t9);
-    const float t11 = fmaf((-3.1415927f), t9 - 12582912.0f, t8);
+    const float t2 = wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(in->vy / t1);
+    const float t3 = (1e-20f < t0) ? t2 : in->w1.steer; /* w1: heading */
+    const float t4 = fmaf(0.31830987f, t3 - in->w1.steer, 12582912.0f);
+    const float t5 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t0, t4);
+    const float t6 = fmaf((-3.1415927f), t4 - 12582912.0f, t3);
 
-    out->w1.spin = t10;
-    out->w1.steer = t11;
-    out->w2.spin = t10;
-    out->w2.steer = t11;
-    out->w3.spin = t10;
-    out->w3.steer = t11;
+    out->w1.spin = t5;
+    out->w1.steer = t6;
+    out->w2.spin = t5;
+    out->w2.steer = t6;
+    out->w3.spin = t5;
+    out->w3.steer = t6;
 }
 
 void synchro_drive_inverse_slip(
@@ -94,102 +181,44 @@ void synchro_drive_inverse_slip(
 
 void synchro_drive_forward(const synchro_drive_forward_in *in, synchro_drive_forward_out *out)
 {
-    const float t0 = fmaf(in->w1.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->w1.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = fmaf(in->w2.steer, 0.31830987f, 12582912.0f);
-    const float t7 = t6 - 12582912.0f;
-    const float t8 = fmaf(t7, 8.742278e-08f, fmaf(-t7, 3.1415927f, in->w2.steer));
-    const float t9 = t8 * t8;
-    const float t10 = fmaf(t9, fmaf(t9, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t11 = fmaf(t9, fmaf(t9, t10, 0.041666657f), (-0.5f));
-    const float t12 = wmrgen_flip(in->w2.spin, t6);
-    const float t13 = t12 * fmaf(t9, t11, 1.0f);
-    const float t14 = wmrgen_flip(in->w1.spin, t0);
-    const float t15 = fmaf(in->w3.steer, 0.31830987f, 12582912.0f);
-    const float t16 = t15 - 12582912.0f;
-    const float t17 = fmaf(t16, 8.742278e-08f, fmaf(-t16, 3.1415927f, in->w3.steer));
-    const float t18 = t17 * t17;
-    const float t19 = fmaf(t18, fmaf(t18, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t20 = fmaf(t18, fmaf(t18, t19, 0.041666657f), (-0.5f));
-    const float t21 = wmrgen_flip(in->w3.spin, t15);
-    const float t22 = t21 * fmaf(t18, t20, 1.0f);
-    const float t23 = 0.033333335f * (t22 + fmaf(t14, fmaf(t3, t5, 1.0f), t13)); /* vx */
-    const float t24 = fmaf(t9, fmaf(t9, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t25 = fmaf(t8 * t9, fmaf(t9, t24, (-0.16666657f)), t8);
-    const float t26 = fmaf(t18, fmaf(t18, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t27 = fmaf(t17 * t18, fmaf(t18, t26, (-0.16666657f)), t17);
-    const float t28 = fmaf(t12, t25, t21 * t27);
-    const float t29 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t30 = fmaf(t2 * t3, fmaf(t3, t29, (-0.16666657f)), t2);
-    const float t31 = t14 * t30;
-    const float t32 = fmaf(0.11111111f, t31, 0.096225046f * (t22 - t13));
+    const wmrgen_vector t0 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
+    const wmrgen_vector t2 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
+    const float t3 = t1.y + t2.y;
+    const float t4 = fmaf(0.11111111f, t0.y, 0.096225046f * (t2.x - t1.x));
 
-    out->vx = t23;
-    out->vy = 0.033333335f * (t31 + t28);
-    out->omega = fmaf((-0.055555556f), t28, t32);
+    out->vx = 0.033333335f * (t2.x + (t0.x + t1.x));
+    out->vy = 0.033333335f * (t0.y + t3);
+    out->omega = fmaf((-0.055555556f), t3, t4);
 }
 
 void synchro_drive_forward_slip(
     const synchro_drive_forward_slip_in *in,
     synchro_drive_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->w1.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->w1.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(in->w1.spin, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
-    const float t8 = fmaf(in->w2.steer, 0.31830987f, 12582912.0f);
-    const float t9 = t8 - 12582912.0f;
-    const float t10 = fmaf(t9, 8.742278e-08f, fmaf(-t9, 3.1415927f, in->w2.steer));
-    const float t11 = t10 * t10;
-    const float t12 = fmaf(t11, fmaf(t11, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t13 = fmaf(t11, fmaf(t11, t12, 0.041666657f), (-0.5f));
-    const float t14 = wmrgen_flip(in->w2.spin, t8);
-    const float t15 = t14 * fmaf(t11, t13, 1.0f);
-    const float t16 = fmaf(in->w3.steer, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, in->w3.steer));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t21 = fmaf(t19, fmaf(t19, t20, 0.041666657f), (-0.5f));
-    const float t22 = wmrgen_flip(in->w3.spin, t16);
-    const float t23 = t22 * fmaf(t19, t21, 1.0f);
-    const float t24 = 0.033333335f * (t23 + (t7 + t15)); /* vx */
-    const float t25 = fmaf(t11, fmaf(t11, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t26 = fmaf(t10 * t11, fmaf(t11, t25, (-0.16666657f)), t10);
-    const float t27 = t14 * t26;
-    const float t28 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t29 = fmaf(t18 * t19, fmaf(t19, t28, (-0.16666657f)), t18);
-    const float t30 = t22 * t29;
-    const float t31 = t27 + t30;
-    const float t32 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t2 * t3, fmaf(t3, t32, (-0.16666657f)), t2);
-    const float t34 = t6 * t33;
-    const float t35 = 0.033333335f * (t34 + t31); /* vy */
-    const float t36 = fmaf(0.11111111f, t34, 0.096225046f * (t23 - t15));
-    const float t37 = fmaf((-0.055555556f), t31, t36); /* omega */
-    const float t38 = (-0.25980762f) * t37;
-    const float t39 = -t24;
-    const float t40 = fmaf(0.1f, t15, t39) - t38;
-    const float t41 = fmaf((-0.3f), t37, fmaf(0.1f, t34, -t35));
-    const float t42 = fmaf(0.1f, t7, t39);
-    const float t43 = -fmaf((-0.15f), t37, t35);
-    const float t44 = fmaf(0.1f, t27, t43);
-    const float t45 = fmaf(t44, t44, fmaf(t40, t40, fmaf(t42, t42, t41 * t41)));
-    const float t46 = fmaf(0.1f, t23, t38 - t24);
-    const float t47 = fmaf(0.1f, t30, t43);
+    const wmrgen_vector t0 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
+    const wmrgen_vector t2 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
+    const float t3 = 0.033333335f * (t2.x + (t0.x + t1.x)); /* vx */
+    const float t4 = t1.y + t2.y;
+    const float t5 = 0.033333335f * (t0.y + t4); /* vy */
+    const float t6 = fmaf(0.11111111f, t0.y, 0.096225046f * (t2.x - t1.x));
+    const float t7 = fmaf((-0.055555556f), t4, t6); /* omega */
+    const float t8 = (-0.25980762f) * t7;
+    const float t9 = -t3;
+    const float t10 = fmaf(0.1f, t1.x, t9) - t8;
+    const float t11 = fmaf((-0.3f), t7, fmaf(0.1f, t0.y, -t5));
+    const float t12 = fmaf(0.1f, t0.x, t9);
+    const float t13 = -fmaf((-0.15f), t7, t5);
+    const float t14 = fmaf(0.1f, t1.y, t13);
+    const float t15 = fmaf(t14, t14, fmaf(t10, t10, fmaf(t12, t12, t11 * t11)));
+    const float t16 = fmaf(0.1f, t2.x, t8 - t3);
+    const float t17 = fmaf(0.1f, t2.y, t13);
 
-    out->vx = t24;
-    out->vy = t35;
-    out->omega = t37;
-    out->slip = sqrtf(fmaf(t47, t47, fmaf(t46, t46, t45)));
+    out->vx = t3;
+    out->vy = t5;
+    out->omega = t7;
+    out->slip = sqrtf(fmaf(t17, t17, fmaf(t16, t16, t15)));
 }
 
 void synchro_drive_odometry(const synchro_drive_odometry_in *in, synchro_drive_odometry_out *out)
@@ -199,32 +228,16 @@ void synchro_drive_odometry(const synchro_drive_odometry_in *in, synchro_drive_o
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_bbd3963bf32eed67)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7d2e91d1b00bc263)
 #error "textbook_omni_steer.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -62,6 +62,98 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR_AT)
+#define WMRGEN_VECTOR_AT
+/* The vector of this size at this angle: size (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t1 = t0 - 25165824.0f;
+    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t3 = wmrgen_flip(size, t0);
+
+    result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void textbook_omni_steer_inverse(
     const textbook_omni_steer_inverse_in *in,
     textbook_omni_steer_inverse_out *out)
@@ -69,18 +161,12 @@ void textbook_omni_steer_inverse(
     const float t0 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vy)); /* front: b */
     const float t1 = sqrtf(fmaf(in->vx, in->vx, t0 * t0)); /* front: sqrt(a^2 + b^2) */
     const float t2 = (1e-20f < t1) ? (t1 + fabsf(in->vx)) : 1e-20f;
-    const float t3 = t0 / t2;
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t6 = fmaf(t4, fmaf(t4, t5, (-0.0762479f)), 0.10709304f);
-    const float t7 = fmaf(t4, fmaf(t4, t6, (-0.14225537f)), 0.1999624f);
-    const float t8 = fmaf(t3 * t4, fmaf(t4, t7, (-0.33333313f)), t3);
-    const float t9 = (1e-20f < t1) ? (wmrgen_signed(2.0f, in->vx) * t8) : in->front.steer; /* front: heading */
-    const float t10 = fmaf(0.31830987f, t9 - in->front.steer, 12582912.0f);
-    const float t11 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t1, t10);
+    const float t3 = (1e-20f < t1) ? (wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(t0 / t2)) : in->front.steer; /* front: heading */
+    const float t4 = fmaf(0.31830987f, t3 - in->front.steer, 12582912.0f);
+    const float t5 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t1, t4);
 
-    out->front.spin = t11;
-    out->front.steer = fmaf((-3.1415927f), t10 - 12582912.0f, t9);
+    out->front.spin = t5;
+    out->front.steer = fmaf((-3.1415927f), t4 - 12582912.0f, t3);
 }
 
 void textbook_omni_steer_inverse_slip(
@@ -96,40 +182,22 @@ void textbook_omni_steer_forward(
     const textbook_omni_steer_forward_in *in,
     textbook_omni_steer_forward_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(in->front.spin, t0);
-    const float t7 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t8 = fmaf(t2 * t3, fmaf(t3, t7, (-0.16666657f)), t2);
-    const float t9 = t6 * t8;
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front.spin, in->front.steer);
 
-    out->vx = 0.1f * (t6 * fmaf(t3, t5, 1.0f));
-    out->vy = 0.09174312f * t9;
-    out->omega = 0.027522936f * t9;
+    out->vx = 0.1f * t0.x;
+    out->vy = 0.09174312f * t0.y;
+    out->omega = 0.027522936f * t0.y;
 }
 
 void textbook_omni_steer_forward_slip(
     const textbook_omni_steer_forward_slip_in *in,
     textbook_omni_steer_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(in->front.spin, t0);
-    const float t7 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t8 = fmaf(t2 * t3, fmaf(t3, t7, (-0.16666657f)), t2);
-    const float t9 = t6 * t8;
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front.spin, in->front.steer);
 
-    out->vx = 0.1f * (t6 * fmaf(t3, t5, 1.0f));
-    out->vy = 0.09174312f * t9;
-    out->omega = 0.027522936f * t9;
+    out->vx = 0.1f * t0.x;
+    out->vy = 0.09174312f * t0.y;
+    out->omega = 0.027522936f * t0.y;
     out->slip = 0.0f;
 }
 
@@ -142,32 +210,16 @@ void textbook_omni_steer_odometry(
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -16,7 +16,7 @@
  */
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_bbd3963bf32eed67)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7d2e91d1b00bc263)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

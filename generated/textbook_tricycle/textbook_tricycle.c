@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_6c9b59f3553e12f7)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_9a8734469f74d4a5)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -73,6 +73,98 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR_AT)
+#define WMRGEN_VECTOR_AT
+/* The vector of this size at this angle: size (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t1 = t0 - 25165824.0f;
+    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t3 = wmrgen_flip(size, t0);
+
+    result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void textbook_tricycle_inverse(
     const textbook_tricycle_inverse_in *in,
     textbook_tricycle_inverse_out *out)
@@ -82,32 +174,21 @@ void textbook_tricycle_inverse(
     const float t2 = fmaf(in->vx, in->vx, 1.96f * (in->omega * in->omega));
     const float t3 = sqrtf(t2); /* front: sqrt(a^2 + b^2) */
     const float t4 = (1e-20f < t3) ? (t3 + fabsf(in->vx)) : 1e-20f;
-    const float t5 = 1.4f * in->omega / t4;
-    const float t6 = t5 * t5;
-    const float t7 = fmaf(t6, fmaf(t6, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t8 = fmaf(t6, fmaf(t6, t7, (-0.0762479f)), 0.10709304f);
-    const float t9 = fmaf(t6, fmaf(t6, t8, (-0.14225537f)), 0.1999624f);
-    const float t10 = fmaf(t5 * t6, fmaf(t6, t9, (-0.33333313f)), t5);
-    const float t11 = wmrgen_within(in->front.steer, 1.3089969f);
-    const float t12 = (1e-20f < t3) ? (wmrgen_signed(2.0f, in->vx) * t10) : t11; /* front: heading */
-    const float t13 = fmaf(0.31830987f, t12 - t11, 12582912.0f);
-    const float t14 = fmaf((-3.1415927f), t13 - 12582912.0f, t12); /* front: nearer angle */
-    const float t15 = (1.5707964f < t14) ? (t14 - 3.1415927f) : t14;
-    const float t16 = (t14 < (-1.5707964f)) ? (t14 + 3.1415927f) : t15;
-    const float t17 = wmrgen_within(t16, 1.3089969f); /* front: angle inside the limits */
-    const float t18 = t17 - t14; /* front excess */
-    const float t19 = fmaf(t18, 0.31830987f, 12582912.0f);
-    const float t20 = t19 - 12582912.0f;
-    const float t21 = fmaf(t20, 8.742278e-08f, fmaf(-t20, 3.1415927f, t18));
-    const float t22 = t21 * t21;
-    const float t23 = fmaf(t22, fmaf(t22, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t24 = fmaf(t22, fmaf(t22, t23, 0.041666657f), (-0.5f));
-    const float t25 = wmrgen_signed(9.090909f, in->vx) * (wmrgen_flip(t3, t19) * fmaf(t22, t24, 1.0f));
+    const float t5 = wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(1.4f * in->omega / t4);
+    const float t6 = wmrgen_within(in->front.steer, 1.3089969f);
+    const float t7 = (1e-20f < t3) ? t5 : t6; /* front: heading */
+    const float t8 = fmaf(0.31830987f, t7 - t6, 12582912.0f);
+    const float t9 = fmaf((-3.1415927f), t8 - 12582912.0f, t7); /* front: nearer angle */
+    const float t10 = (1.5707964f < t9) ? (t9 - 3.1415927f) : t9;
+    const float t11 = (t9 < (-1.5707964f)) ? (t9 + 3.1415927f) : t10;
+    const float t12 = wmrgen_within(t11, 1.3089969f); /* front: angle inside the limits */
+    const wmrgen_vector t13 = wmrgen_direction(t12 - t9);
+    const float t14 = wmrgen_signed(9.090909f, in->vx) * (t3 * t13.x);
 
     out->rear_left.spin = t0 - t1;
     out->rear_right.spin = t1 + t0;
-    out->front.spin = wmrgen_flip(t25, t13);
-    out->front.steer = t17;
+    out->front.spin = wmrgen_flip(t14, t8);
+    out->front.steer = t12;
 }
 
 void textbook_tricycle_inverse_slip(
@@ -117,86 +198,55 @@ void textbook_tricycle_inverse_slip(
     const float t0 = fmaf(in->vx, in->vx, 1.96f * (in->omega * in->omega));
     const float t1 = sqrtf(t0); /* front: sqrt(a^2 + b^2) */
     const float t2 = (1e-20f < t1) ? (t1 + fabsf(in->vx)) : 1e-20f;
-    const float t3 = 1.4f * in->omega / t2;
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t6 = fmaf(t4, fmaf(t4, t5, (-0.0762479f)), 0.10709304f);
-    const float t7 = fmaf(t4, fmaf(t4, t6, (-0.14225537f)), 0.1999624f);
-    const float t8 = fmaf(t3 * t4, fmaf(t4, t7, (-0.33333313f)), t3);
-    const float t9 = wmrgen_within(in->front.steer, 1.3089969f);
-    const float t10 = (1e-20f < t1) ? (wmrgen_signed(2.0f, in->vx) * t8) : t9; /* front: heading */
-    const float t11 = fmaf(0.31830987f, t10 - t9, 12582912.0f);
-    const float t12 = fmaf((-3.1415927f), t11 - 12582912.0f, t10); /* front: nearer angle */
-    const float t13 = (1.5707964f < t12) ? (t12 - 3.1415927f) : t12;
-    const float t14 = (t12 < (-1.5707964f)) ? (t12 + 3.1415927f) : t13;
-    const float t15 = wmrgen_within(t14, 1.3089969f) - t12; /* front excess */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_signed(wmrgen_flip(t1, t16) * t21, in->vx);
-    const float t23 = wmrgen_flip(t22, t11);
-    const float t24 = fabsf(in->vy);
+    const float t3 = wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(1.4f * in->omega / t2);
+    const float t4 = wmrgen_within(in->front.steer, 1.3089969f);
+    const float t5 = (1e-20f < t1) ? t3 : t4; /* front: heading */
+    const float t6 = fmaf(0.31830987f, t5 - t4, 12582912.0f);
+    const float t7 = fmaf((-3.1415927f), t6 - 12582912.0f, t5); /* front: nearer angle */
+    const float t8 = (1.5707964f < t7) ? (t7 - 3.1415927f) : t7;
+    const float t9 = (t7 < (-1.5707964f)) ? (t7 + 3.1415927f) : t8;
+    const wmrgen_vector t10 = wmrgen_direction(wmrgen_within(t9, 1.3089969f) - t7);
+    const float t11 = wmrgen_flip(wmrgen_signed(t1 * t10.y, in->vx), t6);
+    const float t12 = fabsf(in->vy);
 
-    out->slip = sqrtf(fmaf(t24, t24, t23 * t23));
+    out->slip = sqrtf(fmaf(t12, t12, t11 * t11));
 }
 
 void textbook_tricycle_forward(
     const textbook_tricycle_forward_in *in,
     textbook_tricycle_forward_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(in->front.spin, t0);
-    const float t7 = fmaf(t6, fmaf(t3, t5, 1.0f), in->rear_left.spin + in->rear_right.spin);
-    const float t8 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t9 = fmaf(t2 * t3, fmaf(t3, t8, (-0.16666657f)), t2);
-    const float t10 = t6 * t9;
-    const float t11 = in->rear_left.spin - in->rear_right.spin;
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front.spin, in->front.steer);
+    const float t1 = t0.x + (in->rear_left.spin + in->rear_right.spin);
+    const float t2 = in->rear_left.spin - in->rear_right.spin;
 
-    out->vx = 0.036666665f * t7;
-    out->vy = 0.012622951f * fmaf(0.5714286f, t10, t11);
-    out->omega = 0.02704918f * fmaf(2.3333333f, t10, -t11);
+    out->vx = 0.036666665f * t1;
+    out->vy = 0.012622951f * fmaf(0.5714286f, t0.y, t2);
+    out->omega = 0.02704918f * fmaf(2.3333333f, t0.y, -t2);
 }
 
 void textbook_tricycle_forward_slip(
     const textbook_tricycle_forward_slip_in *in,
     textbook_tricycle_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->front.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t5 = fmaf(t3, fmaf(t3, t4, 0.041666657f), (-0.5f));
-    const float t6 = wmrgen_flip(in->front.spin, t0);
-    const float t7 = t6 * fmaf(t3, t5, 1.0f);
-    const float t8 = t7 + (in->rear_left.spin + in->rear_right.spin);
-    const float t9 = 0.036666665f * t8; /* vx */
-    const float t10 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t11 = fmaf(t2 * t3, fmaf(t3, t10, (-0.16666657f)), t2);
-    const float t12 = t6 * t11;
-    const float t13 = in->rear_left.spin - in->rear_right.spin;
-    const float t14 = 0.012622951f * fmaf(0.5714286f, t12, t13); /* vy */
-    const float t15 = fmaf(2.3333333f, t12, -t13);
-    const float t16 = fmaf((-0.037868854f), t15, fmaf(0.11f, t12, -t14));
-    const float t17 = (-0.010819672f) * t15;
-    const float t18 = -t9;
-    const float t19 = fmaf(0.11f, in->rear_left.spin, t18) - t17;
-    const float t20 = fmaf(0.11f, in->rear_right.spin, t17 - t9);
-    const float t21 = fmaf(0.11f, t7, t18);
-    const float t22 = fmaf(t16, t16, fmaf(t21, t21, fmaf(t19, t19, t20 * t20)));
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front.spin, in->front.steer);
+    const float t1 = t0.x + (in->rear_left.spin + in->rear_right.spin);
+    const float t2 = 0.036666665f * t1; /* vx */
+    const float t3 = in->rear_left.spin - in->rear_right.spin;
+    const float t4 = 0.012622951f * fmaf(0.5714286f, t0.y, t3); /* vy */
+    const float t5 = fmaf(2.3333333f, t0.y, -t3);
+    const float t6 = -t2;
+    const float t7 = (-0.010819672f) * t5;
+    const float t8 = fmaf(0.11f, in->rear_left.spin, t6) - t7;
+    const float t9 = fmaf(0.11f, in->rear_right.spin, t7 - t2);
+    const float t10 = fmaf(0.11f, t0.x, t6);
+    const float t11 = fmaf((-0.037868854f), t5, fmaf(0.11f, t0.y, -t4));
+    const float t12 = fmaf(t11, t11, fmaf(t10, t10, fmaf(t8, t8, t9 * t9)));
 
-    out->vx = t9;
-    out->vy = t14;
-    out->omega = 0.02704918f * t15;
-    out->slip = sqrtf((2.0f * (t14 * t14)) + t22);
+    out->vx = t2;
+    out->vy = t4;
+    out->omega = 0.02704918f * t5;
+    out->slip = sqrtf((2.0f * (t4 * t4)) + t12);
 }
 
 void textbook_tricycle_odometry(
@@ -208,32 +258,16 @@ void textbook_tricycle_odometry(
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_6c9b59f3553e12f7)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_9a8734469f74d4a5)
 #error "textbook_tricycle_checked.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -16,7 +16,7 @@
  */
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_6c9b59f3553e12f7)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_9a8734469f74d4a5)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

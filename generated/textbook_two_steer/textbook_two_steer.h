@@ -12,9 +12,11 @@
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
  * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
  * angle at its limit for one. Check inputs, or take the functions of the _checked files.
- * Sines and arctangents are polynomials without branches, tables or calls. Every float of these
- * ranges was tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100
- * rad within 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
+ * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
+ * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
+ * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
+ * the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -29,7 +31,7 @@
 #define WMRGEN_TEXTBOOK_TWO_STEER_H
 
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "76b9afb95dcb083bb42ab803309bef41"
-#define TEXTBOOK_TWO_STEER_PAIR_775f44bcdd898665 1
+#define TEXTBOOK_TWO_STEER_PAIR_ca8400875d52dc5b 1
 
 #ifdef __cplusplus
 extern "C" {

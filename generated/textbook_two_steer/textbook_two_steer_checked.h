@@ -20,7 +20,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_775f44bcdd898665)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_ca8400875d52dc5b)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

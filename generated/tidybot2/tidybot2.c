@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_819b410899995d27)
+#if !defined(TIDYBOT2_PAIR_e0af5eb49b6039f8)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -41,77 +41,93 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
 void tidybot2_inverse(const tidybot2_inverse_in *in, tidybot2_inverse_out *out)
 {
-    const float t0 = fmaf(in->caster_1.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->caster_1.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = (-71.38778f) * in->vy;
-    const float t9 = 13.574386f * in->omega;
-    const float t10 = t8 - t9; /* caster 1 b, caster 2 b */
-    const float t11 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t12 = fmaf(t3, fmaf(t3, t11, 0.041666657f), (-0.5f));
-    const float t13 = fmaf(t6 * t3, t12, t6);
-    const float t14 = (-71.38778f) * in->vx;
-    const float t15 = 12.14663f * in->omega;
-    const float t16 = t14 - t15; /* caster 1 a, caster 4 a */
-    const float t17 = fmaf(t16, t7, -(t13 * t10));
-    const float t18 = fmaf((-0.27574804f), fmaf(t16, t13, t10 * t7), 0.07387795f * t17);
-    const float t19 = fmaf(in->caster_2.steer, 0.31830987f, 12582912.0f);
-    const float t20 = t19 - 12582912.0f;
-    const float t21 = fmaf(t20, 8.742278e-08f, fmaf(-t20, 3.1415927f, in->caster_2.steer));
-    const float t22 = t21 * t21;
-    const float t23 = fmaf(t22, fmaf(t22, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t24 = fmaf(t21 * t22, fmaf(t22, t23, (-0.16666657f)), t21);
-    const float t25 = wmrgen_flip(1.0f, t19);
-    const float t26 = t25 * t24;
-    const float t27 = fmaf(t22, fmaf(t22, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t28 = fmaf(t22, fmaf(t22, t27, 0.041666657f), (-0.5f));
-    const float t29 = fmaf(t25 * t22, t28, t25);
-    const float t30 = t15 + t14; /* caster 2 a, caster 3 a */
-    const float t31 = fmaf(t30, t26, -(t10 * t29));
-    const float t32 = fmaf((-0.27574804f), fmaf(t30, t29, t10 * t26), 0.07387795f * t31);
-    const float t33 = fmaf(in->caster_3.steer, 0.31830987f, 12582912.0f);
-    const float t34 = t33 - 12582912.0f;
-    const float t35 = fmaf(t34, 8.742278e-08f, fmaf(-t34, 3.1415927f, in->caster_3.steer));
-    const float t36 = t35 * t35;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t35 * t36, fmaf(t36, t37, (-0.16666657f)), t35);
-    const float t39 = wmrgen_flip(1.0f, t33);
-    const float t40 = t39 * t38;
-    const float t41 = t8 + t9; /* caster 3 b, caster 4 b */
-    const float t42 = fmaf(t36, fmaf(t36, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t43 = fmaf(t36, fmaf(t36, t42, 0.041666657f), (-0.5f));
-    const float t44 = fmaf(t39 * t36, t43, t39);
-    const float t45 = fmaf(t30, t40, -(t44 * t41));
-    const float t46 = fmaf((-0.27574804f), fmaf(t30, t44, t41 * t40), 0.07387795f * t45);
-    const float t47 = fmaf(in->caster_4.steer, 0.31830987f, 12582912.0f);
-    const float t48 = t47 - 12582912.0f;
-    const float t49 = fmaf(t48, 8.742278e-08f, fmaf(-t48, 3.1415927f, in->caster_4.steer));
-    const float t50 = t49 * t49;
-    const float t51 = fmaf(t50, fmaf(t50, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t52 = fmaf(t49 * t50, fmaf(t50, t51, (-0.16666657f)), t49);
-    const float t53 = wmrgen_flip(1.0f, t47);
-    const float t54 = t53 * t52;
-    const float t55 = fmaf(t50, fmaf(t50, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t56 = fmaf(t50, fmaf(t50, t55, 0.041666657f), (-0.5f));
-    const float t57 = fmaf(t53 * t50, t56, t53);
-    const float t58 = fmaf(t16, t54, -(t41 * t57));
-    const float t59 = fmaf((-0.27574804f), fmaf(t16, t57, t41 * t54), 0.07387795f * t58);
+    const float t0 = (-71.38778f) * in->vx;
+    const float t1 = 12.14663f * in->omega;
+    const float t2 = t0 - t1; /* caster 1 a, caster 4 a */
+    const float t3 = (-71.38778f) * in->vy;
+    const float t4 = 13.574386f * in->omega;
+    const float t5 = t3 - t4; /* caster 1 b, caster 2 b */
+    const wmrgen_vector t6 = wmrgen_direction(in->caster_1.steer);
+    const float t7 = fmaf(t2, t6.y, -(t6.x * t5));
+    const float t8 = fmaf((-0.27574804f), fmaf(t2, t6.x, t5 * t6.y), 0.07387795f * t7);
+    const float t9 = t1 + t0; /* caster 2 a, caster 3 a */
+    const wmrgen_vector t10 = wmrgen_direction(in->caster_2.steer);
+    const float t11 = fmaf(t9, t10.y, -(t5 * t10.x));
+    const float t12 = fmaf((-0.27574804f), fmaf(t9, t10.x, t5 * t10.y), 0.07387795f * t11);
+    const float t13 = t3 + t4; /* caster 3 b, caster 4 b */
+    const wmrgen_vector t14 = wmrgen_direction(in->caster_3.steer);
+    const float t15 = fmaf(t9, t14.y, -(t14.x * t13));
+    const float t16 = fmaf((-0.27574804f), fmaf(t9, t14.x, t13 * t14.y), 0.07387795f * t15);
+    const wmrgen_vector t17 = wmrgen_direction(in->caster_4.steer);
+    const float t18 = fmaf(t2, t17.y, -(t13 * t17.x));
+    const float t19 = fmaf((-0.27574804f), fmaf(t2, t17.x, t13 * t17.y), 0.07387795f * t18);
 
-    out->caster_1.spin = t18;
-    out->caster_1.steer_rate = t17 - in->omega;
-    out->caster_2.spin = t32;
-    out->caster_2.steer_rate = t31 - in->omega;
-    out->caster_3.spin = t46;
-    out->caster_3.steer_rate = t45 - in->omega;
-    out->caster_4.spin = t59;
-    out->caster_4.steer_rate = t58 - in->omega;
+    out->caster_1.spin = t8;
+    out->caster_1.steer_rate = t7 - in->omega;
+    out->caster_2.spin = t12;
+    out->caster_2.steer_rate = t11 - in->omega;
+    out->caster_3.spin = t16;
+    out->caster_3.steer_rate = t15 - in->omega;
+    out->caster_4.spin = t19;
+    out->caster_4.steer_rate = t18 - in->omega;
 }
 
 void tidybot2_inverse_slip(const tidybot2_inverse_slip_in *in, tidybot2_inverse_slip_out *out)
@@ -123,210 +139,129 @@ void tidybot2_inverse_slip(const tidybot2_inverse_slip_in *in, tidybot2_inverse_
 
 void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out)
 {
-    const float t0 = fmaf(in->caster_3.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->caster_3.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = in->caster_3.steer_rate * t7;
-    const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = fmaf(t6 * t3, t10, t6);
-    const float t12 = t11 * in->caster_3.steer_rate;
-    const float t13 = 3.6264992f * in->caster_3.spin;
-    const float t14 = fmaf(in->caster_4.steer, 0.31830987f, 12582912.0f);
-    const float t15 = t14 - 12582912.0f;
-    const float t16 = fmaf(t15, 8.742278e-08f, fmaf(-t15, 3.1415927f, in->caster_4.steer));
-    const float t17 = t16 * t16;
-    const float t18 = fmaf(t17, fmaf(t17, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t19 = fmaf(t16 * t17, fmaf(t17, t18, (-0.16666657f)), t16);
-    const float t20 = wmrgen_flip(1.0f, t14);
-    const float t21 = t20 * t19;
-    const float t22 = in->caster_4.steer_rate * t21;
-    const float t23 = fmaf(t17, fmaf(t17, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t24 = fmaf(t17, fmaf(t17, t23, 0.041666657f), (-0.5f));
-    const float t25 = fmaf(t20 * t17, t24, t20);
-    const float t26 = t25 * in->caster_4.steer_rate;
-    const float t27 = 3.6264992f * in->caster_4.spin;
-    const float t28 = fmaf(t21, t27, fmaf((-0.26791832f), t22, t26)); /* caster_4: its velocity, y */
-    const float t29 = fmaf(t7, t13, fmaf((-0.26791832f), t8, t12)) + t28;
-    const float t30 = fmaf(in->caster_1.steer, 0.31830987f, 12582912.0f);
-    const float t31 = t30 - 12582912.0f;
-    const float t32 = fmaf(t31, 8.742278e-08f, fmaf(-t31, 3.1415927f, in->caster_1.steer));
-    const float t33 = t32 * t32;
-    const float t34 = fmaf(t33, fmaf(t33, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t35 = fmaf(t32 * t33, fmaf(t33, t34, (-0.16666657f)), t32);
-    const float t36 = wmrgen_flip(1.0f, t30);
-    const float t37 = t36 * t35;
-    const float t38 = in->caster_1.steer_rate * t37;
-    const float t39 = fmaf(t33, fmaf(t33, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t40 = fmaf(t33, fmaf(t33, t39, 0.041666657f), (-0.5f));
-    const float t41 = fmaf(t36 * t33, t40, t36);
-    const float t42 = t41 * in->caster_1.steer_rate;
-    const float t43 = 3.6264992f * in->caster_1.spin;
-    const float t44 = fmaf(t37, t43, fmaf((-0.26791832f), t38, t42)); /* caster_1: its velocity, y */
-    const float t45 = fmaf(in->caster_2.steer, 0.31830987f, 12582912.0f);
-    const float t46 = t45 - 12582912.0f;
-    const float t47 = fmaf(t46, 8.742278e-08f, fmaf(-t46, 3.1415927f, in->caster_2.steer));
-    const float t48 = t47 * t47;
-    const float t49 = fmaf(t48, fmaf(t48, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t50 = fmaf(t47 * t48, fmaf(t48, t49, (-0.16666657f)), t47);
-    const float t51 = wmrgen_flip(1.0f, t45);
-    const float t52 = t51 * t50;
-    const float t53 = in->caster_2.steer_rate * t52;
-    const float t54 = fmaf(t48, fmaf(t48, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t55 = fmaf(t48, fmaf(t48, t54, 0.041666657f), (-0.5f));
-    const float t56 = fmaf(t51 * t48, t55, t51);
-    const float t57 = t56 * in->caster_2.steer_rate;
-    const float t58 = 3.6264992f * in->caster_2.spin;
-    const float t59 = fmaf(t52, t58, fmaf((-0.26791832f), t53, t57)); /* caster_2: its velocity, y */
-    const float t60 = t44 + t59;
-    const float t61 = t29 + t60; /* sum: its velocity, y */
-    const float t62 = fmaf((-0.26791832f), t42, fmaf(t41, t43, -t38)); /* caster_1: its velocity, x */
-    const float t63 = fmaf((-0.26791832f), t26, fmaf(t25, t27, -t22)); /* caster_4: its velocity, x */
-    const float t64 = t62 + t63;
-    const float t65 = fmaf((-0.26791832f), t57, fmaf(t56, t58, -t53)); /* caster_2: its velocity, x */
-    const float t66 = fmaf((-0.26791832f), t12, fmaf(t11, t13, -t8)); /* caster_3: its velocity, x */
-    const float t67 = t65 + t66;
-    const float t68 = in->caster_3.spin + (in->caster_1.spin + in->caster_2.spin);
-    const float t69 = in->caster_1.steer_rate + in->caster_2.steer_rate;
-    const float t70 = in->caster_4.steer_rate + (in->caster_3.steer_rate + t69);
-    const float t71 = fmaf(3.8864224f, in->caster_4.spin + t68, -(4.287121f * t70));
-    const float t72 = fmaf(54.297543f, t60 - t29, fmaf(48.58652f, t64 - t67, t71)); /* moment */
-    const float t73 = t7 + t21 + (t37 + t52);
-    const float t74 = t11 + t25 + (t41 + t56);
-    const float t75 = fmaf(0.26791832f, t73, -t74); /* sum fx */
-    const float t76 = -t75;
-    const float t77 = t67 + t64; /* sum: its velocity, x */
-    const float t78 = fmaf((-0.26791832f), t74, -t73); /* sum fy */
-    const float t79 = fmaf(126.26766f, t37 - t7, fmaf(82.560646f, t11 - t41, 5326.022f));
-    const float t80 = fmaf(68.07843f, t21 - t52, fmaf(134.62953f, t25 - t56, t79)); /* inertia */
-    const float t81 = fmaf(t77, t78, fmaf(t76, t61, t72)) / fmaf(-t78, t78, fmaf(t76, t75, t80)); /* omega */
+    const wmrgen_vector t0 = wmrgen_direction(in->caster_1.steer);
+    const float t1 = in->caster_1.steer_rate * t0.y;
+    const float t2 = t0.x * in->caster_1.steer_rate;
+    const float t3 = 3.6264992f * in->caster_1.spin;
+    const wmrgen_vector t4 = wmrgen_direction(in->caster_2.steer);
+    const float t5 = in->caster_2.steer_rate * t4.y;
+    const float t6 = t4.x * in->caster_2.steer_rate;
+    const float t7 = 3.6264992f * in->caster_2.spin;
+    const float t8 = fmaf(t0.y, t3, fmaf((-0.26791832f), t1, t2)) + fmaf(t4.y, t7, fmaf((-0.26791832f), t5, t6));
+    const wmrgen_vector t9 = wmrgen_direction(in->caster_3.steer);
+    const float t10 = in->caster_3.steer_rate * t9.y;
+    const float t11 = t9.x * in->caster_3.steer_rate;
+    const float t12 = 3.6264992f * in->caster_3.spin;
+    const float t13 = fmaf(t9.y, t12, fmaf((-0.26791832f), t10, t11)); /* caster_3: its velocity, y */
+    const wmrgen_vector t14 = wmrgen_direction(in->caster_4.steer);
+    const float t15 = in->caster_4.steer_rate * t14.y;
+    const float t16 = t14.x * in->caster_4.steer_rate;
+    const float t17 = 3.6264992f * in->caster_4.spin;
+    const float t18 = fmaf(t14.y, t17, fmaf((-0.26791832f), t15, t16)); /* caster_4: its velocity, y */
+    const float t19 = t13 + t18;
+    const float t20 = fmaf((-0.26791832f), t2, fmaf(t0.x, t3, -t1)); /* caster_1: its velocity, x */
+    const float t21 = fmaf((-0.26791832f), t16, fmaf(t14.x, t17, -t15)); /* caster_4: its velocity, x */
+    const float t22 = t20 + t21;
+    const float t23 = fmaf((-0.26791832f), t6, fmaf(t4.x, t7, -t5)); /* caster_2: its velocity, x */
+    const float t24 = fmaf((-0.26791832f), t11, fmaf(t9.x, t12, -t10)); /* caster_3: its velocity, x */
+    const float t25 = t23 + t24;
+    const float t26 = in->caster_3.spin + (in->caster_1.spin + in->caster_2.spin);
+    const float t27 = in->caster_1.steer_rate + in->caster_2.steer_rate;
+    const float t28 = in->caster_4.steer_rate + (in->caster_3.steer_rate + t27);
+    const float t29 = fmaf(3.8864224f, in->caster_4.spin + t26, -(4.287121f * t28));
+    const float t30 = fmaf(54.297543f, t8 - t19, fmaf(48.58652f, t22 - t25, t29)); /* moment */
+    const float t31 = t19 + t8; /* sum: its velocity, y */
+    const float t32 = t9.y + t14.y + (t0.y + t4.y);
+    const float t33 = t9.x + t14.x + (t0.x + t4.x);
+    const float t34 = fmaf(0.26791832f, t32, -t33); /* sum fx */
+    const float t35 = -t34;
+    const float t36 = t25 + t22; /* sum: its velocity, x */
+    const float t37 = fmaf((-0.26791832f), t33, -t32); /* sum fy */
+    const float t38 = fmaf(126.26766f, t0.y - t9.y, fmaf(82.560646f, t9.x - t0.x, 5326.022f));
+    const float t39 = fmaf(68.07843f, t14.y - t4.y, fmaf(134.62953f, t14.x - t4.x, t38)); /* inertia */
+    const float t40 = fmaf(t36, t37, fmaf(t35, t31, t30)) / fmaf(-t37, t37, fmaf(t35, t34, t39)); /* omega */
 
-    out->vx = 0.003502f * fmaf(t78, t81, t77);
-    out->vy = 0.003502f * fmaf(t76, t81, t61);
-    out->omega = t81;
+    out->vx = 0.003502f * fmaf(t37, t40, t36);
+    out->vy = 0.003502f * fmaf(t35, t40, t31);
+    out->omega = t40;
 }
 
 void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->caster_3.steer, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, in->caster_3.steer));
-    const float t3 = t2 * t2;
-    const float t4 = fmaf(t3, fmaf(t3, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t5 = fmaf(t2 * t3, fmaf(t3, t4, (-0.16666657f)), t2);
-    const float t6 = wmrgen_flip(1.0f, t0);
-    const float t7 = t6 * t5;
-    const float t8 = in->caster_3.steer_rate * t7;
-    const float t9 = fmaf(t3, fmaf(t3, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t10 = fmaf(t3, fmaf(t3, t9, 0.041666657f), (-0.5f));
-    const float t11 = fmaf(t6 * t3, t10, t6);
-    const float t12 = t11 * in->caster_3.steer_rate;
-    const float t13 = 3.6264992f * in->caster_3.spin;
-    const float t14 = fmaf(t7, t13, fmaf((-0.26791832f), t8, t12)); /* caster_3: its velocity, y */
-    const float t15 = fmaf(in->caster_4.steer, 0.31830987f, 12582912.0f);
-    const float t16 = t15 - 12582912.0f;
-    const float t17 = fmaf(t16, 8.742278e-08f, fmaf(-t16, 3.1415927f, in->caster_4.steer));
-    const float t18 = t17 * t17;
-    const float t19 = fmaf(t18, fmaf(t18, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t20 = fmaf(t17 * t18, fmaf(t18, t19, (-0.16666657f)), t17);
-    const float t21 = wmrgen_flip(1.0f, t15);
-    const float t22 = t21 * t20;
-    const float t23 = in->caster_4.steer_rate * t22;
-    const float t24 = fmaf(t18, fmaf(t18, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t18, fmaf(t18, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t21 * t18, t25, t21);
-    const float t27 = t26 * in->caster_4.steer_rate;
-    const float t28 = 3.6264992f * in->caster_4.spin;
-    const float t29 = fmaf(t22, t28, fmaf((-0.26791832f), t23, t27)); /* caster_4: its velocity, y */
-    const float t30 = t14 + t29;
-    const float t31 = fmaf(in->caster_1.steer, 0.31830987f, 12582912.0f);
-    const float t32 = t31 - 12582912.0f;
-    const float t33 = fmaf(t32, 8.742278e-08f, fmaf(-t32, 3.1415927f, in->caster_1.steer));
-    const float t34 = t33 * t33;
-    const float t35 = fmaf(t34, fmaf(t34, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t36 = fmaf(t33 * t34, fmaf(t34, t35, (-0.16666657f)), t33);
-    const float t37 = wmrgen_flip(1.0f, t31);
-    const float t38 = t37 * t36;
-    const float t39 = in->caster_1.steer_rate * t38;
-    const float t40 = fmaf(t34, fmaf(t34, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t41 = fmaf(t34, fmaf(t34, t40, 0.041666657f), (-0.5f));
-    const float t42 = fmaf(t37 * t34, t41, t37);
-    const float t43 = t42 * in->caster_1.steer_rate;
-    const float t44 = 3.6264992f * in->caster_1.spin;
-    const float t45 = fmaf(t38, t44, fmaf((-0.26791832f), t39, t43)); /* caster_1: its velocity, y */
-    const float t46 = fmaf(in->caster_2.steer, 0.31830987f, 12582912.0f);
-    const float t47 = t46 - 12582912.0f;
-    const float t48 = fmaf(t47, 8.742278e-08f, fmaf(-t47, 3.1415927f, in->caster_2.steer));
-    const float t49 = t48 * t48;
-    const float t50 = fmaf(t49, fmaf(t49, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t51 = fmaf(t48 * t49, fmaf(t49, t50, (-0.16666657f)), t48);
-    const float t52 = wmrgen_flip(1.0f, t46);
-    const float t53 = t52 * t51;
-    const float t54 = in->caster_2.steer_rate * t53;
-    const float t55 = fmaf(t49, fmaf(t49, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t56 = fmaf(t49, fmaf(t49, t55, 0.041666657f), (-0.5f));
-    const float t57 = fmaf(t52 * t49, t56, t52);
-    const float t58 = t57 * in->caster_2.steer_rate;
-    const float t59 = 3.6264992f * in->caster_2.spin;
-    const float t60 = fmaf(t53, t59, fmaf((-0.26791832f), t54, t58)); /* caster_2: its velocity, y */
-    const float t61 = t45 + t60;
-    const float t62 = t30 + t61; /* sum: its velocity, y */
-    const float t63 = fmaf((-0.26791832f), t43, fmaf(t42, t44, -t39)); /* caster_1: its velocity, x */
-    const float t64 = fmaf((-0.26791832f), t27, fmaf(t26, t28, -t23)); /* caster_4: its velocity, x */
-    const float t65 = t63 + t64;
-    const float t66 = fmaf((-0.26791832f), t58, fmaf(t57, t59, -t54)); /* caster_2: its velocity, x */
-    const float t67 = fmaf((-0.26791832f), t12, fmaf(t11, t13, -t8)); /* caster_3: its velocity, x */
-    const float t68 = t66 + t67;
-    const float t69 = in->caster_3.spin + (in->caster_1.spin + in->caster_2.spin);
-    const float t70 = in->caster_1.steer_rate + in->caster_2.steer_rate;
-    const float t71 = in->caster_4.steer_rate + (in->caster_3.steer_rate + t70);
-    const float t72 = fmaf(3.8864224f, in->caster_4.spin + t69, -(4.287121f * t71));
-    const float t73 = fmaf(54.297543f, t61 - t30, fmaf(48.58652f, t65 - t68, t72)); /* moment */
-    const float t74 = t7 + t22 + (t38 + t53);
-    const float t75 = t11 + t26 + (t42 + t57);
-    const float t76 = fmaf(0.26791832f, t74, -t75); /* sum fx */
-    const float t77 = -t76;
-    const float t78 = t68 + t65; /* sum: its velocity, x */
-    const float t79 = fmaf((-0.26791832f), t75, -t74); /* sum fy */
-    const float t80 = fmaf(126.26766f, t38 - t7, fmaf(82.560646f, t11 - t42, 5326.022f));
-    const float t81 = fmaf(68.07843f, t22 - t53, fmaf(134.62953f, t26 - t57, t80)); /* inertia */
-    const float t82 = fmaf(t78, t79, fmaf(t77, t62, t73)) / fmaf(-t79, t79, fmaf(t77, t76, t81)); /* omega */
-    const float t83 = 0.003502f * fmaf(t79, t82, t78);
-    const float t84 = 0.003502f * fmaf(t77, t82, t62);
-    const float t85 = (-0.17015f) * t82;
-    const float t86 = t85 - t83;
-    const float t87 = t38 * t82;
-    const float t88 = t42 * t82;
-    const float t89 = fmaf((-0.003753f), t88, fmaf(0.014008f, t63 - t87, t86)); /* residual 0 */
-    const float t90 = (-0.19015f) * t82;
-    const float t91 = t90 - t84;
-    const float t92 = fmaf((-0.003753f), t87, fmaf(0.014008f, t45 + t88, t91)); /* residual 1 */
-    const float t93 = -(t83 + t85);
-    const float t94 = t53 * t82;
-    const float t95 = t57 * t82;
-    const float t96 = fmaf((-0.003753f), t95, fmaf(0.014008f, t66 - t94, t93)); /* residual 2 */
-    const float t97 = fmaf((-0.003753f), t94, fmaf(0.014008f, t60 + t95, t91)); /* residual 3 */
-    const float t98 = fmaf(t97, t97, fmaf(t96, t96, fmaf(t89, t89, t92 * t92)));
-    const float t99 = t7 * t82;
-    const float t100 = t11 * t82;
-    const float t101 = fmaf((-0.003753f), t100, fmaf(0.014008f, t67 - t99, t93)); /* residual 4 */
-    const float t102 = -(t84 + t90);
-    const float t103 = fmaf((-0.003753f), t99, fmaf(0.014008f, t14 + t100, t102)); /* residual 5 */
-    const float t104 = t22 * t82;
-    const float t105 = t26 * t82;
-    const float t106 = fmaf((-0.003753f), t105, fmaf(0.014008f, t64 - t104, t86)); /* residual 6 */
-    const float t107 = fmaf(t106, t106, fmaf(t103, t103, fmaf(t101, t101, t98)));
-    const float t108 = fmaf((-0.003753f), t104, fmaf(0.014008f, t29 + t105, t102)); /* residual 7 */
+    const wmrgen_vector t0 = wmrgen_direction(in->caster_1.steer);
+    const float t1 = in->caster_1.steer_rate * t0.y;
+    const float t2 = t0.x * in->caster_1.steer_rate;
+    const float t3 = 3.6264992f * in->caster_1.spin;
+    const float t4 = fmaf(t0.y, t3, fmaf((-0.26791832f), t1, t2)); /* caster_1: its velocity, y */
+    const wmrgen_vector t5 = wmrgen_direction(in->caster_2.steer);
+    const float t6 = in->caster_2.steer_rate * t5.y;
+    const float t7 = t5.x * in->caster_2.steer_rate;
+    const float t8 = 3.6264992f * in->caster_2.spin;
+    const float t9 = fmaf(t5.y, t8, fmaf((-0.26791832f), t6, t7)); /* caster_2: its velocity, y */
+    const float t10 = t4 + t9;
+    const wmrgen_vector t11 = wmrgen_direction(in->caster_3.steer);
+    const float t12 = in->caster_3.steer_rate * t11.y;
+    const float t13 = t11.x * in->caster_3.steer_rate;
+    const float t14 = 3.6264992f * in->caster_3.spin;
+    const float t15 = fmaf(t11.y, t14, fmaf((-0.26791832f), t12, t13)); /* caster_3: its velocity, y */
+    const wmrgen_vector t16 = wmrgen_direction(in->caster_4.steer);
+    const float t17 = in->caster_4.steer_rate * t16.y;
+    const float t18 = t16.x * in->caster_4.steer_rate;
+    const float t19 = 3.6264992f * in->caster_4.spin;
+    const float t20 = fmaf(t16.y, t19, fmaf((-0.26791832f), t17, t18)); /* caster_4: its velocity, y */
+    const float t21 = t15 + t20;
+    const float t22 = fmaf((-0.26791832f), t2, fmaf(t0.x, t3, -t1)); /* caster_1: its velocity, x */
+    const float t23 = fmaf((-0.26791832f), t18, fmaf(t16.x, t19, -t17)); /* caster_4: its velocity, x */
+    const float t24 = t22 + t23;
+    const float t25 = fmaf((-0.26791832f), t7, fmaf(t5.x, t8, -t6)); /* caster_2: its velocity, x */
+    const float t26 = fmaf((-0.26791832f), t13, fmaf(t11.x, t14, -t12)); /* caster_3: its velocity, x */
+    const float t27 = t25 + t26;
+    const float t28 = in->caster_3.spin + (in->caster_1.spin + in->caster_2.spin);
+    const float t29 = in->caster_1.steer_rate + in->caster_2.steer_rate;
+    const float t30 = in->caster_4.steer_rate + (in->caster_3.steer_rate + t29);
+    const float t31 = fmaf(3.8864224f, in->caster_4.spin + t28, -(4.287121f * t30));
+    const float t32 = fmaf(54.297543f, t10 - t21, fmaf(48.58652f, t24 - t27, t31)); /* moment */
+    const float t33 = t21 + t10; /* sum: its velocity, y */
+    const float t34 = t11.y + t16.y + (t0.y + t5.y);
+    const float t35 = t11.x + t16.x + (t0.x + t5.x);
+    const float t36 = fmaf(0.26791832f, t34, -t35); /* sum fx */
+    const float t37 = -t36;
+    const float t38 = t27 + t24; /* sum: its velocity, x */
+    const float t39 = fmaf((-0.26791832f), t35, -t34); /* sum fy */
+    const float t40 = fmaf(126.26766f, t0.y - t11.y, fmaf(82.560646f, t11.x - t0.x, 5326.022f));
+    const float t41 = fmaf(68.07843f, t16.y - t5.y, fmaf(134.62953f, t16.x - t5.x, t40)); /* inertia */
+    const float t42 = fmaf(t38, t39, fmaf(t37, t33, t32)) / fmaf(-t39, t39, fmaf(t37, t36, t41)); /* omega */
+    const float t43 = 0.003502f * fmaf(t39, t42, t38);
+    const float t44 = 0.003502f * fmaf(t37, t42, t33);
+    const float t45 = (-0.17015f) * t42;
+    const float t46 = t45 - t43;
+    const float t47 = t0.y * t42;
+    const float t48 = t0.x * t42;
+    const float t49 = fmaf((-0.003753f), t48, fmaf(0.014008f, t22 - t47, t46)); /* residual 0 */
+    const float t50 = (-0.19015f) * t42;
+    const float t51 = t50 - t44;
+    const float t52 = fmaf((-0.003753f), t47, fmaf(0.014008f, t4 + t48, t51)); /* residual 1 */
+    const float t53 = -(t43 + t45);
+    const float t54 = t5.y * t42;
+    const float t55 = t5.x * t42;
+    const float t56 = fmaf((-0.003753f), t55, fmaf(0.014008f, t25 - t54, t53)); /* residual 2 */
+    const float t57 = fmaf((-0.003753f), t54, fmaf(0.014008f, t9 + t55, t51)); /* residual 3 */
+    const float t58 = fmaf(t57, t57, fmaf(t56, t56, fmaf(t49, t49, t52 * t52)));
+    const float t59 = t11.y * t42;
+    const float t60 = t11.x * t42;
+    const float t61 = fmaf((-0.003753f), t60, fmaf(0.014008f, t26 - t59, t53)); /* residual 4 */
+    const float t62 = -(t44 + t50);
+    const float t63 = fmaf((-0.003753f), t59, fmaf(0.014008f, t15 + t60, t62)); /* residual 5 */
+    const float t64 = t16.y * t42;
+    const float t65 = t16.x * t42;
+    const float t66 = fmaf((-0.003753f), t65, fmaf(0.014008f, t23 - t64, t46)); /* residual 6 */
+    const float t67 = fmaf(t66, t66, fmaf(t63, t63, fmaf(t61, t61, t58)));
+    const float t68 = fmaf((-0.003753f), t64, fmaf(0.014008f, t20 + t65, t62)); /* residual 7 */
 
-    out->vx = t83;
-    out->vy = t84;
-    out->omega = t82;
-    out->slip = sqrtf(fmaf(t108, t108, t107));
+    out->vx = t43;
+    out->vy = t44;
+    out->omega = t42;
+    out->slip = sqrtf(fmaf(t68, t68, t67));
 }
 
 void tidybot2_odometry(const tidybot2_odometry_in *in, tidybot2_odometry_out *out)
@@ -336,32 +271,16 @@ void tidybot2_odometry(const tidybot2_odometry_in *in, tidybot2_odometry_out *ou
     const float t2 = 0.25f * t1; /* h^2 */
     const float t3 = 0.5f * t0; /* h */
     const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const float t5 = fmaf(t4, 0.31830987f, 12582912.0f);
-    const float t6 = t5 - 12582912.0f;
-    const float t7 = fmaf(t6, 8.742278e-08f, fmaf(-t6, 3.1415927f, t4));
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t7 * t8, fmaf(t8, t9, (-0.16666657f)), t7);
-    const float t11 = -t2;
-    const float t12 = fmaf(t11, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t13 = (t2 < 0.0025f) ? fmaf(t11, t12, 1.0f) : (wmrgen_flip(1.0f, t5) * t10 / t4);
-    const float t14 = in->dt * t13; /* dt sinc(h) */
-    const float t15 = in->theta + t3; /* theta + h */
-    const float t16 = fmaf(t15, 0.31830987f, 12582912.0f);
-    const float t17 = t16 - 12582912.0f;
-    const float t18 = fmaf(t17, 8.742278e-08f, fmaf(-t17, 3.1415927f, t15));
-    const float t19 = t18 * t18;
-    const float t20 = fmaf(t19, fmaf(t19, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t21 = fmaf(t18 * t19, fmaf(t19, t20, (-0.16666657f)), t18);
-    const float t22 = wmrgen_flip(1.0f, t16);
-    const float t23 = t22 * t21;
-    const float t24 = fmaf(t19, fmaf(t19, (-2.620902e-07f), 2.477018e-05f), (-0.0013888585f));
-    const float t25 = fmaf(t19, fmaf(t19, t24, 0.041666657f), (-0.5f));
-    const float t26 = fmaf(t22 * t19, t25, t22);
-    const float t27 = fmaf(fmaf(in->vx, t26, -(in->vy * t23)), t14, in->x);
-    const float t28 = fmaf(t14, fmaf(in->vx, t23, t26 * in->vy), in->y);
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t27;
-    out->y = t28;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

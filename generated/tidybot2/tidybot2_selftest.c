@@ -16,7 +16,7 @@
  */
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_819b410899995d27)
+#if !defined(TIDYBOT2_PAIR_e0af5eb49b6039f8)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

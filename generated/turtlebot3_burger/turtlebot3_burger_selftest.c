@@ -16,7 +16,7 @@
  */
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6ab68065d01ad91e)
+#if !defined(TURTLEBOT3_BURGER_PAIR_fae0d4e59e86fb2e)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

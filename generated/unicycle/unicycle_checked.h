@@ -20,7 +20,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_c0a923ff7b41e404)
+#if !defined(UNICYCLE_PAIR_e061726280d84700)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_c0a923ff7b41e404)
+#if !defined(UNICYCLE_PAIR_e061726280d84700)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_3b935ece1da60e55)
+#if !defined(WPILIB_SWERVEBOT_PAIR_65b4551c0fe6089f)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -62,6 +62,98 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#else
+#define WMRGEN_KERNEL static inline
+#endif
+#endif
+
+#if !defined(WMRGEN_SINE)
+#define WMRGEN_SINE
+/* sin r, |r| <= pi/2. */
+WMRGEN_KERNEL float wmrgen_sine(float r)
+{
+    const float t0 = r * r;
+    const float t1 = r * t0;
+    const float t2 = fmaf(t0, 2.5989211e-06f, (-0.0001980605f));
+    const float t3 = fmaf(t0, t2, 0.008333009f);
+    const float t4 = fmaf(t0, t3, (-0.16666657f));
+
+    return fmaf(t1, t4, r);
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR)
+#define WMRGEN_VECTOR
+typedef struct {
+    float x;
+    float y;
+} wmrgen_vector;
+#endif
+
+#if !defined(WMRGEN_DIRECTION)
+#define WMRGEN_DIRECTION
+/* (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
+    const float t1 = t0 - 12582912.0f;
+    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
+    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t4 = t2 * t2;
+    const float t5 = t3 * t4;
+    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
+    const float t7 = fmaf(t4, t6, (-0.0013888585f));
+    const float t8 = fmaf(t4, t7, 0.041666657f);
+    const float t9 = fmaf(t4, t8, (-0.5f));
+
+    result.x = fmaf(t5, t9, t3);
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_VECTOR_AT)
+#define WMRGEN_VECTOR_AT
+/* The vector of this size at this angle: size (cos angle, sin angle). */
+WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
+{
+    wmrgen_vector result;
+    const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
+    const float t1 = t0 - 25165824.0f;
+    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
+    const float t3 = wmrgen_flip(size, t0);
+
+    result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
+    result.y = t3 * wmrgen_sine(t2);
+    return result;
+}
+#endif
+
+#if !defined(WMRGEN_ARCTANGENT)
+#define WMRGEN_ARCTANGENT
+/* atan q, |q| <= 1. */
+WMRGEN_KERNEL float wmrgen_arctangent(float q)
+{
+    const float t0 = q * q;
+    const float t1 = q * t0;
+    const float t2 = fmaf(t0, 0.002993259f, (-0.016716665f));
+    const float t3 = fmaf(t0, t2, 0.04390253f);
+    const float t4 = fmaf(t0, t3, (-0.0762479f));
+    const float t5 = fmaf(t0, t4, 0.10709304f);
+    const float t6 = fmaf(t0, t5, (-0.14225537f));
+    const float t7 = fmaf(t0, t6, 0.1999624f);
+    const float t8 = fmaf(t0, t7, (-0.33333313f));
+
+    return fmaf(t1, t8, q);
+}
+#endif
+
 void wpilib_swervebot_inverse(
     const wpilib_swervebot_inverse_in *in,
     wpilib_swervebot_inverse_out *out)
@@ -73,62 +165,38 @@ void wpilib_swervebot_inverse(
     const float t4 = sqrtf(t1 + t3); /* front_left: sqrt(a^2 + b^2) */
     const float t5 = fabsf(t0);
     const float t6 = (1e-20f < t4) ? (t4 + t5) : 1e-20f;
-    const float t7 = t2 / t6;
-    const float t8 = t7 * t7;
-    const float t9 = fmaf(t8, fmaf(t8, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t10 = fmaf(t8, fmaf(t8, t9, (-0.0762479f)), 0.10709304f);
-    const float t11 = fmaf(t8, fmaf(t8, t10, (-0.14225537f)), 0.1999624f);
-    const float t12 = fmaf(t7 * t8, fmaf(t8, t11, (-0.33333313f)), t7);
-    const float t13 = wmrgen_signed(2.0f, t0);
-    const float t14 = (1e-20f < t4) ? (t13 * t12) : in->front_left.steer; /* front_left: heading */
-    const float t15 = fmaf(0.31830987f, t14 - in->front_left.steer, 12582912.0f);
-    const float t16 = wmrgen_signed(19.68504f, t0);
-    const float t17 = fmaf((-1.2159347e-08f), in->omega, fmaf(0.381f, in->omega, in->vx)); /* front_right: a, back_right: a */
-    const float t18 = t17 * t17;
-    const float t19 = sqrtf(t3 + t18); /* front_right: sqrt(a^2 + b^2) */
-    const float t20 = fabsf(t17);
-    const float t21 = (1e-20f < t19) ? (t19 + t20) : 1e-20f;
-    const float t22 = t2 / t21;
-    const float t23 = t22 * t22;
-    const float t24 = fmaf(t23, fmaf(t23, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t25 = fmaf(t23, fmaf(t23, t24, (-0.0762479f)), 0.10709304f);
-    const float t26 = fmaf(t23, fmaf(t23, t25, (-0.14225537f)), 0.1999624f);
-    const float t27 = fmaf(t22 * t23, fmaf(t23, t26, (-0.33333313f)), t22);
-    const float t28 = wmrgen_signed(2.0f, t17);
-    const float t29 = (1e-20f < t19) ? (t28 * t27) : in->front_right.steer; /* front_right: heading */
-    const float t30 = fmaf(0.31830987f, t29 - in->front_right.steer, 12582912.0f);
-    const float t31 = wmrgen_signed(19.68504f, t17);
-    const float t32 = fmaf(1.2159347e-08f, in->omega, fmaf((-0.381f), in->omega, in->vy)); /* back_left: b, back_right: b */
-    const float t33 = t32 * t32;
-    const float t34 = sqrtf(t1 + t33); /* back_left: sqrt(a^2 + b^2) */
-    const float t35 = (1e-20f < t34) ? (t5 + t34) : 1e-20f;
-    const float t36 = t32 / t35;
-    const float t37 = t36 * t36;
-    const float t38 = fmaf(t37, fmaf(t37, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t39 = fmaf(t37, fmaf(t37, t38, (-0.0762479f)), 0.10709304f);
-    const float t40 = fmaf(t37, fmaf(t37, t39, (-0.14225537f)), 0.1999624f);
-    const float t41 = fmaf(t36 * t37, fmaf(t37, t40, (-0.33333313f)), t36);
-    const float t42 = (1e-20f < t34) ? (t13 * t41) : in->back_left.steer; /* back_left: heading */
-    const float t43 = fmaf(0.31830987f, t42 - in->back_left.steer, 12582912.0f);
-    const float t44 = sqrtf(t18 + t33); /* back_right: sqrt(a^2 + b^2) */
-    const float t45 = (1e-20f < t44) ? (t20 + t44) : 1e-20f;
-    const float t46 = t32 / t45;
-    const float t47 = t46 * t46;
-    const float t48 = fmaf(t47, fmaf(t47, 0.002993259f, (-0.016716665f)), 0.04390253f);
-    const float t49 = fmaf(t47, fmaf(t47, t48, (-0.0762479f)), 0.10709304f);
-    const float t50 = fmaf(t47, fmaf(t47, t49, (-0.14225537f)), 0.1999624f);
-    const float t51 = fmaf(t46 * t47, fmaf(t47, t50, (-0.33333313f)), t46);
-    const float t52 = (1e-20f < t44) ? (t28 * t51) : in->back_right.steer; /* back_right: heading */
-    const float t53 = fmaf(0.31830987f, t52 - in->back_right.steer, 12582912.0f);
+    const float t7 = wmrgen_signed(2.0f, t0);
+    const float t8 = (1e-20f < t4) ? (t7 * wmrgen_arctangent(t2 / t6)) : in->front_left.steer; /* front_left: heading */
+    const float t9 = fmaf(0.31830987f, t8 - in->front_left.steer, 12582912.0f);
+    const float t10 = wmrgen_signed(19.68504f, t0);
+    const float t11 = fmaf((-1.2159347e-08f), in->omega, fmaf(0.381f, in->omega, in->vx)); /* front_right: a, back_right: a */
+    const float t12 = t11 * t11;
+    const float t13 = sqrtf(t3 + t12); /* front_right: sqrt(a^2 + b^2) */
+    const float t14 = fabsf(t11);
+    const float t15 = (1e-20f < t13) ? (t13 + t14) : 1e-20f;
+    const float t16 = wmrgen_signed(2.0f, t11);
+    const float t17 = (1e-20f < t13) ? (t16 * wmrgen_arctangent(t2 / t15)) : in->front_right.steer; /* front_right: heading */
+    const float t18 = fmaf(0.31830987f, t17 - in->front_right.steer, 12582912.0f);
+    const float t19 = wmrgen_signed(19.68504f, t11);
+    const float t20 = fmaf(1.2159347e-08f, in->omega, fmaf((-0.381f), in->omega, in->vy)); /* back_left: b, back_right: b */
+    const float t21 = t20 * t20;
+    const float t22 = sqrtf(t1 + t21); /* back_left: sqrt(a^2 + b^2) */
+    const float t23 = (1e-20f < t22) ? (t5 + t22) : 1e-20f;
+    const float t24 = (1e-20f < t22) ? (t7 * wmrgen_arctangent(t20 / t23)) : in->back_left.steer; /* back_left: heading */
+    const float t25 = fmaf(0.31830987f, t24 - in->back_left.steer, 12582912.0f);
+    const float t26 = sqrtf(t12 + t21); /* back_right: sqrt(a^2 + b^2) */
+    const float t27 = (1e-20f < t26) ? (t14 + t26) : 1e-20f;
+    const float t28 = (1e-20f < t26) ? (t16 * wmrgen_arctangent(t20 / t27)) : in->back_right.steer; /* back_right: heading */
+    const float t29 = fmaf(0.31830987f, t28 - in->back_right.steer, 12582912.0f);
 
-    out->front_left.spin = wmrgen_flip(t16 * t4, t15);
-    out->front_left.steer = fmaf((-3.1415927f), t15 - 12582912.0f, t14);
-    out->front_right.spin = wmrgen_flip(t31 * t19, t30);
-    out->front_right.steer = fmaf((-3.1415927f), t30 - 12582912.0f, t29);
-    out->back_left.spin = wmrgen_flip(t16 * t34, t43);
-    out->back_left.steer = fmaf((-3.1415927f), t43 - 12582912.0f, t42);
-    out->back_right.spin = wmrgen_flip(t31 * t44, t53);
-    out->back_right.steer = fmaf((-3.1415927f), t53 - 12582912.0f, t52);
+    out->front_left.spin = wmrgen_flip(t10 * t4, t9);
+    out->front_left.steer = fmaf((-3.1415927f), t9 - 12582912.0f, t8);
+    out->front_right.spin = wmrgen_flip(t19 * t13, t18);
+    out->front_right.steer = fmaf((-3.1415927f), t18 - 12582912.0f, t17);
+    out->back_left.spin = wmrgen_flip(t10 * t22, t25);
+    out->back_left.steer = fmaf((-3.1415927f), t25 - 12582912.0f, t24);
+    out->back_right.spin = wmrgen_flip(t19 * t26, t29);
+    out->back_right.steer = fmaf((-3.1415927f), t29 - 12582912.0f, t28);
 }
 
 void wpilib_swervebot_inverse_slip(
@@ -144,143 +212,55 @@ void wpilib_swervebot_forward(
     const wpilib_swervebot_forward_in *in,
     wpilib_swervebot_forward_out *out)
 {
-    const float t0 = fmaf(in->front_right.steer, 0.63661975f, 25165824.0f);
-    const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, in->front_right.steer));
-    const float t3 = 1.5707964f - fabsf(t2);
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t6 = fmaf(t3 * t4, fmaf(t4, t5, (-0.16666657f)), t3);
-    const float t7 = wmrgen_flip(in->front_right.spin, t0);
-    const float t8 = t2 * t2;
-    const float t9 = fmaf(t8, fmaf(t8, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t10 = fmaf(t2 * t8, fmaf(t8, t9, (-0.16666657f)), t2);
-    const float t11 = fmaf(in->back_right.steer, 0.63661975f, 25165824.0f);
-    const float t12 = t11 - 25165824.0f;
-    const float t13 = fmaf(t12, 4.371139e-08f, fmaf(-t12, 1.5707964f, in->back_right.steer));
-    const float t14 = 1.5707964f - fabsf(t13);
-    const float t15 = t14 * t14;
-    const float t16 = fmaf(t15, fmaf(t15, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t17 = fmaf(t14 * t15, fmaf(t15, t16, (-0.16666657f)), t14);
-    const float t18 = wmrgen_flip(in->back_right.spin, t11);
-    const float t19 = fmaf(t7, t6, t18 * t17);
-    const float t20 = t13 * t13;
-    const float t21 = fmaf(t20, fmaf(t20, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t22 = fmaf(t13 * t20, fmaf(t20, t21, (-0.16666657f)), t13);
-    const float t23 = fmaf(in->front_left.steer, 0.63661975f, 25165824.0f);
-    const float t24 = t23 - 25165824.0f;
-    const float t25 = fmaf(t24, 4.371139e-08f, fmaf(-t24, 1.5707964f, in->front_left.steer));
-    const float t26 = 1.5707964f - fabsf(t25);
-    const float t27 = t26 * t26;
-    const float t28 = fmaf(t27, fmaf(t27, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t29 = fmaf(t26 * t27, fmaf(t27, t28, (-0.16666657f)), t26);
-    const float t30 = wmrgen_flip(in->front_left.spin, t23);
-    const float t31 = t25 * t25;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t25 * t31, fmaf(t31, t32, (-0.16666657f)), t25);
-    const float t34 = fmaf(t30, t33, t7 * t10);
-    const float t35 = fmaf(in->back_left.steer, 0.63661975f, 25165824.0f);
-    const float t36 = t35 - 25165824.0f;
-    const float t37 = fmaf(t36, 4.371139e-08f, fmaf(-t36, 1.5707964f, in->back_left.steer));
-    const float t38 = 1.5707964f - fabsf(t37);
-    const float t39 = t38 * t38;
-    const float t40 = fmaf(t39, fmaf(t39, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t41 = fmaf(t38 * t39, fmaf(t39, t40, (-0.16666657f)), t38);
-    const float t42 = wmrgen_flip(in->back_left.spin, t35);
-    const float t43 = fmaf(t30, t29, t42 * t41);
-    const float t44 = t37 * t37;
-    const float t45 = fmaf(t44, fmaf(t44, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t46 = fmaf(t37 * t44, fmaf(t44, t45, (-0.16666657f)), t37);
-    const float t47 = fmaf(t42, t46, t18 * t22);
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->back_right.spin, in->back_right.steer);
+    const float t2 = t0.x + t1.x;
+    const wmrgen_vector t3 = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
+    const wmrgen_vector t4 = wmrgen_vector_at(in->back_left.spin, in->back_left.steer);
+    const float t5 = t3.x + t4.x;
+    const float t6 = t4.y + t1.y;
+    const float t7 = t3.y + t0.y;
 
-    out->vx = 0.0127f * (t19 + t43);
-    out->vy = 0.0127f * (t47 + t34);
-    out->omega = 0.016666668f * (t34 + (t19 - t43) - t47);
+    out->vx = 0.0127f * (t2 + t5);
+    out->vy = 0.0127f * (t6 + t7);
+    out->omega = 0.016666668f * (t7 + (t2 - t5) - t6);
 }
 
 void wpilib_swervebot_forward_slip(
     const wpilib_swervebot_forward_slip_in *in,
     wpilib_swervebot_forward_slip_out *out)
 {
-    const float t0 = fmaf(in->front_right.steer, 0.63661975f, 25165824.0f);
-    const float t1 = t0 - 25165824.0f;
-    const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, in->front_right.steer));
-    const float t3 = 1.5707964f - fabsf(t2);
-    const float t4 = t3 * t3;
-    const float t5 = fmaf(t4, fmaf(t4, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t6 = fmaf(t3 * t4, fmaf(t4, t5, (-0.16666657f)), t3);
-    const float t7 = wmrgen_flip(in->front_right.spin, t0);
-    const float t8 = t7 * t6;
-    const float t9 = t2 * t2;
-    const float t10 = fmaf(t9, fmaf(t9, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t11 = fmaf(t2 * t9, fmaf(t9, t10, (-0.16666657f)), t2);
-    const float t12 = t7 * t11;
-    const float t13 = fmaf(in->back_right.steer, 0.63661975f, 25165824.0f);
-    const float t14 = t13 - 25165824.0f;
-    const float t15 = fmaf(t14, 4.371139e-08f, fmaf(-t14, 1.5707964f, in->back_right.steer));
-    const float t16 = 1.5707964f - fabsf(t15);
-    const float t17 = t16 * t16;
-    const float t18 = fmaf(t17, fmaf(t17, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t19 = fmaf(t16 * t17, fmaf(t17, t18, (-0.16666657f)), t16);
-    const float t20 = wmrgen_flip(in->back_right.spin, t13);
-    const float t21 = t20 * t19;
-    const float t22 = t8 + t21;
-    const float t23 = t15 * t15;
-    const float t24 = fmaf(t23, fmaf(t23, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t25 = fmaf(t15 * t23, fmaf(t23, t24, (-0.16666657f)), t15);
-    const float t26 = t20 * t25;
-    const float t27 = fmaf(in->front_left.steer, 0.63661975f, 25165824.0f);
-    const float t28 = t27 - 25165824.0f;
-    const float t29 = fmaf(t28, 4.371139e-08f, fmaf(-t28, 1.5707964f, in->front_left.steer));
-    const float t30 = 1.5707964f - fabsf(t29);
-    const float t31 = t30 * t30;
-    const float t32 = fmaf(t31, fmaf(t31, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t33 = fmaf(t30 * t31, fmaf(t31, t32, (-0.16666657f)), t30);
-    const float t34 = wmrgen_flip(in->front_left.spin, t27);
-    const float t35 = t34 * t33;
-    const float t36 = t29 * t29;
-    const float t37 = fmaf(t36, fmaf(t36, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t38 = fmaf(t29 * t36, fmaf(t36, t37, (-0.16666657f)), t29);
-    const float t39 = t34 * t38;
-    const float t40 = t39 + t12;
-    const float t41 = fmaf(in->back_left.steer, 0.63661975f, 25165824.0f);
-    const float t42 = t41 - 25165824.0f;
-    const float t43 = fmaf(t42, 4.371139e-08f, fmaf(-t42, 1.5707964f, in->back_left.steer));
-    const float t44 = 1.5707964f - fabsf(t43);
-    const float t45 = t44 * t44;
-    const float t46 = fmaf(t45, fmaf(t45, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t47 = fmaf(t44 * t45, fmaf(t45, t46, (-0.16666657f)), t44);
-    const float t48 = wmrgen_flip(in->back_left.spin, t41);
-    const float t49 = t48 * t47;
-    const float t50 = t35 + t49;
-    const float t51 = 0.0127f * (t22 + t50); /* vx */
-    const float t52 = t43 * t43;
-    const float t53 = fmaf(t52, fmaf(t52, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t54 = fmaf(t43 * t52, fmaf(t52, t53, (-0.16666657f)), t43);
-    const float t55 = t48 * t54;
-    const float t56 = t55 + t26;
-    const float t57 = 0.0127f * (t56 + t40); /* vy */
-    const float t58 = t40 + (t22 - t50) - t56;
-    const float t59 = 0.00635f * t58;
-    const float t60 = -(t51 - t59);
-    const float t61 = fmaf(0.0508f, t35, t60);
-    const float t62 = -(t57 + t59);
-    const float t63 = fmaf(0.0508f, t39, t62);
-    const float t64 = -(t51 + t59);
-    const float t65 = fmaf(0.0508f, t8, t64);
-    const float t66 = fmaf(0.0508f, t12, t62);
-    const float t67 = fmaf(t66, t66, fmaf(t65, t65, fmaf(t61, t61, t63 * t63)));
-    const float t68 = fmaf(0.0508f, t49, t60);
-    const float t69 = -(t57 - t59);
-    const float t70 = fmaf(0.0508f, t55, t69);
-    const float t71 = fmaf(0.0508f, t21, t64);
-    const float t72 = fmaf(t71, t71, fmaf(t70, t70, fmaf(t68, t68, t67)));
-    const float t73 = fmaf(0.0508f, t26, t69);
+    const wmrgen_vector t0 = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
+    const wmrgen_vector t1 = wmrgen_vector_at(in->back_right.spin, in->back_right.steer);
+    const float t2 = t0.x + t1.x;
+    const wmrgen_vector t3 = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
+    const wmrgen_vector t4 = wmrgen_vector_at(in->back_left.spin, in->back_left.steer);
+    const float t5 = t3.x + t4.x;
+    const float t6 = 0.0127f * (t2 + t5); /* vx */
+    const float t7 = t4.y + t1.y;
+    const float t8 = t3.y + t0.y;
+    const float t9 = 0.0127f * (t7 + t8); /* vy */
+    const float t10 = t8 + (t2 - t5) - t7;
+    const float t11 = 0.00635f * t10;
+    const float t12 = -(t6 - t11);
+    const float t13 = fmaf(0.0508f, t3.x, t12);
+    const float t14 = -(t9 + t11);
+    const float t15 = fmaf(0.0508f, t3.y, t14);
+    const float t16 = -(t6 + t11);
+    const float t17 = fmaf(0.0508f, t0.x, t16);
+    const float t18 = fmaf(0.0508f, t0.y, t14);
+    const float t19 = fmaf(t18, t18, fmaf(t17, t17, fmaf(t13, t13, t15 * t15)));
+    const float t20 = fmaf(0.0508f, t4.x, t12);
+    const float t21 = -(t9 - t11);
+    const float t22 = fmaf(0.0508f, t4.y, t21);
+    const float t23 = fmaf(0.0508f, t1.x, t16);
+    const float t24 = fmaf(t23, t23, fmaf(t22, t22, fmaf(t20, t20, t19)));
+    const float t25 = fmaf(0.0508f, t1.y, t21);
 
-    out->vx = t51;
-    out->vy = t57;
-    out->omega = 0.016666668f * t58;
-    out->slip = sqrtf(fmaf(t73, t73, t72));
+    out->vx = t6;
+    out->vy = t9;
+    out->omega = 0.016666668f * t10;
+    out->slip = sqrtf(fmaf(t25, t25, t24));
 }
 
 void wpilib_swervebot_odometry(
@@ -288,38 +268,20 @@ void wpilib_swervebot_odometry(
     wpilib_swervebot_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
-    const float t1 = 0.5f * t0; /* h */
-    const float t2 = in->theta + t1; /* theta + h */
-    const float t3 = fmaf(t2, 0.63661975f, 25165824.0f);
-    const float t4 = t3 - 25165824.0f;
-    const float t5 = fmaf(t4, 4.371139e-08f, fmaf(-t4, 1.5707964f, t2));
-    const float t6 = 1.5707964f - fabsf(t5);
-    const float t7 = t6 * t6;
-    const float t8 = fmaf(t7, fmaf(t7, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t9 = fmaf(t6 * t7, fmaf(t7, t8, (-0.16666657f)), t6);
-    const float t10 = wmrgen_flip(1.0f, t3);
-    const float t11 = t10 * t9;
-    const float t12 = t5 * t5;
-    const float t13 = fmaf(t12, fmaf(t12, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t14 = fmaf(t5 * t12, fmaf(t12, t13, (-0.16666657f)), t5);
-    const float t15 = t10 * t14;
-    const float t16 = t0 * t0;
-    const float t17 = 0.25f * t16; /* h^2 */
-    const float t18 = (t17 < 0.0025f) ? 1.0f : t1; /* h or 1 */
-    const float t19 = fmaf(t18, 0.63661975f, 25165824.0f);
-    const float t20 = t19 - 25165824.0f;
-    const float t21 = fmaf(t20, 4.371139e-08f, fmaf(-t20, 1.5707964f, t18));
-    const float t22 = t21 * t21;
-    const float t23 = fmaf(t22, fmaf(t22, 2.5989211e-06f, (-0.0001980605f)), 0.008333009f);
-    const float t24 = fmaf(t21 * t22, fmaf(t22, t23, (-0.16666657f)), t21);
-    const float t25 = -t17;
-    const float t26 = fmaf(t25, fmaf((-4.9603175e-05f), t16, 0.008333334f), 0.16666667f);
-    const float t27 = (t17 < 0.0025f) ? fmaf(t25, t26, 1.0f) : (wmrgen_flip(1.0f, t19) * t24 / t18);
-    const float t28 = in->dt * t27; /* dt sinc(h) */
-    const float t29 = fmaf(fmaf(in->vx, t11, -(in->vy * t15)), t28, in->x);
-    const float t30 = fmaf(t28, fmaf(in->vx, t15, t11 * in->vy), in->y);
+    const float t1 = t0 * t0;
+    const float t2 = 0.25f * t1; /* h^2 */
+    const float t3 = 0.5f * t0; /* h */
+    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
+    const wmrgen_vector t5 = wmrgen_direction(t4);
+    const float t6 = -t2;
+    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
+    const float t9 = in->dt * t8; /* dt sinc(h) */
+    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
+    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
+    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
 
-    out->x = t29;
-    out->y = t30;
+    out->x = t11;
+    out->y = t12;
     out->theta = in->theta + t0;
 }

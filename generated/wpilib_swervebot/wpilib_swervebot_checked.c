@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_3b935ece1da60e55)
+#if !defined(WPILIB_SWERVEBOT_PAIR_65b4551c0fe6089f)
 #error "wpilib_swervebot_checked.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

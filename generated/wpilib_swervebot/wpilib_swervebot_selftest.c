@@ -16,7 +16,7 @@
  */
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_3b935ece1da60e55)
+#if !defined(WPILIB_SWERVEBOT_PAIR_65b4551c0fe6089f)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

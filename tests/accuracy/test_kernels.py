@@ -61,17 +61,17 @@ def test_worst_of_a_sample(tmp_path: Path, target: str) -> None:
         assert verify.worst(program, r, EVERYDAY).worst <= stated(r, target), r
 
 
-def test_worst_of_a_sample_where_angles_are_many(tmp_path: Path) -> None:
-    """Cosines are sines there, not the usual polynomial, and the same on both sides of 0."""
-    crowded, usual = tmp_path / "crowded", tmp_path / "usual"
-    crowded.mkdir()
+def test_worst_of_a_sample_of_vectors(tmp_path: Path) -> None:
+    """Their cosines are sines, not the usual polynomial, and the same on both sides of 0."""
+    vector, usual = tmp_path / "vector", tmp_path / "usual"
+    vector.mkdir()
     usual.mkdir()
-    programs = verify.build(crowded, M4F, crowded=True), verify.build(usual, M4F)
-    for r in verify.CROWDED:
+    programs = verify.build(vector, M4F, vector=True), verify.build(usual, M4F)
+    for r in verify.VECTOR:
         found, other = (verify.worst(program, r, EVERYDAY) for program in programs)
         assert found.worst <= stated(r, M4F), r
         assert found != other
-    cosine = expand(verify.module(crowded=True), "float", "inline").function("cosine")
+    cosine = expand(verify.module(vector=True), "float", "inline").function("cosine")
     for x in (0.0, 1e-9, 0.3, 1.5, 1.6, 100.0):
         y, other = (evaluate(cosine, {"x": value}, FLOAT32)["y"] for value in (x, -x))
         assert y == other
@@ -92,9 +92,9 @@ def test_every_float(tmp_path: Path, target: str) -> None:
 
 
 @pytest.mark.slow
-def test_every_float_where_angles_are_many(tmp_path: Path) -> None:
-    program = verify.build(tmp_path, M4F, crowded=True)
-    for r in verify.CROWDED:
+def test_every_float_of_vectors(tmp_path: Path) -> None:
+    program = verify.build(tmp_path, M4F, vector=True)
+    for r in verify.VECTOR:
         assert verify.worst(program, r).worst <= stated(r, M4F), r
 
 

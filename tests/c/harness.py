@@ -78,14 +78,13 @@ def ulps32(op: Op, args: tuple[float, ...], value: float) -> float:
 
 @dataclass(frozen=True)
 class Program:
-    """Every function of every module, the cases for it and the answers expected: of ``size``, those of the usual C."""
+    """Every function of every module, the cases for it and the answers expected."""
 
     modules: tuple[Module, ...]
     scalar: str
     count: int
     math: str = DEFAULT.math
     target: str = DEFAULT.target
-    size: bool = False
 
     @cached_property
     def libm(self) -> Libm:
@@ -121,7 +120,7 @@ class Program:
         result = {}
         for module in self.modules:
             result[f"{module.name}.h"], result[f"{module.name}.c"] = sources(
-                module, Meta(scalar=self.scalar, math=self.math, target=self.target, size=self.size)
+                module, Meta(scalar=self.scalar, math=self.math, target=self.target)
             )
         result["wmrgen-driver.c"] = driver(self.calls)
         return result

@@ -47,13 +47,12 @@ def test_check_regenerates_with_the_options_of_the_manifest(
         ("--target", "host"),
         ("--target", "m0"),
         ("--scalar", "double"),
-        ("--size",),
         (),
     ):
         assert wmrgen_cli("derive", robot_file, "-o", out, *words).code == 0
         texts.add(next(out.glob("*/*.c")).read_text())
         assert wmrgen_cli("check", robot_file, "-o", out).code == 0
-    assert len(texts) == 6
+    assert len(texts) == 5
     assert wmrgen_cli("derive", robot_file, "-o", out, "--scalar", "double", "--math", "inline").code == 2
 
 

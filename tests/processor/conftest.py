@@ -16,10 +16,10 @@ Built = Callable[..., Fleet]
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
-    """(processor, mathematics, least flash) -> the image of the gallery."""
+    """(processor, mathematics, kernels called) -> the image of the gallery."""
 
     @cache
-    def one(target: Target, math: str, size: bool = False) -> Fleet:
-        return fleet(target, tmp_path_factory.mktemp("gallery"), every(), math, size)
+    def one(target: Target, math: str, small: bool = False) -> Fleet:
+        return fleet(target, tmp_path_factory.mktemp("gallery"), every(), math, small)
 
     return one

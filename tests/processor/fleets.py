@@ -9,7 +9,8 @@ from functools import cache
 from pathlib import Path
 
 from benchmarks.emulator.fleet import Fleet, answers
-from benchmarks.emulator.zig import Target
+from benchmarks.emulator.gcc import SMALL
+from benchmarks.emulator.zig import FLAGS, Target
 from tests.backends.modules import MODULES
 from tests.backends.samples import input_names, samples
 from tests.c.harness import Libm, gallery, libm
@@ -52,15 +53,16 @@ def rounded(value: float) -> float:
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
-def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str, size: bool = False) -> Fleet:
+def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str, small: bool = False) -> Fleet:
     """``modules`` in an emulated processor, libm's functions answered by the interpreter's."""
     known = answers(host().arithmetic)
     return Fleet.build(
         folder,
         modules,
         known,
-        lambda m: sources(m, Meta(math=math, target=target.name, size=size)),
+        lambda m: sources(m, Meta(math=math, target=target.name)),
         target,
+        (*FLAGS, *(SMALL if small else ())),
         counts=False,
     )
 

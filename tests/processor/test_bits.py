@@ -7,13 +7,11 @@ processor come from PyPI.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from benchmarks.emulator.zig import M0, M4F, Target
 from tests.processor.conftest import Built
-from tests.processor.fleets import every, fleet, mismatches
+from tests.processor.fleets import mismatches
 from wmrgen.ir.kernels.choice import DEFAULT, MATHS
 
 
@@ -25,23 +23,11 @@ def test_cortex_m4f(built: Built) -> None:
 
 
 @pytest.mark.slow
-def test_with_size(tmp_path: Path) -> None:
-    """The bits of the usual C, whose operations `mismatches` interprets."""
-    few = [module for module in every() if module.name in ("wpilib_swervebot", "ackermann_car", "lekiwi")]
-    for target in (M4F, M0):
-        made = fleet(target, tmp_path, few, DEFAULT.math, size=True)
-        assert any("_part" in name for name in made.image.symbols)
-        calls, wrong = mismatches(made, DEFAULT.math, 4)
-        assert wrong == []
-        assert calls > 60
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [False, True], ids=["usual", "size"])
+@pytest.mark.parametrize("small", [False, True], ids=["inlined", "called"])
 @pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
 @pytest.mark.parametrize("math", MATHS)
-def test_on_many_inputs(target: Target, math: str, size: bool, built: Built) -> None:
+def test_on_many_inputs(target: Target, math: str, small: bool, built: Built) -> None:
     """Without an FPU the same bits come from compiler-rt's arithmetic."""
-    calls, wrong = mismatches(built(target, math, size), math, 12 if target is M4F else 3)
+    calls, wrong = mismatches(built(target, math, small), math, 12 if target is M4F else 3)
     assert wrong == []
     assert calls > 1000

@@ -15,10 +15,10 @@ TIDY_CHECKS = "-*,bugprone-*,cert-*,clang-analyzer-*,misc-*"
 CALLER = "caller.c"
 
 
-def write(folder: Path, robot: str, size: bool = False) -> list[str]:
+def write(folder: Path, robot: str) -> list[str]:
     """The C of a robot and a caller of everything in it; names of the sources."""
     header = ""
-    for name, content in files_of(robot, size=size).items():
+    for name, content in files_of(robot).items():
         (folder / name).write_bytes(content)
         header += content.decode() if name.endswith(".h") else ""
     (folder / CALLER).write_text(caller(robot, header))

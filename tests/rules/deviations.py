@@ -47,8 +47,8 @@ DEVIATIONS = (
     ),
     Deviation(
         TIDY, "bugprone-easily-swappable-parameters", r"\w+\.c",
-        "`is_within(x, low, high)`, `between(x, low, high)`, `wmrgen_flip(a, n)` and its like and the parts of "
-        "`--size` take floats side by side",
+        "`is_within(x, low, high)`, `between(x, low, high)`, `wmrgen_flip(a, n)` and its like and kernels "
+        "take floats side by side",
         "They are static, and every call of them is generated.",
     ),
     Deviation(

@@ -36,10 +36,10 @@ int main(void)
 
 
 @cache
-def files_of(robot: str, scalar: str = "float", size: bool = False) -> Mapping[str, bytes]:
+def files_of(robot: str, scalar: str = "float") -> Mapping[str, bytes]:
     """The C that derive writes for a robot of the gallery, and what goes with it."""
     derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
-    return emit(derivation.c_module, Meta(scalar=scalar, size=size, site=site(derivation.robot)))
+    return emit(derivation.c_module, Meta(scalar=scalar, site=site(derivation.robot)))
 
 
 def write(folder: Path, robots: Sequence[str], scalar: str = "float", checks: bool = False) -> None:

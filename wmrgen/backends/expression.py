@@ -7,9 +7,8 @@ the IR, node by node.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from itertools import chain, count
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Node, Op
@@ -27,8 +26,7 @@ class Style:
     ``literal`` prints a constant as an atom (negative ones in parentheses). ``calls`` and ``choices`` are
     formats over the arguments by position; a choice always gets a statement of its own.
     ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name. ``grouped``: no
-    reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``local``: statement that declares the
-    variable ``{0}``, for a result that a function writes and nothing else has a place for.
+    reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``declare`` has the type as ``{2}``.
     """
 
     literal: Callable[[Exact], str]
@@ -37,7 +35,16 @@ class Style:
     declare: str
     temporary: str
     grouped: bool = False
-    local: str = ""
+    scalar: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """What the calls of a kernel look like: its ``function``, the ``type`` of what that returns, and its members."""
+
+    function: str
+    type: str
+    members: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,13 +98,11 @@ def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
         if style.grouped:
             texts = [argument.within(_UNARY) for argument in args]
         return _Text(style.choices[node.op].format(*texts), _CHOICE)
-    if node.op is Op.CALL:
-        return _Text(f"{node.name}({', '.join(texts)})", _ATOM)
     return _Text(style.calls[node.op].format(*texts), _ATOM)
 
 
 class _Printer:
-    """Statements, node by node. Results with a place in ``stores`` are written there as soon as they are known."""
+    """Statements, node by node."""
 
     def __init__(
         self,
@@ -105,33 +110,20 @@ class _Printer:
         access: Callable[[str], str],
         style: Style,
         notes: Mapping[int, str],
-        stores: Sequence[str],
-        several: Mapping[str, int],
+        kernels: Mapping[str, Results],
     ) -> None:
         self.function, self.access, self.style, self.notes = function, access, style, notes
+        self.kernels = kernels
         self.uses = _uses(function, style)
         self.arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
-        self.several = several
-        # a place -> the result that will be written there
-        self.waiting = dict(zip(stores, function.results, strict=False))
-        self.taken: dict[int, dict[int, int]] = {}  # a call -> number of a result -> the node that takes it
-        for k, node in enumerate(function.nodes):
-            if node.op is Op.PART:
-                self.taken.setdefault(node.args[0], {})[int(node.name or 0)] = k
-        self.locals: list[str] = []
         self.statements: list[str] = []
         self.count = 0
-        self.parts: dict[int, str] = {}
         self.texts: list[_Text] = []
 
     def run(self) -> None:
         """All nodes."""
         for index in range(len(self.function.nodes)):
-            text = self._print(index)
-            self.texts.append(text)
-            for place in [place for place, result in self.waiting.items() if result == index]:
-                del self.waiting[place]
-                self.statements.append(f"{place} = {text.text};")
+            self.texts.append(self._print(index))
 
     def _print(self, index: int) -> _Text:
         """The value of a node, and before it the statements that it takes."""
@@ -141,56 +133,37 @@ class _Printer:
         if node.op is Op.INPUT:
             return _Text(self.access(node.name or ""), _ATOM)
         if node.op is Op.PART:
-            return _Text(self.parts[index], _ATOM)
+            return self._part(node)
         args = [self.texts[a] for a in node.args]
-        if index in self.taken:
-            self._call(index, [argument.text for argument in args])
-            return _Text("", _ATOM)  # its results have nodes of their own
-        text = _expression(node, args, style)
-        if self.uses[index] > 1 or text.binding == _CHOICE or len(text.text) > self._longest(index):
-            return _Text(self._named(text.text, self.notes.get(index)), _ATOM)
+        text = self._call(node, args) if node.op is Op.CALL else _expression(node, args, style)
+        several = node.op is Op.CALL and len(self.kernels[node.name or ""].members) > 1
+        if (
+            several
+            or self.uses[index] > 1
+            or text.binding == _CHOICE
+            or len(text.text) > self._longest(index)
+        ):
+            kind = self.kernels[node.name or ""].type if node.op is Op.CALL else style.scalar
+            return _Text(self._named(text.text, self.notes.get(index), kind), _ATOM)
         return text
 
-    def _call(self, index: int, given: list[str]) -> None:
-        """A call that writes several results: each where it belongs, or where another will be written later.
+    def _call(self, node: Node, args: list[_Text]) -> _Text:
+        texts = ", ".join(argument.text for argument in args)
+        return _Text(f"{self.kernels[node.name or ''].function}({texts})", _ATOM)
 
-        So no call needs memory of its own for them.
-        """
-        name = self.function.nodes[index].name or ""
-        nodes = [self.taken[index].get(n) for n in range(self.several[name])]
-        own = {k: place for place, k in self.waiting.items() if k in nodes}
-        spare = (place for place in chain(list(self.waiting), self._locals()) if place not in own.values())
-        places = [own[k] if k in own else next(spare) for k in nodes]
-        self.statements.append(f"{name}({', '.join([*given, *map(_address, places)])});")
-        for k, place in zip(nodes, places, strict=True):
-            if k is None:
-                continue  # needed at other calls only
-            if k in own:
-                del self.waiting[place]
-            used_here = self.uses[k] > (k in own)
-            self.parts[k] = (
-                self._named(place, None) if used_here else place
-            )  # at once: the next call writes there
-
-    def _locals(self) -> Iterator[str]:
-        """Variables for what a call writes; the same for every call."""
-        for n in count():
-            if n == len(self.locals):
-                self.locals.append(f"y{n}")
-            yield self.locals[n]
+    def _part(self, node: Node) -> _Text:
+        call = self.function.nodes[node.args[0]]
+        member = self.kernels[call.name or ""].members[int(node.name or 0)]
+        return _Text(f"{self.texts[node.args[0]].text}.{member}", _ATOM)
 
     def _longest(self, index: int) -> int:
         return _LONGEST_ARM if index in self.arms else _LONGEST
 
-    def _named(self, text: str, note: str | None) -> str:
+    def _named(self, text: str, note: str | None, kind: str) -> str:
         name = self.style.temporary.format(self.count)
         self.count += 1
-        self.statements.append(self.style.declare.format(name, text) + (f" {note}" if note else ""))
+        self.statements.append(self.style.declare.format(name, text, kind) + (f" {note}" if note else ""))
         return name
-
-
-def _address(place: str) -> str:
-    return place[1:] if place.startswith("*") else f"&{place}"
 
 
 def body(
@@ -198,16 +171,14 @@ def body(
     access: Callable[[str], str],
     style: Style,
     notes: Mapping[int, str] | None = None,
-    stores: Sequence[str] = (),
-    several: Mapping[str, int] | None = None,
+    kernels: Mapping[str, Results] | None = None,
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
-    ``notes``: node -> finished comment, printed behind the statement that names the node. ``stores``: where each
-    result is written as soon as it is known. ``several``: functions that write so many results through pointers.
+    ``notes``: node -> finished comment, printed behind the statement that names the node. ``kernels``: what may be
+    called, by name.
     """
-    printer = _Printer(function, access, style, notes or {}, stores, several or {})
+    printer = _Printer(function, access, style, notes or {}, kernels or {})
     printer.run()
     ops = frozenset(node.op for node in function.nodes)
-    statements = [style.local.format(name) for name in printer.locals] + printer.statements
-    return Body(tuple(statements), tuple(printer.texts[r].text for r in function.results), ops)
+    return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)

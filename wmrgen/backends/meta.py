@@ -15,7 +15,7 @@ class Meta:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
     ``wheel_lines``: the wheel table, one finished line per wheel and note. ``bound_lines``: what is proved (float C).
-    ``model_hash``: hexadecimal digest of the model. For C only: ``scalar``, ``math``, ``target`` and ``size``, see
+    ``model_hash``: hexadecimal digest of the model. For C only: ``scalar``, ``math`` and ``target``, see
     `wmrgen.ir.kernels.choice`. ``site``: what the robot file says about inputs. ``fuzz``: a fuzzing harness too.
     ``formulas``: the functions as lowered; ``places``: where the C computes what (for the report).
     """
@@ -28,7 +28,6 @@ class Meta:
     scalar: str = DEFAULT.scalar
     math: str = DEFAULT.math
     target: str = DEFAULT.target
-    size: bool = DEFAULT.size
     bound_lines: tuple[str, ...] = ()
     site: Site = NO_SITE
     fuzz: bool = False

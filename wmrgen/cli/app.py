@@ -80,10 +80,6 @@ def derive(
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = Scalar.float,
     math: ChosenMath = None,
     target: ChosenTarget = Target.m4f,
-    size: Annotated[
-        bool,
-        typer.Option("--size", help="C for the least flash: what repeats is a function. The same results."),
-    ] = False,
     fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
 ) -> int:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
@@ -93,7 +89,7 @@ def derive(
     from wmrgen.cli.derive import run
     from wmrgen.ir.kernels.choice import choice
 
-    chosen = choice(scalar.value, math and math.value, target.value, size)
+    chosen = choice(scalar.value, math and math.value, target.value)
     return run(robots, out, as_json=json, choice=chosen, fuzz=fuzz)
 
 

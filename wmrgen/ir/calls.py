@@ -37,8 +37,13 @@ def called(functions: Sequence[Function]) -> frozenset[str]:
 
 def inlined(function: Function, kernels: Kernels) -> Function:
     """``function`` without calls of ``kernels``, which have none themselves; equal operations once."""
+    return with_places(function, kernels)[0]
+
+
+def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequence[int]]:
+    """As `inlined`, and where the value of each node is then; of a call that of its first result."""
     if not any(node.op is Op.CALL for node in function.nodes):
-        return function
+        return function, range(len(function.nodes))
     nodes: list[Node] = []
     index: dict[Node, int] = {}
     place: list[int] = []
@@ -66,4 +71,5 @@ def inlined(function: Function, kernels: Kernels) -> Function:
         else:
             place.append(put(node, tuple(place[a] for a in node.args)))
     named = tuple((name, place[k]) for name, k in function.named)
-    return replace(function, nodes=tuple(nodes), results=tuple(place[r] for r in function.results), named=named)
+    at = tuple(place[r] for r in function.results)
+    return replace(function, nodes=tuple(nodes), results=at, named=named), place

@@ -74,4 +74,4 @@ def hand_through(module: Module) -> Module:
         replace(f, inputs=tuple(passed.get(p.name, p) if p.role is Role.GEOMETRY else p for p in f.inputs))
         for f in module.functions
     )
-    return Module(module.name, functions, prepare)
+    return replace(module, functions=functions, prepare=prepare)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from wmrgen.ir.calls import called
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.prune import prune
 
@@ -12,9 +13,15 @@ def select(module: Module, names: dict[str, str]) -> Module:
     """The functions called by the keys of ``names``, renamed to its values, in that order."""
     functions = tuple(replace(module.function(old), name=new) for old, new in names.items())
     if module.prepare is None:
-        return Module(module.name, functions)
+        return _with_called(Module(module.name, functions), module.kernels)
     used = {node.name for f in functions for node in f.nodes if node.op is Op.INPUT}
-    return Module(module.name, functions, _outputs(module.prepare, used))
+    return _with_called(Module(module.name, functions, _outputs(module.prepare, used)), module.kernels)
+
+
+def _with_called(module: Module, kernels: tuple[Function, ...]) -> Module:
+    """``module`` with those of ``kernels`` that it calls."""
+    wanted = called(module.functions)
+    return replace(module, kernels=tuple(k for k in kernels if k.name in wanted))
 
 
 def _outputs(prepare: Function, used: set[str | None]) -> Function | None:

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from wmrgen.exact.number import Exact
+from wmrgen.ir.calls import Kernels, with_places
+from wmrgen.ir.calls import by_name as kernels_by_name
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.points import Grid
 from wmrgen.ir.rounding import to_float64
@@ -24,6 +26,7 @@ from wmrgen.ir.vectors import contract
 Array = Any
 _POINTS = slice(20, 28)
 _NEAR = 2e-4  # of float32 code without and with kernels; unrelated values do not agree at eight points
+NO_KERNELS: Kernels = {}
 Names = Mapping[str, Array]  # name of an intermediate result -> its values at the points
 
 
@@ -55,15 +58,24 @@ def names_of(raw: Function, known: Mapping[str, Array]) -> Names:
     return {name: values[k] for name, k in raw.named}
 
 
-def labels(function: Function, names: Names, known: Mapping[str, Array]) -> tuple[tuple[str, int], ...]:
+def labels(
+    function: Function, names: Names, known: Mapping[str, Array], kernels: Kernels = NO_KERNELS
+) -> tuple[tuple[str, int], ...]:
     """Every name whose value a node has, with the first such node, a shared one before others."""
     wanted = [
         (name, v) for name, v in names.items() if np.ndim(v) == 1 and np.ptp(v) > 0 and np.isfinite(v).all()
     ]
-    every = [k for k, node in enumerate(function.nodes) if node.value is None and node.op is not Op.INPUT]
+    grouped = {node.args[0] for node in function.nodes if node.op is Op.PART}
+    every = [
+        k
+        for k, node in enumerate(function.nodes)
+        if node.value is None and node.op is not Op.INPUT and k not in grouped
+    ]
     if not wanted or not every:
         return ()
-    values = values_of(function, {**known, **_inputs(function)}, np.float32)
+    plain, place = with_places(function, kernels)
+    run = values_of(plain, {**known, **_inputs(function)}, np.float32)
+    values = [run[k] for k in place]
     shape = wanted[0][1].shape
     table = np.array([np.broadcast_to(np.asarray(values[k], dtype=np.float64), shape) for k in every])
     order = np.argsort(table[:, 0], kind="stable")
@@ -84,9 +96,9 @@ def traced(module: Module, formulas: Sequence[Function]) -> Module:
     """``module`` with the intermediate results of ``formulas`` (as lowered) named, variants of a function like it."""
     by_name = {f.name: f for f in formulas}
     known = nominal(module) if formulas else {}
-    functions = []
+    functions, kernels = [], kernels_by_name(module.kernels)
     for function in module.functions:
         formula = by_name.get(function.variant_of or function.name)
-        found = labels(function, names_of(formula, known), known) if formula is not None else ()
+        found = labels(function, names_of(formula, known), known, kernels) if formula is not None else ()
         functions.append(replace(function, named=found))
     return replace(module, functions=tuple(functions))

@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from wmrgen.backends.c99.comment import comment_lines
 from wmrgen.backends.c99.companions import companions
+from wmrgen.backends.c99.kernels import Kernel, printed_kernels, results_of
 from wmrgen.backends.c99.notes import arithmetic_notes
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
 from wmrgen.backends.meta import Meta
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
-from wmrgen.ir.kernels import expand, integer, rounds
+from wmrgen.ir.kernels import integer, rounds, with_kernels
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Port
 from wmrgen.ir.trace import traced
 from wmrgen.render import render
-
-if TYPE_CHECKING:
-    from wmrgen.backends.c99.parts import Part
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +32,11 @@ class Unit:
     scalar: str
     steps: tuple[Step, ...]
     rounds: bool  # relies on the rounding of sums of magic numbers
-    parts: tuple[Part, ...] = ()
+    kernels: tuple[Kernel, ...] = ()
 
     @property
     def ops(self) -> frozenset[Op]:
-        own = (part.ops for part in self.parts)
+        own = (kernel.ops for kernel in self.kernels)
         return frozenset().union(*(step.ops for step in self.steps), *own)
 
 
@@ -48,35 +46,32 @@ def unit(
     math: str = DEFAULT.math,
     target: str = DEFAULT.target,
     formulas: Sequence[Function] = (),
-    small: bool = False,
 ) -> Unit:
     """The C functions of ``module``: params_default and prepare first when a parameter is tunable.
 
-    ``formulas``: the functions as lowered, whose intermediate results comments name. ``small``: what repeats is
-    written once.
+    ``formulas``: the functions as lowered, whose intermediate results comments name.
     """
     module = hand_through(module)
-    costs = {f.name: count(f) for f in (*module.functions, *((module.prepare,) if module.prepare else ()))}
-    module = traced(expand(module, scalar, math, target, small), formulas)
-    rounding, own, several = rounds(module), tuple["Part", ...](), dict[str, int]()
-    if small:
-        from wmrgen.backends.c99.parts import parts  # of --size alone
-        from wmrgen.ir.outline import outline, sizes
-
-        found = outline(module.functions, f"{module.name}_part", sizes(target))
-        several = {part.name: len(part.results) for part in found.parts}
-        own = parts(found.functions, found.parts, module.name, scalar, several)
-        module = replace(module, functions=found.functions)
+    plain = inlined_calls(module)
+    costs = {f.name: count(f) for f in (*plain.functions, *((plain.prepare,) if plain.prepare else ()))}
+    module = traced(with_kernels(module, scalar, math, target), formulas)
     steps, prepared = prepare_steps(module, scalar, costs)
     inputs_of: dict[tuple[Port, ...], Struct] = {}
+    kernels = results_of(module.kernels, scalar)
     rest = (
-        step(f, module.name, prepared, scalar, costs[f.name], inputs_of, several) for f in module.functions
+        step(f, module.name, prepared, scalar, costs[f.name], inputs_of, kernels) for f in module.functions
     )
-    return Unit(module.name, scalar, steps + tuple(s for s in rest if s is not None), rounding, own)
+    return Unit(
+        module.name,
+        scalar,
+        steps + tuple(s for s in rest if s is not None),
+        rounds(module),
+        printed_kernels(module.kernels, scalar),
+    )
 
 
 def _unit(module: Module, meta: Meta) -> Unit:
-    return unit(module, meta.scalar, meta.math, meta.target, meta.formulas, meta.size)
+    return unit(module, meta.scalar, meta.math, meta.target, meta.formulas)
 
 
 def _includes(made: Unit) -> dict[str, bool]:
@@ -125,13 +120,14 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
     """Header, source, and the digest that stands in both; ``made`` are the C functions of ``module``."""
     context: dict[str, object] = {
         "robot": made.robot,
+        "scalar": made.scalar,
         "upper": made.robot.upper(),
         "banner": _banner(meta),
         "table": _table(meta, arithmetic_notes(meta, module.functions, made.ops)),
         "model_hash": "".join(c for c in meta.model_hash if c.isalnum()),
         "structs": [s.lines for made_step in made.steps for s in made_step.structs],
         "steps": made.steps,
-        "parts": made.parts,
+        "kernels": made.kernels,
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
         "integer": None if made.ops.isdisjoint(INTEGER) else integer,

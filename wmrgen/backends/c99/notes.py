@@ -25,12 +25,11 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
         "inputs, or take the functions of the _checked files."
     ]
     if inline and used & _WAVES:
-        notes.append(_kernels(meta.target, used, meta.size))
-    if meta.size:
+        notes.append(_kernels(meta.target, used))
+    if Op.CALL in ops:
         notes.append(
-            "Written for the least flash (--size): what repeats stands once, in functions of the C file alone, which "
-            "must not be inlined (WMRGEN_NOINLINE). Results are those of the usual C to the bit; calls cost time and "
-            "stack. A function keeps intermediate values in *out while it reads *in: the two must not overlap."
+            "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called: the "
+            "least flash, the same results to the bit; calls cost time and stack."
         )
     if Op.FMA in ops:
         notes.append(
@@ -45,7 +44,7 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
     return notes
 
 
-def _kernels(target: str, used: set[Op], size: bool) -> str:
+def _kernels(target: str, used: set[Op]) -> str:
     errors = worst(target)
     parts = []
     if used & {Op.SIN, Op.COS}:
@@ -55,7 +54,7 @@ def _kernels(target: str, used: set[Op], size: bool) -> str:
         )
     if used & {Op.ATAN, Op.ATAN2}:
         parts.append(f"an arctangent of up to 1 within {errors.arctangent} ulp")
-    how = "without branches or tables" if size else "without branches, tables or calls"
+    how = "without branches or tables"
     if target == M0:
         how = "in integers, without tables"
     tried = f"Every float of these ranges was tried: {'; '.join(parts)} of the true value."

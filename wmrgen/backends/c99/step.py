@@ -9,7 +9,7 @@ from wmrgen.backends.c99.comment import WIDTH, block_comment
 from wmrgen.backends.c99.literal import literal
 from wmrgen.backends.c99.struct import Struct, alias, struct
 from wmrgen.backends.c99.style import style
-from wmrgen.backends.expression import body
+from wmrgen.backends.expression import Results, body
 from wmrgen.backends.quantities import quantity
 from wmrgen.ir.cost import Cost
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role
@@ -61,7 +61,7 @@ def _build(
     own: tuple[Struct, ...],
     scalar: str,
     cost: Cost,
-    several: Mapping[str, int] | None = None,
+    kernels: Mapping[str, Results] | None = None,
 ) -> Step:
     function = _pruned(function)
     reads = {key: f"{par}->{member}" for s, par in inputs for key, member in s.members.items()}
@@ -70,21 +70,18 @@ def _build(
         notes[k] = f"{notes[k]}, {quantity(label)}" if k in notes else quantity(label)
     out_struct, out = output
     places = [f"{out}->{out_struct.members[port.name]}" for port in function.outputs]
-    small = any(node.op is Op.CALL for node in function.nodes)
     code = body(
         function,
         reads.__getitem__,
         style(scalar),
         {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE},
-        places if small else (),
-        several,
+        kernels,
     )
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
     unread = [f"(void){par};" for s, par in inputs if not read & set(s.members)]
     lines = unread + list(code.statements)
-    if not small:
-        stores = [f"{place} = {text};" for place, text in zip(places, code.results, strict=True)]
-        lines += ([""] if lines else []) + stores
+    stores = [f"{place} = {text};" for place, text in zip(places, code.results, strict=True)]
+    lines += ([""] if lines else []) + stores
     arguments = (*inputs, output)
     comment = tuple(block_comment([_sentence(function.text), f"Operations of the formula: {cost}."]))
     return Step(
@@ -152,12 +149,12 @@ def step(
     scalar: str,
     cost: Cost,
     inputs_of: dict[tuple[Port, ...], Struct],
-    several: Mapping[str, int],
+    kernels: Mapping[str, Results],
 ) -> Step | None:
     """``<robot>_<function>``; None for a function without outputs.
 
     ``inputs_of``: the input structs so far. What gives the slip of another function takes that one's input.
-    ``several``: the parts that it may call and how many results they have.
+    ``kernels``: what it may call.
     """
     if not function.outputs:
         return None
@@ -176,4 +173,4 @@ def step(
             own.append(alias(f"{name}_in", same))
         inputs.append((own[-1], "in"))
     own.append(struct(f"{name}_out", function.outputs, scalar, f"Output of {name}()."))
-    return _build(function, name, tuple(inputs), (own[-1], "out"), tuple(own), scalar, cost, several)
+    return _build(function, name, tuple(inputs), (own[-1], "out"), tuple(own), scalar, cost, kernels)

@@ -41,8 +41,8 @@ def style(scalar: str) -> Style:
             Op.MAX: "({0} < {1}) ? {1} : {0}",
             Op.SELECT: "({0} < {1}) ? {2} : {3}",
         },
-        declare=f"const {scalar} {{0}} = {{1}};",
+        declare="const {2} {0} = {1};",
         temporary="t{0}",
         grouped=True,
-        local=f"{scalar} {{0}};",
+        scalar=scalar,
     )

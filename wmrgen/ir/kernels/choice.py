@@ -9,7 +9,6 @@ from wmrgen.errors import UsageError
 
 SCALARS = ("float", "double")
 LIBM, INLINE = MATHS = ("libm", "inline")
-_YES = "yes"
 M4F, M0, AVR, HOST = TARGETS = ("m4f", "m0", "avr", "host")
 
 
@@ -18,40 +17,35 @@ class Choice:
     """What ``--scalar``, ``--math`` and ``--target`` say.
 
     ``math``: ``inline`` (own float kernels) or ``libm``. ``target``: ``m4f`` has a fused multiply-add (Cortex-M4F,
-    M7, M33, RISC-V F), ``m0`` no floating point, ``avr`` avr-libc; ``host`` is any FPU, without fmaf. ``size``: the
-    least flash, by functions for what repeats.
+    M7, M33, RISC-V F), ``m0`` no floating point, ``avr`` avr-libc; ``host`` is any FPU, without fmaf.
     """
 
     scalar: str = "float"
     math: str = INLINE
     target: str = M4F
-    size: bool = False
 
     def words(self) -> dict[str, str]:
         """As a manifest notes it."""
-        words = {"scalar": self.scalar, "math": self.math, "target": self.target}
-        return {**words, "size": _YES} if self.size else words
+        return {"scalar": self.scalar, "math": self.math, "target": self.target}
 
 
 DEFAULT = Choice()
 
 
-def choice(
-    scalar: str = DEFAULT.scalar, math: str | None = None, target: str = DEFAULT.target, size: bool = False
-) -> Choice:
+def choice(scalar: str = DEFAULT.scalar, math: str | None = None, target: str = DEFAULT.target) -> Choice:
     """A choice that exists: the kernels are float code, so double takes libm. UsageError for other words."""
     for word, known in ((scalar, SCALARS), (math or LIBM, MATHS), (target, TARGETS)):
         if word not in known:
             raise UsageError(f"{word!r} is none of {', '.join(known)}")
     if scalar == "double" and math == INLINE:
         raise UsageError("--math inline is for --scalar float: there are no kernels for double")
-    return Choice(scalar, math or (INLINE if scalar == "float" else LIBM), target, size)
+    return Choice(scalar, math or (INLINE if scalar == "float" else LIBM), target)
 
 
 def noted(words: Mapping[str, str]) -> Choice:
     """The choice that a manifest notes; the usual one where it notes none."""
     known = {key: words[key] for key in ("scalar", "math", "target") if key in words}
     try:
-        return choice(**known, size=words.get("size") == _YES)
+        return choice(**known)
     except UsageError:
         return DEFAULT

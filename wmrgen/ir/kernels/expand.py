@@ -9,100 +9,101 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 
-from wmrgen.exact.number import ONE, Exact
-from wmrgen.ir.kernels import trigonometry
+from wmrgen.exact.number import ONE
+from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.constants import EVEN32, RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
-from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.kernels.order import ordered
-from wmrgen.ir.kernels.room import ROOM, angle_by_angle, crowded, wanted
 from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
+from wmrgen.ir.kernels.trigonometry import Processor, flipped, library, soft
 from wmrgen.ir.nodes import Function, Module, Node, Op
 
-_TWO = Exact(2)
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
 
 
-def expand(
-    module: Module, scalar: str, math: str, target: str = DEFAULT.target, small: bool = False
-) -> Module:
-    """``module`` as operations of C: rounding and signs as arithmetic, float functions as kernels or libm's.
+def expand(module: Module, scalar: str, math: str, target: str = DEFAULT.target) -> Module:
+    """``module`` as operations of C: rounding and signs as arithmetic, float functions as kernels or libm's."""
+    return inlined_calls(with_kernels(module, scalar, math, target))
 
-    ``small``: sines and cosines take their own sign, so that all are alike; the results are the same to the bit.
-    """
+
+def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.target) -> Module:
+    """As `expand`, and kernels are called: those of ``module`` itself and those of its sines and arctangents."""
     if scalar != "float" or target == AVR:
         math = LIBM
-    prepare = None if module.prepare is None else _Expansion(module.prepare, scalar, LIBM, target).run()
-    few = scalar == "float" and math == INLINE and target == M4F and _few(module)
-    functions = tuple(_Expansion(f, scalar, math, target, small, few).run() for f in module.functions)
-    return Module(module.name, functions, prepare)
+    processor = processor_of(scalar, math, target)
+    prepare = module.prepare
+    if prepare is not None:
+        prepare = _Expansion(prepare, processor_of(scalar, LIBM, target), ()).run()
+    own = tuple(_Expansion(f, processor, module.kernels).run() for f in module.kernels)
+    functions = tuple(_Expansion(f, processor, module.kernels).run() for f in module.functions)
+    return Module(module.name, functions, prepare, _needed(functions, (*library(processor), *own)))
 
 
-def _few(module: Module) -> bool:
-    """Whether cosines that share the constants of sines are what lets a function do with the registers there are."""
-    for function in filter(crowded, module.functions):
-        usual, few = (_Expansion(function, "float", INLINE, M4F, few=few).run() for few in (False, True))
-        if wanted(few) <= ROOM < wanted(usual):
-            return True
-    return False
+def processor_of(scalar: str, math: str, target: str) -> Processor:
+    """What floats are computed with."""
+    single = scalar == "float"
+    inline = math == INLINE
+    return Processor(
+        inline=inline,
+        fused=single and target == M4F,
+        bits=single and target in (M4F, M0),
+        integer=inline and target == M0,
+        magic=RINT32 if single else RINT64,
+    )
+
+
+def _needed(functions: tuple[Function, ...], kernels: tuple[Function, ...]) -> tuple[Function, ...]:
+    """The kernels that are called, by others too, in their order."""
+    wanted = set(called(functions))
+    for kernel in reversed(kernels):
+        if kernel.name in wanted:
+            wanted |= called((kernel,))
+    return tuple(kernel for kernel in kernels if kernel.name in wanted)
 
 
 def rounds(module: Module) -> bool:
     """Whether an expanded module rounds to whole numbers by adding a large one."""
     large = (RINT32, EVEN32, RINT64)
-    return any(node.value in large for function in module.functions for node in function.nodes)
+    functions = (*module.functions, *module.kernels)
+    return any(node.value in large for function in functions for node in function.nodes)
 
 
 class _Expansion:
     """One function, node by node."""
 
-    def __init__(
-        self,
-        function: Function,
-        scalar: str,
-        math: str,
-        target: str,
-        small: bool = False,
-        few: bool = False,
-    ) -> None:
-        single = scalar == "float"
-        self.fused, self.bits = single and target == M4F, single and target in (M4F, M0)
-        self.function = function = signs_as_bits(one_comparison(function)) if self.bits else function
-        self.inline = math == INLINE
-        self.magic = RINT32 if single else RINT64
+    def __init__(self, function: Function, processor: Processor, kernels: tuple[Function, ...]) -> None:
+        self.processor = processor
+        self.function = function = signs_as_bits(one_comparison(function)) if processor.bits else function
         self.tape = Tape()
         self.made: list[int] = []
         self.uses = Counter(a for node in function.nodes for a in node.args) + Counter(function.results)
         self.products = {node.args for node in function.nodes if node.op is Op.MUL}
         self.constants = {i for i, node in enumerate(function.nodes) if node.value is not None}
-        self.circles: dict[int, tuple[int, int, int]] = {}
-        self.raised: dict[int, int] = {}  # node of `function` that is a whole number -> that plus `magic`
-        self.integer = self.inline and target == M0
-        self.paired = self._pairs() if self.inline and not self.integer and not small else set()
-        self.small, self.few = small, few
-        self.sharp = sharp_sums(function) if single else frozenset()
+        self.raised: dict[
+            int, int
+        ] = {}  # node of `function` that is a whole number -> that plus the magic number
+        self.vectors = _vectors(function)
+        self.sharp = sharp_sums(function, kernels) if processor.magic == RINT32 else frozenset()
 
     def run(self) -> Function:
         for i, node in enumerate(self.function.nodes):
             self.made.append(self._node(i, node))
         results = tuple(self.made[r] for r in self.function.results)
-        made = replace(self.function, nodes=tuple(self.tape.nodes), results=results)
-        made = fuse(made) if self.fused else made
-        made = replace(made, nodes=tuple(_soft(n) for n in made.nodes)) if self.integer else made
-        deep = ordered(made)
-        return min(deep, angle_by_angle(deep), key=wanted) if self.few and not self.small else deep
+        made = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
+        made = fuse(made) if self.processor.fused else made
+        return ordered(soft(made) if self.processor.integer else made)
 
     def _node(self, i: int, node: Node) -> int:
-        tape, args = self.tape, tuple(self.made[a] for a in node.args)
+        tape, args, p = self.tape, tuple(self.made[a] for a in node.args), self.processor
         if i in self.sharp:
-            return sharp_sum(tape, node.op, args[0], args[1], self.fused)
+            return sharp_sum(tape, node.op, args[0], args[1], p.fused)
         match node.op:
             case Op.RINT:
-                self.raised[i] = tape.add(args[0], tape.const(self.magic))
-                return tape.sub(self.raised[i], tape.const(self.magic))
+                self.raised[i] = tape.add(args[0], tape.const(p.magic))
+                return tape.sub(self.raised[i], tape.const(p.magic))
             case Op.MIN | Op.MAX if node.args[0] in self.constants:
                 args = args[::-1]  # alike wherever it stands
             case Op.FLIP:
@@ -111,31 +112,26 @@ class _Expansion:
                 found = self._signed(node)
                 found = self._quotient(node) if found is None else found
                 return tape.mul(*args) if found is None else found
-            case Op.SIN | Op.COS | Op.ATAN if self.integer:
+            case Op.SIN | Op.COS | Op.ATAN if p.integer:
                 return tape.put(_INTEGER[node.op], *args)
-            case Op.SIN | Op.COS if self.inline:
-                raised, sine, cosine = self._circle(args[0])
-                if node.op is Op.COS and not self.small and not self.few:
-                    return trigonometry.signed_cosine(tape, self._sign(raised), cosine)
-                wave = sine if node.op is Op.SIN else cosine
-                return self._by(wave, raised) if self.small else tape.mul(self._sign(raised), wave)
-            case Op.ATAN if self.inline:
-                return trigonometry.arctangent(tape, args[0])
-            case Op.ATAN2 if self.inline:
-                return trigonometry.arctangent2(tape, args[0], args[1], self.integer)
+            case Op.SIN | Op.COS if p.inline:
+                return tape.part(tape.call("direction", *args), int(node.op is Op.SIN))
+            case Op.ATAN if p.inline:
+                return tape.call("arctangent", *args)
+            case Op.ATAN2 if p.inline:
+                return tape.call("arctangent2", *args)
         return tape.copy(node, args)
 
     def _signed(self, node: Node) -> int | None:
-        """a (-1)**n as a flipped; a sin x and a cos x as (a flipped) s and (a flipped) c."""
-        nodes, tape = self.function.nodes, self.tape
+        """a (-1)**n as a flipped; a sin x and a cos x as parts of a vector."""
+        nodes = self.function.nodes
         for factor, wave in (node.args, node.args[::-1]):
             other = nodes[wave]
             if other.op is Op.FLIP and nodes[other.args[0]].value == ONE:
                 return self._flip(self.made[factor], other.args[1])
-            if wave in self.paired and nodes[factor].op not in (Op.SIN, Op.COS):
-                raised, sine, cosine = self._circle(self.made[other.args[0]])
-                flipped = self._by(self.made[factor], raised)
-                return tape.mul(flipped, sine if other.op is Op.SIN else cosine)
+            if wave in self.vectors and nodes[factor].op not in (Op.SIN, Op.COS):
+                call = self.tape.call("vector_at", self.made[factor], self.made[other.args[0]])
+                return self.tape.part(call, int(other.op is Op.SIN))
         return None
 
     def _quotient(self, node: Node) -> int | None:
@@ -152,57 +148,37 @@ class _Expansion:
                 return self.tape.div(self.tape.mul(self.made[factor], self.made[a]), self.made[b])
         return None
 
-    def _circle(self, x: int) -> tuple[int, int, int]:
-        if x not in self.circles:
-            if self.few:
-                self.circles[x] = trigonometry.sine_cosine_of_rest(self.tape, x)
-            else:
-                self.circles[x] = trigonometry.sine_cosine(self.tape, x, self.fused)
-        return self.circles[x]
-
     def _flip(self, a: int, n: int) -> int:
         """a where the whole number n, a node of `function`, is even, else -a."""
         tape = self.tape
         raised = self.raised.get(n)
         if raised is None:
-            raised = self.raised[n] = tape.add(self.made[n], tape.const(self.magic))
-        return self._by(a, raised)
-
-    def _by(self, a: int, raised: int) -> int:
-        """a or -a: ``raised`` has the unit 1 in the last place, so its last bit tells odd from even."""
-        if self.bits:
-            return self.tape.put(Op.FLIP_BIT, a, raised)
-        sign = self._sign(raised)
-        return sign if self.tape.nodes[a].value == ONE else self.tape.mul(a, sign)
-
-    def _sign(self, raised: int) -> int:
-        """1 or -1. Twice the magic number has the unit 2: rounding to it tells odd from even."""
-        tape, magic = self.tape, self.tape.const(self.magic)
-        if self.bits:
-            return tape.put(Op.FLIP_BIT, tape.const(ONE), raised)
-        odd = tape.sub(raised, tape.sub(tape.add(raised, magic), magic))
-        return tape.sub(tape.const(ONE), tape.mul(tape.const(_TWO), tape.mul(odd, odd)))
-
-    def _pairs(self) -> set[int]:
-        """Sines and cosines that are used only as a sin x and a cos x with the same a."""
-        nodes = self.function.nodes
-        users: dict[int, list[int]] = {i: [] for i, n in enumerate(nodes) if n.op in (Op.SIN, Op.COS)}
-        for i, node in enumerate(nodes):
-            for arg in node.args:
-                if arg in users:
-                    users[arg].append(i)
-        for result in self.function.results:
-            users.get(result, []).append(-1)
-        angles: dict[int, set[int]] = {}
-        for i, found in users.items():
-            factors = angles.setdefault(nodes[i].args[0], set())
-            factors.update(_other(nodes[u], i) if u >= 0 and nodes[u].op is Op.MUL else -1 for u in found)
-        return {i for i in users if len(f := angles[nodes[i].args[0]]) == 1 and -1 not in f}
+            raised = self.raised[n] = tape.add(self.made[n], tape.const(self.processor.magic))
+        return flipped(tape, a, raised, self.processor)
 
 
-def _soft(node: Node) -> Node:
-    """Arithmetic of a processor without floating point."""
-    return Node(SOFT[node.op], node.args) if node.op in SOFT else node
+def _vectors(function: Function) -> set[int]:
+    """Sines and cosines that are used only as a sin x and a cos x with the same a, both of them."""
+    nodes = function.nodes
+    users: dict[int, list[int]] = {i: [] for i, n in enumerate(nodes) if n.op in (Op.SIN, Op.COS)}
+    for i, node in enumerate(nodes):
+        for arg in node.args:
+            if arg in users:
+                users[arg].append(i)
+    for result in function.results:
+        users.get(result, []).append(-1)
+    factors: dict[int, set[int]] = {}
+    waves: dict[int, set[Op]] = {}
+    for i, found in users.items():
+        angle = nodes[i].args[0]
+        waves.setdefault(angle, set()).add(nodes[i].op)
+        sizes = (_other(nodes[u], i) if u >= 0 and nodes[u].op is Op.MUL else -1 for u in found)
+        factors.setdefault(angle, set()).update(sizes)
+    return {
+        i
+        for i in users
+        if len(f := factors[nodes[i].args[0]]) == 1 and -1 not in f and len(waves[nodes[i].args[0]]) == 2
+    }
 
 
 def _other(node: Node, arg: int) -> int:

@@ -17,8 +17,8 @@ _SPLIT = Exact(4097)  # 2**12 + 1: Veltkamp's constant for halves of 12 bits
 _CLOSE = 8
 
 
-def sharp_sums(function: Function) -> frozenset[int]:
-    """The sums x + c y from whose ratio an arctangent is taken."""
+def sharp_sums(function: Function, kernels: tuple[Function, ...] = ()) -> frozenset[int]:
+    """The sums x + c y from whose ratio an arctangent is taken, by one of ``kernels`` too."""
     nodes = function.nodes
     found: set[int] = set()
     for node in nodes:

@@ -1,36 +1,100 @@
-"""The kernels, written on a tape: float operations without branches, tables or calls."""
+"""Sine, cosine and arctangents as float kernels: functions without branches, tables or calls but of each other."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.kernels import constants as c
+from wmrgen.ir.kernels.fuse import fuse
+from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.kernels.tape import Tape
-from wmrgen.ir.nodes import Op
+from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ports import Port, Role
+
+_TWO = Exact(2)
+VECTOR = ("x", "y")
 
 
-def sine_cosine(tape: Tape, x: int, fused: bool) -> tuple[int, int, int]:
-    """(raised, s, c): x = r + k pi, k = rint(x / pi); s = sin r, c = cos r; ``raised`` is k plus an even number.
+@dataclass(frozen=True, slots=True)
+class Processor:
+    """What floats are computed with. ``inline``: own kernels, else libm's functions. ``fused``: products that are
+    added are not rounded. ``bits``: signs are taken from bits. ``integer``: no floating point at all."""
 
-    sin x = s and cos x = c where k is even, else -s and -c. ``fused``: products that are added are not rounded.
-    """
-    raised, k = _turns(tape, x, c.PER_PI, c.RINT32)
-    if fused:
-        r = _fused_rest(tape, x, k, c.HALF, c.LESS_HALF_LOW)
+    inline: bool
+    fused: bool
+    bits: bool
+    integer: bool
+    magic: Exact  # floats this large are whole numbers
+
+
+def flipped(tape: Tape, a: int, raised: int, processor: Processor) -> int:
+    """a or -a: ``raised`` has the unit 1 in the last place, so its last bit tells odd from even."""
+    if processor.bits:
+        return tape.put(Op.FLIP_BIT, a, raised)
+    sign = _sign(tape, raised, processor)
+    return sign if tape.nodes[a].value == ONE else tape.mul(a, sign)
+
+
+def _sign(tape: Tape, raised: int, processor: Processor) -> int:
+    """1 or -1. Twice the magic number has the unit 2: rounding to it tells odd from even."""
+    if processor.bits:
+        return tape.put(Op.FLIP_BIT, tape.const(ONE), raised)
+    magic = tape.const(processor.magic)
+    odd = tape.sub(raised, tape.sub(tape.add(raised, magic), magic))
+    return tape.sub(tape.const(ONE), tape.mul(tape.const(_TWO), tape.mul(odd, odd)))
+
+
+def _sine(tape: Tape, p: Processor) -> list[int]:
+    del p
+    return [_sine_series(tape, tape.input("r"))]
+
+
+def _direction(tape: Tape, p: Processor) -> list[int]:
+    raised, r = _rest(tape, tape.input("angle"), p)
+    sign, s = _sign(tape, raised, p), tape.mul(r, r)
+    # sign (1 + s p) as sign + (sign s) p: a fused multiply-add overwrites what it adds to, and the 1 would be copied
+    cosine = tape.add(tape.mul(tape.mul(sign, s), tape.horner(s, c.COS[1:])), sign)
+    return [cosine, tape.mul(sign, tape.call("sine", r))]
+
+
+def _vector_at(tape: Tape, p: Processor) -> list[int]:
+    size, angle = tape.input("size"), tape.input("angle")
+    if p.inline and not p.integer:
+        raised, sine, cosine = _quarters(tape, angle) if p.fused else _halves(tape, angle, p)
+        size = flipped(tape, size, raised, p)
     else:
-        r = tape.sub(x, tape.mul(k, tape.const(c.PI_HIGH)))
-        r = tape.add(r, tape.mul(k, tape.const(c.LESS_PI_LOW)))
-    return raised, _sine(tape, r), _cosine(tape, r)
+        names = (Op.ISIN, Op.ICOS) if p.inline else (Op.SIN, Op.COS)
+        sine, cosine = (tape.put(op, angle) for op in names)
+    return [tape.mul(size, cosine), tape.mul(size, sine)]
 
 
-def sine_cosine_of_rest(tape: Tape, x: int) -> tuple[int, int, int]:
-    """As `sine_cosine`, fused, with cos r as sin(pi/2 - abs r): an operation more, seven constants less to keep.
+def _halves(tape: Tape, x: int, p: Processor) -> tuple[int, int, int]:
+    """(raised, sin r, cos r) of `_rest`: sin x and cos x where k is even, else these are -sin r and -cos r."""
+    raised, r = _rest(tape, x, p)
+    return raised, tape.call("sine", r), tape.horner(tape.mul(r, r), c.COS)
+
+
+def _quarters(tape: Tape, x: int) -> tuple[int, int, int]:
+    """As `_halves`, fused, with cos r as sin(pi/2 - abs r): no coefficients but those of sines.
 
     ``raised`` has the unit 2 in the last place: 2 k plus a multiple of 4. What pi/2 is rounded by, 0.73 * 2**-24,
     is not subtracted: the worst error stays where cosines are near 1.
     """
     raised, quarters = _turns(tape, x, c.PER_QUARTER, c.EVEN32)
     r = _fused_rest(tape, x, quarters, c.QUARTER, c.LESS_QUARTER_LOW)
-    return raised, _sine(tape, r), _sine(tape, tape.sub(tape.const(c.QUARTER), tape.put(Op.ABS, r)))
+    across = tape.sub(tape.const(c.QUARTER), tape.put(Op.ABS, r))
+    return raised, tape.call("sine", r), tape.call("sine", across)
+
+
+def _rest(tape: Tape, x: int, p: Processor) -> tuple[int, int]:
+    """(raised, r): x = r + k pi, k = rint(x / pi); the last bit of ``raised`` is that of k."""
+    raised, k = _turns(tape, x, c.PER_PI, c.RINT32)
+    if p.fused:
+        return raised, _fused_rest(tape, x, k, c.HALF, c.LESS_HALF_LOW)
+    r = tape.sub(x, tape.mul(k, tape.const(c.PI_HIGH)))
+    return raised, tape.add(r, tape.mul(k, tape.const(c.LESS_PI_LOW)))
 
 
 def _turns(tape: Tape, x: int, per: Exact, large: Exact) -> tuple[int, int]:
@@ -45,40 +109,63 @@ def _fused_rest(tape: Tape, x: int, k: int, high: Exact, less: Exact) -> int:
     return tape.put(Op.FMA, k, tape.const(less), r)
 
 
-def _sine(tape: Tape, r: int) -> int:
+def _sine_series(tape: Tape, r: int) -> int:
     s = tape.mul(r, r)
     return tape.add(r, tape.mul(tape.mul(r, s), tape.horner(s, c.SIN)))
 
 
-def _cosine(tape: Tape, r: int) -> int:
-    s = tape.mul(r, r)
-    return tape.horner(s, c.COS)
-
-
-def signed_cosine(tape: Tape, sign: int, cosine: int) -> int:
-    """``cosine`` of `sine_cosine` times ``sign``, 1 or -1, to the bit: 1 + s p becomes sign + (sign s) p.
-
-    A fused multiply-add overwrites what it adds to. The sign is needed no more; the 1 would be copied for each cosine.
-    """
-    product, _ = tape.nodes[cosine].args
-    s, rest = tape.nodes[product].args
-    return tape.add(tape.mul(tape.mul(sign, s), rest), sign)
-
-
-def arctangent(tape: Tape, q: int) -> int:
-    """atan q for |q| <= 1."""
+def _arctangent(tape: Tape, p: Processor) -> list[int]:
+    del p
+    q = tape.input("q")
     t = tape.mul(q, q)
-    return tape.add(q, tape.mul(tape.mul(q, t), tape.horner(t, c.ATAN)))
+    return [tape.add(q, tape.mul(tape.mul(q, t), tape.horner(t, c.ATAN)))]
 
 
-def arctangent2(tape: Tape, y: int, x: int, integer: bool = False) -> int:
-    """atan2(y, x); 0 at (0, 0), and atan2(-0, x) is that of +0."""
+def _arctangent2(tape: Tape, p: Processor) -> list[int]:
+    y, x = tape.input("y"), tape.input("x")
     zero, one = tape.const(ZERO), tape.const(ONE)
     a, b = tape.put(Op.ABS, x), tape.put(Op.ABS, y)
     longer, shorter = tape.select(a, b, b, a), tape.select(a, b, a, b)
     divisor = tape.select(zero, longer, longer, one)
     slope = tape.div(shorter, divisor)
-    angle = tape.put(Op.IATAN, slope) if integer else arctangent(tape, slope)
+    angle = tape.put(Op.IATAN, slope) if p.integer else tape.call("arctangent", slope)
     angle = tape.select(a, b, tape.sub(tape.const(c.QUARTER), angle), angle)
     angle = tape.select(x, zero, tape.sub(tape.const(c.HALF), angle), angle)
-    return tape.select(y, zero, tape.put(Op.NEG, angle), angle)
+    return [tape.select(y, zero, tape.put(Op.NEG, angle), angle)]
+
+
+_Write = Callable[[Tape, Processor], list[int]]
+_KERNELS: dict[str, tuple[str, tuple[str, ...], _Write]] = {
+    "sine": ("sin r, |r| <= pi/2.", ("value",), _sine),
+    "direction": ("(cos angle, sin angle).", VECTOR, _direction),
+    "vector_at": ("The vector of this size at this angle: size (cos angle, sin angle).", VECTOR, _vector_at),
+    "arctangent": ("atan q, |q| <= 1.", ("value",), _arctangent),
+    "arctangent2": ("The angle of (x, y): atan2(y, x), and 0 at the origin.", ("value",), _arctangent2),
+}  # those that are called before those that call
+
+
+def library(processor: Processor) -> tuple[Function, ...]:
+    """The float kernels as functions of their own, those that are called before those that call."""
+    return tuple(_function(name, processor) for name in _KERNELS)
+
+
+def _function(name: str, processor: Processor) -> Function:
+    text, outputs, write = _KERNELS[name]
+    tape = Tape()
+    results = tuple(write(tape, processor))
+    nodes = tuple(tape.nodes)
+    inputs = tuple(port(node.name) for node in nodes if node.op is Op.INPUT and node.name)
+    made = Function(name, inputs, nodes, tuple(port(n) for n in outputs), results, text)
+    made = fuse(made) if processor.fused else made
+    return soft(made) if processor.integer else made
+
+
+def port(name: str) -> Port:
+    """An input or output of a kernel."""
+    return Port(name, Role.STATE, "", "")
+
+
+def soft(function: Function) -> Function:
+    """``function`` in the arithmetic of a processor without floating point."""
+    nodes = (Node(SOFT[n.op], n.args) if n.op in SOFT else n for n in function.nodes)
+    return replace(function, nodes=tuple(nodes))

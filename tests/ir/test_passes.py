@@ -231,6 +231,19 @@ UNGUARDED = {
     "square of a non-zero, which may underflow": lambda b, v: b.square(
         b.select(b.const(0), v["x"], v["x"], b.const(1))
     ),
+    # A comparison that fails leaves equality open: what is not less than 0 may be 0.
+    "not less than zero": lambda b, v: b.select(v["x"], b.const(0), b.const(1), v["x"]),
+    "not greater than zero": lambda b, v: b.select(b.const(0), v["x"], b.const(1), v["x"]),
+    "of a size not less than zero": lambda b, v: b.select(b.abs(v["x"]), b.const(0), b.const(1), v["x"]),
+    "of a square not less than zero": lambda b, v: b.select(b.square(v["x"]), b.const(0), b.const(1), v["x"]),
+    "greater than a negative": lambda b, v: b.select(b.const(-1), v["x"], v["x"], b.const(1)),
+    "greater of it and zero": lambda b, v: b.max(v["x"], b.const(0)),
+    "smaller of it and zero": lambda b, v: b.min(v["x"], b.const(0)),
+    "root of a size": lambda b, v: b.sqrt(b.abs(v["x"])),
+    "one and a cosine": lambda b, v: b.add(b.const(1), b.cos(v["x"])),
+    "one minus a sine": lambda b, v: b.sub(b.const(1), b.sin(v["x"])),
+    "one less a size up to one": lambda b, v: b.sub(b.const(1), b.min(b.abs(v["x"]), b.const(1))),
+    "a size and one, less one": lambda b, v: b.sub(b.add(b.abs(v["x"]), b.const(1)), b.const(1)),
 }
 
 

@@ -65,6 +65,29 @@ def test_each_wheel_has_its_own_limit(tmp_path: Path) -> None:
     assert call(d, "desaturate", asked)["scale"] == 0.5
 
 
+@pytest.mark.parametrize(("asked", "scale"), [(-8.0, 0.5), (-4.0, 1.0), (8.0, 1.0), (40.0, 0.5)])
+def test_each_side_has_its_own_limit(tmp_path: Path, asked: float, scale: float) -> None:
+    """Backwards a wheel may turn at 4 rad/s, forwards at 20; the others are scaled along."""
+    d = derived(tmp_path, robot_text(MECANUM, "limits: {spin: [-4, 20]}"), "desaturate")
+    rates = {"fl.spin": asked, "fr.spin": 2.0, "bl.spin": -1.0, "br.spin": 0.0}
+    assert call(d, "desaturate", rates) == {k: v * scale for k, v in rates.items()} | {"scale": scale}
+
+
+def test_a_rate_rounded_beyond_its_lower_limit_is_cut(tmp_path: Path) -> None:
+    """In float both limits hold to the last bit, each for itself."""
+    for low, high in ((-11.7, 1e3), (-1e3, 11.7)):
+        d = derived(tmp_path, robot_text(MECANUM, f"limits: {{spin: [{low}, {high}]}}"), "desaturate")
+        source, side = random.Random(4), -1 if low == -11.7 else 1
+        end = nearest_float32(11.7)
+        reached = 0
+        for _ in range(300):
+            asked = dict.fromkeys((f"{n}.spin" for n in CORNERS), 0.0)
+            kept = call(d, "desaturate", asked | {"fl.spin": side * source.uniform(11.7, 1e5)}, FLOAT32)
+            assert abs(kept["fl.spin"]) <= end
+            reached += abs(kept["fl.spin"]) == end
+        assert reached > 100
+
+
 def test_castors_turn_along(tmp_path: Path) -> None:
     wheels = (
         "  - {name: fl, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}\n"

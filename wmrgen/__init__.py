@@ -24,9 +24,13 @@ __all__ = ["__version__", "derive", "load"]
 
 def load(path: str | PathLike[str]) -> Robot:
     """The robot that a file describes. RobotFileError, with the place, where the file cannot be accepted."""
-    from wmrgen.robot import load as load_robot
+    from wmrgen.functions.registry import check
+    from wmrgen.layout import build
+    from wmrgen.spec.load import read_robot
 
-    return load_robot(os.fspath(path))
+    spec = read_robot(os.fspath(path))
+    check(spec.functions)
+    return build(spec)
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:

@@ -1,39 +1,36 @@
-"""The whole pipeline of one robot, each stage computed when first asked for."""
+"""The facade: the whole pipeline of one robot, each stage computed when first asked for."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wmrgen.functions.registry import check as check_functions
+import sympy
+
+from wmrgen import matrices, modules
+from wmrgen.backends.registry import BACKENDS
+from wmrgen.bounds.precision import library
+from wmrgen.bounds.robot import Bounds, bounds
+from wmrgen.constraints import Constraints, constrain, symbolic_view
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.functions.registry import system_builder
+from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
-from wmrgen.layout import Robot, build
-from wmrgen.spec.load import read_robot
+from wmrgen.ir.nodes import Function, Module
+from wmrgen.ir.select import select
+from wmrgen.kinematics.records import Formula
+from wmrgen.layout.records import Robot
+from wmrgen.lower import lower
+from wmrgen.mobility import Mobility, analyse
+from wmrgen.model_json import model
+from wmrgen.program import Program, asked, formula, program, standard
+from wmrgen.symbolic import Expr, matrix
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    import sympy
-
-    from wmrgen.bounds.robot import Bounds
-    from wmrgen.constraints import Constraints
-    from wmrgen.exact.number import Exact
-    from wmrgen.functions.models.system import System
     from wmrgen.functions.structure.brackets import Growth
     from wmrgen.functions.structure.frobenius import Integrability
-    from wmrgen.ir.nodes import Function, Module
-    from wmrgen.kinematics import Formula
-    from wmrgen.mobility import Mobility
-    from wmrgen.program import Program
-    from wmrgen.symbolic import Expr
-
-
-def load(path: str | Path) -> Robot:
-    """The exact layout of a robot file. RobotFileError when it cannot be accepted."""
-    spec = read_robot(path)
-    check_functions(spec.functions)
-    return build(spec)
+    from wmrgen.functions.system import System
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
@@ -57,24 +54,22 @@ class Derivation:
         """What backends for readers (report, drawing) are given."""
         return self
 
+    # The layout's constraints and what they allow.
+
     @cached_property
     def constraints(self) -> Constraints:
         """All rows, parameters as symbols."""
-        from wmrgen.constraints import constrain, symbolic_view
-
         return constrain(self.robot, symbolic_view)
 
     @cached_property
     def mobility(self) -> Mobility:
         """Degrees, ranks and reasons. NotDerivableError for trailers or virtual wheels that the layout cannot have."""
-        from wmrgen.mobility import analyse
-
-        found = analyse(self.robot)
+        mobility = analyse(self.robot)
         if self.robot.trailers or self.robot.virtual:
             from wmrgen.functions.trailers.feasible import check
 
-            check(self.robot, found)
-        return found
+            check(self.robot, mobility)
+        return mobility
 
     @cached_property
     def integrability(self) -> Integrability:
@@ -90,105 +85,77 @@ class Derivation:
 
         return robot_growth(self.robot, self.mobility)
 
-    @cached_property
+    # Matrices.
+
+    @property
     def J1(self) -> sympy.Matrix:
         """Rolling rows, (number of rolling wheels) x 3: J1 xi = J2 spin (Siegwart (3.24))."""
-        return self._matrix([c.row for c in self.constraints.rolling])
+        return matrices.of_twist(self.constraints.rolling)
 
-    @cached_property
+    @property
     def J2(self) -> sympy.Matrix:
         """Diagonal of r cos gamma [m] (Siegwart (3.24))."""
-        import sympy
+        return matrices.radii(self.constraints)
 
-        from wmrgen.symbolic import expression
-
-        return sympy.diag(
-            *(expression(-dict(c.rates)[c.wheel.index, "spin"]) for c in self.constraints.rolling)
-        )
-
-    @cached_property
+    @property
     def C1f(self) -> sympy.Matrix:
         """Sliding rows of fixed wheels, N x 3 (Siegwart (3.26))."""
-        return self._matrix([c.row for c in self.constraints.sliding_fixed])
+        return matrices.of_twist(self.constraints.sliding_fixed)
 
-    @cached_property
+    @property
     def C1s(self) -> sympy.Matrix:
         """Sliding rows of steered wheels, N x 3 (Siegwart (3.26))."""
-        return self._matrix([c.row for c in self.constraints.sliding_steered])
+        return matrices.of_twist(self.constraints.sliding_steered)
 
-    @cached_property
+    @property
     def pfaffian(self) -> sympy.Matrix:
         """A with A (vx, vy, omega, joint rates) = 0; joints in the order of `pfaffian_rates`.
 
         With ``slip: true``, e . v + slip_x = r spin in rolling rows and n . v = slip_y in sliding rows.
         """
-        from wmrgen.constraints import pfaffian
-        from wmrgen.symbolic import matrix
-
-        return matrix(pfaffian(self.constraints, self.robot.slip), len(self.pfaffian_rates))
+        return matrices.pfaffian_matrix(self.constraints)
 
     @property
     def pfaffian_rates(self) -> tuple[str, ...]:
         """Names of the Pfaffian matrix's columns."""
-        names = self.robot.wheels
-        rates = (
-            f"{names[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in self.constraints.joints
-        )
-        every = (*self.constraints.rolling, *self.constraints.sliding) if self.robot.slip else ()
-        slips = (f"{c.wheel.name}.slip_{'x' if c.kind == 'rolling' else 'y'}" for c in every)
-        return ("vx", "vy", "omega", *rates, *slips)
+        return matrices.pfaffian_rates(self.constraints)
 
-    @cached_property
+    @property
     def H(self) -> sympy.Matrix:
         """2N x 3: velocities of all contact points per twist, v_c = H xi + Q steer_rate (Kelly Box 4.2, (4.62))."""
-        from wmrgen.constraints import symbolic_view
-        from wmrgen.functions.motion.points import matrices
+        from wmrgen.functions.motion.points import twist_matrix
 
-        return self._matrix(matrices(self.robot, symbolic_view)[0])
+        return twist_matrix(self.robot)
 
-    @cached_property
+    @property
     def Q(self) -> sympy.Matrix:
         """2N x M: velocities of all contact points per steering rate of the M wheels that turn, in wheel order."""
-        from wmrgen.constraints import symbolic_view
-        from wmrgen.functions.motion.points import matrices
-        from wmrgen.symbolic import matrix
+        from wmrgen.functions.motion.points import steering_matrix
 
-        turning = sum(w.turns for w in self.robot.wheels)
-        return matrix(matrices(self.robot, symbolic_view)[1], turning)
+        return steering_matrix(self.robot)
 
-    @cached_property
+    @property
     def compatibility(self) -> sympy.Matrix:
         """Rows w with w . spin = 0, one column per driven wheel: left null space of J2^-1 J1 (Tzafestas (2.84))."""
-        from wmrgen.constraints import symbolic_view
-        from wmrgen.functions.motion.compatibility import relations
-        from wmrgen.symbolic import matrix
+        from wmrgen.functions.motion.compatibility import relation_matrix
 
-        driven, rows = relations(self.robot, self.mobility, symbolic_view)
-        return matrix(rows, len(driven))
+        return relation_matrix(self.robot, self.mobility)
 
-    @cached_property
+    @property
     def null_space(self) -> sympy.Matrix:
         """3 x delta_m: columns span the admissible twists at steering angles that meet in one ICR."""
-        return self._matrix(self.mobility.null_space_symbolic).T
+        return matrix(self.mobility.null_space_symbolic, 3).T
 
-    @staticmethod
-    def _matrix(rows: Any) -> sympy.Matrix:
-        from wmrgen.symbolic import matrix
-
-        return matrix(rows, 3)
+    # Functions, in symbols and at exact values.
 
     @cached_property
     def program(self) -> Program:
         """The functions of the model in symbols."""
-        from wmrgen.program import program, standard
-
         names = standard(self.robot) if self._functions is None else self._functions
         return program(self.robot, self.mobility, names)
 
     def formula(self, name: str) -> Formula:
         """Any function of the robot in symbols. NotDerivableError where it does not have it."""
-        from wmrgen.program import formula
-
         return formula(self.robot, self.mobility, name)
 
     def system(self, name: str, symbolic: bool = False) -> System:
@@ -196,16 +163,10 @@ class Derivation:
 
         ``symbolic`` keeps every named parameter as a symbol, else only tunable ones.
         """
-        from wmrgen.functions.registry import system_builder
-
         return system_builder(name)(self.robot, self.mobility, symbolic)
 
     def evaluate(self, name: str, values: Mapping[str, Exact]) -> dict[str, Exact]:
         """Any function at exact values. Inputs left out are 0, parameters nominal."""
-        from wmrgen.exact.number import ZERO
-        from wmrgen.ir.interpret import EXACT, evaluate
-        from wmrgen.lower import lower
-
         if name not in self._lowered:
             self._lowered[name] = lower(self.formula(name))
         function = self._lowered[name]
@@ -232,35 +193,28 @@ class Derivation:
         """Output name -> expression: rates of the posture model."""
         return self.program.formula("dynamics").closed()
 
+    # Code.
+
     @cached_property
     def raw_module(self) -> Module:
         """The functions as written, not optimised: what the exact backend evaluates."""
-        from wmrgen.modules import written
-
-        return written(self.program)
+        return modules.written(self.program)
 
     @cached_property
     def _optimised(self) -> Module:
-        from wmrgen.modules import optimised
-
-        return optimised(self.raw_module)
+        return modules.optimised(self.raw_module)
 
     @cached_property
     def module(self) -> Module:
         """The functions with every output of the contract, optimised."""
-        from wmrgen.ir.select import select
-
         return select(self._optimised, {f.name: f.name for f in self.program.formulas})
 
     @cached_property
     def c_module(self) -> Module:
         """The functions for C: forward with and without the residual, inverse without slip, which has a function
         of its own, no posture model unless asked for."""
-        from wmrgen.modules import for_c
-        from wmrgen.program import asked
-
         wanted = asked(self.robot) if self._functions is None else self._functions
-        return for_c(self._optimised, self.program.in_c(wanted))
+        return modules.for_c(self._optimised, self.program.in_c(wanted))
 
     @cached_property
     def bounds(self) -> Bounds:
@@ -269,28 +223,22 @@ class Derivation:
 
     def bounds_of(self, choice: Choice) -> Bounds:
         """Proved ranges and rounding errors of the C functions in float, where the robot file has limits."""
-        from wmrgen.bounds.precision import library
-        from wmrgen.bounds.robot import bounds
-
         return bounds(self.robot, self.c_module, library(choice))
+
+    # What backends make of them.
 
     def model(self) -> dict[str, Any]:
         """The content of model.json."""
-        from wmrgen.model import model
-
-        return model(self)
+        return model(self.robot, self.mobility, self.raw_module, self.c_module, self.bounds)
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""
-        from wmrgen.backends.casadi import functions
-
-        return functions(self.module)
+        made: dict[str, Any] = BACKENDS["casadi"].offers("functions")(self.module)
+        return made
 
     def numpy(self) -> Any:
         """The functions, vectorised over NumPy arrays."""
-        from wmrgen.backends.numpy import functions
-
-        return functions(self.module)
+        return BACKENDS["numpy"].offers("functions")(self.module)
 
     def _repr_latex_(self) -> str:
         from wmrgen.printing import Latex
@@ -298,6 +246,5 @@ class Derivation:
         return f"$$C_1 N = 0,\\quad N = {Latex().doprint(self.null_space)}$$"
 
     def _repr_svg_(self) -> str:
-        from wmrgen.backends.drawing.scene import picture
-
-        return picture(self)
+        picture: str = BACKENDS["drawing"].offers("picture")(self)
+        return picture

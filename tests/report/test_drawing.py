@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from wmrgen import derive, load
 from wmrgen.backends import drawing
 from wmrgen.backends.drawing.example import example
 from wmrgen.backends.drawing.wheels import contact
 from wmrgen.backends.meta import NO_META
-from wmrgen.robot import Derivation, derive, load
+from wmrgen.robot import Derivation
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
 SVG = "{http://www.w3.org/2000/svg}"

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from wmrgen import derive, load
 from wmrgen.backends import report
 from wmrgen.backends.meta import Meta
-from wmrgen.robot import Derivation, derive, load
+from wmrgen.robot import Derivation
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
 META = Meta(model_hash="0123456789abcdef", wmrgen_version="9.9")

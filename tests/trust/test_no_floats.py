@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 import sympy
 
-from wmrgen.robot import Derivation, derive, load
+from wmrgen import derive, load
+from wmrgen.robot import Derivation
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
 

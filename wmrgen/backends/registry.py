@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Protocol, cast
+from typing import Any, Protocol, cast
 
 from wmrgen.backends.meta import Meta
 from wmrgen.ir.nodes import Module
@@ -36,6 +36,10 @@ class Entry:
 
     def load(self) -> Backend:
         return cast(Backend, import_module(self.module))
+
+    def offers(self, name: str) -> Any:
+        """What this backend offers beyond the protocol, as ``functions`` of CasADi and NumPy."""
+        return getattr(self.load(), name)
 
 
 BACKENDS: dict[str, Entry] = {

@@ -24,7 +24,7 @@ from wmrgen.ports import Limits
 from wmrgen.spec.text import quoted, suggestion
 
 if TYPE_CHECKING:
-    from wmrgen.functions.models.system import System
+    from wmrgen.functions.system import System
     from wmrgen.kinematics.records import Formula
     from wmrgen.layout.records import Robot
     from wmrgen.mobility.records import Mobility

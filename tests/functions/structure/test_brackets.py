@@ -23,8 +23,8 @@ from tests.functions.models.robots import (
     zero,
 )
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.models.system import System
 from wmrgen.functions.structure.brackets import growth
+from wmrgen.functions.system import System
 from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))

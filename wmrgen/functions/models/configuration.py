@@ -11,8 +11,8 @@ from wmrgen.functions.models.followers import castor_rate, direct, rate_row, rim
 from wmrgen.functions.models.fraction import quotient
 from wmrgen.functions.models.frame import clean
 from wmrgen.functions.models.posture import Motion, best_motion, world
-from wmrgen.functions.models.system import System
 from wmrgen.functions.registry import function, system
+from wmrgen.functions.system import System
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, joint_port
 from wmrgen.layout.records import Robot, Wheel

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from wmrgen.functions.models.posture import eta_motion, system_of
-from wmrgen.functions.models.system import System
 from wmrgen.functions.registry import system
+from wmrgen.functions.system import System
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 

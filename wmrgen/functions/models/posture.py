@@ -16,9 +16,9 @@ from wmrgen.functions.models.followers import castor_rate
 from wmrgen.functions.models.fraction import divided, essential, never_zero
 from wmrgen.functions.models.frame import Frame, angles_in, clean, frame
 from wmrgen.functions.models.inputs import UnderactuatedError, choose, etas
-from wmrgen.functions.models.system import Domain, System
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system
+from wmrgen.functions.system import Domain, System
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from wmrgen.functions.models.system import System, rate_port
+from wmrgen.functions.system import System, rate_port
 from wmrgen.ports import Port
 from wmrgen.printing import Latex, Reader, Text, Writer, exact
 from wmrgen.symbolic import Expr, signal

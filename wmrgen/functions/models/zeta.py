@@ -20,9 +20,9 @@ from wmrgen.functions.models.followers import turned
 from wmrgen.functions.models.fraction import essential, never_zero, quotient
 from wmrgen.functions.models.frame import Frame
 from wmrgen.functions.models.posture import geometry_ports
-from wmrgen.functions.models.system import Domain, System
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system
+from wmrgen.functions.system import Domain, System
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import sympy
 
 from wmrgen.constraints import View, driving_row, symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
@@ -21,7 +22,7 @@ from wmrgen.mobility.nullspace import IDENTITY
 from wmrgen.mobility.ranks import independent, numeric_rank, unit_rows
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import expression
+from wmrgen.symbolic import expression, matrix
 
 NEGLIGIBLE = 1e-12
 Relation = tuple[Poly, ...]  # one entry per driven wheel
@@ -53,6 +54,12 @@ def relations(
         row = [full.get(i, Poly({})) * view(w).rolling_radius for i, w in enumerate(driven)]
         found.append(_readable(row))
     return driven, found
+
+
+def relation_matrix(robot: Robot, mobility: Mobility) -> sympy.Matrix:
+    """The rows w, one column per driven wheel, every named parameter a symbol."""
+    driven, rows = relations(robot, mobility, symbolic_view)
+    return matrix(rows, len(driven))
 
 
 def _float(robot: Robot, poly: Poly) -> float:

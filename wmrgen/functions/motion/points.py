@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmrgen.constraints import View, heading, working_view
+import sympy
+
+from wmrgen.constraints import View, heading, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Locals, given, joint_port, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr
+from wmrgen.symbolic import Expr, matrix
 
 ZERO, ONE = Poly({}), Poly.of(1)
 
@@ -59,6 +61,16 @@ def matrices(robot: Robot, view: View) -> tuple[list[Row], list[list[Poly]]]:
         for value in p.swing
     ]  # fmt: skip
     return H, Q
+
+
+def twist_matrix(robot: Robot) -> sympy.Matrix:
+    """H, 2N x 3, every named parameter a symbol."""
+    return matrix(matrices(robot, symbolic_view)[0], 3)
+
+
+def steering_matrix(robot: Robot) -> sympy.Matrix:
+    """Q, 2N x M for M wheels that turn, every named parameter a symbol."""
+    return matrix(matrices(robot, symbolic_view)[1], sum(w.turns for w in robot.wheels))
 
 
 def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Expr, Expr]]:

@@ -17,8 +17,8 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.eta import eta_system
 from wmrgen.functions.models.sheet import tidy
-from wmrgen.functions.models.system import System
 from wmrgen.functions.models.vector_fields import Field, derivative, to_poly, value_at
+from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import trailer_system
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility

@@ -14,7 +14,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.models.posture import eta_motion, posture_field, posture_state
 from wmrgen.functions.models.rational_points import Dual, Evaluator, Place, circle
-from wmrgen.functions.models.system import System
+from wmrgen.functions.system import System
 from wmrgen.functions.trailers.chained import chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import body_of, convoy, state_ports
 from wmrgen.functions.trailers.train import Train, train

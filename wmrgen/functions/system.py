@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.functions.models.guard import guarded
+from wmrgen.functions.guard import guarded
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, signal, times

@@ -4,77 +4,72 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from wmrgen.bounds.robot import Bounds
+from wmrgen.bounds.robot import data as bounds_data
 from wmrgen.constraints import Constraints, constrain, pfaffian, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.cost import count
-from wmrgen.layout.records import Wheel
+from wmrgen.ir.nodes import Module
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.matrices import pfaffian_rates
+from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.program import asked
-
-if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
-    from wmrgen.mobility.records import Mobility, Rank, Singularity
-    from wmrgen.robot import Derivation
 
 FORMAT = 1
 _TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))
 
 
-def model(d: Derivation) -> dict[str, Any]:
-    """Everything others may rely on, in contract order."""
-    robot, m = d.robot, d.mobility
+def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, bounds: Bounds) -> dict[str, Any]:
+    """Everything others may rely on, in contract order.
+
+    ``formulas``: the functions as written; ``code``: those of the C; ``bounds``: of that code.
+    """
     c = constrain(robot, working_view)
     spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
     diagonal = [[spins[i] if i == j else Poly({}) for j in range(len(spins))] for i in range(len(spins))]
     return {
         **_identity(robot),
-        **_mobility(m),
+        **_mobility(mobility),
         "J1": strings([r.row for r in c.rolling]),
         "J2": strings(diagonal),
         "C1f": strings([r.row for r in c.sliding_fixed]),
         "C1s": strings([r.row for r in c.sliding_steered]),
-        "null_space": [[text(column[i]) for column in m.null_space] for i in range(3)],
+        "null_space": [[text(column[i]) for column in mobility.null_space] for i in range(3)],
         "functions": {
             f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
-            for f in d.raw_module.functions
+            for f in formulas.functions
         },
-        "operations": {f.name: _operations(f) for f in d.c_module.functions},
-        **_bounds(d),
-        **_slip(d, c),
-        **_domains(d),
+        "operations": {f.name: _operations(f) for f in code.functions},
+        **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
+        **(
+            {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}
+            if robot.slip
+            else {}
+        ),
+        **_domains(robot, mobility),
     }
 
 
-def _bounds(d: Derivation) -> dict[str, Any]:
-    """Proved ranges and rounding errors, where the robot file has the limits for them."""
-    found = d.bounds
-    if found.missing:
-        return {}
-    from wmrgen.bounds.robot import data
-
-    return {"bounds": data(found)}
-
-
-def _slip(d: Derivation, c: Constraints) -> dict[str, Any]:
+def _slip(c: Constraints) -> dict[str, Any]:
     """The Pfaffian matrix where `slip: true` adds columns to it."""
-    if not d.robot.slip:
+    if not c.robot.slip:
         return {}
-    return {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(d.pfaffian_rates)}
+    return {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}
 
 
-def _domains(d: Derivation) -> dict[str, Any]:
+def _domains(robot: Robot, mobility: Mobility) -> dict[str, Any]:
     """Where the models that the file asks for are singular: trailers that jack-knife among them."""
-    wanted = asked(d.robot)
-    if not wanted:
+    names = [name for name in asked(robot) if has_system(name)]
+    if not names:
         return {}
     from wmrgen.functions.models.sheet import data, sheet_of
-    from wmrgen.functions.registry import has_system
 
-    names = [name for name in wanted if has_system(name)]
-    found = {name: data(sheet_of(name, d.system(name)))["domain"] for name in names}
-    return {"singular_models": found} if names else {}
+    sheets = {name: sheet_of(name, system_builder(name)(robot, mobility, False)) for name in names}
+    return {"singular_models": {name: data(sheet)["domain"] for name, sheet in sheets.items()}}
 
 
 def _identity(robot: Robot) -> dict[str, Any]:

@@ -83,7 +83,7 @@ def test_names_that_a_file_cannot_ask_for(tmp_path: Path, function: str, what: s
 
 
 def test_the_schema_lists_what_a_file_may_ask_for() -> None:
-    listed = json_schema(optional_names())["properties"]["functions"]["items"]["enum"]
+    listed = json_schema(optional_names())["$defs"]["function"]["enum"]
     assert set(listed) == set(names()) - {n for n in names() if declaration(n).kind is Kind.FIRMWARE}
 
 

@@ -1,4 +1,4 @@
-"""README's tables of figures: ``python -m benchmarks processor``; with ``--update`` written between two markers."""
+"""The tables of docs/benchmarks.md: ``python -m benchmarks processor``; ``--update`` writes them there."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from benchmarks import footprint, processor, small
 from benchmarks.others import wpilib
 from wmrgen.artifacts import write_file
 
-README = Path(__file__).resolve().parent.parent / "README.md"
+PAGE = Path(__file__).resolve().parent.parent / "docs" / "benchmarks.md"
 BEGIN = "<!-- begin: python -m benchmarks processor --update -->"
 END = "<!-- end -->"
 
 
-def run(renew: bool, path: Path = README) -> Iterator[str]:
+def run(renew: bool, path: Path = PAGE) -> Iterator[str]:
     """The tables; with ``renew`` they replace those of the file, when every tool they need is there."""
     lines = []
     for table in (processor.tables, wpilib.table, footprint.table, small.table):
@@ -32,11 +32,11 @@ def between(text: str) -> str:
     head, begin, rest = text.partition(BEGIN)
     body, end, _ = rest.partition(END)
     if not begin or not end or BEGIN in rest or END in head:
-        raise ValueError(f"README needs one {BEGIN!r} and one {END!r} after it")
+        raise ValueError(f"the page needs one {BEGIN!r} and one {END!r} after it")
     return body
 
 
-def update(lines: Iterable[str], path: Path = README) -> bool:
+def update(lines: Iterable[str], path: Path = PAGE) -> bool:
     """Write ``lines`` between the markers of the file; True when that changed it."""
     text = path.read_text(encoding="utf-8")
     old = f"{BEGIN}{between(text)}{END}"

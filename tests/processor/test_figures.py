@@ -1,4 +1,4 @@
-"""README's tables and what they promise: few instructions, the same for every input, far fewer than CasADi's."""
+"""The tables of docs/benchmarks.md promise few instructions, the same for every input, far fewer than CasADi's."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from benchmarks import figures
 from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.inputs import nominal
-from benchmarks.figures import BEGIN, END, README
+from benchmarks.figures import BEGIN, END, PAGE
 from benchmarks.jobs import JOBS, Job, derivations
 from benchmarks.processor import GENERATORS, Bench, inputs
 from tests.tools import need
@@ -21,9 +21,9 @@ from wmrgen.ir.kernels.choice import MATHS
 RETURN = 1  # the instruction that returns, which the limits leave out
 
 
-def test_the_readme_has_every_row() -> None:
+def test_the_page_has_every_row() -> None:
     """Both Cortex-M and the bytes have all jobs, WPILib what it offers; each choice of mathematics has its column."""
-    text = figures.between(README.read_text(encoding="utf-8"))
+    text = figures.between(PAGE.read_text(encoding="utf-8"))
     rows = Counter((row[0], row[1]) for row in figures.rows(text))
     for job in JOBS:
         assert rows[job.layout, job.function] >= 5, job
@@ -36,7 +36,7 @@ def test_the_readme_has_every_row() -> None:
 
 
 def test_update_replaces_what_stands_between_the_markers(tmp_path: Path) -> None:
-    path = tmp_path / "README.md"
+    path = tmp_path / "benchmarks.md"
     path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
     assert figures.update(["", "| a | b |", "|---|---|", "| 1 | 2 |"], path)
     assert path.read_text() == f"before\n{BEGIN}\n\n| a | b |\n|---|---|\n| 1 | 2 |\n\n{END}\nafter\n"
@@ -46,7 +46,7 @@ def test_update_replaces_what_stands_between_the_markers(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("text", ["none", f"{BEGIN} alone", f"{END} {BEGIN}", f"{BEGIN} {BEGIN} {END}"])
 def test_markers_that_do_not_fit_are_told(text: str) -> None:
-    with pytest.raises(ValueError, match="README needs one"):
+    with pytest.raises(ValueError, match="the page needs one"):
         figures.between(text)
 
 

@@ -6,10 +6,13 @@ import math
 import random
 from typing import Any
 
+import pytest
+
 from tests.oracle import oracle
 from tests.oracle.agreement import CAMPION, check_forward, check_inverse
 from tests.oracle.freedom import Freedom, freedom
 from tests.oracle.harness import Model
+from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import EXACT, evaluate_module
 
 Layout = dict[str, Any]
@@ -54,6 +57,17 @@ def check_mobility(layout: Layout, model: Model, free: Freedom) -> None:
     assert found == wanted, ("degrees", found, wanted)
     assert m.rank_C1f.value == oracle.rank(oracle.sliding_rows(layout, "fixed", {}))
     consistent(m)
+    check_growth(model)
+
+
+def check_growth(model: Model) -> None:
+    """The brackets of the posture model are those of the mobility, where its steering angles are free."""
+    m = model.derivation.mobility
+    if m.degree_of_mobility == 0 or len(m.basis_wheels) > m.degree_of_steerability:
+        with pytest.raises(NotDerivableError):
+            _ = model.derivation.growth
+    elif not {g.name for column in m.null_space for p in column for g in p.generators} - set(m.basis_wheels):
+        assert model.derivation.growth.vector == m.growth_vector
 
 
 def consistent(m: Any) -> None:

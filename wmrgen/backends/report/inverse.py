@@ -99,7 +99,7 @@ def _coupled(s: Subject, twist: Row) -> list[str]:
         if joint == "spin":
             lines += [
                 f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / Σ r² of the "
-                "single solutions above.",
+                f"single solutions above.{_way(s, members)}",
                 "",
             ]
         elif alike([s.letters.wheel(n) for n in members], twist):
@@ -116,8 +116,28 @@ def _coupled(s: Subject, twist: Row) -> list[str]:
     return lines
 
 
+def _way(s: Subject, members: tuple[str, ...]) -> str:
+    """How a steered wheel among wheels with one speed picks its heading."""
+    steered = [n for n in members if s.letters.wheel(n).kind.steers]
+    if (
+        not steered
+        or s.robot.steer_group[s.robot.wheel(members[0]).index]
+        == s.robot.steer_group[s.robot.wheel(members[-1]).index]
+    ):
+        return ""
+    return f" Of its two headings {listed(steered)} takes the one that rolls the way the others do."
+
+
 def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
-    said = _forbidden(projection)
+    unlike = _unlike(s, twist)
+    said = _forbidden(projection, bool(unlike))
+    if unlike:
+        said += [
+            f"A common rate need not suit all wheels of a coupling. Of {'; of '.join(map(listed, unlike))} the mean "
+            "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d β̇ against its sideways "
+            "speed, is added under the root.",
+            "",
+        ]
     held = [w.name for w in s.letters.wheels if w.kind.steers and _held(s, w, twist)]
     if not held:
         return said
@@ -134,8 +154,23 @@ def _held(s: Subject, w: Wheel, twist: Row) -> bool:
     return s.robot.limit(w, "steer") is not None or not alike(partners(s, w), twist)
 
 
-def _forbidden(projection: Projection) -> list[str]:
+def _unlike(s: Subject, twist: Row) -> list[list[str]]:
+    """Coupled wheels whose common spin or swivel rate may leave something to sliding (see `turned_unlike`)."""
+    castors = s.letters.together("steer", (w for w in s.letters.wheels if w.kind.swivels))
+    spun = s.letters.together("spin", (w for w in s.letters.wheels if w.has_spin))
+    spun = [
+        wheels
+        for wheels in spun
+        if any(w.turns for w in wheels)
+        and not (all(w in partners(s, wheels[0]) for w in wheels) and alike(wheels, twist))
+    ]
+    return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
+
+
+def _forbidden(projection: Projection, coupled: bool) -> list[str]:
     forms = [p for p in projection.residuals if p]
+    if not forms and coupled:
+        return []
     if not forms:
         return [
             "Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0.",

@@ -50,6 +50,12 @@ def frame(robot: Robot, mobility: Mobility, symbolic: bool, virtual: tuple[Wheel
     """Coordinates and null space; ``virtual`` wheels, as many as the degree of steerability, replace the real ones."""
     if not mobility.degree_of_mobility:
         raise NotDerivableError(f"{robot.name} cannot move (degree of mobility 0): it has no model of motion")
+    if len(mobility.basis_wheels) > mobility.degree_of_steerability:
+        raise NotDerivableError(
+            f"{robot.name} has no model of motion with free steering rates: its couplings tie the angles of "
+            f"{', '.join(mobility.basis_wheels)} together, and the degree of steerability is "
+            f"{mobility.degree_of_steerability}"
+        )
     if virtual:
         rows = list(constant_rows(robot, mobility))
         rows += [sliding_row(w, symbolic_view(w)).row for w in virtual]

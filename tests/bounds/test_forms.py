@@ -99,6 +99,14 @@ def test_a_rounding_to_a_whole_number_moves_by_half() -> None:
     assert lo >= -1 - 1e-5 and hi <= 1 + 1e-5
 
 
+def test_what_is_rounded_to_a_whole_number_may_be_off() -> None:
+    """The float program decides by what it computed: the exact value is half a step away, and its error."""
+    f = _function(lambda b, at: b.rint(b.mul(b.const(Fraction(10**5, 3)), at["q"])))
+    w = walked(f, RANGES)
+    (arg,) = f.nodes[f.results[0]].args
+    assert w.forms.list[f.results[0]].slack[0] >= 0.5 + w.errors([arg]).plain[0, 0] > 0.503
+
+
 def test_sines_that_repeat_are_counted_apart() -> None:
     """3 sin a + cos a + sin a, the sine twice in the list of nodes."""
 

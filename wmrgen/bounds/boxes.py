@@ -68,7 +68,7 @@ def analysed(
         over = sum(float(v[row].max()) for v in errors.over.values())
         error, divisions = float(errors.plain[row].max()), errors.divisions[row]
         rho = max((walk.lengths[j].rho for j in divisions - walk.singular), default=0.0)
-        singular = not divisions.isdisjoint(walk.singular) or not np.isfinite(error + over)
+        singular = not divisions.isdisjoint(walk.singular) or not np.isfinite(error + over + rho)
         claims.append(Claim(float(low.min()), float(high.max()), error, over, rho, singular))
     return Outcome(tuple(claims), tuple(dict.fromkeys((i, what) for i, what, _ in walk.alarms)))
 

@@ -13,7 +13,7 @@ import numpy as np
 from wmrgen.bounds import interval as iv
 from wmrgen.bounds.forms import combined
 from wmrgen.bounds.interval import Array, Interval
-from wmrgen.bounds.lengths import facts, lost, share
+from wmrgen.bounds.lengths import MOVED, facts, lost, share
 from wmrgen.bounds.precision import constant
 from wmrgen.bounds.shapes import extremum, size_of, terms_below_root
 from wmrgen.bounds.slopes import Partial
@@ -23,8 +23,7 @@ from wmrgen.ir.nodes import Node, Op
 Lemma = Callable[[Walk, int, Node], Value]
 
 _SINGULAR = 1e-6  # of its largest value: a divisor below that may as well be zero
-_STEEP = 1 + 1e-4  # times 1 / h: the slope of a quotient by a length h, its roundings included
-_ROOM = 1.03  # of a quotient by a length that underflow may shorten
+_ROOM = 1.1  # of a quotient by a length that underflow may shorten, on the way from no rounding to all
 
 
 def _const(w: Walk, i: int, node: Node) -> Value:
@@ -110,8 +109,8 @@ def _div_by_length(w: Walk, i: int, node: Node) -> Value:
         length.facts += [fact for k in _alike(w, a) for fact in facts(w.nodes, k, limit)]
         length.shares.clear()
     partials = (
-        Partial(a, value, length=i, steep=np.full(w.boxes, _STEEP)),
-        Partial(b, value, length=i, steep=most * _STEEP),
+        Partial(a, value, length=i, steep=np.full(w.boxes, MOVED)),
+        Partial(b, value, length=i, steep=most * MOVED),
     )
     noise = w.rounded(value, i)
     return Value(value, partials, Noise(noise.size + w.form.tiny, noise.relative))
@@ -222,7 +221,7 @@ def _atan2(w: Walk, i: int, node: Node) -> Value:
     if np.any(wraps):  # a full turn off is no error of the angle, but one of the number
         value = iv.hull(value, (np.full(w.boxes, -np.pi - 1e-9), np.full(w.boxes, np.pi + 1e-9)))
         noise = Noise(noise.size + 2 * np.pi)
-    steep = np.full(w.boxes, _STEEP)
+    steep = np.full(w.boxes, MOVED)
     return Value(value, tuple(Partial(k, value, length=i, steep=steep) for k in node.args), noise)
 
 
@@ -242,7 +241,7 @@ def _rint(w: Walk, i: int, node: Node) -> Value:
     """A whole number, decided as the float program decides it."""
     x = w.ranges[node.args[0]]
     w.alarm(i, "too large to be rounded to a whole number", iv.magnitude(x) > 2.0 ** (w.form.bits - 2))
-    return Value((np.rint(x[0]), np.rint(x[1])))
+    return Value((np.rint(x[0]), np.rint(x[1])), decided=w.claimed(w.errors(node.args))[0])
 
 
 def _flip(w: Walk, i: int, node: Node) -> Value:

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 Share = tuple[float, float]  # (s, a): a value is at most s h + a
 
 SMALL_ANGLE = 64.0  # errors are claimed where the vector is this much longer than its own error
-SHORT = 2.0**-60  # below this length squares may underflow
+SHORT = 2.0**-40  # the error of a length counts as this at least
+MOVED = 1.05  # while rounding errors grow from nothing to what they are, values move so much apart from lengths at most
 _UNDERFLOW = 2.0**-150  # what a square of floats may lose
 _LEAST = 50.0  # times what a length loses by that: divisors are kept above
 _ROOM = 1 + 1e-5  # the roundings of a length

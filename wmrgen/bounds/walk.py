@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from wmrgen.bounds import interval as iv
 from wmrgen.bounds.forms import Forms
 from wmrgen.bounds.interval import GROW, Array, Interval
-from wmrgen.bounds.lengths import SHORT, SMALL_ANGLE, Length, lengths
+from wmrgen.bounds.lengths import MOVED, SHORT, SMALL_ANGLE, Length, lengths
 from wmrgen.bounds.lengths import share as share_of
 from wmrgen.bounds.precision import Format, Library
 from wmrgen.bounds.shapes import contracted, effective
@@ -49,7 +49,8 @@ class Noise:
 class Value:
     """What a lemma says of a result; ``away``: a lower bound of its absolute value.
 
-    ``widen``: whether the noise is a rounding that ``range`` does not hold yet.
+    ``widen``: whether the noise is a rounding that ``range`` does not hold yet. ``decided``: how far the exact argument
+    may be from that by which the float program decides.
     """
 
     range: Interval
@@ -57,6 +58,7 @@ class Value:
     noise: Noise | None = None
     away: Array | None = None
     widen: bool = True
+    decided: Array | float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +136,7 @@ class Walk:
             self.alarm(i, "may overflow", ~fits)
             interval = np.nan_to_num(interval[0], nan=-np.inf), np.nan_to_num(interval[1], nan=np.inf)
         least = iv.smallest(interval)
-        self.forms.add(i, self.ranges, size)
+        self.forms.add(i, self.ranges, size + value.decided)
         self.ranges.append(interval)
         self.away.append(least if away is None else np.maximum(least, away))
         self.noise.append(noise)
@@ -169,7 +171,12 @@ class Walk:
         """s where |node i| is at most s h, h the length of ``j``, wherever errors are claimed."""
         length = self.lengths[j]
         known = share_of(self, length, i)
-        return None if known is None else known[0] + known[1] / (SMALL_ANGLE / 2 * length.rho)
+        return None if known is None else MOVED * (known[0] + known[1] / (SMALL_ANGLE * length.rho))
+
+    def claimed(self, errors: Errors) -> Array:
+        """The errors where they are largest of all that is claimed: where lengths are short."""
+        parts = (over / (SMALL_ANGLE * self.lengths[j].rho) for j, over in errors.over.items())
+        return np.asarray(sum(parts, errors.plain))
 
     def measured(self, j: int) -> Length:
         """The length by which node ``j`` divides, and how far it is off."""

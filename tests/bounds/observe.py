@@ -46,7 +46,7 @@ def run(function: Function, inputs: Mapping[str, np.ndarray]) -> Run:
                 exact.append(inputs[node.name or ""].astype(np.float64))
             else:
                 single.append(_single(node, a, inputs.get(f"{CHOICE}{i}")))
-                exact.append(_exact(node, a, b))
+                exact.append(decided(node, a, b))
     return Run(single, exact)
 
 
@@ -80,7 +80,8 @@ def _faithful(wide: np.ndarray, choice: np.ndarray | None) -> np.ndarray:
     return np.where(worse & ~exact, other, near)
 
 
-def _exact(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
+def decided(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
+    """A node of exact arguments ``b``, decided as the float arguments ``a`` decide."""
     if node.op is Op.SELECT:
         return np.where(a[0] < a[1], b[2], b[3])
     if node.op == "rint":

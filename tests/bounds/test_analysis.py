@@ -76,7 +76,8 @@ def test_undefined_operations_raise_alarms(what: str) -> None:
     make, good, bad = BAD[what]
     control = function(make)
     assert not analysed(control, {"vx": good}, SINGLE, LIBM).alarms
-    assert analysed(control, {"vx": bad}, SINGLE, LIBM).alarms
+    words = {"division by zero": "may be zero", "overflow": "overflow"}.get(what, "may be negative")
+    assert any(words in text for _, text in analysed(control, {"vx": bad}, SINGLE, LIBM).alarms)
 
 
 def test_guarded_division_raises_none() -> None:

@@ -10,7 +10,9 @@ import pytest
 
 from tests.bounds.observe import draw, run
 from tests.bounds.small import OUT, walked
+from wmrgen.bounds.boxes import analysed
 from wmrgen.bounds.lemmas import LEMMAS
+from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op, Port, Role
@@ -70,17 +72,36 @@ def _allowed(w: Walk, f: Function, points: Mapping[str, np.ndarray]) -> Callable
     return of
 
 
+def _signed(w: Walk, f: Function) -> Callable[[str], tuple[float, float]]:
+    """The least and the largest derivative in an input."""
+
+    def of(name: str) -> tuple[float, float]:
+        arg = next((i for i, n in enumerate(f.nodes) if n.name == name), None)
+        low = high = 0.0
+        for p in w.partials[f.results[0]]:
+            if p.arg == arg:
+                ends = (p.by, p.by) if isinstance(p.by, int) else (float(p.by[0].min()), float(p.by[1].max()))
+                ends = (-np.inf, np.inf) if p.length is not None else ends
+                low, high = low + ends[0], high + ends[1]
+        return low, high
+
+    return of
+
+
 @pytest.mark.parametrize("op", sorted(set(CASES) - set(CHOICES)))
 def test_derivatives_lie_in_the_partials(op: Op) -> None:
     f = _made(op)
     for ranges in CASES[op][1]:
         w = walked(f, ranges)
         points = {n: v.astype(np.float64) for n, v in draw(ranges, 4000, 3).items()}
-        allowed = _allowed(w, f, points)
+        allowed, signed = _allowed(w, f, points), _signed(w, f)
         here = run(f, points).exact[f.results[0]]
         for name in ranges:
             moved = points | {name: points[name] + STEP}
-            change = np.abs(run(f, moved).exact[f.results[0]] - here) / STEP
+            change = (run(f, moved).exact[f.results[0]] - here) / STEP
+            low, high = signed(name)
+            assert (low - 1e-4 <= change).all() and (change <= high + 1e-4).all()
+            change = np.abs(change)
             assert (change <= allowed(name) * (1 + 1e-4) + 1e-4).all(), f"{op} in {name}"
 
 
@@ -95,6 +116,10 @@ def test_a_choice_is_off_by_no_more_than_the_worse(op: Op) -> None:
     w = walked(f, ranges)
     first, second, chosen = w.errors([x, y, made]).plain[:, 0]
     assert first > 0 < second and chosen == pytest.approx(max(first, second))
+    if op is not Op.SELECT:  # the ends of the ranges alone decide nothing
+        w = walked(f, {"x": (-6.0, 3.0), "y": (-9.0, 30.0)})
+        first, second, chosen = w.errors([x, y, made]).plain[:, 0]
+        assert chosen == pytest.approx(second) and second > first
     w = walked(f, {"x": (-3.0, -2.9), "y": (7.0, 9.0)})  # decided everywhere
     first, second, chosen = w.errors([x, y, made]).plain[:, 0]
     assert chosen == pytest.approx(second if op is Op.MAX else first)
@@ -114,6 +139,34 @@ def test_float_results_are_within_the_error_and_near_it(op: Op) -> None:
         assert low <= min(single.min(), exact.min()) and max(single.max(), exact.max()) <= high
         assert off <= errors.plain[0, 0]
         assert errors.plain[0, 0] <= 4.1 * off, "a bound that far off would hide a wrong lemma"
+
+
+def test_a_branch_reaches_as_far_as_the_comparison_lets_it() -> None:
+    """x where 1 < x, else 5: from 1 on, not above."""
+    b = Builder()
+    x = b.input("x")
+    ports = tuple(Port(n, Role.COMMAND, "1", "an input") for n in "x")
+    f = b.function("control", ports, OUT, [b.select(b.const(1), x, x, b.const(5))])
+    low, high = walked(f, {"x": (-3.0, 3.0)}).ranges[f.results[0]]
+    assert 0.99 < low[0] <= 1 and high[0] == pytest.approx(5)
+
+
+def test_a_sum_that_is_rounded_twice_errs_twice() -> None:
+    f = _made(Op.ADD)
+    boxes = {"x": (1.0, 2.0), "y": (1.0, 1.5)}
+    once, twice = (analysed(f, boxes, SINGLE, LIBM, s).claims[0].error for s in ((), f.results))
+    assert twice == pytest.approx(2 * once)
+
+
+def test_known_errors_replace_larger_ones() -> None:
+    f = _made(Op.MUL)
+    (k,) = f.results
+    boxes = {"x": (np.array([1.0]), np.array([2.0])), "y": (np.array([1.0]), np.array([1.5]))}
+    plain = Walk(f, boxes, SINGLE, LIBM).run().errors([k, k]).plain[0, 0]
+    for share in (0.25, 4.0):
+        known = Walk(f, boxes, SINGLE, LIBM, known={k: np.array([share * plain])}).run()
+        known.singular.add(-1)  # nothing is taken on trust where a formula is singular
+        assert known.errors([k]).plain[0, 0] == pytest.approx(min(share, 1.0) * plain)
 
 
 @pytest.mark.parametrize("op", [Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.SQRT, Op.SIN, Op.COS, Op.ATAN, Op.ATAN2])

@@ -15,7 +15,7 @@ from wmrgen.bounds.linear import errors_one_by_one
 from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Port, Role
+from wmrgen.ir.nodes import Function, Op, Port, Role
 
 
 @pytest.mark.parametrize("name", ["ackermann_car", "bicycle", "f1tenth", "tidybot2"])
@@ -71,6 +71,17 @@ NOT_LINEAR: dict[str, Callable[[Builder, int, int, int], int]] = {
 @pytest.mark.parametrize("what", NOT_LINEAR)
 def test_what_is_not_linear_is_left_alone(what: str) -> None:
     assert not _known(NOT_LINEAR[what])
+
+
+def test_roundings_of_a_sum_are_those_of_its_parts() -> None:
+    """x + x + x errs as 5.7 does, by half a unit of [4, 8): more than three times that of 1.9."""
+    b = Builder()
+    at = [b.input(n) for n in "xyz"]
+    ports = tuple(Port(n, Role.COMMAND, "1", "an input") for n in "xyz")
+    third = b.make(Op.ADD, [b.make(Op.ADD, at[:2]), at[2]])
+    f = b.function("control", ports, OUT, [third])
+    boxes = boxed(dict.fromkeys("xyz", (-1.9, 1.9)), [], 1)
+    assert errors_one_by_one(f, boxes, SINGLE, LIBM, ())[third][0] >= 2.0**-22
 
 
 def test_a_length_of_linear_parts_is_known_by_its_parts() -> None:

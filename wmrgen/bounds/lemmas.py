@@ -59,8 +59,8 @@ def _mul(w: Walk, i: int, node: Node) -> Value:
     value = iv.square(x) if a == b else iv.times(x, y)
     noise = w.rounded(value, i)
     if any(_exact_factor(w, k) for k in node.args):
-        noise = Noise(np.zeros(w.boxes), 0.0)
-    noise = Noise(noise.size + w.form.tiny, noise.relative)
+        noise = Noise(np.zeros(w.boxes))
+    noise = Noise(noise.size + w.form.tiny)
     return Value(value, partials, noise, w.away[a] * w.away[b] * (1 - 1e-15))
 
 
@@ -88,7 +88,7 @@ def _div(w: Walk, i: int, node: Node) -> Value:
     value = iv.times(w.ranges[a], inverse)
     partials = Partial(a, inverse), Partial(b, iv.negative(iv.times(value, inverse)))
     noise = w.rounded(value, i)
-    return Value(value, partials, Noise(noise.size + w.form.tiny, noise.relative))
+    return Value(value, partials, Noise(noise.size + w.form.tiny))
 
 
 def _div_by_length(w: Walk, i: int, node: Node) -> Value:
@@ -113,7 +113,7 @@ def _div_by_length(w: Walk, i: int, node: Node) -> Value:
         Partial(b, value, length=i, steep=most * MOVED),
     )
     noise = w.rounded(value, i)
-    return Value(value, partials, Noise(noise.size + w.form.tiny, noise.relative))
+    return Value(value, partials, Noise(noise.size + w.form.tiny))
 
 
 def _alike(w: Walk, k: int) -> list[int]:
@@ -160,7 +160,7 @@ def _chosen(w: Walk, value: Interval, away: Array, taken_by: Mapping[int, Interv
     errors = w.errors(counting)
     taken = np.array([taken_by[k][1] for k in counting])
     over = {j: (o * taken).max(axis=0) for j, o in errors.over.items()}
-    noise = Noise((errors.plain * taken).max(axis=0), None, over, frozenset[int]().union(*errors.divisions))
+    noise = Noise((errors.plain * taken).max(axis=0), over, frozenset[int]().union(*errors.divisions))
     return Value(value, (), noise, away, widen=False)
 
 
@@ -191,7 +191,7 @@ def _root(w: Walk, i: int, node: Node) -> Value:
     # A term passes this many roundings on its way into the sum, each a relative error of the sum at most.
     own = max(t.roundings for t in terms) * w.form.unit / 2 * (1 + 1e-5) * value[1]
     rounded = w.rounded(value, i).size + own + np.sqrt(2 * len(terms) * w.form.tiny)
-    noise = Noise(rounded + moved, None, over, frozenset[int]().union(*errors.divisions))
+    noise = Noise(rounded + moved, over, frozenset[int]().union(*errors.divisions))
     widened = iv.widened(value, rounded)
     return Value((np.maximum(widened[0], 0.0), widened[1]), (), noise, widen=False)
 

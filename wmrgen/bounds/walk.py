@@ -36,11 +36,10 @@ _TURN = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
 class Noise:
     """The rounding of a node: at most ``size`` plus, by length, ``over`` / h.
 
-    ``relative``: it is at most this share of the result, plus ``tiny``. ``divisions``: see `Errors`.
+    ``divisions``: see `Errors`.
     """
 
     size: Array
-    relative: float | None = None
     over: Mapping[int, Array] = field(default_factory=dict)
     divisions: frozenset[int] = frozenset()
 
@@ -158,8 +157,7 @@ class Walk:
         size = iv.magnitude(value)
         if i in self.effective:
             size = np.minimum(size, max(map(abs, self.effective[i])))
-        noise = self.form.half_ulp(size) * times
-        return Noise(noise, self.form.unit * times)
+        return Noise(self.form.half_ulp(size) * times)
 
     def library_noise(self, op: Op, value: Interval) -> Noise:
         """The error of a library function whose results lie in ``value``."""
@@ -209,7 +207,7 @@ class Walk:
                 continue
             noise = self.noise[i]
             if noise is not None:
-                plain = plain + self._felt(i, apart.get(i, slope), noise, over)
+                plain = plain + self._felt(apart.get(i, slope), noise, over)
             counts = {i} & (self.lengths.keys() | self.singular) | (
                 noise.divisions if noise is not None else set()
             )
@@ -233,7 +231,7 @@ class Walk:
             more = more.absolute()
             apart[k] = apart[k].plus(more) if k in apart else more
 
-    def _felt(self, i: int, slope: Slope, noise: Noise, over: dict[int, Array]) -> Array:
+    def _felt(self, slope: Slope, noise: Noise, over: dict[int, Array]) -> Array:
         """What the rounding of a node does to the roots, but for what is added to ``over``."""
         total = _product(slope.size, noise.size)
         for j, more in noise.over.items():
@@ -241,12 +239,7 @@ class Walk:
             over[j] = over.get(j, 0.0) + _product(a, more)
             total = total + _product(b, more)  # h_j cancels
         for j, steep in slope.over.items():
-            share = None if noise.relative is None else self.share(j, i)
-            if share is None or noise.relative is None:
-                over[j] = over.get(j, 0.0) + _product(steep, noise.size)
-            else:
-                total = total + steep * share * noise.relative
-                over[j] = over.get(j, 0.0) + steep * self.form.tiny
+            over[j] = over.get(j, 0.0) + _product(steep, noise.size)
             if noise.over:  # 1 / h twice: nothing is claimed
                 total = np.where(steep > 0, np.inf, total)
         return total

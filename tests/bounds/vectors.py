@@ -1,0 +1,76 @@
+"""Functions of vectors that may vanish, and points at which they are of any length."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+
+from wmrgen.ir.build import Builder
+from wmrgen.ir.nodes import Function, Port, Role
+
+NAMES = ("x", "y", "z")
+RANGES = {"x": (-2.0, 2.0), "y": (-2.0, 2.0), "z": (-3.0, 3.0)}
+STILL = Fraction(1, 10**20)
+
+
+def function(make: Callable[[Builder, int, int, int], list[int]]) -> Function:
+    b = Builder()
+    at = [b.input(n) for n in NAMES]
+    ports = tuple(Port(n, Role.COMMAND, "1", "an input") for n in NAMES)
+    results = make(b, *at)
+    outputs = tuple(Port(f"o{k}", Role.COMMAND, "1", "an output") for k in range(len(results)))
+    return b.function("control", ports, outputs, results)
+
+
+def heading_of(b: Builder, v: int, w: int) -> tuple[int, int]:
+    """Twice the arctangent of the slope of the line of (v, w), and the length."""
+    size = b.sqrt(b.add(b.square(v), b.square(w)))
+    above = b.select(v, b.const(0), b.neg(w), w)
+    return b.mul(b.const(2), b.atan(b.div(above, b.max(b.add(size, b.abs(v)), b.const(STILL))))), size
+
+
+def _steered(b: Builder, x: int, y: int, z: int) -> list[int]:
+    """Heading and speed of a wheel off the centre, limited to 1 rad."""
+    v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.add(y, b.mul(b.const(Fraction(7, 10)), z))
+    heading, size = heading_of(b, v, w)
+    limited = b.max(b.const(-1), b.min(b.const(1), heading))
+    return [limited, b.mul(size, b.cos(b.sub(limited, heading)))]
+
+
+def _leaning(b: Builder, x: int, y: int, z: int) -> list[int]:
+    """A slope between limits, its angle, and what of the vector is along it."""
+    v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.mul(b.const(2), z)
+    above = b.select(v, b.const(0), b.mul(b.const(-2), z), w)
+    slope = b.div(above, b.max(b.abs(v), b.const(STILL)))
+    t = b.max(b.const(-1), b.min(b.const(1), slope))
+    return [b.atan(t), b.add(v, b.mul(w, t))]
+
+
+def _quadrant(b: Builder, x: int, y: int, z: int) -> list[int]:
+    v, w = b.abs(b.sub(x, b.mul(b.const(Fraction(3, 10)), z))), b.add(y, z)
+    angle = b.atan2(w, v)
+    return [angle, b.mul(v, b.cos(angle))]
+
+
+def _turning(b: Builder, x: int, y: int, z: int) -> list[int]:
+    """The length times the angle: what errs across the vector counts; as it is, and where a choice is made."""
+    v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.add(y, b.mul(b.const(Fraction(7, 10)), z))
+    heading, size = heading_of(b, v, w)
+    half = b.const(Fraction(355, 226))
+    chosen = b.select(half, heading, b.sub(heading, half), heading)
+    return [b.mul(size, heading), b.mul(w, chosen), b.mul(b.div(size, b.const(3)), chosen)]
+
+
+CASES = {"steered": _steered, "leaning": _leaning, "quadrant": _quadrant, "turning": _turning}
+
+
+def points(seed: int, count: int = 40000) -> dict[str, np.ndarray]:
+    """Points of which many have a vector of any length down to nothing."""
+    rng = np.random.default_rng(seed)
+    z = rng.uniform(-1, 1, count)
+    short = 10.0 ** rng.uniform(-9, 0.3, count)
+    angle = rng.uniform(-np.pi, np.pi, count)
+    along = {"x": 0.3 * z + short * np.cos(angle), "y": -0.7 * z + short * np.sin(angle), "z": z}
+    return {n: np.clip(v, *RANGES[n]).astype(np.float32) for n, v in along.items()}

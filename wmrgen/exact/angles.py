@@ -55,6 +55,12 @@ def to_mpf(value: Fraction) -> mpmath.mpf:
     return mpmath.mpf(value.numerator) / value.denominator
 
 
+def circle(half: Fraction) -> tuple[Exact, Exact]:
+    """(cos, sin) of the angle with this tangent of its half."""
+    square = half * half
+    return Exact((1 - square) / (1 + square)), Exact(2 * half / (1 + square))
+
+
 def circle_point(angle: Fraction) -> tuple[Exact, Exact]:
     """(cos, sin) of ``angle`` [rad] within 1e-19, as a rational point of the unit circle."""
     with mpmath.workdps(PRECISION):

@@ -7,6 +7,7 @@ parameters are nominal.
 
 from __future__ import annotations
 
+from wmrgen.exact.determinant import inverse
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array
@@ -43,40 +44,19 @@ def _invert(part: Matrix, numbers: Numbers | None) -> Matrix:
     """B^T (B m B^T)^-1 B, the rows B spanning the range of m at the tolerance; plainly m^-1 where that is all."""
     size = len(part)
     if numbers is None:
-        return _cofactors(part)
+        return inverse(part)
     padded = to_array([[*row, *[ZERO] * (3 - size)] for row in numbers])
     rank, _ = numeric_rank(padded)
     if rank == size:
-        return _cofactors(part)
+        return inverse(part)
     if not rank:
         return [[Poly({}) for _ in part] for _ in part]
     rows = [part[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
     columns = [list(column) for column in zip(*rows, strict=True)]
     core = [[_sum(a, [_sum(row, b) for row in part]) for b in rows] for a in rows]
-    left = _cofactors(core)
+    left = inverse(core)
     return [[_sum(a, [_sum(row, b) for row in left]) for b in columns] for a in columns]
 
 
 def _sum(a: list[Poly], b: list[Poly]) -> Poly:
     return Poly.sum(x * y for x, y in zip(a, b, strict=True))
-
-
-def _cofactors(part: Matrix) -> Matrix:
-    """The inverse by cofactors, with one reciprocal."""
-    if len(part) == 1:
-        return [[part[0][0].inverse()]]
-    if len(part) == 2:
-        (a, b), (c, d) = part
-        over = (a * d - b * c).inverse()
-        return [[d * over, -b * over], [-c * over, a * over]]
-    m = part
-    cof = [
-        [
-            m[(i + 1) % 3][(j + 1) % 3] * m[(i + 2) % 3][(j + 2) % 3]
-            - m[(i + 1) % 3][(j + 2) % 3] * m[(i + 2) % 3][(j + 1) % 3]
-            for j in range(3)
-        ]
-        for i in range(3)
-    ]
-    over = (m[0][0] * cof[0][0] + m[0][1] * cof[0][1] + m[0][2] * cof[0][2]).inverse()
-    return [[cof[j][i] * over for j in range(3)] for i in range(3)]

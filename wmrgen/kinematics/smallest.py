@@ -18,6 +18,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from wmrgen.exact.angles import circle
+from wmrgen.exact.determinant import cofactor
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly
@@ -59,8 +61,7 @@ def _rank_at(contacts: list[Contact], components: list[Component], seed: int) ->
             return None
         index = sum(ord(c) * (k + 1) for k, c in enumerate(gen.name)) + 1
         p, q = _POINTS[seed]
-        t = Fraction(p * index, q + index)
-        return Poly.of((1 - t * t) / (1 + t * t) if gen.kind == "cos" else 2 * t / (1 + t * t))
+        return Poly.of(circle(Fraction(p * index, q + index))[gen.kind == "sin"])
 
     rows = []
     for c in contacts:
@@ -137,10 +138,7 @@ def _adjugate(n: list[list[Poly]], names: Locals) -> list[list[Poly]]:
     """The adjugate of a symmetric matrix, entries named."""
 
     def minor(i: int, j: int) -> Poly:
-        p, q = [k for k in range(3) if k != i]
-        r, s = [k for k in range(3) if k != j]
-        value = n[p][r] * n[q][s] - n[p][s] * n[q][r]
-        return names.poly(f"adj{i}{j}", value if (i + j) % 2 == 0 else -value)
+        return names.poly(f"adj{i}{j}", cofactor(n, i, j))
 
     upper = {(i, j): minor(i, j) for i in range(3) for j in range(i, 3)}
     return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]

@@ -7,8 +7,9 @@ from itertools import combinations
 import numpy as np
 
 from wmrgen.constraints import heading, nominal_view, rolling_row, symbolic_view, working_view
+from wmrgen.exact.determinant import determinant
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly, Row, cross, dot
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.findings import Findings, listed
 from wmrgen.mobility.nullspace import primitive
@@ -133,7 +134,7 @@ def _minors(wheels: list[Wheel]) -> tuple[Poly, ...]:
     rows = [rolling_row(w, symbolic_view(w)).row for w in wheels[:MOST_WHEELS]]
     found: list[Poly] = []
     for a, b, c in combinations(rows, 3):
-        minor = dot(a, cross(b, c))
+        minor = determinant((a, b, c))
         form = primitive((minor, Poly({}), Poly({})))[0]
         if form and form.constant is None and form not in found:
             found.append(form)

@@ -12,6 +12,7 @@ from fractions import Fraction
 
 from wmrgen.constraints import View, sliding_row, symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.derivative import by_angle
 from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
@@ -141,15 +142,4 @@ def generic(robot: Robot, seed: int = 0) -> Callable[[str], tuple[Exact, Exact]]
 
 def derivative(poly: Poly, name: str) -> Poly:
     """d/d(steering angle of ``name``) of a polynomial in its cosine and sine."""
-    cosine, sine = Gen("cos", name), Gen("sin", name)
-    total = Poly({})
-    for monomial, coefficient in poly.terms.items():
-        powers = dict(monomial)
-        for g, other, sign in ((cosine, sine, -1), (sine, cosine, 1)):
-            exponent = powers.get(g, 0)
-            if exponent:
-                rest = tuple((h, e - (h == g)) for h, e in monomial if e - (h == g))
-                total = total + Poly({rest: coefficient * (sign * exponent)}) * Poly(
-                    {((other, 1),): Exact(1)}
-                )
-    return total
+    return by_angle(poly, Gen("cos", name), Gen("sin", name))

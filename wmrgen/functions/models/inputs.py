@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.determinant import adjugate, determinant
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.followers import castor_rate, direct, rate_row, rim_row
 from wmrgen.functions.models.frame import Frame, generic, nominal_at
@@ -136,25 +137,9 @@ def _missing(frame: Frame, found: list[Drive], idle: list[str]) -> str:
 def etas(chosen: Chosen, rates: tuple[str, ...]) -> tuple[list[tuple[Poly, ...]], Poly]:
     """adj(E) times each input (drives, then steering rates): eta still to be divided by det E, and det E."""
     matrix = [d.row for d in chosen.drives]
-    adjugate, determinant = _adjugate(matrix)
+    adj, det = adjugate(matrix), determinant(matrix)
     size = range(len(matrix))
     inputs = [[d.scale if i == k else ZERO for i in size] for k, d in enumerate(chosen.drives)]
     inputs += [[d.offsets.get(name, ZERO) for d in chosen.drives] for name in rates]
-    found = [tuple(Poly.sum(adjugate[m][k] * u[k] for k in size if u[k]) for m in size) for u in inputs]
-    return found, determinant
-
-
-def _adjugate(m: list[tuple[Poly, ...]]) -> tuple[list[list[Poly]], Poly]:
-    """Adjugate and determinant of a matrix of up to three rows."""
-    n = len(m)
-    if n == 1:
-        return [[Poly.of(1)]], m[0][0]
-    cofactors = [[_cofactor(m, i, j) for j in range(n)] for i in range(n)]
-    determinant = Poly.sum(m[0][j] * cofactors[0][j] for j in range(n))
-    return [[cofactors[j][i] for j in range(n)] for i in range(n)], determinant
-
-
-def _cofactor(m: list[tuple[Poly, ...]], i: int, j: int) -> Poly:
-    rest = [[p for c, p in enumerate(row) if c != j] for r, row in enumerate(m) if r != i]
-    minor = rest[0][0] if len(rest) == 1 else rest[0][0] * rest[1][1] - rest[0][1] * rest[1][0]
-    return minor if (i + j) % 2 == 0 else -minor
+    found = [tuple(Poly.sum(adj[m][k] * u[k] for k in size if u[k]) for m in size) for u in inputs]
+    return found, det

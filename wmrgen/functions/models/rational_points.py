@@ -46,12 +46,6 @@ class Dual:
 Circle = tuple[Exact, Exact]
 
 
-def circle(half: Fraction) -> Circle:
-    """(cos, sin) of the angle with this tangent of its half."""
-    square = half * half
-    return Exact((1 - square) / (1 + square)), Exact(2 * half / (1 + square))
-
-
 @dataclass(frozen=True, slots=True)
 class Place:
     """Where to evaluate, and how fast it moves. ``angles``: symbol -> circle point; ``numbers``: other symbols."""

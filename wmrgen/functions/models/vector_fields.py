@@ -11,10 +11,11 @@ from fractions import Fraction
 
 import sympy
 
+from wmrgen.exact.angles import circle
+from wmrgen.exact.derivative import derivative
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt
 from wmrgen.exact.poly import Gen, Poly
-from wmrgen.functions.models.rational_points import circle
 from wmrgen.symbolic import Expr, Input, Parameter
 
 Field = tuple[Poly, ...]
@@ -69,17 +70,10 @@ def _circle(angle: Expr) -> tuple[Poly, Poly]:
     return Poly.gen("cosf", "", poly), Poly.gen("sinf", "", poly)
 
 
-def derivative(poly: Poly, state: str) -> Poly:
+def by_state(poly: Poly, state: str) -> Poly:
     """d poly / d state."""
     name = state.replace(".", "_")
-    parts = []
-    for monomial, coefficient in poly.terms.items():
-        for g, e in monomial:
-            inner = _of_generator(g, name)
-            if inner:
-                rest = tuple((h, n - (h == g)) for h, n in monomial if n - (h == g))
-                parts.append(Poly({rest: coefficient * e}) * inner)
-    return Poly.sum(parts)
+    return derivative(poly, lambda g: _of_generator(g, name))
 
 
 def _of_generator(g: Gen, name: str) -> Poly:
@@ -87,7 +81,7 @@ def _of_generator(g: Gen, name: str) -> Poly:
         return Poly.of(int(g.name == name))
     if not g.args:
         return Poly({})
-    inner = derivative(g.args[0], name)
+    inner = by_state(g.args[0], name)
     if not inner:
         return inner
     match g.kind:

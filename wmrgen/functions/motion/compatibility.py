@@ -7,12 +7,15 @@ admissible twists: theta1 + theta2 = theta3 + theta4 of a mecanum base (Tzafesta
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 import numpy as np
 import sympy
 
 from wmrgen.constraints import View, driving_row, symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.angles import circle
+from wmrgen.exact.determinant import determinant
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import function
@@ -69,9 +72,7 @@ def _float(robot: Robot, poly: Poly) -> float:
         if gen.kind not in ("cos", "sin"):
             return None
         index = [w.name for w in robot.wheels].index(gen.name)
-        t = Poly.of(2 + index) * Poly.of(7 + index * index).inverse()
-        over = (1 + t * t).inverse()
-        return (1 - t * t) * over if gen.kind == "cos" else 2 * t * over
+        return Poly.of(circle(Fraction(2 + index, 7 + index * index))[gen.kind == "sin"])
 
     values = {p.name: Poly.of(p.nominal) for p in robot.parameters}
     number = fix(poly.substitute(value), values).constant
@@ -83,18 +84,9 @@ def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: 
     square = [[row[k] for k in keep] for row in basis]
     last = [other[k] for k in keep]
     entries = [
-        -_determinant([last if i == k else r for i, r in enumerate(square)]) for k in range(len(square))
+        -determinant([last if i == k else r for i, r in enumerate(square)]) for k in range(len(square))
     ]
-    return [*entries, _determinant(square)]
-
-
-def _determinant(m: list[list[Poly]]) -> Poly:
-    if not m:
-        return Poly.of(1)
-    return Poly.sum(
-        (m[0][k] * _determinant([row[:k] + row[k + 1 :] for row in m[1:]])).scale((-1) ** k)
-        for k in range(len(m))
-    )
+    return [*entries, determinant(square)]
 
 
 def _readable(row: Sequence[Poly]) -> Relation:

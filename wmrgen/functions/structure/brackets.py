@@ -17,7 +17,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.eta import eta_system
 from wmrgen.functions.models.sheet import tidy
-from wmrgen.functions.models.vector_fields import Field, derivative, to_poly, value_at
+from wmrgen.functions.models.vector_fields import Field, by_state, to_poly, value_at
 from wmrgen.functions.system import System
 from wmrgen.functions.trailers.trailer import trailer_system
 from wmrgen.layout.records import Robot
@@ -85,7 +85,7 @@ def bracket(f: Field, g: Field, state: tuple[str, ...]) -> Field:
         Poly.sum(
             part
             for k, q in enumerate(state)
-            for part in (derivative(g[i], q) * f[k], -(derivative(f[i], q) * g[k]))
+            for part in (by_state(g[i], q) * f[k], -(by_state(f[i], q) * g[k]))
             if part
         )
         for i in range(len(state))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from wmrgen.constraints import ConstraintRow
+from wmrgen.exact.derivative import by_angle
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly
 
@@ -48,24 +49,11 @@ def world_form(row: ConstraintRow) -> Form:
 def partial(poly: Poly, coordinate: str) -> Poly:
     """d poly / d coordinate, for theta and steering angles; no coefficient depends on any other."""
     if coordinate == "theta":
-        return _turned(poly, COS_THETA, SIN_THETA)
+        return by_angle(poly, COS_THETA, SIN_THETA)
     if coordinate.endswith(".steer"):
         name = coordinate.removesuffix(".steer")
-        return _turned(poly, Gen("cos", name), Gen("sin", name))
+        return by_angle(poly, Gen("cos", name), Gen("sin", name))
     return ZERO
-
-
-def _turned(poly: Poly, cosine: Gen, sine: Gen) -> Poly:
-    """The derivative by an angle that enters through this cosine and sine."""
-    parts = []
-    for monomial, coefficient in poly.terms.items():
-        powers = dict(monomial)
-        for g, other, sign in ((cosine, sine, -1), (sine, cosine, 1)):
-            e = powers.get(g, 0)
-            if e:
-                rest = tuple((h, n - (h == g)) for h, n in monomial if n - (h == g))
-                parts.append(Poly({rest: coefficient * (sign * e)}) * Poly({((other, 1),): Exact(1)}))
-    return Poly.sum(parts)
 
 
 def exterior(form: Form) -> dict[tuple[int, int], Poly]:

@@ -9,7 +9,7 @@ import sympy
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.posture import parameter_ports
 from wmrgen.functions.models.sheet import Equation, Sheet, tidy
-from wmrgen.functions.models.vector_fields import derivative, to_poly
+from wmrgen.functions.models.vector_fields import by_state, to_poly
 from wmrgen.functions.trailers.chained import U
 from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, length_of, train, turned
 from wmrgen.functions.trailers.verify import verify
@@ -101,7 +101,7 @@ def _path(t: Train, domain: list[tuple[Expr, str]]) -> _Path:
         answer = answer * w.inverse()
     slopes = [slope]
     while len(slopes) < t.size - 1 and len(slopes[-1].terms) < MOST_TERMS:
-        slopes.append(Poly.sum(derivative(slopes[-1], q) * rate for q, rate in rates.items()))
+        slopes.append(Poly.sum(by_state(slopes[-1], q) * rate for q, rate in rates.items()))
     return _Path(slopes, w, answer)
 
 

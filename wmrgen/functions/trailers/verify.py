@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.angles import circle
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.models.posture import eta_motion, posture_field, posture_state
-from wmrgen.functions.models.rational_points import Dual, Evaluator, Place, circle
+from wmrgen.functions.models.rational_points import Dual, Evaluator, Place
 from wmrgen.functions.system import System
 from wmrgen.functions.trailers.chained import chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import body_of, convoy, state_ports

@@ -20,6 +20,7 @@ from benchmarks.emulator.inputs import cases, nominal
 from benchmarks.emulator.zig import FLAGS, M4F, version
 from wmrgen.artifacts import BUDGET, write_file
 from wmrgen.ir.arithmetic import FLOAT32
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.ir.nodes import Module
 
@@ -51,7 +52,7 @@ def _robot(fleet: Fleet, module: Module) -> Budget:
         calls: Counter[str] = Counter()
         for run in runs:
             calls |= Counter(run.calls)
-        operations = {kind: n for kind, n in asdict(count(module.function(name))).items() if n}
+        operations = {kind: n for kind, n in asdict(count(inlined_calls(module).function(name))).items() if n}
         functions[name] = {
             "operations": operations,
             "instructions": max(run.instructions for run in runs),

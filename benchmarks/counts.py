@@ -9,6 +9,7 @@ from pathlib import Path
 
 import wmrgen
 from benchmarks.large import LARGE
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -54,7 +55,7 @@ def table() -> Iterator[str]:
     yield "|---|---|---:|---:|---:|"
     with tempfile.TemporaryDirectory() as folder:
         for t in TARGETS:
-            module = wmrgen.derive(wmrgen.load(path_of(t.robot, Path(folder)))).c_module
+            module = inlined_calls(wmrgen.derive(wmrgen.load(path_of(t.robot, Path(folder)))).c_module)
             cost = count(module.function(t.function))
             after = f" after {t.products} products" if t.products else ""
             flops = cost.flops - t.products
@@ -63,6 +64,6 @@ def table() -> Iterator[str]:
     yield "| robot | function | operations |"
     yield "|---|---|---|"
     for path in sorted((ROOT / "robots").glob("*.yaml")):
-        module = wmrgen.derive(wmrgen.load(path)).c_module
+        module = inlined_calls(wmrgen.derive(wmrgen.load(path)).c_module)
         for function in module.functions:
             yield f"| {path.stem} | {function.name} | {count(function)} |"

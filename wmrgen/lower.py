@@ -13,29 +13,36 @@ from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function
 from wmrgen.ir.prune import places
-from wmrgen.kinematics.records import Formula
+from wmrgen.kinematics.records import Call, Formula
 from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
 
 _TINY = Exact(Fraction(1, 10**12))
 
 
-def lower(formula: Formula) -> Function:
-    """The formula as an IR function."""
-    lowering = _Lowering(formula)
+def lower(formula: Formula, calls: bool = False) -> Function:
+    """The formula as an IR function. ``calls``: results of kernels are calls, see `kernels_of`."""
+    lowering = _Lowering(formula, formula.calls if calls else ())
     results = [lowering.node(expr) for _, expr in formula.outputs]
     ports = tuple(port for port, _ in formula.outputs)
     function = lowering.builder.function(formula.name, formula.inputs, ports, results, formula.text)
     return replace(function, named=lowering.named(results), limits=formula.limits)
 
 
+def kernels_of(formulas: Sequence[Formula]) -> tuple[Function, ...]:
+    """The kernels that ``formulas`` call, as functions."""
+    kernels = {call.kernel.name: call.kernel for formula in formulas for call in formula.calls}
+    return tuple(lower(kernel) for kernel in kernels.values())
+
+
 class _Lowering:
     """Expressions to node ids, each distinct expression once."""
 
-    def __init__(self, formula: Formula) -> None:
+    def __init__(self, formula: Formula, calls: Sequence[Call] = ()) -> None:
         self.builder = Builder()
         self.memo: dict[Expr, int] = {}
         self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
         self.locals = dict(formula.locals)
+        self.calls = {result: (call, k) for call in calls for k, result in enumerate(call.results)}
         self.parameters: set[str] = set()
         self.geometric: list[bool] = []  # of the first nodes: whether they depend on no input but geometry
         self.rules: dict[type, Callable[[Expr], int]] = {
@@ -69,6 +76,10 @@ class _Lowering:
         return self._input(expr)
 
     def _local(self, expr: Expr) -> int:
+        if expr in self.calls:
+            call, number = self.calls[expr]
+            made = self.builder.call(call.kernel.name, [self.node(a) for a in call.args])
+            return self.builder.part(made, number) if len(call.results) > 1 else made
         return self.node(self.locals[expr])
 
     def _add(self, expr: Expr) -> int:

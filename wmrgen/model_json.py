@@ -12,6 +12,7 @@ from wmrgen.constraints import Constraints, constrain, pfaffian, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.registry import has_system, system_builder
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.ir.nodes import Module
 from wmrgen.layout.records import Robot, Wheel
@@ -43,7 +44,7 @@ def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, boun
             f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
             for f in formulas.functions
         },
-        "operations": {f.name: _operations(f) for f in code.functions},
+        "operations": {f.name: _operations(f) for f in inlined_calls(code).functions},
         **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
         **(
             {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}

@@ -8,7 +8,7 @@ from dataclasses import replace
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.ir.pipeline import optimise
 from wmrgen.ir.select import keep_outputs, select
-from wmrgen.lower import lower
+from wmrgen.lower import kernels_of, lower
 from wmrgen.program import Program
 
 _TWIST = frozenset({"vx", "vy", "omega"})
@@ -19,9 +19,20 @@ def written(program: Program) -> Module:
     return Module(program.name, tuple(lower(f) for f in program.formulas))
 
 
-def optimised(module: Module) -> Module:
-    """Every function once; forward also without its residual, inverse also in two: joints, and slip alone."""
-    whole = optimise(module.functions, module.name)
+def with_calls(program: Program) -> Module:
+    """As `written`, with calls of the kernels that the formulas name."""
+    functions = tuple(lower(f, calls=True) for f in program.formulas)
+    return Module(program.name, functions, kernels=kernels_of(program.formulas))
+
+
+def optimised(module: Module, meaning: Module | None = None) -> Module:
+    """Every function once; forward also without its residual, inverse also in two: joints, and slip alone.
+
+    ``meaning``: ``module`` in base operations, where it calls kernels.
+    """
+    whole = optimise(
+        module.functions, module.name, kernels=module.kernels, meaning=(meaning or module).functions
+    )
     parts: list[Function] = []
     for f in whole.functions:
         if f.name == "forward":

@@ -205,16 +205,23 @@ class Derivation:
         return modules.optimised(self.raw_module)
 
     @cached_property
+    def _kept_whole(self) -> Module:
+        """As `_optimised`, with calls of kernels where formulas name them."""
+        if not any(f.calls for f in self.program.formulas):
+            return self._optimised
+        return modules.optimised(modules.with_calls(self.program), self.raw_module)
+
+    @cached_property
     def module(self) -> Module:
         """The functions with every output of the contract, optimised."""
         return select(self._optimised, {f.name: f.name for f in self.program.formulas})
 
     @cached_property
     def c_module(self) -> Module:
-        """The functions for C: forward with and without the residual, inverse without slip, which has a function
-        of its own, no posture model unless asked for."""
+        """The functions for C: forward with and without the residual, inverse without slip, which has a function of
+        its own, no posture model unless asked for. They call kernels, see `wmrgen.ir.calls`."""
         wanted = asked(self.robot) if self._functions is None else self._functions
-        return modules.for_c(self._optimised, self.program.in_c(wanted))
+        return modules.for_c(self._kept_whole, self.program.in_c(wanted))
 
     @cached_property
     def bounds(self) -> Bounds:

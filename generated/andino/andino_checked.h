@@ -20,7 +20,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_5dafe843ab4cc0c6)
+#if !defined(ANDINO_PAIR_7c7e5fd868a86eee)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

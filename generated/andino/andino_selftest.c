@@ -16,7 +16,7 @@
  */
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_5dafe843ab4cc0c6)
+#if !defined(ANDINO_PAIR_7c7e5fd868a86eee)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

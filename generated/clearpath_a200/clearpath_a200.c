@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_A200_PAIR_91daeecc55b9475e)
+#if !defined(CLEARPATH_A200_PAIR_51318734d1f35bc5)
 #error "clearpath_a200.c and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -137,22 +137,23 @@ void clearpath_a200_forward_slip(
 {
     const float t0 = in->front_right.spin + in->rear_right.spin;
     const float t1 = in->front_left.spin + in->rear_left.spin;
-    const float t2 = 0.041275f * (t0 + t1); /* vx */
-    const float t3 = t0 - t1;
-    const float t4 = 0.080353804f * t3; /* omega */
-    const float t5 = 0.022298181f * t3;
-    const float t6 = -(t2 - t5);
-    const float t7 = fmaf(0.1651f, in->front_left.spin, t6);
-    const float t8 = -(t2 + t5);
-    const float t9 = fmaf(0.1651f, in->front_right.spin, t8);
-    const float t10 = fmaf(0.1651f, in->rear_left.spin, t6);
-    const float t11 = fmaf(0.1651f, in->rear_right.spin, t8);
-    const float t12 = fmaf(t11, t11, fmaf(t10, t10, fmaf(t7, t7, t9 * t9)));
+    const float vx_fit = 0.041275f * (t0 + t1); /* vx */
+    const float t2 = t0 - t1;
+    const float omega_fit = 0.080353804f * t2; /* omega */
+    const float t3 = 0.022298181f * t2;
+    const float t4 = -(vx_fit - t3);
+    const float t5 = fmaf(0.1651f, in->front_left.spin, t4);
+    const float t6 = -(vx_fit + t3);
+    const float t7 = fmaf(0.1651f, in->front_right.spin, t6);
+    const float t8 = fmaf(0.1651f, in->rear_left.spin, t4);
+    const float t9 = fmaf(0.1651f, in->rear_right.spin, t6);
+    const float t10 = fmaf(t9, t9, fmaf(t8, t8, fmaf(t5, t5, t7 * t7)));
+    const float t11 = sqrtf(fmaf(0.262144f, omega_fit * omega_fit, t10));
 
-    out->vx = t2;
+    out->vx = vx_fit;
     out->vy = 0.0f;
-    out->omega = t4;
-    out->slip = sqrtf(fmaf(0.262144f, t4 * t4, t12));
+    out->omega = omega_fit;
+    out->slip = t11;
 }
 
 void clearpath_a200_odometry(
@@ -161,19 +162,19 @@ void clearpath_a200_odometry(
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

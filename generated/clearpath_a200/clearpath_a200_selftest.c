@@ -16,7 +16,7 @@
  */
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_91daeecc55b9475e)
+#if !defined(CLEARPATH_A200_PAIR_51318734d1f35bc5)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 

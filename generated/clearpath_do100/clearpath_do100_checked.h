@@ -20,7 +20,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_fdc2b46f69b01384)
+#if !defined(CLEARPATH_DO100_PAIR_9684c3cf6b3a1178)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_05da56d9e2fbd51e)
+#if !defined(CLEARPATH_R100_PAIR_300eae638d9662b0)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 

@@ -52,7 +52,7 @@
 #define WMRGEN_FESTO_ROBOTINO_H
 
 #define FESTO_ROBOTINO_MODEL_HASH "0927c0e85c554e3bd59dde04d7760f29"
-#define FESTO_ROBOTINO_PAIR_4454ace8d89979a9 1
+#define FESTO_ROBOTINO_PAIR_31b2b0e0997eec7c 1
 
 #ifdef __cplusplus
 extern "C" {

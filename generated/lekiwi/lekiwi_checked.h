@@ -20,7 +20,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_9fd8f6971311cfb0)
+#if !defined(LEKIWI_PAIR_aeeec09cc8801e42)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

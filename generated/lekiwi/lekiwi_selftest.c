@@ -16,7 +16,7 @@
  */
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_9fd8f6971311cfb0)
+#if !defined(LEKIWI_PAIR_aeeec09cc8801e42)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

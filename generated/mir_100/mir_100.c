@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(MIR_100_PAIR_46920af66eb2e0e4)
+#if !defined(MIR_100_PAIR_9ef9f360c4fc2439)
 #error "mir_100.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -103,30 +103,34 @@ void mir_100_inverse(const mir_100_inverse_in *in, mir_100_inverse_out *out)
     const float t1 = 3.561664f * in->omega;
     const float t2 = 5.314136f * in->omega;
     const float t3 = (-26.17801f) * in->vx;
-    const float t4 = t2 + t3; /* fl caster a, bl caster a */
-    const float t5 = 0.6112f * t4;
-    const wmrgen_vector t6 = wmrgen_direction(in->fl_caster.steer);
-    const float t7 = 5.461536f * in->omega;
-    const float t8 = -in->omega;
-    const float t9 = 8.93576f * in->omega;
-    const float t10 = t3 - t2; /* fr caster a, br caster a */
-    const float t11 = 0.6112f * t10;
-    const wmrgen_vector t12 = wmrgen_direction(in->fr_caster.steer);
-    const wmrgen_vector t13 = wmrgen_direction(in->bl_caster.steer);
-    const float t14 = 4.322464f * in->omega;
-    const float t15 = 7.0720944f * in->omega;
-    const wmrgen_vector t16 = wmrgen_direction(in->br_caster.steer);
+    const float fl_caster_a = t2 + t3; /* fl caster a, bl caster a */
+    const float t4 = 0.6112f * fl_caster_a;
+    const wmrgen_vector fl_caster = wmrgen_direction(in->fl_caster.steer);
+    const float t5 = 5.461536f * in->omega;
+    const float t6 = -in->omega;
+    const float t7 = 8.93576f * in->omega;
+    const float t8 = fmaf(fl_caster.x, t7, fmaf(fl_caster_a, fl_caster.y, t6));
+    const float fr_caster_a = t3 - t2; /* fr caster a, br caster a */
+    const float t9 = 0.6112f * fr_caster_a;
+    const wmrgen_vector fr_caster = wmrgen_direction(in->fr_caster.steer);
+    const float t10 = fmaf(t7, fr_caster.x, fmaf(fr_caster_a, fr_caster.y, t6));
+    const wmrgen_vector bl_caster = wmrgen_direction(in->bl_caster.steer);
+    const float t11 = 4.322464f * in->omega;
+    const float t12 = 7.0720944f * in->omega;
+    const float t13 = fmaf(-bl_caster.x, t12, fmaf(fl_caster_a, bl_caster.y, t6));
+    const wmrgen_vector br_caster = wmrgen_direction(in->br_caster.steer);
+    const float t14 = fmaf(-t12, br_caster.x, fmaf(fr_caster_a, br_caster.y, t6));
 
     out->left.spin = t0 - t1;
     out->right.spin = t1 + t0;
-    out->fl_caster.spin = fmaf(t6.x, t5, -(t6.y * t7));
-    out->fl_caster.steer_rate = fmaf(t6.x, t9, fmaf(t4, t6.y, t8));
-    out->fr_caster.spin = fmaf(t12.x, t11, -(t7 * t12.y));
-    out->fr_caster.steer_rate = fmaf(t9, t12.x, fmaf(t10, t12.y, t8));
-    out->bl_caster.spin = fmaf(t13.y, t14, t5 * t13.x);
-    out->bl_caster.steer_rate = fmaf(-t13.x, t15, fmaf(t4, t13.y, t8));
-    out->br_caster.spin = fmaf(t14, t16.y, t11 * t16.x);
-    out->br_caster.steer_rate = fmaf(-t15, t16.x, fmaf(t10, t16.y, t8));
+    out->fl_caster.spin = fmaf(fl_caster.x, t4, -(fl_caster.y * t5));
+    out->fl_caster.steer_rate = t8;
+    out->fr_caster.spin = fmaf(fr_caster.x, t9, -(t5 * fr_caster.y));
+    out->fr_caster.steer_rate = t10;
+    out->bl_caster.spin = fmaf(bl_caster.y, t11, t4 * bl_caster.x);
+    out->bl_caster.steer_rate = t13;
+    out->br_caster.spin = fmaf(t11, br_caster.y, t9 * br_caster.x);
+    out->br_caster.steer_rate = t14;
 }
 
 void mir_100_inverse_slip(const mir_100_inverse_slip_in *in, mir_100_inverse_slip_out *out)
@@ -157,19 +161,19 @@ void mir_100_odometry(const mir_100_odometry_in *in, mir_100_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

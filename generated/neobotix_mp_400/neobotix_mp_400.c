@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_33945bf4f6efd423)
+#if !defined(NEOBOTIX_MP_400_PAIR_48012c0c4a0f5872)
 #error "neobotix_mp_400.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -105,30 +105,38 @@ void neobotix_mp_400_inverse(
     const float t1 = 13.071896f * in->vx;
     const float t2 = 7.75f * in->omega;
     const float t3 = (-50.0f) * in->vx;
-    const float t4 = t2 + t3; /* castor front left a, castor back left a */
-    const float t5 = 0.5263158f * t4;
-    const wmrgen_vector t6 = wmrgen_direction(in->castor_front_left.steer);
-    const float t7 = 4.3421054f * in->omega;
-    const float t8 = -in->omega;
+    const float castor_front_left_a = t2 + t3; /* castor front left a, castor back left a */
+    const float t4 = 0.5263158f * castor_front_left_a;
+    const wmrgen_vector castor_front_left = wmrgen_direction(in->castor_front_left.steer);
+    const float t5 = 4.3421054f * in->omega;
+    const float t6 = fmaf(castor_front_left.x, t4, -(castor_front_left.y * t5));
+    const float t7 = -in->omega;
+    const float t8 = fmaf(castor_front_left_a, castor_front_left.y, t7);
     const float t9 = 8.25f * in->omega;
-    const wmrgen_vector t10 = wmrgen_direction(in->castor_back_left.steer);
-    const float t11 = 5.7894735f * in->omega;
-    const float t12 = 11.0f * in->omega;
-    const float t13 = t3 - t2; /* castor front right a, castor back right a */
-    const float t14 = 0.5263158f * t13;
-    const wmrgen_vector t15 = wmrgen_direction(in->castor_front_right.steer);
-    const wmrgen_vector t16 = wmrgen_direction(in->castor_back_right.steer);
+    const wmrgen_vector castor_back_left = wmrgen_direction(in->castor_back_left.steer);
+    const float t10 = 5.7894735f * in->omega;
+    const float t11 = fmaf(castor_back_left.y, t10, t4 * castor_back_left.x);
+    const float t12 = fmaf(castor_front_left_a, castor_back_left.y, t7);
+    const float t13 = 11.0f * in->omega;
+    const float castor_front_right_a = t3 - t2; /* castor front right a, castor back right a */
+    const float t14 = 0.5263158f * castor_front_right_a;
+    const wmrgen_vector castor_front_right = wmrgen_direction(in->castor_front_right.steer);
+    const float t15 = fmaf(castor_front_right.x, t14, -(t5 * castor_front_right.y));
+    const float t16 = fmaf(castor_front_right_a, castor_front_right.y, t7);
+    const wmrgen_vector castor_back_right = wmrgen_direction(in->castor_back_right.steer);
+    const float t17 = fmaf(t10, castor_back_right.y, t14 * castor_back_right.x);
+    const float t18 = fmaf(castor_front_right_a, castor_back_right.y, t7);
 
     out->right.spin = t0 + t1;
     out->left.spin = t1 - t0;
-    out->castor_front_left.spin = fmaf(t6.x, t5, -(t6.y * t7));
-    out->castor_front_left.steer_rate = fmaf(t6.x, t9, fmaf(t4, t6.y, t8));
-    out->castor_back_left.spin = fmaf(t10.y, t11, t5 * t10.x);
-    out->castor_back_left.steer_rate = fmaf(-t10.x, t12, fmaf(t4, t10.y, t8));
-    out->castor_front_right.spin = fmaf(t15.x, t14, -(t7 * t15.y));
-    out->castor_front_right.steer_rate = fmaf(t9, t15.x, fmaf(t13, t15.y, t8));
-    out->castor_back_right.spin = fmaf(t11, t16.y, t14 * t16.x);
-    out->castor_back_right.steer_rate = fmaf(-t12, t16.x, fmaf(t13, t16.y, t8));
+    out->castor_front_left.spin = t6;
+    out->castor_front_left.steer_rate = fmaf(castor_front_left.x, t9, t8);
+    out->castor_back_left.spin = t11;
+    out->castor_back_left.steer_rate = fmaf(-castor_back_left.x, t13, t12);
+    out->castor_front_right.spin = t15;
+    out->castor_front_right.steer_rate = fmaf(t9, castor_front_right.x, t16);
+    out->castor_back_right.spin = t17;
+    out->castor_back_right.steer_rate = fmaf(-t13, castor_back_right.x, t18);
 }
 
 void neobotix_mp_400_inverse_slip(
@@ -167,19 +175,19 @@ void neobotix_mp_400_odometry(
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

@@ -20,7 +20,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_33945bf4f6efd423)
+#if !defined(NEOBOTIX_MP_400_PAIR_48012c0c4a0f5872)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_33945bf4f6efd423)
+#if !defined(NEOBOTIX_MP_400_PAIR_48012c0c4a0f5872)
 #error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_31cb4d121d26cd82)
+#if !defined(NEOBOTIX_MPO_700_PAIR_e60352adab0178ec)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -103,26 +103,34 @@ void neobotix_mpo_700_inverse(
 {
     const float t0 = 4.2222223f * in->omega;
     const float t1 = (-22.222221f) * in->vx;
-    const float t2 = t0 + t1; /* front left a, back left a */
-    const float t3 = (-22.222221f) * in->vy;
-    const float t4 = 5.3333335f * in->omega;
-    const float t5 = t3 - t4; /* front left b, front right b */
-    const wmrgen_vector t6 = wmrgen_direction(in->front_left.steer);
-    const float t7 = -in->omega;
-    const float t8 = t3 + t4; /* back left b, back right b */
-    const wmrgen_vector t9 = wmrgen_direction(in->back_left.steer);
-    const float t10 = t1 - t0; /* back right a, front right a */
-    const wmrgen_vector t11 = wmrgen_direction(in->back_right.steer);
-    const wmrgen_vector t12 = wmrgen_direction(in->front_right.steer);
+    const float front_left_a = t0 + t1; /* front left a, back left a */
+    const float t2 = (-22.222221f) * in->vy;
+    const float t3 = 5.3333335f * in->omega;
+    const float front_left_b = t2 - t3; /* front left b, front right b */
+    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const float t4 = fmaf(front_left_a, front_left.x, front_left_b * front_left.y);
+    const float t5 = -in->omega;
+    const float t6 = fmaf(-front_left.x, front_left_b, fmaf(front_left_a, front_left.y, t5));
+    const float back_left_b = t2 + t3; /* back left b, back right b */
+    const wmrgen_vector back_left = wmrgen_direction(in->back_left.steer);
+    const float t7 = fmaf(front_left_a, back_left.x, back_left_b * back_left.y);
+    const float t8 = fmaf(-back_left.x, back_left_b, fmaf(front_left_a, back_left.y, t5));
+    const float back_right_a = t1 - t0; /* back right a, front right a */
+    const wmrgen_vector back_right = wmrgen_direction(in->back_right.steer);
+    const float t9 = fmaf(back_right_a, back_right.x, back_left_b * back_right.y);
+    const float t10 = fmaf(-back_left_b, back_right.x, fmaf(back_right_a, back_right.y, t5));
+    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const float t11 = fmaf(back_right_a, front_right.x, front_left_b * front_right.y);
+    const float t12 = fmaf(-front_left_b, front_right.x, fmaf(back_right_a, front_right.y, t5));
 
-    out->front_left.spin = (-0.5f) * fmaf(t2, t6.x, t5 * t6.y);
-    out->front_left.steer_rate = fmaf(-t6.x, t5, fmaf(t2, t6.y, t7));
-    out->back_left.spin = (-0.5f) * fmaf(t2, t9.x, t8 * t9.y);
-    out->back_left.steer_rate = fmaf(-t9.x, t8, fmaf(t2, t9.y, t7));
-    out->back_right.spin = (-0.5f) * fmaf(t10, t11.x, t8 * t11.y);
-    out->back_right.steer_rate = fmaf(-t8, t11.x, fmaf(t10, t11.y, t7));
-    out->front_right.spin = (-0.5f) * fmaf(t10, t12.x, t5 * t12.y);
-    out->front_right.steer_rate = fmaf(-t5, t12.x, fmaf(t10, t12.y, t7));
+    out->front_left.spin = (-0.5f) * t4;
+    out->front_left.steer_rate = t6;
+    out->back_left.spin = (-0.5f) * t7;
+    out->back_left.steer_rate = t8;
+    out->back_right.spin = (-0.5f) * t9;
+    out->back_right.steer_rate = t10;
+    out->front_right.spin = (-0.5f) * t11;
+    out->front_right.steer_rate = t12;
 }
 
 void neobotix_mpo_700_inverse_slip(
@@ -138,107 +146,115 @@ void neobotix_mpo_700_forward(
     const neobotix_mpo_700_forward_in *in,
     neobotix_mpo_700_forward_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->front_left.steer);
-    const float t1 = 2.0f * in->front_left.spin;
-    const float t2 = fmaf(t0.x, in->front_left.steer_rate, t0.y * t1); /* front_left: its velocity, y */
-    const wmrgen_vector t3 = wmrgen_direction(in->front_right.steer);
-    const float t4 = 2.0f * in->front_right.spin;
-    const float t5 = fmaf(t3.x, in->front_right.steer_rate, t3.y * t4); /* front_right: its velocity, y */
-    const float t6 = t2 + t5;
-    const wmrgen_vector t7 = wmrgen_direction(in->back_left.steer);
-    const float t8 = 2.0f * in->back_left.spin;
-    const float t9 = fmaf(t7.x, in->back_left.steer_rate, t7.y * t8); /* back_left: its velocity, y */
-    const wmrgen_vector t10 = wmrgen_direction(in->back_right.steer);
-    const float t11 = 2.0f * in->back_right.spin;
-    const float t12 = fmaf(t10.x, in->back_right.steer_rate, t10.y * t11); /* back_right: its velocity, y */
-    const float t13 = t9 + t12;
-    const float t14 = fmaf(t10.x, t11, -(in->back_right.steer_rate * t10.y)); /* back_right: its velocity, x */
-    const float t15 = fmaf(t3.x, t4, -(in->front_right.steer_rate * t3.y)); /* front_right: its velocity, x */
+    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const float t0 = 2.0f * in->front_left.spin;
+    const float front_left_wy = fmaf(front_left.x, in->front_left.steer_rate, front_left.y * t0); /* front_left: its velocity, y */
+    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const float t1 = 2.0f * in->front_right.spin;
+    const float front_right_wy = fmaf(front_right.x, in->front_right.steer_rate, front_right.y * t1); /* front_right: its velocity, y */
+    const float t2 = front_left_wy + front_right_wy;
+    const wmrgen_vector back_left = wmrgen_direction(in->back_left.steer);
+    const float t3 = 2.0f * in->back_left.spin;
+    const float back_left_wy = fmaf(back_left.x, in->back_left.steer_rate, back_left.y * t3); /* back_left: its velocity, y */
+    const wmrgen_vector back_right = wmrgen_direction(in->back_right.steer);
+    const float t4 = 2.0f * in->back_right.spin;
+    const float back_right_wy = fmaf(back_right.x, in->back_right.steer_rate, back_right.y * t4); /* back_right: its velocity, y */
+    const float t5 = back_left_wy + back_right_wy;
+    const float back_right_wx = fmaf(back_right.x, t4, -(in->back_right.steer_rate * back_right.y)); /* back_right: its velocity, x */
+    const float t6 = -(in->front_right.steer_rate * front_right.y);
+    const float t7 = back_right_wx + fmaf(front_right.x, t1, t6);
+    const float front_left_wx = fmaf(front_left.x, t0, -(in->front_left.steer_rate * front_left.y)); /* front_left: its velocity, x */
+    const float back_left_wx = fmaf(back_left.x, t3, -(in->back_left.steer_rate * back_left.y)); /* back_left: its velocity, x */
+    const float t8 = front_left_wx + back_left_wx;
+    const float t9 = in->front_left.steer_rate + in->back_left.steer_rate;
+    const float t10 = in->front_right.steer_rate + (in->back_right.steer_rate + t9);
+    const float moment = fmaf(21.333334f, t2 - t5, fmaf(16.88889f, t7 - t8, -(4.0f * t10))); /* moment */
+    const float sum_wy = t5 + t2; /* sum: its velocity, y */
+    const float t11 = back_left.x + back_right.x;
+    const float t12 = front_left.x + front_right.x;
+    const float t13 = t11 + t12;
+    const float sum_wx = t7 + t8; /* sum: its velocity, x */
+    const float t14 = back_right.y + front_right.y;
+    const float t15 = front_left.y + back_left.y;
     const float t16 = t14 + t15;
-    const float t17 = fmaf(t0.x, t1, -(in->front_left.steer_rate * t0.y)); /* front_left: its velocity, x */
-    const float t18 = fmaf(t7.x, t8, -(in->back_left.steer_rate * t7.y)); /* back_left: its velocity, x */
-    const float t19 = t17 + t18;
-    const float t20 = in->front_left.steer_rate + in->back_left.steer_rate;
-    const float t21 = in->front_right.steer_rate + (in->back_right.steer_rate + t20);
-    const float t22 = fmaf(21.333334f, t6 - t13, fmaf(16.88889f, t16 - t19, -(4.0f * t21))); /* moment */
-    const float t23 = t13 + t6; /* sum: its velocity, y */
-    const float t24 = t7.x + t10.x;
-    const float t25 = t0.x + t3.x;
-    const float t26 = t24 + t25;
-    const float t27 = t16 + t19; /* sum: its velocity, x */
-    const float t28 = t10.y + t3.y;
-    const float t29 = t0.y + t7.y;
-    const float t30 = t28 + t29;
-    const float t31 = fmaf(33.77778f, t28 - t29, fmaf(42.666668f, t24 - t25, 756.3457f)); /* inertia */
-    const float t32 = -t30;
-    const float t33 = fmaf(-t27, t30, fmaf(t26, t23, t22)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
+    const float t17 = fmaf(-sum_wx, t16, fmaf(t13, sum_wy, moment));
+    const float inertia = fmaf(33.77778f, t14 - t15, fmaf(42.666668f, t11 - t12, 756.3457f)); /* inertia */
+    const float t18 = -t16;
+    const float omega_fit = t17 / fmaf(t18, t16, fmaf(-t13, t13, inertia)); /* omega */
 
-    out->vx = 0.01125f * fmaf(t32, t33, t27);
-    out->vy = 0.01125f * fmaf(t26, t33, t23);
-    out->omega = t33;
+    out->vx = 0.01125f * fmaf(t18, omega_fit, sum_wx);
+    out->vy = 0.01125f * fmaf(t13, omega_fit, sum_wy);
+    out->omega = omega_fit;
 }
 
 void neobotix_mpo_700_forward_slip(
     const neobotix_mpo_700_forward_slip_in *in,
     neobotix_mpo_700_forward_slip_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->front_left.steer);
-    const float t1 = 2.0f * in->front_left.spin;
-    const float t2 = fmaf(t0.x, in->front_left.steer_rate, t0.y * t1); /* front_left: its velocity, y */
-    const wmrgen_vector t3 = wmrgen_direction(in->front_right.steer);
-    const float t4 = 2.0f * in->front_right.spin;
-    const float t5 = fmaf(t3.x, in->front_right.steer_rate, t3.y * t4); /* front_right: its velocity, y */
-    const float t6 = t2 + t5;
-    const wmrgen_vector t7 = wmrgen_direction(in->back_left.steer);
-    const float t8 = 2.0f * in->back_left.spin;
-    const float t9 = fmaf(t7.x, in->back_left.steer_rate, t7.y * t8); /* back_left: its velocity, y */
-    const wmrgen_vector t10 = wmrgen_direction(in->back_right.steer);
-    const float t11 = 2.0f * in->back_right.spin;
-    const float t12 = fmaf(t10.x, in->back_right.steer_rate, t10.y * t11); /* back_right: its velocity, y */
-    const float t13 = t9 + t12;
-    const float t14 = fmaf(t10.x, t11, -(in->back_right.steer_rate * t10.y)); /* back_right: its velocity, x */
-    const float t15 = fmaf(t3.x, t4, -(in->front_right.steer_rate * t3.y)); /* front_right: its velocity, x */
+    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const float t0 = 2.0f * in->front_left.spin;
+    const float front_left_wy = fmaf(front_left.x, in->front_left.steer_rate, front_left.y * t0); /* front_left: its velocity, y */
+    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const float t1 = 2.0f * in->front_right.spin;
+    const float front_right_wy = fmaf(front_right.x, in->front_right.steer_rate, front_right.y * t1); /* front_right: its velocity, y */
+    const float t2 = front_left_wy + front_right_wy;
+    const wmrgen_vector back_left = wmrgen_direction(in->back_left.steer);
+    const float t3 = 2.0f * in->back_left.spin;
+    const float back_left_wy = fmaf(back_left.x, in->back_left.steer_rate, back_left.y * t3); /* back_left: its velocity, y */
+    const wmrgen_vector back_right = wmrgen_direction(in->back_right.steer);
+    const float t4 = 2.0f * in->back_right.spin;
+    const float back_right_wy = fmaf(back_right.x, in->back_right.steer_rate, back_right.y * t4); /* back_right: its velocity, y */
+    const float t5 = back_left_wy + back_right_wy;
+    const float back_right_wx = fmaf(back_right.x, t4, -(in->back_right.steer_rate * back_right.y)); /* back_right: its velocity, x */
+    const float t6 = -(in->front_right.steer_rate * front_right.y);
+    const float front_right_wx = fmaf(front_right.x, t1, t6); /* front_right: its velocity, x */
+    const float t7 = back_right_wx + front_right_wx;
+    const float front_left_wx = fmaf(front_left.x, t0, -(in->front_left.steer_rate * front_left.y)); /* front_left: its velocity, x */
+    const float back_left_wx = fmaf(back_left.x, t3, -(in->back_left.steer_rate * back_left.y)); /* back_left: its velocity, x */
+    const float t8 = front_left_wx + back_left_wx;
+    const float t9 = in->front_left.steer_rate + in->back_left.steer_rate;
+    const float t10 = in->front_right.steer_rate + (in->back_right.steer_rate + t9);
+    const float moment = fmaf(21.333334f, t2 - t5, fmaf(16.88889f, t7 - t8, -(4.0f * t10))); /* moment */
+    const float sum_wy = t5 + t2; /* sum: its velocity, y */
+    const float t11 = back_left.x + back_right.x;
+    const float t12 = front_left.x + front_right.x;
+    const float t13 = t11 + t12;
+    const float sum_wx = t7 + t8; /* sum: its velocity, x */
+    const float t14 = back_right.y + front_right.y;
+    const float t15 = front_left.y + back_left.y;
     const float t16 = t14 + t15;
-    const float t17 = fmaf(t0.x, t1, -(in->front_left.steer_rate * t0.y)); /* front_left: its velocity, x */
-    const float t18 = fmaf(t7.x, t8, -(in->back_left.steer_rate * t7.y)); /* back_left: its velocity, x */
-    const float t19 = t17 + t18;
-    const float t20 = in->front_left.steer_rate + in->back_left.steer_rate;
-    const float t21 = in->front_right.steer_rate + (in->back_right.steer_rate + t20);
-    const float t22 = fmaf(21.333334f, t6 - t13, fmaf(16.88889f, t16 - t19, -(4.0f * t21))); /* moment */
-    const float t23 = t13 + t6; /* sum: its velocity, y */
-    const float t24 = t7.x + t10.x;
-    const float t25 = t0.x + t3.x;
-    const float t26 = t24 + t25;
-    const float t27 = t16 + t19; /* sum: its velocity, x */
-    const float t28 = t10.y + t3.y;
-    const float t29 = t0.y + t7.y;
-    const float t30 = t28 + t29;
-    const float t31 = fmaf(33.77778f, t28 - t29, fmaf(42.666668f, t24 - t25, 756.3457f)); /* inertia */
-    const float t32 = -t30;
-    const float t33 = fmaf(-t27, t30, fmaf(t26, t23, t22)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
-    const float t34 = 0.01125f * fmaf(t32, t33, t27);
-    const float t35 = 0.01125f * fmaf(t26, t33, t23);
-    const float t36 = 0.19f * t33;
-    const float t37 = t36 - t34;
-    const float t38 = fmaf(0.045f, fmaf(-t0.y, t33, t17), t37); /* residual 0 */
-    const float t39 = (-0.24f) * t33;
-    const float t40 = t39 - t35;
-    const float t41 = fmaf(0.045f, fmaf(t0.x, t33, t2), t40); /* residual 1 */
-    const float t42 = fmaf(0.045f, fmaf(-t7.y, t33, t18), t37); /* residual 2 */
-    const float t43 = -(t35 + t39);
-    const float t44 = fmaf(0.045f, fmaf(t7.x, t33, t9), t43); /* residual 3 */
-    const float t45 = fmaf(t44, t44, fmaf(t42, t42, fmaf(t38, t38, t41 * t41)));
-    const float t46 = -(t34 + t36);
-    const float t47 = fmaf(0.045f, fmaf(-t10.y, t33, t14), t46); /* residual 4 */
-    const float t48 = fmaf(0.045f, fmaf(t10.x, t33, t12), t43); /* residual 5 */
-    const float t49 = fmaf(0.045f, fmaf(-t3.y, t33, t15), t46); /* residual 6 */
-    const float t50 = fmaf(t49, t49, fmaf(t48, t48, fmaf(t47, t47, t45)));
-    const float t51 = fmaf(0.045f, fmaf(t3.x, t33, t5), t40); /* residual 7 */
+    const float t17 = fmaf(-sum_wx, t16, fmaf(t13, sum_wy, moment));
+    const float inertia = fmaf(33.77778f, t14 - t15, fmaf(42.666668f, t11 - t12, 756.3457f)); /* inertia */
+    const float t18 = -t16;
+    const float omega_fit = t17 / fmaf(t18, t16, fmaf(-t13, t13, inertia)); /* omega */
+    const float t19 = 0.01125f * fmaf(t18, omega_fit, sum_wx);
+    const float t20 = 0.01125f * fmaf(t13, omega_fit, sum_wy);
+    const float t21 = 0.19f * omega_fit;
+    const float t22 = t21 - t19;
+    const float t23 = fmaf(-front_left.y, omega_fit, front_left_wx);
+    const float error_0 = fmaf(0.045f, t23, t22); /* residual 0 */
+    const float t24 = (-0.24f) * omega_fit;
+    const float t25 = t24 - t20;
+    const float error_1 = fmaf(0.045f, fmaf(front_left.x, omega_fit, front_left_wy), t25); /* residual 1 */
+    const float error_2 = fmaf(0.045f, fmaf(-back_left.y, omega_fit, back_left_wx), t22); /* residual 2 */
+    const float t26 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
+    const float t27 = -(t20 + t24);
+    const float error_3 = fmaf(0.045f, fmaf(back_left.x, omega_fit, back_left_wy), t27); /* residual 3 */
+    const float t28 = -(t19 + t21);
+    const float t29 = fmaf(-back_right.y, omega_fit, back_right_wx);
+    const float error_4 = fmaf(0.045f, t29, t28); /* residual 4 */
+    const float t30 = fmaf(error_4, error_4, fmaf(error_3, error_3, t26));
+    const float error_5 = fmaf(0.045f, fmaf(back_right.x, omega_fit, back_right_wy), t27); /* residual 5 */
+    const float t31 = fmaf(-front_right.y, omega_fit, front_right_wx);
+    const float error_6 = fmaf(0.045f, t31, t28); /* residual 6 */
+    const float t32 = fmaf(error_6, error_6, fmaf(error_5, error_5, t30));
+    const float t33 = fmaf(front_right.x, omega_fit, front_right_wy);
+    const float error_7 = fmaf(0.045f, t33, t25); /* residual 7 */
 
-    out->vx = t34;
-    out->vy = t35;
-    out->omega = t33;
-    out->slip = sqrtf(fmaf(t51, t51, t50));
+    out->vx = t19;
+    out->vy = t20;
+    out->omega = omega_fit;
+    out->slip = sqrtf(fmaf(error_7, error_7, t32));
 }
 
 void neobotix_mpo_700_odometry(
@@ -247,19 +263,19 @@ void neobotix_mpo_700_odometry(
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

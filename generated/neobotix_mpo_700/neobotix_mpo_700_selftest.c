@@ -16,7 +16,7 @@
  */
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_31cb4d121d26cd82)
+#if !defined(NEOBOTIX_MPO_700_PAIR_e60352adab0178ec)
 #error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

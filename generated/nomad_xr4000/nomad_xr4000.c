@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_32f3aa56f9e016bd)
+#if !defined(NOMAD_XR4000_PAIR_544556ab569575a5)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -101,25 +101,33 @@ void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_invers
 {
     const float t0 = 10.0f * in->omega;
     const float t1 = (-50.0f) * in->vx;
-    const float t2 = t0 + t1; /* castor1 a, castor3 a */
-    const float t3 = (-50.0f) * in->vy;
-    const float t4 = t3 - t0; /* castor1 b, castor2 b */
-    const wmrgen_vector t5 = wmrgen_direction(in->castor1.steer);
-    const float t6 = -in->omega;
-    const float t7 = t1 - t0; /* castor2 a, castor4 a */
-    const wmrgen_vector t8 = wmrgen_direction(in->castor2.steer);
-    const float t9 = t0 + t3; /* castor3 b, castor4 b */
-    const wmrgen_vector t10 = wmrgen_direction(in->castor3.steer);
-    const wmrgen_vector t11 = wmrgen_direction(in->castor4.steer);
+    const float castor1_a = t0 + t1; /* castor1 a, castor3 a */
+    const float t2 = (-50.0f) * in->vy;
+    const float castor1_b = t2 - t0; /* castor1 b, castor2 b */
+    const wmrgen_vector castor1 = wmrgen_direction(in->castor1.steer);
+    const float t3 = fmaf(castor1_a, castor1.x, castor1_b * castor1.y);
+    const float t4 = -in->omega;
+    const float t5 = fmaf(-castor1.x, castor1_b, fmaf(castor1_a, castor1.y, t4));
+    const float castor2_a = t1 - t0; /* castor2 a, castor4 a */
+    const wmrgen_vector castor2 = wmrgen_direction(in->castor2.steer);
+    const float t6 = fmaf(castor2_a, castor2.x, castor1_b * castor2.y);
+    const float t7 = fmaf(-castor1_b, castor2.x, fmaf(castor2_a, castor2.y, t4));
+    const float castor3_b = t0 + t2; /* castor3 b, castor4 b */
+    const wmrgen_vector castor3 = wmrgen_direction(in->castor3.steer);
+    const float t8 = fmaf(castor1_a, castor3.x, castor3_b * castor3.y);
+    const float t9 = fmaf(-castor3.x, castor3_b, fmaf(castor1_a, castor3.y, t4));
+    const wmrgen_vector castor4 = wmrgen_direction(in->castor4.steer);
+    const float t10 = fmaf(castor2_a, castor4.x, castor3_b * castor4.y);
+    const float t11 = fmaf(-castor3_b, castor4.x, fmaf(castor2_a, castor4.y, t4));
 
-    out->castor1.spin = (-0.36363637f) * fmaf(t2, t5.x, t4 * t5.y);
-    out->castor1.steer_rate = fmaf(-t5.x, t4, fmaf(t2, t5.y, t6));
-    out->castor2.spin = (-0.36363637f) * fmaf(t7, t8.x, t4 * t8.y);
-    out->castor2.steer_rate = fmaf(-t4, t8.x, fmaf(t7, t8.y, t6));
-    out->castor3.spin = (-0.36363637f) * fmaf(t2, t10.x, t9 * t10.y);
-    out->castor3.steer_rate = fmaf(-t10.x, t9, fmaf(t2, t10.y, t6));
-    out->castor4.spin = (-0.36363637f) * fmaf(t7, t11.x, t9 * t11.y);
-    out->castor4.steer_rate = fmaf(-t9, t11.x, fmaf(t7, t11.y, t6));
+    out->castor1.spin = (-0.36363637f) * t3;
+    out->castor1.steer_rate = t5;
+    out->castor2.spin = (-0.36363637f) * t6;
+    out->castor2.steer_rate = t7;
+    out->castor3.spin = (-0.36363637f) * t8;
+    out->castor3.steer_rate = t9;
+    out->castor4.spin = (-0.36363637f) * t10;
+    out->castor4.steer_rate = t11;
 }
 
 void nomad_xr4000_inverse_slip(
@@ -133,125 +141,128 @@ void nomad_xr4000_inverse_slip(
 
 void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forward_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->castor3.steer);
-    const float t1 = 2.75f * in->castor3.spin;
-    const float t2 = fmaf(t0.x, in->castor3.steer_rate, t0.y * t1); /* castor3: its velocity, y */
-    const wmrgen_vector t3 = wmrgen_direction(in->castor4.steer);
-    const float t4 = 2.75f * in->castor4.spin;
-    const float t5 = fmaf(t3.x, in->castor4.steer_rate, t3.y * t4); /* castor4: its velocity, y */
-    const float t6 = t2 + t5;
-    const wmrgen_vector t7 = wmrgen_direction(in->castor1.steer);
-    const float t8 = 2.75f * in->castor1.spin;
-    const float t9 = fmaf(t7.x, in->castor1.steer_rate, t7.y * t8); /* castor1: its velocity, y */
-    const wmrgen_vector t10 = wmrgen_direction(in->castor2.steer);
-    const float t11 = 2.75f * in->castor2.spin;
-    const float t12 = fmaf(t10.x, in->castor2.steer_rate, t10.y * t11); /* castor2: its velocity, y */
-    const float t13 = t9 + t12;
-    const float t14 = t6 + t13; /* sum: its velocity, y */
-    const float t15 = fmaf(t10.x, t11, -(in->castor2.steer_rate * t10.y)); /* castor2: its velocity, x */
-    const float t16 = fmaf(t3.x, t4, -(in->castor4.steer_rate * t3.y)); /* castor4: its velocity, x */
-    const float t17 = t15 + t16;
-    const float t18 = fmaf(t7.x, t8, -(in->castor1.steer_rate * t7.y)); /* castor1: its velocity, x */
-    const float t19 = fmaf(t0.x, t1, -(in->castor3.steer_rate * t0.y)); /* castor3: its velocity, x */
-    const float t20 = t18 + t19;
-    const float t21 = in->castor1.steer_rate + in->castor2.steer_rate;
-    const float t22 = in->castor4.steer_rate + (in->castor3.steer_rate + t21);
-    const float t23 = fmaf(40.0f, t13 + (t17 - t20) - t6, -(4.0f * t22)); /* moment */
-    const float t24 = t0.x + t3.x;
-    const float t25 = t7.x + t10.x;
-    const float t26 = t24 + t25;
-    const float t27 = t17 + t20; /* sum: its velocity, x */
-    const float t28 = t10.y + t3.y;
-    const float t29 = t7.y + t0.y;
-    const float t30 = t28 + t29;
-    const float t31 = fmaf(80.0f, t24 + (t28 - t25 - t29), 3216.0f); /* inertia */
-    const float t32 = -t30;
-    const float t33 = fmaf(-t27, t30, fmaf(t26, t14, t23)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
+    const wmrgen_vector castor3 = wmrgen_direction(in->castor3.steer);
+    const float t0 = 2.75f * in->castor3.spin;
+    const float castor3_wy = fmaf(castor3.x, in->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
+    const wmrgen_vector castor4 = wmrgen_direction(in->castor4.steer);
+    const float t1 = 2.75f * in->castor4.spin;
+    const float castor4_wy = fmaf(castor4.x, in->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
+    const float t2 = castor3_wy + castor4_wy;
+    const wmrgen_vector castor1 = wmrgen_direction(in->castor1.steer);
+    const float t3 = 2.75f * in->castor1.spin;
+    const float castor1_wy = fmaf(castor1.x, in->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
+    const wmrgen_vector castor2 = wmrgen_direction(in->castor2.steer);
+    const float t4 = 2.75f * in->castor2.spin;
+    const float castor2_wy = fmaf(castor2.x, in->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
+    const float t5 = castor1_wy + castor2_wy;
+    const float sum_wy = t2 + t5; /* sum: its velocity, y */
+    const float castor2_wx = fmaf(castor2.x, t4, -(in->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
+    const float castor4_wx = fmaf(castor4.x, t1, -(in->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
+    const float t6 = castor2_wx + castor4_wx;
+    const float castor1_wx = fmaf(castor1.x, t3, -(in->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
+    const float castor3_wx = fmaf(castor3.x, t0, -(in->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
+    const float t7 = castor1_wx + castor3_wx;
+    const float t8 = in->castor1.steer_rate + in->castor2.steer_rate;
+    const float t9 = in->castor4.steer_rate + (in->castor3.steer_rate + t8);
+    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9)); /* moment */
+    const float t10 = castor3.x + castor4.x;
+    const float t11 = castor1.x + castor2.x;
+    const float t12 = t10 + t11;
+    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float t13 = castor2.y + castor4.y;
+    const float t14 = castor1.y + castor3.y;
+    const float t15 = t13 + t14;
+    const float t16 = fmaf(-sum_wx, t15, fmaf(t12, sum_wy, moment));
+    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f); /* inertia */
+    const float t17 = -t15;
+    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia)); /* omega */
 
-    out->vx = 0.005f * fmaf(t32, t33, t27);
-    out->vy = 0.005f * fmaf(t26, t33, t14);
-    out->omega = t33;
+    out->vx = 0.005f * fmaf(t17, omega_fit, sum_wx);
+    out->vy = 0.005f * fmaf(t12, omega_fit, sum_wy);
+    out->omega = omega_fit;
 }
 
 void nomad_xr4000_forward_slip(
     const nomad_xr4000_forward_slip_in *in,
     nomad_xr4000_forward_slip_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->castor3.steer);
-    const float t1 = 2.75f * in->castor3.spin;
-    const float t2 = fmaf(t0.x, in->castor3.steer_rate, t0.y * t1); /* castor3: its velocity, y */
-    const wmrgen_vector t3 = wmrgen_direction(in->castor4.steer);
-    const float t4 = 2.75f * in->castor4.spin;
-    const float t5 = fmaf(t3.x, in->castor4.steer_rate, t3.y * t4); /* castor4: its velocity, y */
-    const float t6 = t2 + t5;
-    const wmrgen_vector t7 = wmrgen_direction(in->castor1.steer);
-    const float t8 = 2.75f * in->castor1.spin;
-    const float t9 = fmaf(t7.x, in->castor1.steer_rate, t7.y * t8); /* castor1: its velocity, y */
-    const wmrgen_vector t10 = wmrgen_direction(in->castor2.steer);
-    const float t11 = 2.75f * in->castor2.spin;
-    const float t12 = fmaf(t10.x, in->castor2.steer_rate, t10.y * t11); /* castor2: its velocity, y */
-    const float t13 = t9 + t12;
-    const float t14 = t6 + t13; /* sum: its velocity, y */
-    const float t15 = fmaf(t10.x, t11, -(in->castor2.steer_rate * t10.y)); /* castor2: its velocity, x */
-    const float t16 = fmaf(t3.x, t4, -(in->castor4.steer_rate * t3.y)); /* castor4: its velocity, x */
-    const float t17 = t15 + t16;
-    const float t18 = fmaf(t7.x, t8, -(in->castor1.steer_rate * t7.y)); /* castor1: its velocity, x */
-    const float t19 = fmaf(t0.x, t1, -(in->castor3.steer_rate * t0.y)); /* castor3: its velocity, x */
-    const float t20 = t18 + t19;
-    const float t21 = in->castor1.steer_rate + in->castor2.steer_rate;
-    const float t22 = in->castor4.steer_rate + (in->castor3.steer_rate + t21);
-    const float t23 = fmaf(40.0f, t13 + (t17 - t20) - t6, -(4.0f * t22)); /* moment */
-    const float t24 = t0.x + t3.x;
-    const float t25 = t7.x + t10.x;
-    const float t26 = t24 + t25;
-    const float t27 = t17 + t20; /* sum: its velocity, x */
-    const float t28 = t10.y + t3.y;
-    const float t29 = t7.y + t0.y;
-    const float t30 = t28 + t29;
-    const float t31 = fmaf(80.0f, t24 + (t28 - t25 - t29), 3216.0f); /* inertia */
-    const float t32 = -t30;
-    const float t33 = fmaf(-t27, t30, fmaf(t26, t14, t23)) / fmaf(t32, t30, fmaf(-t26, t26, t31)); /* omega */
-    const float t34 = 0.005f * fmaf(t32, t33, t27);
-    const float t35 = 0.005f * fmaf(t26, t33, t14);
-    const float t36 = 0.2f * t33;
-    const float t37 = t36 - t34;
-    const float t38 = fmaf(0.02f, fmaf(-t7.y, t33, t18), t37); /* residual 0 */
-    const float t39 = -(t35 + t36);
-    const float t40 = fmaf(0.02f, fmaf(t7.x, t33, t9), t39); /* residual 1 */
-    const float t41 = -(t34 + t36);
-    const float t42 = fmaf(0.02f, fmaf(-t10.y, t33, t15), t41); /* residual 2 */
-    const float t43 = fmaf(0.02f, fmaf(t10.x, t33, t12), t39); /* residual 3 */
-    const float t44 = fmaf(t43, t43, fmaf(t42, t42, fmaf(t38, t38, t40 * t40)));
-    const float t45 = fmaf(0.02f, fmaf(-t0.y, t33, t19), t37); /* residual 4 */
-    const float t46 = t36 - t35;
-    const float t47 = fmaf(0.02f, fmaf(t0.x, t33, t2), t46); /* residual 5 */
-    const float t48 = fmaf(0.02f, fmaf(-t3.y, t33, t16), t41); /* residual 6 */
-    const float t49 = fmaf(t48, t48, fmaf(t47, t47, fmaf(t45, t45, t44)));
-    const float t50 = fmaf(0.02f, fmaf(t3.x, t33, t5), t46); /* residual 7 */
+    const wmrgen_vector castor3 = wmrgen_direction(in->castor3.steer);
+    const float t0 = 2.75f * in->castor3.spin;
+    const float castor3_wy = fmaf(castor3.x, in->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
+    const wmrgen_vector castor4 = wmrgen_direction(in->castor4.steer);
+    const float t1 = 2.75f * in->castor4.spin;
+    const float castor4_wy = fmaf(castor4.x, in->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
+    const float t2 = castor3_wy + castor4_wy;
+    const wmrgen_vector castor1 = wmrgen_direction(in->castor1.steer);
+    const float t3 = 2.75f * in->castor1.spin;
+    const float castor1_wy = fmaf(castor1.x, in->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
+    const wmrgen_vector castor2 = wmrgen_direction(in->castor2.steer);
+    const float t4 = 2.75f * in->castor2.spin;
+    const float castor2_wy = fmaf(castor2.x, in->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
+    const float t5 = castor1_wy + castor2_wy;
+    const float sum_wy = t2 + t5; /* sum: its velocity, y */
+    const float castor2_wx = fmaf(castor2.x, t4, -(in->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
+    const float castor4_wx = fmaf(castor4.x, t1, -(in->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
+    const float t6 = castor2_wx + castor4_wx;
+    const float castor1_wx = fmaf(castor1.x, t3, -(in->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
+    const float castor3_wx = fmaf(castor3.x, t0, -(in->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
+    const float t7 = castor1_wx + castor3_wx;
+    const float t8 = in->castor1.steer_rate + in->castor2.steer_rate;
+    const float t9 = in->castor4.steer_rate + (in->castor3.steer_rate + t8);
+    const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9)); /* moment */
+    const float t10 = castor3.x + castor4.x;
+    const float t11 = castor1.x + castor2.x;
+    const float t12 = t10 + t11;
+    const float sum_wx = t6 + t7; /* sum: its velocity, x */
+    const float t13 = castor2.y + castor4.y;
+    const float t14 = castor1.y + castor3.y;
+    const float t15 = t13 + t14;
+    const float t16 = fmaf(-sum_wx, t15, fmaf(t12, sum_wy, moment));
+    const float inertia = fmaf(80.0f, t10 + (t13 - t11 - t14), 3216.0f); /* inertia */
+    const float t17 = -t15;
+    const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia)); /* omega */
+    const float t18 = 0.005f * fmaf(t17, omega_fit, sum_wx);
+    const float t19 = 0.005f * fmaf(t12, omega_fit, sum_wy);
+    const float t20 = 0.2f * omega_fit;
+    const float t21 = t20 - t18;
+    const float error_0 = fmaf(0.02f, fmaf(-castor1.y, omega_fit, castor1_wx), t21); /* residual 0 */
+    const float t22 = -(t19 + t20);
+    const float error_1 = fmaf(0.02f, fmaf(castor1.x, omega_fit, castor1_wy), t22); /* residual 1 */
+    const float t23 = -(t18 + t20);
+    const float error_2 = fmaf(0.02f, fmaf(-castor2.y, omega_fit, castor2_wx), t23); /* residual 2 */
+    const float t24 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
+    const float error_3 = fmaf(0.02f, fmaf(castor2.x, omega_fit, castor2_wy), t22); /* residual 3 */
+    const float error_4 = fmaf(0.02f, fmaf(-castor3.y, omega_fit, castor3_wx), t21); /* residual 4 */
+    const float t25 = fmaf(error_4, error_4, fmaf(error_3, error_3, t24));
+    const float t26 = t20 - t19;
+    const float error_5 = fmaf(0.02f, fmaf(castor3.x, omega_fit, castor3_wy), t26); /* residual 5 */
+    const float error_6 = fmaf(0.02f, fmaf(-castor4.y, omega_fit, castor4_wx), t23); /* residual 6 */
+    const float t27 = fmaf(error_6, error_6, fmaf(error_5, error_5, t25));
+    const float error_7 = fmaf(0.02f, fmaf(castor4.x, omega_fit, castor4_wy), t26); /* residual 7 */
 
-    out->vx = t34;
-    out->vy = t35;
-    out->omega = t33;
-    out->slip = sqrtf(fmaf(t50, t50, t49));
+    out->vx = t18;
+    out->vy = t19;
+    out->omega = omega_fit;
+    out->slip = sqrtf(fmaf(error_7, error_7, t27));
 }
 
 void nomad_xr4000_odometry(const nomad_xr4000_odometry_in *in, nomad_xr4000_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

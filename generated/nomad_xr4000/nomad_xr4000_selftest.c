@@ -16,7 +16,7 @@
  */
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_32f3aa56f9e016bd)
+#if !defined(NOMAD_XR4000_PAIR_544556ab569575a5)
 #error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 

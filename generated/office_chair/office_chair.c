@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_c0843fef7effb57d)
+#if !defined(OFFICE_CHAIR_PAIR_a1e49b49f9153639)
 #error "office_chair.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -99,46 +99,47 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 
 void office_chair_inverse(const office_chair_inverse_in *in, office_chair_inverse_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->c1.steer);
-    const float t1 = (-11.2f) * in->omega;
-    const float t2 = fmaf((-40.0f), in->vy, t1); /* c1 b */
-    const float t3 = fmaf(33.333332f, in->vx * t0.x, -(0.8333333f * (t2 * t0.y)));
-    const float t4 = -in->omega;
-    const float t5 = fmaf(-t0.x, t2, fmaf((-40.0f), in->vx * t0.y, t4));
-    const float t6 = (-12.36068f) * in->vx;
-    const float t7 = 38.04226f * in->vy;
-    const float t8 = t6 - t7; /* c2 a */
-    const float t9 = fmaf((-12.36068f), in->vy, t1);
-    const float t10 = 38.04226f * in->vx;
-    const float t11 = t9 + t10; /* c2 b */
-    const wmrgen_vector t12 = wmrgen_direction(in->c2.steer);
-    const float t13 = 32.36068f * in->vx;
-    const float t14 = 23.51141f * in->vy;
-    const float t15 = t13 - t14; /* c3 a */
-    const float t16 = fmaf(32.36068f, in->vy, t1);
-    const float t17 = 23.51141f * in->vx;
-    const float t18 = t16 + t17; /* c3 b */
-    const wmrgen_vector t19 = wmrgen_direction(in->c3.steer);
-    const float t20 = (-0.8333333f) * fmaf(t15, t19.x, t18 * t19.y);
-    const float t21 = t14 + t13; /* c4 a */
-    const float t22 = t16 - t17; /* c4 b */
-    const wmrgen_vector t23 = wmrgen_direction(in->c4.steer);
-    const float t24 = (-0.8333333f) * fmaf(t21, t23.x, t22 * t23.y);
-    const float t25 = t7 + t6; /* c5 a */
-    const float t26 = t9 - t10; /* c5 b */
-    const wmrgen_vector t27 = wmrgen_direction(in->c5.steer);
-    const float t28 = (-0.8333333f) * fmaf(t25, t27.x, t26 * t27.y);
+    const wmrgen_vector c1 = wmrgen_direction(in->c1.steer);
+    const float t0 = (-11.2f) * in->omega;
+    const float c1_b = fmaf((-40.0f), in->vy, t0); /* c1 b */
+    const float t1 = fmaf(33.333332f, in->vx * c1.x, -(0.8333333f * (c1_b * c1.y)));
+    const float t2 = -in->omega;
+    const float t3 = fmaf(-c1.x, c1_b, fmaf((-40.0f), in->vx * c1.y, t2));
+    const float t4 = (-12.36068f) * in->vx;
+    const float t5 = 38.04226f * in->vy;
+    const float c2_a = t4 - t5; /* c2 a */
+    const float t6 = fmaf((-12.36068f), in->vy, t0);
+    const float t7 = 38.04226f * in->vx;
+    const float c2_b = t6 + t7; /* c2 b */
+    const wmrgen_vector c2 = wmrgen_direction(in->c2.steer);
+    const float t8 = (-0.8333333f) * fmaf(c2_a, c2.x, c2_b * c2.y);
+    const float t9 = 32.36068f * in->vx;
+    const float t10 = 23.51141f * in->vy;
+    const float c3_a = t9 - t10; /* c3 a */
+    const float t11 = fmaf(32.36068f, in->vy, t0);
+    const float t12 = 23.51141f * in->vx;
+    const float c3_b = t11 + t12; /* c3 b */
+    const wmrgen_vector c3 = wmrgen_direction(in->c3.steer);
+    const float t13 = (-0.8333333f) * fmaf(c3_a, c3.x, c3_b * c3.y);
+    const float c4_a = t10 + t9; /* c4 a */
+    const float c4_b = t11 - t12; /* c4 b */
+    const wmrgen_vector c4 = wmrgen_direction(in->c4.steer);
+    const float t14 = (-0.8333333f) * fmaf(c4_a, c4.x, c4_b * c4.y);
+    const float c5_a = t5 + t4; /* c5 a */
+    const float c5_b = t6 - t7; /* c5 b */
+    const wmrgen_vector c5 = wmrgen_direction(in->c5.steer);
+    const float t15 = (-0.8333333f) * fmaf(c5_a, c5.x, c5_b * c5.y);
 
-    out->c1.spin = t3;
-    out->c1.steer_rate = t5;
-    out->c2.spin = (-0.8333333f) * fmaf(t8, t12.x, t11 * t12.y);
-    out->c2.steer_rate = fmaf(-t12.x, t11, fmaf(t8, t12.y, t4));
-    out->c3.spin = t20;
-    out->c3.steer_rate = fmaf(-t19.x, t18, fmaf(t15, t19.y, t4));
-    out->c4.spin = t24;
-    out->c4.steer_rate = fmaf(-t23.x, t22, fmaf(t21, t23.y, t4));
-    out->c5.spin = t28;
-    out->c5.steer_rate = fmaf(-t27.x, t26, fmaf(t25, t27.y, t4));
+    out->c1.spin = t1;
+    out->c1.steer_rate = t3;
+    out->c2.spin = t8;
+    out->c2.steer_rate = fmaf(-c2.x, c2_b, fmaf(c2_a, c2.y, t2));
+    out->c3.spin = t13;
+    out->c3.steer_rate = fmaf(-c3.x, c3_b, fmaf(c3_a, c3.y, t2));
+    out->c4.spin = t14;
+    out->c4.steer_rate = fmaf(-c4.x, c4_b, fmaf(c4_a, c4.y, t2));
+    out->c5.spin = t15;
+    out->c5.steer_rate = fmaf(-c5.x, c5_b, fmaf(c5_a, c5.y, t2));
 }
 
 void office_chair_inverse_slip(
@@ -169,19 +170,19 @@ void office_chair_odometry(const office_chair_odometry_in *in, office_chair_odom
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

@@ -34,7 +34,7 @@
 #define WMRGEN_OFFICE_CHAIR_H
 
 #define OFFICE_CHAIR_MODEL_HASH "0343403b631c7fd6a8e83f382c96a136"
-#define OFFICE_CHAIR_PAIR_c0843fef7effb57d 1
+#define OFFICE_CHAIR_PAIR_a1e49b49f9153639 1
 
 #ifdef __cplusplus
 extern "C" {

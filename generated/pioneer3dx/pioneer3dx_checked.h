@@ -20,7 +20,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_0a433ae9275e4701)
+#if !defined(PIONEER3DX_PAIR_d1bc1c8f9da8a649)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_9be7fd4f64d1d99a)
+#if !defined(SYNCHRO_DRIVE_PAIR_3241a9985a2d87b8)
 #error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -154,22 +154,45 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 }
 #endif
 
+#if !defined(WMRGEN_WHEEL)
+#define WMRGEN_WHEEL
+typedef struct {
+    float spin;
+    float steer;
+} wmrgen_wheel;
+#endif
+
+#if !defined(WMRGEN_STEER_ALONG)
+#define WMRGEN_STEER_ALONG
+/* Steers along the velocity (x, y) [m/s] of a pivot, to the heading [rad] nearest to the present
+ * one, at most a quarter turn away, and rolls backwards where that is shorter. At standstill the
+ * present angle is held. per_rim: spin [rad/s] per speed of the rim [m/s]. */
+WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float per_rim)
+{
+    wmrgen_wheel result;
+    const float t0 = sqrtf(fmaf(x, x, y * y));
+    const float t1 = (1e-20f < t0) ? (t0 + fabsf(x)) : 1e-20f;
+    const float t2 = (1e-20f < t0) ? (wmrgen_signed(2.0f, x) * wmrgen_arctangent(y / t1)) : now;
+    const float t3 = fmaf(0.31830987f, t2 - now, 12582912.0f);
+    const float t4 = wmrgen_flip(wmrgen_signed(per_rim * t0, x), t3);
+
+    result.spin = t4;
+    result.steer = fmaf((-3.1415927f), t3 - 12582912.0f, t2);
+    return result;
+}
+#endif
+
 void synchro_drive_inverse(const synchro_drive_inverse_in *in, synchro_drive_inverse_out *out)
 {
-    const float t0 = sqrtf(fmaf(in->vx, in->vx, in->vy * in->vy)); /* w1: sqrt(a^2 + b^2) */
-    const float t1 = (1e-20f < t0) ? (t0 + fabsf(in->vx)) : 1e-20f;
-    const float t2 = wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(in->vy / t1);
-    const float t3 = (1e-20f < t0) ? t2 : in->w1.steer; /* w1: heading */
-    const float t4 = fmaf(0.31830987f, t3 - in->w1.steer, 12582912.0f);
-    const float t5 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t0, t4);
-    const float t6 = fmaf((-3.1415927f), t4 - 12582912.0f, t3);
+    const wmrgen_wheel w1 = wmrgen_steer_along(in->vx, in->vy, in->w1.steer, 1.0f);
+    const float t0 = 10.0f * w1.spin;
 
-    out->w1.spin = t5;
-    out->w1.steer = t6;
-    out->w2.spin = t5;
-    out->w2.steer = t6;
-    out->w3.spin = t5;
-    out->w3.steer = t6;
+    out->w1.spin = t0;
+    out->w1.steer = w1.steer;
+    out->w2.spin = t0;
+    out->w2.steer = w1.steer;
+    out->w3.spin = t0;
+    out->w3.steer = w1.steer;
 }
 
 void synchro_drive_inverse_slip(
@@ -181,63 +204,63 @@ void synchro_drive_inverse_slip(
 
 void synchro_drive_forward(const synchro_drive_forward_in *in, synchro_drive_forward_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
-    const wmrgen_vector t1 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
-    const wmrgen_vector t2 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
-    const float t3 = t1.y + t2.y;
-    const float t4 = fmaf(0.11111111f, t0.y, 0.096225046f * (t2.x - t1.x));
+    const wmrgen_vector w1 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
+    const wmrgen_vector w2 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
+    const wmrgen_vector w3 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
+    const float t0 = w2.y + w3.y;
+    const float t1 = fmaf(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
 
-    out->vx = 0.033333335f * (t2.x + (t0.x + t1.x));
-    out->vy = 0.033333335f * (t0.y + t3);
-    out->omega = fmaf((-0.055555556f), t3, t4);
+    out->vx = 0.033333335f * (w3.x + (w1.x + w2.x));
+    out->vy = 0.033333335f * (w1.y + t0);
+    out->omega = fmaf((-0.055555556f), t0, t1);
 }
 
 void synchro_drive_forward_slip(
     const synchro_drive_forward_slip_in *in,
     synchro_drive_forward_slip_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
-    const wmrgen_vector t1 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
-    const wmrgen_vector t2 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
-    const float t3 = 0.033333335f * (t2.x + (t0.x + t1.x)); /* vx */
-    const float t4 = t1.y + t2.y;
-    const float t5 = 0.033333335f * (t0.y + t4); /* vy */
-    const float t6 = fmaf(0.11111111f, t0.y, 0.096225046f * (t2.x - t1.x));
-    const float t7 = fmaf((-0.055555556f), t4, t6); /* omega */
-    const float t8 = (-0.25980762f) * t7;
-    const float t9 = -t3;
-    const float t10 = fmaf(0.1f, t1.x, t9) - t8;
-    const float t11 = fmaf((-0.3f), t7, fmaf(0.1f, t0.y, -t5));
-    const float t12 = fmaf(0.1f, t0.x, t9);
-    const float t13 = -fmaf((-0.15f), t7, t5);
-    const float t14 = fmaf(0.1f, t1.y, t13);
-    const float t15 = fmaf(t14, t14, fmaf(t10, t10, fmaf(t12, t12, t11 * t11)));
-    const float t16 = fmaf(0.1f, t2.x, t8 - t3);
-    const float t17 = fmaf(0.1f, t2.y, t13);
+    const wmrgen_vector w1 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
+    const wmrgen_vector w2 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
+    const wmrgen_vector w3 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
+    const float vx_fit = 0.033333335f * (w3.x + (w1.x + w2.x)); /* vx */
+    const float t0 = w2.y + w3.y;
+    const float vy_fit = 0.033333335f * (w1.y + t0); /* vy */
+    const float t1 = fmaf(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
+    const float omega_fit = fmaf((-0.055555556f), t0, t1); /* omega */
+    const float t2 = (-0.25980762f) * omega_fit;
+    const float t3 = -vx_fit;
+    const float t4 = fmaf(0.1f, w2.x, t3) - t2;
+    const float t5 = fmaf((-0.3f), omega_fit, fmaf(0.1f, w1.y, -vy_fit));
+    const float t6 = fmaf(0.1f, w1.x, t3);
+    const float t7 = -fmaf((-0.15f), omega_fit, vy_fit);
+    const float t8 = fmaf(0.1f, w2.y, t7);
+    const float t9 = fmaf(t8, t8, fmaf(t4, t4, fmaf(t6, t6, t5 * t5)));
+    const float t10 = fmaf(0.1f, w3.x, t2 - vx_fit);
+    const float t11 = fmaf(0.1f, w3.y, t7);
 
-    out->vx = t3;
-    out->vy = t5;
-    out->omega = t7;
-    out->slip = sqrtf(fmaf(t17, t17, fmaf(t16, t16, t15)));
+    out->vx = vx_fit;
+    out->vy = vy_fit;
+    out->omega = omega_fit;
+    out->slip = sqrtf(fmaf(t11, t11, fmaf(t10, t10, t9)));
 }
 
 void synchro_drive_odometry(const synchro_drive_odometry_in *in, synchro_drive_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

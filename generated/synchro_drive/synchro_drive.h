@@ -14,7 +14,7 @@
  * angle at its limit for one. Check inputs, or take the functions of the _checked files.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
- * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
+ * 2.36 * 2**-24 of the true value.
  * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
  * the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
@@ -31,7 +31,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "cd75b86f0791ccb50c702d511c4393ce"
-#define SYNCHRO_DRIVE_PAIR_9be7fd4f64d1d99a 1
+#define SYNCHRO_DRIVE_PAIR_3241a9985a2d87b8 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_9be7fd4f64d1d99a)
+#if !defined(SYNCHRO_DRIVE_PAIR_3241a9985a2d87b8)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

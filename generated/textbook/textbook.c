@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_52f635700058efe7)
+#if !defined(TEXTBOOK_PAIR_55a8d7d1a6c7082c)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -229,21 +229,20 @@ void textbook_rotate(const textbook_rotate_in *in, textbook_rotate_out *out)
 
 void textbook_pose_compose(const textbook_pose_compose_in *in, textbook_pose_compose_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->a.theta);
-    const float t1 = in->a.x + fmaf(in->b.x, t0.x, -(in->b.y * t0.y));
-    const float t2 = in->a.y + fmaf(in->b.x, t0.y, t0.x * in->b.y);
+    const wmrgen_vector a = wmrgen_direction(in->a.theta);
+    const float t0 = in->a.x + fmaf(in->b.x, a.x, -(in->b.y * a.y));
 
-    out->x = t1;
-    out->y = t2;
+    out->x = t0;
+    out->y = in->a.y + fmaf(in->b.x, a.y, a.x * in->b.y);
     out->theta = in->a.theta + in->b.theta;
 }
 
 void textbook_pose_inverse(const textbook_pose_inverse_in *in, textbook_pose_inverse_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->a.theta);
+    const wmrgen_vector a = wmrgen_direction(in->a.theta);
 
-    out->x = -fmaf(in->a.x, t0.x, in->a.y * t0.y);
-    out->y = fmaf(in->a.x, t0.y, -(t0.x * in->a.y));
+    out->x = -fmaf(in->a.x, a.x, in->a.y * a.y);
+    out->y = fmaf(in->a.x, a.y, -(a.x * in->a.y));
     out->theta = -in->a.theta;
 }
 

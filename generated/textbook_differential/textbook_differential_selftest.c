@@ -16,7 +16,7 @@
  */
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_cb90e3db184a23af)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_be261b8964b72aec)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7d2e91d1b00bc263)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_63a1c901a4b47f4b)
 #error "textbook_omni_steer.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -154,19 +154,43 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 }
 #endif
 
+#if !defined(WMRGEN_WHEEL)
+#define WMRGEN_WHEEL
+typedef struct {
+    float spin;
+    float steer;
+} wmrgen_wheel;
+#endif
+
+#if !defined(WMRGEN_STEER_ALONG)
+#define WMRGEN_STEER_ALONG
+/* Steers along the velocity (x, y) [m/s] of a pivot, to the heading [rad] nearest to the present
+ * one, at most a quarter turn away, and rolls backwards where that is shorter. At standstill the
+ * present angle is held. per_rim: spin [rad/s] per speed of the rim [m/s]. */
+WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float per_rim)
+{
+    wmrgen_wheel result;
+    const float t0 = sqrtf(fmaf(x, x, y * y));
+    const float t1 = (1e-20f < t0) ? (t0 + fabsf(x)) : 1e-20f;
+    const float t2 = (1e-20f < t0) ? (wmrgen_signed(2.0f, x) * wmrgen_arctangent(y / t1)) : now;
+    const float t3 = fmaf(0.31830987f, t2 - now, 12582912.0f);
+    const float t4 = wmrgen_flip(wmrgen_signed(per_rim * t0, x), t3);
+
+    result.spin = t4;
+    result.steer = fmaf((-3.1415927f), t3 - 12582912.0f, t2);
+    return result;
+}
+#endif
+
 void textbook_omni_steer_inverse(
     const textbook_omni_steer_inverse_in *in,
     textbook_omni_steer_inverse_out *out)
 {
-    const float t0 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vy)); /* front: b */
-    const float t1 = sqrtf(fmaf(in->vx, in->vx, t0 * t0)); /* front: sqrt(a^2 + b^2) */
-    const float t2 = (1e-20f < t1) ? (t1 + fabsf(in->vx)) : 1e-20f;
-    const float t3 = (1e-20f < t1) ? (wmrgen_signed(2.0f, in->vx) * wmrgen_arctangent(t0 / t2)) : in->front.steer; /* front: heading */
-    const float t4 = fmaf(0.31830987f, t3 - in->front.steer, 12582912.0f);
-    const float t5 = wmrgen_flip(wmrgen_signed(10.0f, in->vx) * t1, t4);
+    const float t0 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vy));
+    const wmrgen_wheel front = wmrgen_steer_along(in->vx, t0, in->front.steer, 10.0f);
 
-    out->front.spin = t5;
-    out->front.steer = fmaf((-3.1415927f), t4 - 12582912.0f, t3);
+    out->front.spin = front.spin;
+    out->front.steer = front.steer;
 }
 
 void textbook_omni_steer_inverse_slip(
@@ -182,22 +206,22 @@ void textbook_omni_steer_forward(
     const textbook_omni_steer_forward_in *in,
     textbook_omni_steer_forward_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_vector_at(in->front.spin, in->front.steer);
+    const wmrgen_vector front = wmrgen_vector_at(in->front.spin, in->front.steer);
 
-    out->vx = 0.1f * t0.x;
-    out->vy = 0.09174312f * t0.y;
-    out->omega = 0.027522936f * t0.y;
+    out->vx = 0.1f * front.x;
+    out->vy = 0.09174312f * front.y;
+    out->omega = 0.027522936f * front.y;
 }
 
 void textbook_omni_steer_forward_slip(
     const textbook_omni_steer_forward_slip_in *in,
     textbook_omni_steer_forward_slip_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_vector_at(in->front.spin, in->front.steer);
+    const wmrgen_vector front = wmrgen_vector_at(in->front.spin, in->front.steer);
 
-    out->vx = 0.1f * t0.x;
-    out->vy = 0.09174312f * t0.y;
-    out->omega = 0.027522936f * t0.y;
+    out->vx = 0.1f * front.x;
+    out->vy = 0.09174312f * front.y;
+    out->omega = 0.027522936f * front.y;
     out->slip = 0.0f;
 }
 
@@ -207,19 +231,19 @@ void textbook_omni_steer_odometry(
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_1a0189c544dcf391)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_5f406778567bf623)
 #error "tractor_off_axle_checked.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -16,7 +16,7 @@
  */
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_1a0189c544dcf391)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_5f406778567bf623)
 #error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 

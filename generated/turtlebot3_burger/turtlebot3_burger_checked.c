@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_fae0d4e59e86fb2e)
+#if !defined(TURTLEBOT3_BURGER_PAIR_6fd2cc51226d75c7)
 #error "turtlebot3_burger_checked.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

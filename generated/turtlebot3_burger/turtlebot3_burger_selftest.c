@@ -16,7 +16,7 @@
  */
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_fae0d4e59e86fb2e)
+#if !defined(TURTLEBOT3_BURGER_PAIR_6fd2cc51226d75c7)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

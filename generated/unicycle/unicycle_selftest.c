@@ -16,7 +16,7 @@
  */
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_e061726280d84700)
+#if !defined(UNICYCLE_PAIR_99d0adcff5a60cb4)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

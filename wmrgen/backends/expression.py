@@ -111,9 +111,11 @@ class _Printer:
         style: Style,
         notes: Mapping[int, str],
         kernels: Mapping[str, Results],
+        names: Mapping[int, str],
     ) -> None:
         self.function, self.access, self.style, self.notes = function, access, style, notes
-        self.kernels = kernels
+        self.kernels, self.names = kernels, names
+        self.taken = set(names.values())
         self.uses = _uses(function, style)
         self.arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
         self.statements: list[str] = []
@@ -144,7 +146,7 @@ class _Printer:
             or len(text.text) > self._longest(index)
         ):
             kind = self.kernels[node.name or ""].type if node.op is Op.CALL else style.scalar
-            return _Text(self._named(text.text, self.notes.get(index), kind), _ATOM)
+            return _Text(self._named(index, text.text, kind), _ATOM)
         return text
 
     def _call(self, node: Node, args: list[_Text]) -> _Text:
@@ -159,10 +161,15 @@ class _Printer:
     def _longest(self, index: int) -> int:
         return _LONGEST_ARM if index in self.arms else _LONGEST
 
-    def _named(self, text: str, note: str | None, kind: str) -> str:
-        name = self.style.temporary.format(self.count)
-        self.count += 1
+    def _named(self, index: int, text: str, kind: str) -> str:
+        name, note = self.names.get(index) or self._temporary(), self.notes.get(index)
         self.statements.append(self.style.declare.format(name, text, kind) + (f" {note}" if note else ""))
+        return name
+
+    def _temporary(self) -> str:
+        while (name := self.style.temporary.format(self.count)) in self.taken:
+            self.count += 1
+        self.count += 1
         return name
 
 
@@ -172,13 +179,14 @@ def body(
     style: Style,
     notes: Mapping[int, str] | None = None,
     kernels: Mapping[str, Results] | None = None,
+    names: Mapping[int, str] | None = None,
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
     ``notes``: node -> finished comment, printed behind the statement that names the node. ``kernels``: what may be
-    called, by name.
+    called, by name. ``names``: what a node is called where it gets a statement, each name once.
     """
-    printer = _Printer(function, access, style, notes or {}, kernels or {})
+    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {})
     printer.run()
     ops = frozenset(node.op for node in function.nodes)
     return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)

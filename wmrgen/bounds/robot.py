@@ -11,6 +11,7 @@ from wmrgen.bounds.domain import Domain, Range, domain
 from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.bounds.outcomes import Outcomes
 from wmrgen.bounds.precision import Library
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.inline import hand_through, inline_prepare
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
@@ -95,7 +96,7 @@ def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
 
 def functions(module: Module) -> list[Function]:
     """The functions as they are printed, each with its part of prepare()."""
-    printed = hand_through(module)
+    printed = hand_through(inlined_calls(module))
     return [inline_prepare(f, printed.prepare) for f in printed.functions if f.outputs]
 
 

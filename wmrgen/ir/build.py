@@ -268,7 +268,21 @@ class Builder:
         """``node`` of another function over ``args``, ids of this builder."""
         if node.op in self._rules:
             return self.apply(node.op, args)
-        return self._node(node.op, value=node.value, name=node.name)
+        return self._node(node.op, tuple(args), node.value, node.name)
+
+    def call(self, kernel: str, args: Sequence[int]) -> int:
+        """A call of a kernel, see `wmrgen.ir.calls`."""
+        return self._node(Op.CALL, tuple(args), name=kernel)
+
+    def part(self, call: int, number: int) -> int:
+        """One of several results of a call."""
+        return self._node(Op.PART, (call,), name=str(number))
+
+    def again(self, node: Node, args: Sequence[int]) -> int:
+        """``node`` of another function over ``args``, as `make` makes it."""
+        if node.op in self._rules and args:
+            return self.make(node.op, args)
+        return self._node(node.op, tuple(args), node.value, node.name)
 
     def make(self, op: Op, args: Sequence[int]) -> int:
         """Operation ``op`` as it stands: shared, but simplified only over a constant or a negation.

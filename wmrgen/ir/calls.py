@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from wmrgen.exact.number import ONE
 from wmrgen.ir.nodes import Function, Module, Node, Op
 
 Kernels = Mapping[str, Function]
@@ -50,6 +51,10 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
     results: dict[int, tuple[int, ...]] = {}  # a call -> where its results are
 
     def put(node: Node, args: tuple[int, ...]) -> int:
+        if node.op is Op.MUL:
+            for factor, other in (args, args[::-1]):
+                if nodes[factor].value == ONE:
+                    return other  # to the bit
         new = node if args == node.args else Node(node.op, args, node.value, node.name)
         found = index.setdefault(new, len(nodes))
         if found == len(nodes):

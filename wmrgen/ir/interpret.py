@@ -11,6 +11,7 @@ from typing import Any
 
 from wmrgen.errors import UsageError
 from wmrgen.ir.arithmetic import EXACT, FLOAT32, FLOAT64, Arithmetic, Number
+from wmrgen.ir.calls import by_name, inlined
 from wmrgen.ir.nodes import Function, Module, Op, Role
 
 __all__ = ["EXACT", "FLOAT32", "FLOAT64", "Arithmetic", "evaluate", "evaluate_module", "evaluate_nodes"]
@@ -51,8 +52,8 @@ def evaluate(function: Function, inputs: Mapping[str, Number], arithmetic: Arith
 def evaluate_module(
     module: Module, name: str, inputs: Mapping[str, Number], arithmetic: Arithmetic
 ) -> dict[str, Any]:
-    """`evaluate` of the function called ``name``, after ``prepare`` where the module has one."""
-    function = module.function(name)
+    """`evaluate` of the function called ``name``, without calls, after ``prepare`` where the module has one."""
+    function = inlined(module.function(name), by_name(module.kernels))
     known: dict[str, Number] = dict(inputs)
     if module.prepare is not None and any(port.role is Role.PREPARED for port in function.inputs):
         known.update(evaluate(module.prepare, inputs, arithmetic))

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Port, Role
 from wmrgen.ir.passes.canonicalise import canonicalise
 from wmrgen.ir.passes.dead_code import drop_dead_code
@@ -26,25 +27,32 @@ BEFORE_HOIST: tuple[Pass, ...] = (
 AFTER_HOIST: tuple[Pass, ...] = (drop_dead_code, schedule)
 
 
-def optimise(functions: tuple[Function, ...], name: str, verify: bool = False) -> Module:
-    """The module of ``functions``, in as few operations as the passes find.
+def optimise(
+    functions: tuple[Function, ...],
+    name: str,
+    verify: bool = False,
+    kernels: tuple[Function, ...] = (),
+    meaning: tuple[Function, ...] | None = None,
+) -> Module:
+    """The module of ``functions``, which call ``kernels``, in as few operations as the passes find.
 
-    The result is always checked against ``functions`` at one point, modulo a prime;
-    ``verify`` checks every pass at several exact points.
+    The result is always checked against ``meaning``, the functions in base operations (``functions`` themselves where
+    they call nothing), at one point, modulo a prime; ``verify`` checks every pass at several exact points.
     """
     steps = tuple(_run(function, BEFORE_HOIST, verify) for function in functions)
-    module = hoist(steps, name)
+    module = replace(hoist(steps, name), kernels=kernels)
     if verify:
         verify_module(steps, module, "hoist")
     steps = tuple(_run(function, AFTER_HOIST, verify) for function in module.functions)
     prepare = None if module.prepare is None else _prepare(module.prepare, verify)
     said = zip(steps, functions, strict=True)
     steps = tuple(replace(step, variant_of=f.variant_of, limits=f.limits) for step, f in said)
-    module = Module(name, steps, prepare)
+    module = Module(name, steps, prepare, kernels)
+    plain, functions = inlined_calls(module), functions if meaning is None else meaning
     if verify:
-        verify_module(functions, module, "the pipeline", 3)
+        verify_module(functions, plain, "the pipeline", 3)
     else:
-        check_module(functions, module, "the pipeline")
+        check_module(functions, plain, "the pipeline")
     return module
 
 

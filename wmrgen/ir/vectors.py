@@ -15,6 +15,7 @@ import numpy as np
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.beside import beside
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.nodes import Function, Module, Port, Role
 from wmrgen.ir.points import BRANCH, TWIST, Grid, Point, points
@@ -59,6 +60,7 @@ class Table:
 
 def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ...]:
     """A table per function with inputs and outputs (a variant in that of its function), then one for the law."""
+    module = inlined_calls(module)
     prepared = prepared_of(module, scalar)
     found = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
     laws = [_law(module, name, scalar, site, prepared) for name in INVERSES]

@@ -42,6 +42,7 @@ class Joints:
     radius: Poly
     steer: Expr | None = None
     steer_rate: Expr | None = None
+    spin: Expr | None = None  # [rad/s], where it is known already
 
 
 Steering = Callable[[Robot, Row, Locals], dict[int, Target]]  # driven twist -> target per wheel index
@@ -83,7 +84,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
     inputs = (*twist_ports(), *steers, *tunable_ports(robot))
-    return Formula(name, inputs, tuple(names.items), tuple(outputs), text)
+    return Formula(name, inputs, tuple(names.items), tuple(outputs), text, calls=tuple(names.calls))
 
 
 def _named_twist(projection: Projection, names: Locals) -> Row:
@@ -172,7 +173,7 @@ def _joints(
     if w.kind.steers:
         target = targets[w.index]
         rim = subtract(target.rim, expression(g.o * twist[2])) if g.o else target.rim
-        return Joints(rim, g.r, target.steer)
+        return Joints(rim, g.r, target.steer, spin=target.spin)
     if w.kind.swivels:
         rate, rolling = swivels[w.index], seen[w.index].rolling
         rim_speed = rolling - g.o * rate if g.o else rolling
@@ -188,7 +189,7 @@ def spins(robot: Robot, joints: dict[int, Joints]) -> dict[int, Expr]:
         coupled = {w.index: joints[w.index] for w in members}
         if len(coupled) == 1:
             ((i, j),) = coupled.items()
-            result[i] = _scaled(j.rim, j.radius.inverse())
+            result[i] = _scaled(j.rim, j.radius.inverse()) if j.spin is None else j.spin
             continue
         total = Poly.sum(j.radius * j.radius for j in coupled.values()).inverse()
         shared = add(*(_scaled(j.rim, j.radius * total) for j in coupled.values()))

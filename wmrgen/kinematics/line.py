@@ -51,14 +51,12 @@ class Line:
     size: Expr
 
 
-def line(w: Wheel, velocity: Velocity, names: Locals) -> Line:
-    """The line of the pivot's velocity, given in the robot frame [m/s]."""
-    (x, y), zero = _near_zero(w, velocity)
-    a, b = short(names, f"{w.name}_x", x), short(names, f"{w.name}_y", y)
-    size = names.define(f"{w.name}_size", root(add(square(a), square(b))))
-    speed = names.define(f"{w.name}_speed", select(a, sympy.S.Zero, times(-1, size), size))
-    total = names.define(f"{w.name}_total", maximum(number(STILL), add(absolute(a), size)))
-    slope = names.define(f"{w.name}_slope", select(a, sympy.S.Zero, times(-1, b), b) / total)
+def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
+    """The line of the velocity (a, b) [m/s] in a frame at the angle ``zero`` [rad] short of the joint's zero."""
+    size = names.define(f"{name}size", root(add(square(a), square(b))))
+    speed = names.define(f"{name}speed", select(a, sympy.S.Zero, times(-1, size), size))
+    total = names.define(f"{name}total", maximum(number(STILL), add(absolute(a), size)))
+    slope = names.define(f"{name}slope", select(a, sympy.S.Zero, times(-1, b), b) / total)
     return Line(subtract(times(2, arctangent(slope)), zero), speed, size)
 
 
@@ -84,7 +82,7 @@ def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:
     return velocity[0] * c + velocity[1] * s, velocity[1] * c - velocity[0] * s
 
 
-def _near_zero(w: Wheel, velocity: Velocity) -> tuple[Velocity, Expr]:
+def near_zero(w: Wheel, velocity: Velocity) -> tuple[Velocity, Expr]:
     """The velocity in a frame at a fixed angle [rad] short of the wheel's zero, and that angle.
 
     Turning by a quarter is free and by a tunable angle there is no other way. By any other the velocity is left in

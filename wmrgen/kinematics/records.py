@@ -19,8 +19,21 @@ JOINT_TEXT = {
 
 
 @dataclass(frozen=True, slots=True)
+class Call:
+    """Intermediate results that a kernel computes: ``results`` are the outputs of ``kernel`` for ``args``, in order.
+
+    The formula says all the same what they are, in base operations.
+    """
+
+    kernel: Formula
+    args: tuple[Expr, ...]
+    results: tuple[Local, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Formula:
-    """One function of the model in symbols. ``locals`` may refer to earlier ones.
+    """One function of the model in symbols. ``locals`` may refer to earlier ones; ``calls`` says which of them are
+    results of kernels, which generated C keeps as functions of their own.
 
     ``source`` and ``limits`` are those of its declaration, see `wmrgen.functions.registry`.
     """
@@ -32,6 +45,7 @@ class Formula:
     text: str
     source: str = ""
     limits: Limits = Limits.NONE
+    calls: tuple[Call, ...] = ()
 
     def closed(self) -> dict[str, Expr]:
         """Output name -> expression in the inputs alone."""
@@ -50,6 +64,7 @@ class Locals:
 
     def __init__(self) -> None:
         self.items: list[tuple[Local, Expr]] = []
+        self.calls: list[Call] = []
         self._taken: set[str] = set()
 
     def define(self, name: str, value: Expr | Poly) -> Local:
@@ -70,6 +85,9 @@ class Locals:
         memo: dict[Expr, Expr] = {}
         for symbol, value in formula.locals:
             known[symbol] = self.define(symbol.name, substituted(value, known, memo))
+        for call in formula.calls:
+            args = tuple(substituted(a, known, memo) for a in call.args)
+            self.calls.append(Call(call.kernel, args, tuple(known[r] for r in call.results)))
         return {port.name: substituted(value, known, memo) for port, value in formula.outputs}
 
 

@@ -16,9 +16,10 @@ from wmrgen.constraints import heading, working_view
 from wmrgen.exact.angles import add_angles, circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.kinematics.line import STILL, Velocity, line, short, turned_by
-from wmrgen.kinematics.records import Locals
+from wmrgen.kinematics.line import STILL, Velocity, line, near_zero, short, turned_by
+from wmrgen.kinematics.records import Call, Formula, Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
+from wmrgen.ports import Port, Role
 from wmrgen.symbolic import (
     Expr,
     absolute,
@@ -26,6 +27,7 @@ from wmrgen.symbolic import (
     alternating,
     angle_of,
     arctangent,
+    expression,
     inverse_root,
     kept_between,
     maximum,
@@ -52,6 +54,7 @@ class Target:
     steer: Expr
     rim: Expr
     lateral: Expr | None = None
+    spin: Expr | None = None  # [rad/s], where it is known already
 
 
 def seen_from(
@@ -77,18 +80,55 @@ def seen_from(
 
 def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Target:
     """A wheel steered on its own."""
-    limits = robot.limit(w, "steer")
+    limits, g = robot.limit(w, "steer"), working_view(w)
     if limits is not None and limits.high - limits.low <= NARROW:
         return _narrow(w, limits, velocity, names)
-    found = line(w, velocity, names)
+    (x, y), zero = near_zero(w, velocity)
+    a, b = short(names, f"{w.name}_x", x), short(names, f"{w.name}_y", y)
+    alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
+    per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
-    heading_ = names.define(f"{w.name}_heading", select(number(STILL), found.size, found.heading, now))
+    found = _along(a, b, now, zero, names, f"{w.name}_")
+    steer = names.define(f"{w.name}_nearest", found.steer)
+    rim = names.define(f"{w.name}_spin" if alone else f"{w.name}_rim", times(per_rim, found.rim))
+    if not (a.is_number or b.is_number):
+        kernel, given = (_KERNELS[0], ()) if zero.is_zero else (_KERNELS[1], (zero,))
+        names.calls.append(Call(kernel, (a, b, now, per_rim, *given), (rim, steer)))
+    if limits is not None:
+        return _limited(w, limits, steer, rim, names)
+    return Target(steer, found.rim, spin=rim) if alone else Target(steer, rim)
+
+
+def _along(a: Expr, b: Expr, now: Expr, zero: Expr, names: Locals, name: str) -> Target:
+    """Along the velocity (a, b) of a pivot, in a frame at the angle ``zero`` short of the joint's zero."""
+    found = line(a, b, zero, names, name)
+    heading_ = names.define(f"{name}heading", select(number(STILL), found.size, found.heading, now))
     turns = nearest(times(number(PER_HALF_TURN), subtract(heading_, now)))
-    steer = subtract(heading_, times(sympy.pi, turns))
-    rim = times(alternating(turns), found.speed)
-    if limits is None:
-        return Target(steer, rim)
-    return _limited(w, limits, names.define(f"{w.name}_nearest", steer), rim, names)
+    return Target(subtract(heading_, times(sympy.pi, turns)), times(alternating(turns), found.speed))
+
+
+def _kernel(name: str, text: str, *ports: tuple[str, str]) -> Formula:
+    """`_along` as a function of its own; a frame at the joint's zero where no port is called zero."""
+    names, given = Locals(), {port: signal(port) for port, _ in ports}
+    target = _along(given["x"], given["y"], given["now"], given.get("zero", sympy.S.Zero), names, "")
+    inputs = tuple(Port(port, Role.STATE, unit, "") for port, unit in ports)
+    spin = Port("spin", Role.COMMAND, "rad/s", ""), times(given["per_rim"], target.rim)
+    return Formula(
+        name, inputs, tuple(names.items), (spin, (Port("steer", Role.COMMAND, "rad", ""), target.steer)), text
+    )
+
+
+_PORTS = (("x", "m/s"), ("y", "m/s"), ("now", "rad"), ("per_rim", "1/m"))
+_TEXT = (
+    "Steers along the velocity (x, y) [m/s] of a pivot, to the heading [rad] nearest to the present one, at most a "
+    "quarter turn away, and rolls backwards where that is shorter. At standstill the present angle is held. per_rim: "
+    "spin [rad/s] per speed of the rim [m/s]"
+)
+_FROM = f"{_TEXT}. zero [rad]: of the joint, in the frame of x and y."
+_KERNELS = (
+    _kernel("steer_along", f"{_TEXT}.", *_PORTS),
+    _kernel("steer_along_from", _FROM, *_PORTS, ("zero", "rad")),
+)
 
 
 def present(w: Wheel, limits: Interval | None) -> Expr:

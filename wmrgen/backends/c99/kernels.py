@@ -12,7 +12,8 @@ from wmrgen.ir.nodes import Function, Op
 
 PREFIX = "wmrgen_"
 _TYPES: dict[tuple[str, ...], str] = {
-    ("x", "y"): "vector"
+    ("x", "y"): "vector",
+    ("spin", "steer"): "wheel",
 }  # of results; other kernels have one that is called as they are
 
 

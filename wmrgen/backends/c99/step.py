@@ -15,6 +15,7 @@ from wmrgen.ir.cost import Cost
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role
 from wmrgen.ir.prune import places, prune
 
+_RESERVED = ("in", "out", "params", "prepared")  # parameters of the functions
 _NOTE = 60  # characters of a comment behind a statement
 
 
@@ -53,6 +54,26 @@ def _pruned(function: Function) -> Function:
     return replace(function, nodes=nodes, results=results, named=named)
 
 
+def _names(function: Function) -> dict[int, str]:
+    """What nodes are called: as the formula calls them; what a kernel gives for a wheel, as the wheel."""
+    nodes, found, taken = function.nodes, dict[int, str](), set(_RESERVED)
+
+    def call(k: int, name: str) -> None:
+        if k not in found and name not in taken:
+            found[k] = name
+            taken.add(name)
+
+    for label, k in function.named:
+        call(k, label)
+    for k, node in enumerate(nodes):
+        joints = (nodes[a].name or "" for a in node.args) if node.op is Op.CALL else ()
+        for wheel, dot, _ in (joint.partition(".") for joint in joints):
+            if dot:
+                call(k, wheel)
+                call(k, f"{wheel}_{node.name}")
+    return found
+
+
 def _build(
     function: Function,
     name: str,
@@ -76,6 +97,7 @@ def _build(
         style(scalar),
         {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE},
         kernels,
+        _names(function),
     )
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
     unread = [f"(void){par};" for s, par in inputs if not read & set(s.members)]

@@ -13,6 +13,7 @@ from wmrgen.bounds.robot import SINGULAR
 from wmrgen.bounds.text import described, error, listed
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def _places(name: str, meta: Meta) -> list[str]:
 
 def cost(s: Subject, meta: Meta, number: int) -> list[str]:
     """The last section and the foot of the page."""
-    module = s.derivation.c_module
+    module = inlined_calls(s.derivation.c_module)
     functions = [*([module.prepare] if module.prepare else []), *module.functions]
     rows = []
     for f in functions:

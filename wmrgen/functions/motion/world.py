@@ -40,7 +40,7 @@ def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
     inputs = (POSE[2], *RATES, *(p for p in formula.inputs if p.name not in TWIST))
     outputs = tuple((port, found[port.name]) for port, _ in formula.outputs)
     text = "velocity of P in the world frame to joint commands"
-    return Formula("inverse_world", inputs, tuple(names.items), outputs, text)
+    return Formula("inverse_world", inputs, tuple(names.items), outputs, text, calls=tuple(names.calls))
 
 
 @function("Siegwart (3.9), (3.10); Tzafestas (2.37d), (2.83); Konstantinov (5)")

@@ -26,7 +26,23 @@ def sharp_sums(function: Function, kernels: tuple[Function, ...] = ()) -> frozen
             quotient = _reach(nodes, node.args[0], (Op.MIN, Op.MAX, Op.SELECT, Op.NEG), Op.DIV)
             for i in quotient:
                 found |= _pair(nodes, *nodes[i].args)
+    ratios = {kernel.name: _ratio(kernel) for kernel in kernels}
+    for node in nodes:
+        if node.op is Op.CALL:
+            wanted = ratios.get(node.name or "", ())
+            found |= _sums(nodes, set().union(*(_linear(nodes, node.args[k]) for k in wanted)))
     return frozenset(found)
+
+
+def _ratio(kernel: Function) -> list[int]:
+    """The inputs of a kernel from whose ratio it takes an arctangent."""
+    nodes, reached = kernel.nodes, set[int]()
+    for node in nodes:
+        if node.op is Op.ATAN:
+            for i in _reach(nodes, node.args[0], (Op.MIN, Op.MAX, Op.SELECT, Op.NEG), Op.DIV):
+                reached |= set().union(*(_linear(nodes, a) for a in nodes[i].args))
+    names = {nodes[i].name for i in reached}
+    return [k for k, port in enumerate(kernel.inputs) if port.name in names]
 
 
 def _reach(nodes: tuple[Node, ...], start: int, through: tuple[Op, ...], wanted: Op) -> set[int]:
@@ -43,7 +59,10 @@ def _reach(nodes: tuple[Node, ...], start: int, through: tuple[Op, ...], wanted:
 
 def _pair(nodes: tuple[Node, ...], across: int, divisor: int) -> set[int]:
     """The sums among the two components of a velocity, unless the other one keeps it from mattering."""
-    parts = _linear(nodes, across) | _linear(nodes, divisor)
+    return _sums(nodes, _linear(nodes, across) | _linear(nodes, divisor))
+
+
+def _sums(nodes: tuple[Node, ...], parts: set[int]) -> set[int]:
     sums = {i for i in parts if (t := _terms(nodes, i)) is not None and len(t) == 2}
     return {i for i in sums if not any(_held(nodes, i, j) for j in parts - {i})}
 

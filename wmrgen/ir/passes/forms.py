@@ -276,6 +276,6 @@ def _emit(function: Function, shape: _Shape, scalars: Scalars, builder: Builder,
         elif node.op is Op.INPUT:
             made[i] = builder.copy(node, ())
         elif not shape.linear[i]:
-            made[i] = builder.make(node.op, [value(arg) for arg in node.args])
+            made[i] = builder.again(node, [value(arg) for arg in node.args])
     results = [value(result) for result in function.results]
     return builder.function(function.name, function.inputs, function.outputs, results, function.text)

@@ -52,7 +52,7 @@ def _hoist_one(
     for i, node in enumerate(function.nodes):
         if not early[i]:
             args = [made[arg] for arg in node.args]
-            made.append(own.copy(node, ()) if not args else own.make(node.op, args))
+            made.append(own.again(node, args))
             continue
         _move(function, i, moved, builder)
         made.append(_reference(own, builder, moved[i], prepared, used) if i in wanted else -1)

@@ -26,7 +26,7 @@ def regroup_products(function: Function) -> Function:
         elif node.op in (Op.CONST, Op.INPUT):
             made.append(builder.copy(node, ()))
         else:
-            made.append(builder.make(node.op, [made[arg] for arg in node.args]))
+            made.append(builder.again(node, [made[arg] for arg in node.args]))
     results = [made[result] for result in function.results]
     return builder.function(function.name, function.inputs, function.outputs, results, function.text)
 

@@ -41,6 +41,6 @@ def settle_signs(function: Function) -> Function:
             if positive is not None:
                 made.append(builder.make(Op.SUB, (args[1], positive)))
                 continue
-        made.append(builder.make(node.op, args))
+        made.append(builder.again(node, args))
     results = [made[result] for result in function.results]
     return builder.function(function.name, function.inputs, function.outputs, results, function.text)

@@ -1,0 +1,138 @@
+"""Calls of kernels: what they stand for, that formulas and kernels say the same, and that C keeps them."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.conftest import GALLERY, ROOT
+from wmrgen import derive, load
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.meta import Meta
+from wmrgen.exact.number import Exact
+from wmrgen.ir.arithmetic import EXACT, FLOAT32
+from wmrgen.ir.build import Builder
+from wmrgen.ir.calls import by_name, called, inlined, inlined_calls, with_places
+from wmrgen.ir.interpret import evaluate
+from wmrgen.ir.kernels import expand, with_kernels
+from wmrgen.ir.kernels.choice import INLINE, LIBM, TARGETS
+from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.verify import PassError, verify_module
+from wmrgen.ports import Port, Role
+
+
+def ports(*names: str) -> tuple[Port, ...]:
+    return tuple(Port(name, Role.STATE, "", name) for name in names)
+
+
+def swap() -> Function:
+    """(a - b, b - a)."""
+    b = Builder()
+    x, y = b.input("a"), b.input("b")
+    return b.function("swap", ports("a", "b"), ports("p", "q"), [b.sub(x, y), b.sub(y, x)])
+
+
+def twice() -> Function:
+    """Two calls, one of the result of the other: (x - 1) - (1 - x)."""
+    b = Builder()
+    inner = b.call("swap", [b.input("x"), b.const(1)])
+    outer = b.call("swap", [b.part(inner, 0), b.part(inner, 1)])
+    return b.function("twice", ports("x"), ports("y"), [b.part(outer, 0)])
+
+
+def test_a_call_is_what_its_kernel_computes() -> None:
+    plain = inlined(twice(), by_name([swap()]))
+    assert called([twice()]) == {"swap"}
+    assert not called([plain])
+    assert evaluate(plain, {"x": 5}, EXACT) == {"y": Exact(8)}
+
+
+def test_places_are_where_values_are() -> None:
+    function = twice()
+    plain, place = with_places(function, by_name([swap()]))
+    assert plain.results == tuple(place[r] for r in function.results)
+    assert len(place) == len(function.nodes)
+
+
+def test_equal_calls_are_one_and_a_factor_of_one_is_none() -> None:
+    b = Builder()
+    x = b.input("x")
+    results = [b.part(b.call("swap", [x, b.const(2)]), k) for k in (0, 1, 0)]
+    assert results[0] == results[2]
+    scaled = Builder()
+    a, c = scaled.input("a"), scaled.input("c")
+    kernel = scaled.function("scaled", ports("a", "c"), ports("y"), [scaled.mul(c, a)])
+    one = Builder()
+    call = one.call("scaled", [one.input("x"), one.const(1)])
+    f = one.function("f", ports("x"), ports("y"), [call])
+    assert all(node.op is not Op.MUL for node in inlined(f, by_name([kernel])).nodes)
+
+
+STEERED = ("wpilib_swervebot", "agilex_ranger", "jpl_osr", "synchro_drive")
+
+
+@pytest.mark.parametrize("name", STEERED)
+def test_kernels_mean_what_the_formula_says(name: str) -> None:
+    """The functions with calls and those without agree exactly, at several points; a wrong kernel does not."""
+    derivation = derive(load(ROOT / "robots" / f"{name}.yaml"), ["inverse"])
+    module = derivation._kept_whole
+    assert {k.name for k in module.kernels} <= {"steer_along", "steer_along_from"} and module.kernels
+    raw = derivation.raw_module.functions
+    verify_module(raw, inlined_calls(module), "calls", 3)
+    wrong = tuple(Function(**{**_fields(k), "results": k.results[::-1]}) for k in module.kernels)
+    broken = Module(module.name, module.functions, module.prepare, wrong)
+    with pytest.raises(PassError):
+        verify_module(raw, inlined_calls(broken), "calls", 3)
+
+
+def _fields(function: Function) -> dict[str, object]:
+    return {name: getattr(function, name) for name in function.__dataclass_fields__}
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("math", [INLINE, LIBM])
+def test_every_kernel_of_the_c_is_called_and_written_before(target: str, math: str) -> None:
+    for name in STEERED:
+        code = with_kernels(derive(load(ROOT / "robots" / f"{name}.yaml")).c_module, "float", math, target)
+        wanted = called([*code.functions, *code.kernels])
+        assert {k.name for k in code.kernels} == wanted
+        known: set[str] = set()
+        for kernel in code.kernels:
+            assert called([kernel]) <= known
+            known.add(kernel.name)
+        assert not called(expand(code, "float", LIBM, target).functions)
+
+
+def test_a_swerve_reads_as_a_person_would_write_it() -> None:
+    """Issue 13: inverse and forward of a swerve in at most 60 lines, of a car too; wheels by their names."""
+    for name in ("wpilib_swervebot", "ackermann_car"):
+        derivation = derive(load(ROOT / "robots" / f"{name}.yaml"))
+        source = sources(derivation.c_module, Meta(formulas=derivation.raw_module.functions))[1]
+        bodies = re.findall(rf"^void {name}_(?:inverse|forward)\((?:.|\n)*?^\}}\n", source, flags=re.M)
+        assert len(bodies) == 2
+        assert sum(body.count("\n") for body in bodies) <= 60
+    body = re.search(r"^void wpilib_swervebot_inverse\((?:.|\n)*?^\}\n", _swerve(), flags=re.M)
+    assert body is not None
+    assert len(re.findall(r"const wmrgen_wheel (\w+) = wmrgen_steer_along\(", body[0])) == 4
+    assert not re.search(r"\bt\d+\b", body[0])
+
+
+def _swerve() -> str:
+    derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
+    return sources(derivation.c_module, Meta(formulas=derivation.raw_module.functions))[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", GALLERY, ids=[path.stem for path in GALLERY])
+def test_calls_change_no_result(path: object) -> None:
+    """In float32 the functions with calls of formulas' kernels are within a few units of those without."""
+    derivation = derive(load(str(path)))
+    kept, plain = derivation._kept_whole, derivation._optimised
+    for function in plain.functions:
+        if any(port.role is Role.PREPARED for port in function.inputs):
+            continue
+        case = {port.name: 0.3 + 0.1 * k for k, port in enumerate(function.inputs)}
+        other = inlined_calls(kept).function(function.name)
+        want, found = evaluate(function, case, FLOAT32), evaluate(other, case, FLOAT32)
+        assert found == {name: pytest.approx(value, rel=1e-5, abs=1e-5) for name, value in want.items()}

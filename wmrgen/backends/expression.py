@@ -7,7 +7,7 @@ the IR, node by node.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from wmrgen.exact.number import Exact
@@ -112,9 +112,10 @@ class _Printer:
         notes: Mapping[int, str],
         kernels: Mapping[str, Results],
         names: Mapping[int, str],
+        apart: Collection[int],
     ) -> None:
         self.function, self.access, self.style, self.notes = function, access, style, notes
-        self.kernels, self.names = kernels, names
+        self.kernels, self.names, self.apart = kernels, names, apart
         self.taken = set(names.values())
         self.uses = _uses(function, style)
         self.arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
@@ -142,6 +143,7 @@ class _Printer:
         if (
             several
             or self.uses[index] > 1
+            or index in self.apart
             or text.binding == _CHOICE
             or len(text.text) > self._longest(index)
         ):
@@ -180,13 +182,15 @@ def body(
     notes: Mapping[int, str] | None = None,
     kernels: Mapping[str, Results] | None = None,
     names: Mapping[int, str] | None = None,
+    apart: Collection[int] = (),
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
     ``notes``: node -> finished comment, printed behind the statement that names the node. ``kernels``: what may be
-    called, by name. ``names``: what a node is called where it gets a statement, each name once.
+    called, by name. ``names``: what a node is called where it gets a statement, each name once. ``apart``: nodes that
+    have a statement of their own, also where they are needed once.
     """
-    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {})
+    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {}, apart)
     printer.run()
     ops = frozenset(node.op for node in function.nodes)
     return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)

@@ -51,7 +51,7 @@ def _type(kernel: Function) -> str:
 
 
 def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results]) -> Kernel:
-    code = body(kernel, str, style(scalar), kernels=results)
+    code = body(kernel, str, style(scalar), kernels=results, apart=_shared(kernel))
     own = results[kernel.name]
     lines = [*code.statements, *([""] if code.statements else [])]
     struct = None
@@ -71,6 +71,16 @@ def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results]) -> Ke
         code.ops,
         struct,
     )
+
+
+def _shared(kernel: Function) -> set[int]:
+    """Sizes and signs of inputs: calls have inputs in common, and a compiler shares what no choice depends on."""
+    nodes = kernel.nodes
+    return {
+        k
+        for k, node in enumerate(nodes)
+        if node.op in (Op.ABS, Op.SIGNED) and all(nodes[a].op in (Op.INPUT, Op.CONST) for a in node.args)
+    }
 
 
 def _prototype(kind: str, name: str, parameters: Sequence[str]) -> str:

@@ -37,7 +37,7 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     prepare = module.prepare
     if prepare is not None:
         prepare = _Expansion(prepare, processor_of(scalar, LIBM, target), ()).run()
-    own = tuple(_Expansion(f, processor, module.kernels).run() for f in module.kernels)
+    own = tuple(_Expansion(f, processor, module.kernels).run(kernel=True) for f in module.kernels)
     functions = tuple(_Expansion(f, processor, module.kernels).run() for f in module.functions)
     return Module(module.name, functions, prepare, _needed(functions, (*library(processor), *own)))
 
@@ -88,12 +88,12 @@ class _Expansion:
         self.vectors = _vectors(function)
         self.sharp = sharp_sums(function, kernels) if processor.magic == RINT32 else frozenset()
 
-    def run(self) -> Function:
+    def run(self, kernel: bool = False) -> Function:
         for i, node in enumerate(self.function.nodes):
             self.made.append(self._node(i, node))
         results = tuple(self.made[r] for r in self.function.results)
         made = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
-        made = fuse(made) if self.processor.fused else made
+        made = fuse(made, kernel) if self.processor.fused else made
         return ordered(soft(made) if self.processor.integer else made)
 
     def _node(self, i: int, node: Node) -> int:

@@ -12,8 +12,11 @@ from wmrgen.ir.prune import prune
 _TWO = Exact(2)
 
 
-def fuse(function: Function) -> Function:
-    """``function`` with sums of a product that nothing else needs as one operation."""
+def fuse(function: Function, kernel: bool = False) -> Function:
+    """``function`` with sums of a product that nothing else needs as one operation.
+
+    Squares of the inputs of a ``kernel`` stay: its calls have inputs in common, and a compiler shares the squares.
+    """
     nodes, results = prune(function.nodes, function.results)
     uses = [0] * len(nodes)
     for i in (*results, *(arg for node in nodes for arg in node.args)):
@@ -33,7 +36,7 @@ def fuse(function: Function) -> Function:
 
     for i, node in enumerate(nodes):
         args = tuple(place[a] for a in node.args)
-        k = _product(nodes, i, uses) if node.op is Op.ADD or node.op is Op.SUB else None
+        k = _product(nodes, i, uses, kernel) if node.op is Op.ADD or node.op is Op.SUB else None
         if k is not None:
             x, y = (place[a] for a in nodes[node.args[k]].args)
             other = args[1 - k]
@@ -47,10 +50,17 @@ def fuse(function: Function) -> Function:
     return replace(function, nodes=tuple(made), results=tuple(place[r] for r in results))
 
 
-def _product(nodes: Sequence[Node], i: int, uses: Sequence[int]) -> int | None:
+def _product(nodes: Sequence[Node], i: int, uses: Sequence[int], kernel: bool) -> int | None:
     """Which of the two arguments of sum ``i`` is a product for it alone. Twice x is better left as x + x."""
     for k, arg in enumerate(nodes[i].args):
         product = nodes[arg]
+        if (
+            kernel
+            and product.op is Op.MUL
+            and nodes[product.args[0]].op is Op.INPUT
+            and len(set(product.args)) == 1
+        ):
+            continue
         if product.op is Op.MUL and uses[arg] == 1 and nodes[product.args[0]].value != _TWO:
             return k
     return None

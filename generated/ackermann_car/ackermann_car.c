@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_1282b7004512978f)
+#if !defined(ACKERMANN_CAR_PAIR_e50259719d368c3b)
 #error "ackermann_car.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -151,23 +151,25 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 void ackermann_car_inverse(const ackermann_car_inverse_in *in, ackermann_car_inverse_out *out)
 {
     const float t0 = 0.75f * in->omega;
-    const float t1 = in->vx - t0; /* front_left: p */
-    const float t2 = in->vx + t0; /* front_right: p */
-    const float t3 = 2.5f * in->omega;
-    const float t4 = wmrgen_within(t3 / wmrgen_beyond(t1, 1e-20f), 0.83909965f); /* front_left: t */
-    const float t5 = 3.3333333f * (fmaf(t3, t4, t1) / sqrtf(fmaf(t4, t4, 1.0f)));
-    const float t6 = fabsf(t3);
-    const float t7 = ((fabsf(t1) + t6) < 2e-20f) ? wmrgen_within(in->front_left.steer, 0.6981317f) : wmrgen_arctangent(t4);
-    const float t8 = wmrgen_within(t3 / wmrgen_beyond(t2, 1e-20f), 0.83909965f); /* front_right: t */
-    const float t9 = 3.3333333f * (fmaf(t3, t8, t2) / sqrtf(fmaf(t8, t8, 1.0f)));
-    const float t10 = ((t6 + fabsf(t2)) < 2e-20f) ? wmrgen_within(in->front_right.steer, 0.6981317f) : wmrgen_arctangent(t8);
+    const float front_left_p = in->vx - t0; /* front_left: p */
+    const float front_right_p = in->vx + t0; /* front_right: p */
+    const float t1 = 2.5f * in->omega;
+    const float front_left_tangent = wmrgen_within(t1 / wmrgen_beyond(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
+    const float t2 = fmaf(front_left_tangent, front_left_tangent, 1.0f);
+    const float t3 = fmaf(t1, front_left_tangent, front_left_p) / sqrtf(t2);
+    const float t4 = fabsf(t1);
+    const float t5 = ((fabsf(front_left_p) + t4) < 2e-20f) ? wmrgen_within(in->front_left.steer, 0.6981317f) : wmrgen_arctangent(front_left_tangent);
+    const float front_right_tangent = wmrgen_within(t1 / wmrgen_beyond(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
+    const float t6 = fmaf(front_right_tangent, front_right_tangent, 1.0f);
+    const float t7 = fmaf(t1, front_right_tangent, front_right_p) / sqrtf(t6);
+    const float t8 = ((t4 + fabsf(front_right_p)) < 2e-20f) ? wmrgen_within(in->front_right.steer, 0.6981317f) : wmrgen_arctangent(front_right_tangent);
 
-    out->rear_left.spin = 3.3333333f * t1;
-    out->rear_right.spin = 3.3333333f * t2;
-    out->front_left.spin = t5;
-    out->front_left.steer = t7;
-    out->front_right.spin = t9;
-    out->front_right.steer = t10;
+    out->rear_left.spin = 3.3333333f * front_left_p;
+    out->rear_right.spin = 3.3333333f * front_right_p;
+    out->front_left.spin = 3.3333333f * t3;
+    out->front_left.steer = t5;
+    out->front_right.spin = 3.3333333f * t7;
+    out->front_right.steer = t8;
 }
 
 void ackermann_car_inverse_slip(
@@ -175,104 +177,110 @@ void ackermann_car_inverse_slip(
     ackermann_car_inverse_slip_out *out)
 {
     const float t0 = 0.75f * in->omega;
-    const float t1 = in->vx - t0; /* front_left: p */
-    const float t2 = 2.5f * in->omega;
-    const float t3 = wmrgen_within(t2 / wmrgen_beyond(t1, 1e-20f), 0.83909965f); /* front_left: t */
-    const float t4 = fmaf(-t1, t3, t2) / sqrtf(fmaf(t3, t3, 1.0f));
-    const float t5 = in->vx + t0; /* front_right: p */
-    const float t6 = wmrgen_within(t2 / wmrgen_beyond(t5, 1e-20f), 0.83909965f); /* front_right: t */
-    const float t7 = fmaf(-t5, t6, t2) / sqrtf(fmaf(t6, t6, 1.0f));
-    const float t8 = fabsf(in->vy);
-    const float t9 = sqrtf(fmaf(t8, t8, 0.5f * fmaf(t4, t4, t7 * t7)));
+    const float front_left_p = in->vx - t0; /* front_left: p */
+    const float t1 = 2.5f * in->omega;
+    const float front_left_tangent = wmrgen_within(t1 / wmrgen_beyond(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
+    const float t2 = fmaf(front_left_tangent, front_left_tangent, 1.0f);
+    const float t3 = fmaf(-front_left_p, front_left_tangent, t1) / sqrtf(t2);
+    const float front_right_p = in->vx + t0; /* front_right: p */
+    const float front_right_tangent = wmrgen_within(t1 / wmrgen_beyond(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
+    const float t4 = fmaf(-front_right_p, front_right_tangent, t1);
+    const float t5 = fmaf(front_right_tangent, front_right_tangent, 1.0f);
+    const float t6 = t4 / sqrtf(t5);
+    const float t7 = fabsf(in->vy);
+    const float t8 = sqrtf(fmaf(t7, t7, 0.5f * fmaf(t3, t3, t6 * t6)));
 
-    out->slip = t9;
+    out->slip = t8;
 }
 
 void ackermann_car_forward(const ackermann_car_forward_in *in, ackermann_car_forward_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->front_right.steer);
-    const float t1 = fmaf(2.5f, t0.x, -(0.75f * t0.y)); /* front_right: row of H, omega */
-    const wmrgen_vector t2 = wmrgen_direction(in->front_left.steer);
-    const float t3 = fmaf(0.75f, t2.y, 2.5f * t2.x); /* front_left: row of H, omega */
-    const float t4 = fmaf(t1, t1, fmaf(t3, t3, 1.125f)); /* HtH[2][2] */
-    const float t5 = fmaf(t2.x, t3, t0.x * t1); /* HtH[1][2] */
-    const float t6 = fmaf(t0.x, t0.x, fmaf(t2.x, t2.x, 2.0f)); /* HtH[1][1] */
-    const float t7 = fmaf(t6, t4, -(t5 * t5)); /* adj(HtH)[0][0] */
-    const float t8 = fmaf(t2.x, t2.y, t0.x * t0.y);
-    const float t9 = fmaf(t2.y, t3, t0.y * t1);
-    const float t10 = fmaf(t6, t9, -(t5 * t8)); /* adj(HtH)[0][2] */
-    const float t11 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
-    const float t12 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
-    const float t13 = fmaf(t4, t8, -(t5 * t9)); /* adj(HtH)[0][1] */
-    const float t14 = fmaf(t0.y, t0.y, fmaf(t2.y, t2.y, 2.0f)); /* HtH[0][0] */
-    const float t15 = fmaf(-t9, t10, fmaf(t7, t14, -(t8 * t13))); /* det(HtH) */
-    const float t16 = (t15 < 2.25f) ? 2.25f : t15;
-    const float t17 = 1.0f / t16;
-    const float t18 = fmaf(t12, t13, t11 * fmaf(t8, t9, -(t5 * t14))); /* (adj(HtH) Htz)[1] */
-    const float t19 = fmaf(t12, t10, t11 * fmaf(t6, t14, -(t8 * t8))); /* (adj(HtH) Htz)[2] */
+    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y)); /* front_right: row of H, omega */
+    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* front_left: row of H, omega */
+    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
+    const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
+    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
+    const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
+    const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
+    const float adj02 = fmaf(n11, t1, -(n12 * t0)); /* adj(HtH)[0][2] */
+    const float b2 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
+    const float b0 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
+    const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
+    const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
+    const float t2 = (det < 2.25f) ? 2.25f : det;
+    const float t3 = 1.0f / t2;
+    const float p1 = fmaf(b0, adj01, b2 * fmaf(t0, t1, -(n12 * n00))); /* (adj(HtH) Htz)[1] */
+    const float p2 = fmaf(b0, adj02, b2 * fmaf(n11, n00, -(t0 * t0))); /* (adj(HtH) Htz)[2] */
 
-    out->vx = fmaf(t7, t12, t10 * t11) * t17;
-    out->vy = t17 * t18;
-    out->omega = t17 * t19;
+    out->vx = fmaf(adj00, b0, adj02 * b2) * t3;
+    out->vy = t3 * p1;
+    out->omega = t3 * p2;
 }
 
 void ackermann_car_forward_slip(
     const ackermann_car_forward_slip_in *in,
     ackermann_car_forward_slip_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->front_right.steer);
-    const float t1 = fmaf(2.5f, t0.x, -(0.75f * t0.y)); /* front_right: row of H, omega */
-    const wmrgen_vector t2 = wmrgen_direction(in->front_left.steer);
-    const float t3 = fmaf(0.75f, t2.y, 2.5f * t2.x); /* front_left: row of H, omega */
-    const float t4 = fmaf(t1, t1, fmaf(t3, t3, 1.125f)); /* HtH[2][2] */
-    const float t5 = fmaf(t2.x, t3, t0.x * t1); /* HtH[1][2] */
-    const float t6 = fmaf(t0.x, t0.x, fmaf(t2.x, t2.x, 2.0f)); /* HtH[1][1] */
-    const float t7 = fmaf(t6, t4, -(t5 * t5)); /* adj(HtH)[0][0] */
-    const float t8 = fmaf(t2.x, t2.y, t0.x * t0.y);
-    const float t9 = fmaf(t2.y, t3, t0.y * t1);
-    const float t10 = fmaf(t6, t9, -(t5 * t8)); /* adj(HtH)[0][2] */
-    const float t11 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
-    const float t12 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
-    const float t13 = fmaf(t4, t8, -(t5 * t9)); /* adj(HtH)[0][1] */
-    const float t14 = fmaf(t0.y, t0.y, fmaf(t2.y, t2.y, 2.0f)); /* HtH[0][0] */
-    const float t15 = fmaf(-t9, t10, fmaf(t7, t14, -(t8 * t13))); /* det(HtH) */
-    const float t16 = (t15 < 2.25f) ? 2.25f : t15;
-    const float t17 = 1.0f / t16;
-    const float t18 = fmaf(t7, t12, t10 * t11) * t17; /* vx */
-    const float t19 = fmaf(t12, t13, t11 * fmaf(t8, t9, -(t5 * t14))); /* (adj(HtH) Htz)[1] */
-    const float t20 = t17 * t19; /* vy */
-    const float t21 = fmaf(t12, t10, t11 * fmaf(t6, t14, -(t8 * t8))); /* (adj(HtH) Htz)[2] */
-    const float t22 = t17 * t21; /* omega */
-    const float t23 = (-0.75f) * t22;
-    const float t24 = fmaf(0.3f, in->rear_left.spin, -t18) - t23; /* residual 0 */
-    const float t25 = fmaf(0.3f, in->rear_right.spin, t23 - t18); /* residual 2 */
-    const float t26 = fmaf(-t3, t22, fmaf(t2.y, t18, -(t2.x * t20))); /* residual 4 */
-    const float t27 = fmaf(-t1, t22, fmaf(t0.y, t18, -(t0.x * t20))); /* residual 5 */
-    const float t28 = fmaf(t27, t27, fmaf(t26, t26, fmaf(t24, t24, t25 * t25)));
+    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const float front_right_rw = fmaf(2.5f, front_right.x, -(0.75f * front_right.y)); /* front_right: row of H, omega */
+    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const float front_left_rw = fmaf(0.75f, front_left.y, 2.5f * front_left.x); /* front_left: row of H, omega */
+    const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 1.125f)); /* HtH[2][2] */
+    const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
+    const float n11 = fmaf(front_right.x, front_right.x, fmaf(front_left.x, front_left.x, 2.0f)); /* HtH[1][1] */
+    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0] */
+    const float t0 = fmaf(front_left.x, front_left.y, front_right.x * front_right.y);
+    const float t1 = fmaf(front_left.y, front_left_rw, front_right.y * front_right_rw);
+    const float adj02 = fmaf(n11, t1, -(n12 * t0)); /* adj(HtH)[0][2] */
+    const float b2 = 0.225f * (in->rear_right.spin - in->rear_left.spin); /* Htz[2] */
+    const float b0 = 0.3f * (in->rear_left.spin + in->rear_right.spin); /* Htz[0] */
+    const float adj01 = fmaf(n22, t0, -(n12 * t1)); /* adj(HtH)[0][1] */
+    const float n00 = fmaf(front_right.y, front_right.y, fmaf(front_left.y, front_left.y, 2.0f)); /* HtH[0][0] */
+    const float det = fmaf(-t1, adj02, fmaf(adj00, n00, -(t0 * adj01))); /* det(HtH) */
+    const float t2 = (det < 2.25f) ? 2.25f : det;
+    const float t3 = 1.0f / t2;
+    const float vx_fit = fmaf(adj00, b0, adj02 * b2) * t3; /* vx */
+    const float p1 = fmaf(b0, adj01, b2 * fmaf(t0, t1, -(n12 * n00))); /* (adj(HtH) Htz)[1] */
+    const float vy_fit = t3 * p1; /* vy */
+    const float p2 = fmaf(b0, adj02, b2 * fmaf(n11, n00, -(t0 * t0))); /* (adj(HtH) Htz)[2] */
+    const float omega_fit = t3 * p2; /* omega */
+    const float t4 = (-0.75f) * omega_fit;
+    const float error_0 = fmaf(0.3f, in->rear_left.spin, -vx_fit) - t4; /* residual 0 */
+    const float error_2 = fmaf(0.3f, in->rear_right.spin, t4 - vx_fit); /* residual 2 */
+    const float t5 = fmaf(front_left.y, vx_fit, -(front_left.x * vy_fit));
+    const float error_4 = fmaf(-front_left_rw, omega_fit, t5); /* residual 4 */
+    const float t6 = fmaf(error_4, error_4, fmaf(error_0, error_0, error_2 * error_2));
+    const float t7 = fmaf(front_right.y, vx_fit, -(front_right.x * vy_fit));
+    const float error_5 = fmaf(-front_right_rw, omega_fit, t7); /* residual 5 */
+    const float t8 = (2.0f * (vy_fit * vy_fit)) + fmaf(error_5, error_5, t6);
 
-    out->vx = t18;
-    out->vy = t20;
-    out->omega = t22;
-    out->slip = sqrtf((2.0f * (t20 * t20)) + t28);
+    out->vx = vx_fit;
+    out->vy = vy_fit;
+    out->omega = omega_fit;
+    out->slip = sqrtf(t8);
 }
 
 void ackermann_car_odometry(const ackermann_car_odometry_in *in, ackermann_car_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

@@ -56,7 +56,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "f7a91a8def4eeee0b9d861b564c6588f"
-#define ACKERMANN_CAR_PAIR_1282b7004512978f 1
+#define ACKERMANN_CAR_PAIR_e50259719d368c3b 1
 
 #ifdef __cplusplus
 extern "C" {

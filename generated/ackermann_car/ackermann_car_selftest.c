@@ -16,7 +16,7 @@
  */
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_1282b7004512978f)
+#if !defined(ACKERMANN_CAR_PAIR_e50259719d368c3b)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -58,7 +58,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "cee1c818e2ac44bc6473ce5d575b6174"
-#define CAR_WITH_TRAILERS_PAIR_2f3abaa38a662923 1
+#define CAR_WITH_TRAILERS_PAIR_3ca1b816157973cb 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_2f3abaa38a662923)
+#if !defined(CAR_WITH_TRAILERS_PAIR_3ca1b816157973cb)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_802e44cabcce1e7c)
+#if !defined(F1TENTH_PAIR_e18b7516878ead95)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -150,145 +150,147 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 
 void f1tenth_inverse(const f1tenth_inverse_in *in, f1tenth_inverse_out *out)
 {
-    const float t0 = 0.3302f * in->omega; /* front: q */
-    const float t1 = wmrgen_within(t0 / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
-    const float t2 = fmaf(t0, t1, in->vx) / sqrtf(fmaf(t1, t1, 1.0f));
-    const float t3 = ((fabsf(in->vx) + fabsf(t0)) < 2e-20f) ? wmrgen_within(in->front.steer, 0.41887903f) : wmrgen_arctangent(t1);
+    const float front_q = 0.3302f * in->omega; /* front: q */
+    const float front_tangent = wmrgen_within(front_q / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
+    const float t0 = sqrtf(fmaf(front_tangent, front_tangent, 1.0f));
+    const float t1 = 20.0f * (fmaf(front_q, front_tangent, in->vx) / t0);
+    const float t2 = ((fabsf(in->vx) + fabsf(front_q)) < 2e-20f) ? wmrgen_within(in->front.steer, 0.41887903f) : wmrgen_arctangent(front_tangent);
 
-    out->front.spin = 20.0f * t2;
-    out->front.steer = t3;
+    out->front.spin = t1;
+    out->front.steer = t2;
     out->rear.spin = 20.0f * in->vx;
 }
 
 void f1tenth_inverse_slip(const f1tenth_inverse_slip_in *in, f1tenth_inverse_slip_out *out)
 {
-    const float t0 = 0.3302f * in->omega; /* front: q */
-    const float t1 = wmrgen_within(t0 / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
-    const float t2 = fmaf(-in->vx, t1, t0) / sqrtf(fmaf(t1, t1, 1.0f));
-    const float t3 = fabsf(fmaf((-0.17145f), in->omega, in->vy));
+    const float front_q = 0.3302f * in->omega; /* front: q */
+    const float front_tangent = wmrgen_within(front_q / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
+    const float t0 = sqrtf(fmaf(front_tangent, front_tangent, 1.0f));
+    const float t1 = fmaf(-in->vx, front_tangent, front_q) / t0;
+    const float t2 = fabsf(fmaf((-0.17145f), in->omega, in->vy));
 
-    out->slip = sqrtf(fmaf(t3, t3, t2 * t2));
+    out->slip = sqrtf(fmaf(t2, t2, t1 * t1));
 }
 
 void f1tenth_forward(const f1tenth_forward_in *in, f1tenth_forward_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->front.steer);
-    const float t1 = t0.x * t0.x;
-    const float t2 = fmaf(0.025201563f, t1, 0.029395102f); /* HtH[2][2] */
-    const float t3 = fmaf(0.15875f, t1, (-0.17145f)); /* HtH[1][2] */
-    const float t4 = t1 + 1.0f; /* HtH[1][1] */
-    const float t5 = fmaf(t4, t2, -(t3 * t3)); /* adj(HtH)[0][0], det(HtH) */
-    const float t6 = t0.y * t0.x;
-    const float t7 = t6 * t6;
-    const float t8 = fmaf(t0.y, t0.y, 1.0f); /* HtH[0][0] */
-    const float t9 = t5 + fmaf(t8, t2, -(0.025201563f * t7));
-    const float t10 = fmaf(t8, t4, -t7); /* adj(HtH)[2][2] */
-    const float t11 = t10 + t9; /* c2 */
-    const float t12 = (t11 < 1e-12f) ? 1e-12f : t11;
-    const float t13 = 1.0f / t12; /* over c2 */
-    const float t14 = t5 * in->rear.spin;
-    const float t15 = t8 + t4;
-    const float t16 = t15 + t2; /* c1 */
-    const float t17 = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float t18 = fmaf(t16, 0.05f * fmaf(-t14, t13, in->rear.spin), -(t8 * t17));
-    const float t19 = fmaf(36.632275f, t9, t10); /* size2 */
-    const float t20 = fmaf(36.632275f, t2, t15); /* size1 */
-    const float t21 = 2.7298332e-08f * (t20 * t19); /* edge3 */
-    const float t22 = t3 * t6;
-    const float t23 = fmaf(t2, t6, -(0.15875f * t22)); /* adj(HtH)[0][1] */
-    const float t24 = fmaf(0.15875f, t4 * t6, -t22); /* adj(HtH)[0][2] */
-    const float t25 = fmaf(t8, t5, t6 * fmaf((-0.15875f), t24, -t23));
-    const float t26 = (t25 < 1e-12f) ? 1e-12f : t25;
-    const float t27 = 0.05f / t26;
-    const float t28 = (t21 < t25) ? (t14 * t27) : (t13 * t18);
-    const float t29 = 0.000001f * (t20 * t20); /* edge2 */
-    const float t30 = (t16 < 1e-12f) ? 1e-12f : t16;
-    const float t31 = (t29 < t19) ? t28 : (t17 / t30);
-    const float t32 = t23 * in->rear.spin;
-    const float t33 = t6 * in->rear.spin;
-    const float t34 = (t21 < t25) ? (t27 * t32) : (t13 * (0.05f * fmaf(-t16, t13 * t32, t33)));
-    const float t35 = (t29 < t19) ? t34 : 0.0f;
-    const float t36 = t24 * in->rear.spin;
-    const float t37 = 0.05f * fmaf(0.15875f, t33, -(t16 * (t13 * t36)));
-    const float t38 = (t21 < t25) ? (t27 * t36) : (t13 * t37);
-    const float t39 = (t29 < t19) ? t38 : 0.0f;
+    const wmrgen_vector front = wmrgen_direction(in->front.steer);
+    const float t0 = front.x * front.x;
+    const float n22 = fmaf(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
+    const float n12 = fmaf(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
+    const float n11 = t0 + 1.0f; /* HtH[1][1] */
+    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0], det(HtH) */
+    const float t1 = front.y * front.x;
+    const float t2 = t1 * t1;
+    const float n00 = fmaf(front.y, front.y, 1.0f); /* HtH[0][0] */
+    const float t3 = adj00 + fmaf(n00, n22, -(0.025201563f * t2));
+    const float adj22 = fmaf(n00, n11, -t2); /* adj(HtH)[2][2] */
+    const float c2 = adj22 + t3; /* c2 */
+    const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
+    const float over_c2 = 1.0f / t4; /* over c2 */
+    const float t5 = adj00 * in->rear.spin;
+    const float t6 = n00 + n11;
+    const float c1 = t6 + n22; /* c1 */
+    const float rear_wx = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
+    const float t7 = fmaf(c1, 0.05f * fmaf(-t5, over_c2, in->rear.spin), -(n00 * rear_wx));
+    const float size2 = fmaf(36.632275f, t3, adj22); /* size2 */
+    const float size1 = fmaf(36.632275f, n22, t6); /* size1 */
+    const float edge3 = 2.7298332e-08f * (size1 * size2); /* edge3 */
+    const float t8 = n12 * t1;
+    const float adj01 = fmaf(n22, t1, -(0.15875f * t8)); /* adj(HtH)[0][1] */
+    const float adj02 = fmaf(0.15875f, n11 * t1, -t8); /* adj(HtH)[0][2] */
+    const float t9 = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01));
+    const float t10 = (t9 < 1e-12f) ? 1e-12f : t9;
+    const float t11 = 0.05f / t10;
+    const float t12 = (edge3 < t9) ? (t5 * t11) : (over_c2 * t7);
+    const float edge2 = 0.000001f * (size1 * size1); /* edge2 */
+    const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
+    const float t14 = (edge2 < size2) ? t12 : (rear_wx / t13);
+    const float t15 = adj01 * in->rear.spin;
+    const float t16 = t1 * in->rear.spin;
+    const float t17 = (edge3 < t9) ? (t11 * t15) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t15, t16)));
+    const float t18 = (edge2 < size2) ? t17 : 0.0f;
+    const float t19 = adj02 * in->rear.spin;
+    const float t20 = 0.05f * fmaf(0.15875f, t16, -(c1 * (over_c2 * t19)));
+    const float t21 = (edge3 < t9) ? (t11 * t19) : (over_c2 * t20);
+    const float t22 = (edge2 < size2) ? t21 : 0.0f;
 
-    out->vx = t31;
-    out->vy = t35;
-    out->omega = t39;
+    out->vx = t14;
+    out->vy = t18;
+    out->omega = t22;
 }
 
 void f1tenth_forward_slip(const f1tenth_forward_slip_in *in, f1tenth_forward_slip_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->front.steer);
-    const float t1 = t0.x * t0.x;
-    const float t2 = fmaf(0.025201563f, t1, 0.029395102f); /* HtH[2][2] */
-    const float t3 = fmaf(0.15875f, t1, (-0.17145f)); /* HtH[1][2] */
-    const float t4 = t1 + 1.0f; /* HtH[1][1] */
-    const float t5 = fmaf(t4, t2, -(t3 * t3)); /* adj(HtH)[0][0], det(HtH) */
-    const float t6 = t0.y * t0.x;
-    const float t7 = t6 * t6;
-    const float t8 = fmaf(t0.y, t0.y, 1.0f); /* HtH[0][0] */
-    const float t9 = t5 + fmaf(t8, t2, -(0.025201563f * t7));
-    const float t10 = fmaf(t8, t4, -t7); /* adj(HtH)[2][2] */
-    const float t11 = t10 + t9; /* c2 */
-    const float t12 = (t11 < 1e-12f) ? 1e-12f : t11;
-    const float t13 = 1.0f / t12; /* over c2 */
-    const float t14 = t5 * in->rear.spin;
-    const float t15 = t8 + t4;
-    const float t16 = t15 + t2; /* c1 */
-    const float t17 = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
-    const float t18 = fmaf(t16, 0.05f * fmaf(-t14, t13, in->rear.spin), -(t8 * t17));
-    const float t19 = fmaf(36.632275f, t9, t10); /* size2 */
-    const float t20 = fmaf(36.632275f, t2, t15); /* size1 */
-    const float t21 = 2.7298332e-08f * (t20 * t19); /* edge3 */
-    const float t22 = t3 * t6;
-    const float t23 = fmaf(t2, t6, -(0.15875f * t22)); /* adj(HtH)[0][1] */
-    const float t24 = fmaf(0.15875f, t4 * t6, -t22); /* adj(HtH)[0][2] */
-    const float t25 = fmaf(t8, t5, t6 * fmaf((-0.15875f), t24, -t23));
-    const float t26 = (t25 < 1e-12f) ? 1e-12f : t25;
-    const float t27 = 0.05f / t26;
-    const float t28 = (t21 < t25) ? (t14 * t27) : (t13 * t18);
-    const float t29 = 0.000001f * (t20 * t20); /* edge2 */
-    const float t30 = (t16 < 1e-12f) ? 1e-12f : t16;
-    const float t31 = (t29 < t19) ? t28 : (t17 / t30);
-    const float t32 = t23 * in->rear.spin;
-    const float t33 = t6 * in->rear.spin;
-    const float t34 = (t21 < t25) ? (t27 * t32) : (t13 * (0.05f * fmaf(-t16, t13 * t32, t33)));
-    const float t35 = (t29 < t19) ? t34 : 0.0f;
-    const float t36 = t24 * in->rear.spin;
-    const float t37 = 0.05f * fmaf(0.15875f, t33, -(t16 * (t13 * t36)));
-    const float t38 = (t21 < t25) ? (t27 * t36) : (t13 * t37);
-    const float t39 = (t29 < t19) ? t38 : 0.0f; /* omega */
-    const float t40 = -t35;
-    const float t41 = fmaf(t0.y, t31, t0.x * fmaf((-0.15875f), t39, t40));
-    const float t42 = fmaf(0.17145f, t39, t40);
-    const float t43 = t17 - t31;
-    const float t44 = sqrtf(fmaf(t41, t41, fmaf(t43, t43, t42 * t42)));
+    const wmrgen_vector front = wmrgen_direction(in->front.steer);
+    const float t0 = front.x * front.x;
+    const float n22 = fmaf(0.025201563f, t0, 0.029395102f); /* HtH[2][2] */
+    const float n12 = fmaf(0.15875f, t0, (-0.17145f)); /* HtH[1][2] */
+    const float n11 = t0 + 1.0f; /* HtH[1][1] */
+    const float adj00 = fmaf(n11, n22, -(n12 * n12)); /* adj(HtH)[0][0], det(HtH) */
+    const float t1 = front.y * front.x;
+    const float t2 = t1 * t1;
+    const float n00 = fmaf(front.y, front.y, 1.0f); /* HtH[0][0] */
+    const float t3 = adj00 + fmaf(n00, n22, -(0.025201563f * t2));
+    const float adj22 = fmaf(n00, n11, -t2); /* adj(HtH)[2][2] */
+    const float c2 = adj22 + t3; /* c2 */
+    const float t4 = (c2 < 1e-12f) ? 1e-12f : c2;
+    const float over_c2 = 1.0f / t4; /* over c2 */
+    const float t5 = adj00 * in->rear.spin;
+    const float t6 = n00 + n11;
+    const float c1 = t6 + n22; /* c1 */
+    const float rear_wx = 0.05f * in->rear.spin; /* rear: its velocity, x, Htz[0], vx */
+    const float t7 = fmaf(c1, 0.05f * fmaf(-t5, over_c2, in->rear.spin), -(n00 * rear_wx));
+    const float size2 = fmaf(36.632275f, t3, adj22); /* size2 */
+    const float size1 = fmaf(36.632275f, n22, t6); /* size1 */
+    const float edge3 = 2.7298332e-08f * (size1 * size2); /* edge3 */
+    const float t8 = n12 * t1;
+    const float adj01 = fmaf(n22, t1, -(0.15875f * t8)); /* adj(HtH)[0][1] */
+    const float adj02 = fmaf(0.15875f, n11 * t1, -t8); /* adj(HtH)[0][2] */
+    const float t9 = fmaf(n00, adj00, t1 * fmaf((-0.15875f), adj02, -adj01));
+    const float t10 = (t9 < 1e-12f) ? 1e-12f : t9;
+    const float t11 = 0.05f / t10;
+    const float t12 = (edge3 < t9) ? (t5 * t11) : (over_c2 * t7);
+    const float edge2 = 0.000001f * (size1 * size1); /* edge2 */
+    const float t13 = (c1 < 1e-12f) ? 1e-12f : c1;
+    const float t14 = (edge2 < size2) ? t12 : (rear_wx / t13);
+    const float t15 = adj01 * in->rear.spin;
+    const float t16 = t1 * in->rear.spin;
+    const float t17 = (edge3 < t9) ? (t11 * t15) : (over_c2 * (0.05f * fmaf(-c1, over_c2 * t15, t16)));
+    const float t18 = (edge2 < size2) ? t17 : 0.0f;
+    const float t19 = adj02 * in->rear.spin;
+    const float t20 = 0.05f * fmaf(0.15875f, t16, -(c1 * (over_c2 * t19)));
+    const float t21 = (edge3 < t9) ? (t11 * t19) : (over_c2 * t20);
+    const float omega_fit = (edge2 < size2) ? t21 : 0.0f; /* omega */
+    const float t22 = -t18;
+    const float t23 = fmaf(front.y, t14, front.x * fmaf((-0.15875f), omega_fit, t22));
+    const float t24 = fmaf(0.17145f, omega_fit, t22);
+    const float t25 = rear_wx - t14;
+    const float t26 = sqrtf(fmaf(t23, t23, fmaf(t25, t25, t24 * t24)));
 
-    out->vx = t31;
-    out->vy = t35;
-    out->omega = t39;
-    out->slip = t44;
+    out->vx = t14;
+    out->vy = t18;
+    out->omega = omega_fit;
+    out->slip = t26;
 }
 
 void f1tenth_odometry(const f1tenth_odometry_in *in, f1tenth_odometry_out *out)
 {
     const float t0 = in->dt * in->omega;
     const float t1 = t0 * t0;
-    const float t2 = 0.25f * t1; /* h^2 */
-    const float t3 = 0.5f * t0; /* h */
-    const float t4 = (t2 < 0.0025f) ? 1.0f : t3; /* h or 1 */
-    const wmrgen_vector t5 = wmrgen_direction(t4);
-    const float t6 = -t2;
-    const float t7 = fmaf(t6, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
-    const float t8 = (t2 < 0.0025f) ? fmaf(t6, t7, 1.0f) : (t5.y / t4);
-    const float t9 = in->dt * t8; /* dt sinc(h) */
-    const wmrgen_vector t10 = wmrgen_direction(in->theta + t3);
-    const float t11 = fmaf(fmaf(in->vx, t10.x, -(in->vy * t10.y)), t9, in->x);
-    const float t12 = fmaf(t9, fmaf(in->vx, t10.y, t10.x * in->vy), in->y);
+    const float half_turn_squared = 0.25f * t1; /* h^2 */
+    const float half_turn = 0.5f * t0; /* h */
+    const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
+    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const float t3 = -half_turn_squared;
+    const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
+    const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
+    const float chord = in->dt * t5; /* dt sinc(h) */
+    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
+    const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
-    out->x = t11;
-    out->y = t12;
+    out->x = t7;
+    out->y = t8;
     out->theta = in->theta + t0;
 }

@@ -16,7 +16,7 @@
  */
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_93e4b2af71b93b1a)
+#if !defined(JPL_OSR_PAIR_2ad2cd4fe92553e5)
 #error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_cc8ce0769c1a8d16)
+#if !defined(KELLY_4WS_PAIR_a08a99d7fedca895)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_7798ff6bd38e5437)
+#if !defined(PR2_PAIR_ee5ac867b47be2c9)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_63a1c901a4b47f4b)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_717092bc28d1ce43)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_07db351eeb7ba1e6)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_47338367247ed89a)
 #error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 

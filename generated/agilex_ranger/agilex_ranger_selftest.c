@@ -16,7 +16,7 @@
  */
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_979a88b7e7dd6b96)
+#if !defined(AGILEX_RANGER_PAIR_94540004654b3fda)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

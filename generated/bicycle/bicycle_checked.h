@@ -20,7 +20,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_a516e2c965cea620)
+#if !defined(BICYCLE_PAIR_70c343f45da25d57)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_23e55cade703ddd2)
+#if !defined(CARE_O_BOT_4_PAIR_1d9227edf48c7893)
 #error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -170,16 +170,17 @@ typedef struct {
 WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float per_rim)
 {
     wmrgen_wheel result;
-    const float t0 = sqrtf((x * x) + (y * y));
-    const float t1 = fabsf(x);
-    const float t2 = (1e-20f < t0) ? (t0 + t1) : 1e-20f;
-    const float t3 = wmrgen_signed(2.0f, x);
-    const float t4 = (1e-20f < t0) ? (t3 * wmrgen_arctangent(y / t2)) : now;
-    const float t5 = fmaf(0.31830987f, t4 - now, 12582912.0f);
-    const float t6 = wmrgen_flip(wmrgen_signed(per_rim * t0, x), t5);
+    const float size = sqrtf((x * x) + (y * y));
+    const float t0 = fabsf(x);
+    const float t1 = (1e-20f < size) ? (size + t0) : 1e-20f;
+    const float t2 = wmrgen_signed(2.0f, x);
+    const float heading = (1e-20f < size) ? (t2 * wmrgen_arctangent(y / t1)) : now;
+    const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
+    const float t4 = wmrgen_flip(wmrgen_signed(per_rim * size, x), t3);
+    const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
 
-    result.spin = t6;
-    result.steer = fmaf((-3.1415927f), t5 - 12582912.0f, t4);
+    result.spin = t4;
+    result.steer = t5;
     return result;
 }
 #endif

@@ -16,7 +16,7 @@
  */
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_2ad2cd4fe92553e5)
+#if !defined(JPL_OSR_PAIR_0adf762344ab35e2)
 #error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -36,7 +36,7 @@
 #define WMRGEN_PR2_H
 
 #define PR2_MODEL_HASH "ad97b352ac236771a9592b4bc4b50b01"
-#define PR2_PAIR_ee5ac867b47be2c9 1
+#define PR2_PAIR_4ce2eea3942b3ff7 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_ee5ac867b47be2c9)
+#if !defined(PR2_PAIR_4ce2eea3942b3ff7)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_051fffd4de071394)
+#if !defined(SYNCHRO_DRIVE_PAIR_81ea64437bcbf55a)
 #error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
 #endif
 

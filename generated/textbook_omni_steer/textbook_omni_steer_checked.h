@@ -20,7 +20,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_717092bc28d1ce43)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_f178de228e6755a9)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

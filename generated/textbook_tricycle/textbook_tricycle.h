@@ -53,7 +53,7 @@
 #define WMRGEN_TEXTBOOK_TRICYCLE_H
 
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "a9663481b53aade1a0b7d0d283ecaed3"
-#define TEXTBOOK_TRICYCLE_PAIR_9b0adf8bef409509 1
+#define TEXTBOOK_TRICYCLE_PAIR_5caca517172da29f 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_9b0adf8bef409509)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_5caca517172da29f)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

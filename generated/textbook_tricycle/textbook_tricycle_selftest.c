@@ -16,7 +16,7 @@
  */
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_9b0adf8bef409509)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_5caca517172da29f)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

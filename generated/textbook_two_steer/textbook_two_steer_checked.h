@@ -20,7 +20,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_47338367247ed89a)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_7c35a261bf92a62c)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

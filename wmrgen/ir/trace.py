@@ -93,12 +93,19 @@ def labels(
 
 
 def traced(module: Module, formulas: Sequence[Function]) -> Module:
-    """``module`` with the intermediate results of ``formulas`` (as lowered) named, variants of a function like it."""
-    by_name = {f.name: f for f in formulas}
+    """``module`` with the intermediate results of ``formulas``, its kernels among them, named (all as lowered).
+
+    Variants of a function have the names of that one.
+    """
+    written = {f.name: f for f in formulas}
     known = nominal(module) if formulas else {}
-    functions, kernels = [], kernels_by_name(module.kernels)
-    for function in module.functions:
-        formula = by_name.get(function.variant_of or function.name)
-        found = labels(function, names_of(formula, known), known, kernels) if formula is not None else ()
-        functions.append(replace(function, named=found))
-    return replace(module, functions=tuple(functions))
+    kernels = kernels_by_name(module.kernels)
+
+    def named(function: Function) -> Function:
+        formula = written.get(function.variant_of or function.name)
+        if formula is None:
+            return function
+        return replace(function, named=labels(function, names_of(formula, known), known, kernels))
+
+    functions, called = (tuple(map(named, each)) for each in (module.functions, module.kernels))
+    return replace(module, functions=functions, kernels=called)

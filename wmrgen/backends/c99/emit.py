@@ -54,7 +54,8 @@ def unit(
     module = hand_through(module)
     plain = inlined_calls(module)
     costs = {f.name: count(f) for f in (*plain.functions, *((plain.prepare,) if plain.prepare else ()))}
-    module = traced(with_kernels(module, scalar, math, target), formulas)
+    named = (*module.kernels, *formulas) if formulas else ()
+    module = traced(with_kernels(module, scalar, math, target), named)
     steps, prepared = prepare_steps(module, scalar, costs)
     inputs_of: dict[tuple[Port, ...], Struct] = {}
     kernels = results_of(module.kernels, scalar)

@@ -51,7 +51,7 @@ def _type(kernel: Function) -> str:
 
 
 def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results]) -> Kernel:
-    code = body(kernel, str, style(scalar), kernels=results, apart=_shared(kernel))
+    code = body(kernel, str, style(scalar), kernels=results, names=_names(kernel), apart=_shared(kernel))
     own = results[kernel.name]
     lines = [*code.statements, *([""] if code.statements else [])]
     struct = None
@@ -71,6 +71,13 @@ def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results]) -> Ke
         code.ops,
         struct,
     )
+
+
+def _names(kernel: Function) -> dict[int, str]:
+    """Nodes as the formula calls them, but for names of parameters."""
+    taken = {"result", *(port.name for port in kernel.inputs)}
+    names = {k: name for name, k in reversed(kernel.named) if name not in taken}
+    return names if len(set(names.values())) == len(names) else {}
 
 
 def _shared(kernel: Function) -> set[int]:

@@ -146,7 +146,7 @@ class Poly:
             return self.scale(b)
         if a is not None:
             return o.scale(a)
-        result = Poly({})
+        replaced: list[Poly] = []
         plain: dict[Monomial, Exact] = {}
         for m1, c1 in self.terms.items():
             for m2, c2 in o.terms.items():
@@ -155,8 +155,8 @@ class Poly:
                     old = plain.get(m)
                     plain[m] = c1 * c2 if old is None else old + c1 * c2
                 else:
-                    result = result + (Poly({m: c1 * c2}) * special)
-        return result + Poly(plain)
+                    replaced.append(Poly({m: c1 * c2}) * special)
+        return Poly.sum((*replaced, Poly(plain)))
 
     __rmul__ = __mul__
 
@@ -182,7 +182,7 @@ class Poly:
         """Replace generators for which ``value`` returns a polynomial; the others stay."""
         if self.constant is not None:
             return self
-        result = Poly({})
+        replaced: list[Poly] = []
         plain: dict[Monomial, Exact] = {}
         cache: dict[Gen, Poly | None] = {}
         for m, c in self.terms.items():
@@ -201,8 +201,8 @@ class Poly:
                 old = plain.get(tuple(kept))
                 plain[tuple(kept)] = number if old is None else old + number
             else:
-                result = result + Poly({tuple(kept): ONE}) * factor
-        return result + Poly(plain)
+                replaced.append(Poly({tuple(kept): ONE}) * factor)
+        return Poly.sum((*replaced, Poly(plain)))
 
     def __repr__(self) -> str:
         return f"Poly({self.key})"

@@ -129,19 +129,23 @@ def _aligned(pairs: list[tuple[str, str]]) -> list[str]:
 
 def data(sheet: Sheet) -> dict[str, Any]:
     """The sheet as plain data; expressions in Python syntax over names with underscores."""
+
+    def shown(expr: Expr) -> str:
+        return _written(exact, expr)
+
     return {
         "form": sheet.form,
         "text": sheet.text,
         "state": [p.name for p in sheet.state],
         "inputs": [p.name for p in sheet.inputs],
         "parameters": {p.name: float(p.default) for p in sheet.parameters if p.default is not None},
-        "where": {e.left: exact(e.right) for e in sheet.where},
+        "where": {e.left: shown(e.right) for e in sheet.where},
         "equations": {
-            rate_port(Port(e.left, sheet.state[0].role, "")).name if e.rate else e.left: exact(e.right)
+            rate_port(Port(e.left, sheet.state[0].role, "")).name if e.rate else e.left: shown(e.right)
             for e in sheet.equations
         },
-        "fields": {name: [exact(e) for e in field] for name, field in sheet.fields},
-        "domain": [{"condition": f"{exact(c)} = 0", "meaning": text} for c, text in sheet.domain],
+        "fields": {name: [shown(e) for e in field] for name, field in sheet.fields},
+        "domain": [{"condition": f"{shown(c)} = 0", "meaning": text} for c, text in sheet.domain],
     }
 
 

@@ -64,28 +64,20 @@ def _facts(d: Derivation, shown: Shown) -> dict[str, Any]:
             for r in tests.rows
         ],
         "integrals": [i.text for i in tests.integrals],
-        "growth_vector": _vector(d),
-        "brackets": _or_why(lambda: d.growth.text),
-        "fields": _fields(d, shown),
+        **_growth(d, shown),
         "flat": _or_why(lambda: _flat(d)),
         "chained": _or_why(lambda: _chained(d)),
     }  # fmt: skip
 
 
-def _fields(d: Derivation, shown: Shown) -> dict[str, list[str]]:
-    """The input fields and the brackets that add a dimension, component by component."""
+def _growth(d: Derivation, shown: Shown) -> dict[str, Any]:
+    """Dimensions that input fields and brackets span, by order, and brackets that add one."""
     try:
-        return {b.name: list(b.written(shown)) for b in d.growth.brackets}
-    except NotDerivableError:
-        return {}
-
-
-def _vector(d: Derivation) -> list[int]:
-    """Dimensions that input fields and brackets span, by order; empty where nothing moves."""
-    try:
-        return list(d.growth.vector)
-    except NotDerivableError:
-        return []
+        growth = d.growth
+    except NotDerivableError as error:
+        return {"growth_vector": [], "brackets": f"none: {error}", "fields": {}}
+    fields = {b.name: list(b.written(shown)) for b in growth.brackets}
+    return {"growth_vector": list(growth.vector), "brackets": growth.text, "fields": fields}
 
 
 def _flat(d: Derivation) -> str:

@@ -26,6 +26,7 @@ from wmrgen.printing import exact
 from wmrgen.symbolic import Expr, expression
 
 MOST_STATES = 10  # each further state triples the time; 10 take a second
+MOST_PRODUCTS = 130_000  # of terms, in all brackets together: 20,000 take a second
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +93,19 @@ def bracket(f: Field, g: Field, state: tuple[str, ...]) -> Field:
     )
 
 
+def _products(f: Field, g: Field) -> int:
+    """About how many products of terms the bracket of two fields takes."""
+    return 2 * sum(len(p.terms) for p in f) * sum(len(p.terms) for p in g)
+
+
+def _refuse_long(system: System, products: int) -> None:
+    if products > MOST_PRODUCTS:
+        raise NotDerivableError(
+            f"{system.name} has Lie brackets of too many terms to be formed in symbols. "
+            "Trailers that are coupled off the axle (`hitch`) double them one by one"
+        )
+
+
 def growth(system: System, seed: int = 0) -> Growth:
     """The growth vector of a system. NotDerivableError where it is too large for brackets in symbols."""
     if len(system.state) > MOST_STATES:
@@ -117,12 +131,14 @@ def growth(system: System, seed: int = 0) -> Growth:
         Bracket(f"g{k + 1}", 1, tuple(to_poly(e) for e in field)) for k, field in enumerate(system.fields)
     ]
     last = [b for b in inputs if add(b)]
-    vector = [len(rows)]
+    vector, products = [len(rows)], 0
     while last and len(rows) < len(state):
         order = last[0].order + 1
         pairs = [(g, b) for b in last for g in inputs if g.name != b.name]
         if order == 2:
             pairs = [(a, b) for i, a in enumerate(inputs) for b in inputs[i + 1 :]]
+        products += sum(_products(a.polys, b.polys) for a, b in pairs)
+        _refuse_long(system, products)
         candidates = (
             Bracket(f"[{a.name}, {b.name}]", order, bracket(a.polys, b.polys, state)) for a, b in pairs
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
+from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
 from wmrgen.kinematics.records import Formula
@@ -32,7 +33,21 @@ class Program:
 def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
     """One function. RobotFileError for an unknown name, NotDerivableError where the robot does not have it."""
     declared = declaration(name)
-    return replace(declared.build(robot, mobility), source=declared.source, limits=declared.limits)
+    built = replace(declared.build(robot, mobility), source=declared.source, limits=declared.limits)
+    _refuse_shared_names(robot, built)
+    return built
+
+
+def _refuse_shared_names(robot: Robot, built: Formula) -> None:
+    """NotDerivableError where a tunable parameter has the name of another input: one value would stand for both."""
+    names = [p.name.replace(".", "_") for p in built.inputs]
+    shared = [p.name for p in robot.tunable if names.count(p.name) > 1]
+    if shared:
+        raise NotDerivableError(
+            f"{robot.name} cannot have the function {built.name}: {shared[0]} is an input of it and a "
+            "tunable parameter.\n"
+            f"  Give the parameter another name, such as {shared[0]}_0, or delete its tunable: true."
+        )
 
 
 def program(robot: Robot, mobility: Mobility, names: Iterable[str]) -> Program:

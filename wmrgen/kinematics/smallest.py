@@ -26,6 +26,7 @@ from wmrgen.exact.poly import Gen, Poly
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.sensing import Component, Contact
 from wmrgen.mobility.ranks import numeric_rank
+from wmrgen.mobility.records import Array
 from wmrgen.symbolic import Expr, expression, maximum, number, select, subtract, times
 
 FLOOR = Exact(Fraction(1, 10**12))
@@ -68,7 +69,12 @@ def _rank_at(contacts: list[Contact], components: list[Component], seed: int) ->
         bx, by = (_float(p.substitute(value)) for p in (c.bx, c.by))
         rows += [[1.0, 0.0, -by], [0.0, 1.0, bx]]
     rows += [[_float(p.substitute(value)) for p in c.row] for c in components]
-    return numeric_rank(np.array(rows))[0]
+    return numeric_rank(_over_reach(rows, contacts, components))[0]
+
+
+def _over_reach(rows: list[list[float]], contacts: list[Contact], components: list[Component]) -> Array:
+    """The rows with lengths in the reach of the contacts, so that their rank does not depend on the unit."""
+    return np.asarray(np.array(rows).reshape(-1, 3) / [1.0, 1.0, float(reach(contacts, components)) ** 0.5])
 
 
 def _float(poly: Poly) -> float:
@@ -87,7 +93,7 @@ def lower_bound(contacts: list[Contact], components: list[Component]) -> float:
         numbers = [p.constant for p in m.row]
         if all(v is not None for v in numbers):
             rows.append([float(v) for v in numbers if v is not None])
-    if numeric_rank(np.array(rows).reshape(-1, 3))[0] < 3:
+    if numeric_rank(_over_reach(rows, contacts, components))[0] < 3:
         return 0.0
     normal = [[sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3)]
     a, b, c3 = normal

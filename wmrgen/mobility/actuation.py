@@ -7,7 +7,7 @@ import numpy as np
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.configure import steering_for
 from wmrgen.mobility.findings import Findings
-from wmrgen.mobility.ranks import null_basis, unit_rows
+from wmrgen.mobility.ranks import null_basis, twist_scale, unit_rows
 from wmrgen.mobility.records import Array
 
 
@@ -15,10 +15,15 @@ def actuation(f: Findings) -> tuple[str, ...]:
     """One sentence for driving, one for steering."""
     robot = f.robot
     spins = [w for w in robot.wheels if "spin" in w.actuated]
-    free = null_basis(unit_rows(f.at)) if f.at.size else np.eye(3)
+    scale = twist_scale(robot)
+    free = null_basis(unit_rows(f.at, scale)) if f.at.size else np.eye(3)
     rows = [_rate_row(w, f) for w in spins]
     rows += [_castor_row(w) for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
-    grip = int(np.linalg.matrix_rank(np.array(rows) @ free.T, tol=1e-9)) if rows and len(free) else 0
+    grip = (
+        int(np.linalg.matrix_rank(unit_rows(np.array(rows), scale) @ free.T, tol=1e-9))
+        if rows and len(free)
+        else 0
+    )
     motors = len({robot.spin_group[w.index] for w in spins}) + sum(
         r.kind.swivels and "steer" in r.actuated for r in robot.wheels
     )

@@ -26,7 +26,7 @@ from wmrgen.mobility.coupled import constant_rows, geared
 from wmrgen.mobility.findings import Findings
 from wmrgen.mobility.freedom import closure, growth_vector
 from wmrgen.mobility.nullspace import null_columns
-from wmrgen.mobility.ranks import decide, independent, null_basis, singular_values, unit_rows
+from wmrgen.mobility.ranks import decide, independent, null_basis, singular_values, twist_scale, unit_rows
 from wmrgen.mobility.reasons import reasons
 from wmrgen.mobility.records import Admissible, Array, Mobility, Rank
 from wmrgen.mobility.singular import singularities
@@ -68,17 +68,17 @@ class _Basis:
 
 def analyse(robot: Robot) -> Mobility:
     """Degrees, ranks, reachable dimensions and the reasons for them."""
-    c = constrain(robot, nominal_view)
+    c, scale = constrain(robot, nominal_view), twist_scale(robot)
     constant = constant_rows(c)
     picked, numbers = admissible(c, [row for row, _ in constant])
     rank, at = rank_C1(robot, numbers, picked)
     mobility = 3 - rank.value
     steerability = max(picked.dimension - mobility, 0) if mobility else 0
     basis = _basis(robot, constant, picked, at, rank)
-    rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_fixed]))
-    dof = closure(_all_twists(c, [row for row, _ in constant], picked)) if mobility else 0
-    now = null_basis(unit_rows(at)) if mobility else np.zeros((0, 3))
-    growth = growth_vector(now, picked.tangent, steerability)
+    rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_fixed]), scale)
+    dof = closure(_all_twists(c, [row for row, _ in constant], picked) * scale) if mobility else 0
+    now = null_basis(unit_rows(at, scale)) if mobility else np.zeros((0, 3))
+    growth = growth_vector(now, picked.tangent * scale, steerability)
     degenerate = (mobility, steerability) not in CAMPION
     found = Findings(
         robot, c, picked, rank_fixed, rank, mobility, steerability, basis.turning(robot), at, degenerate
@@ -111,7 +111,7 @@ def _basis(
         head = np.vstack([head, [[float(v) if v is not None else 0.0 for v in values]]])
     steered = [w.index for w in robot.wheels if w.kind.steers]
     pairs = geared(robot)
-    rows = unit_rows(np.vstack([head, at[len(picked.chosen) :]]))
+    rows = unit_rows(np.vstack([head, at[len(picked.chosen) :]]), twist_scale(robot))
     chosen = _chosen(robot, rows, len(head), steered, rank.value)
     keep = [i for i in chosen if i < len(head)]
     if len(keep) < len(head):
@@ -144,6 +144,7 @@ def _chosen(robot: Robot, rows: Array, head: int, steered: list[int], rank: int)
     """
     if not rank:
         return []
+    scale = twist_scale(robot)
     constant = independent(rows[:head], min(rank, head)) if head else []
     wanted = rank - len(constant)
     candidates = range(head, head + min(len(steered), MOST_CANDIDATES))
@@ -153,20 +154,20 @@ def _chosen(robot: Robot, rows: Array, head: int, steered: list[int], rank: int)
         if singular_values(rows[picked])[-1] < INDEPENDENT:
             continue
         wheels = [robot.wheels[steered[i - head]] for i in group]
-        apart = [_apart(rows[constant], wheels, turned) for turned in (False, True)]
+        apart = [_apart(rows[constant], wheels, scale, turned) for turned in (False, True)]
         score = (round(apart[0], 6), round(apart[1], 6))
         if best is None or score > best[0]:
             best = (score, picked)
     return best[1] if best is not None else independent(rows, rank)
 
 
-def _apart(constant: Array, wheels: list[Wheel], turned: bool) -> float:
+def _apart(constant: Array, wheels: list[Wheel], scale: Array, turned: bool) -> float:
     """The smallest singular value of the rows with every steered wheel at its zero angle, or turned."""
     rows = [list(map(float, row)) for row in constant]
     for w in wheels:
         c, s, x, y = (float(v) for v in (w.nominal.ch, w.nominal.sh, w.nominal.x, w.nominal.y))
         c, s = (-s, c) if turned else (c, s)
-        rows.append([-s, c, x * c + y * s])
+        rows.append([-s, c, (x * c + y * s) / float(scale[2])])
     return singular_values(np.array(rows).reshape(-1, 3))[-1] if rows else 0.0
 
 

@@ -19,7 +19,15 @@ from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import Component, components, quadrics, twist_unit
 from wmrgen.mobility.coupled import coupled_steering, geared
 from wmrgen.mobility.freedom import closure
-from wmrgen.mobility.ranks import decide, independent, null_basis, numeric_rank, to_array, unit_rows
+from wmrgen.mobility.ranks import (
+    decide,
+    independent,
+    null_basis,
+    numeric_rank,
+    to_array,
+    twist_scale,
+    unit_rows,
+)
 from wmrgen.mobility.records import Admissible, Array, Rank
 
 ExactRow = tuple[Exact, Exact, Exact]
@@ -54,12 +62,14 @@ def admissible(c: Constraints, rows: list[Row], seed: int = 0) -> tuple[Admissib
     """The admissible cone of the layout and its constant rows. ``c``, ``rows``: nominal; ``seed``: castors' angles."""
     robot = c.robot
     numbers = fixed_numbers(c, rows, seed)
-    array = unit_rows(to_array(numbers))
+    scale = twist_scale(robot)
+    array = unit_rows(to_array(numbers), scale)
     value, _ = numeric_rank(array)
     chosen = independent(array, value)
-    found = components(null_basis(array[chosen]), quadrics(robot), twist_unit(robot))
-    best = _freest(robot, array[chosen], found)
-    normal = _normal(best, array[chosen])
+    found = components(null_basis(array[chosen]) / scale, quadrics(robot), twist_unit(robot))
+    constant = unit_rows(to_array(numbers))[chosen]
+    best = _freest(robot, constant, found)
+    normal = _normal(best, constant)
     picked = Admissible(
         chosen=tuple(chosen), normal=normal, dimension=best.dimension,
         basis=best.basis, sample=best.sample, linear=best.linear, tangent=best.tangent,
@@ -70,10 +80,10 @@ def admissible(c: Constraints, rows: list[Row], seed: int = 0) -> tuple[Admissib
 def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
     """The component with most freedom of steering, then of motion; none at all when no twist is admissible."""
     empty = Component(0, np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
-    best, score = empty, (-1, 0, 0)
+    best, score, scale = empty, (-1, 0, 0), twist_scale(robot)
     for component in found:
-        mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant)))[0]
-        new = (component.dimension - mobility, mobility, closure(component.basis))
+        mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant), scale))[0]
+        new = (component.dimension - mobility, mobility, closure(component.basis * scale))
         if mobility and new > score:
             best, score = component, new
     return best
@@ -154,7 +164,7 @@ def _speed(robot: Robot, i: int, headings: dict[int, tuple[float, float]]) -> Ar
 def rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[Rank, Array]:
     """Rank of C1 on the admissible set, with the float rows it was decided on."""
     at = rows_at(robot, picked.sample, to_array(numbers))
-    value, singular = numeric_rank(unit_rows(at))
+    value, singular = numeric_rank(unit_rows(at, twist_scale(robot)))
     if not picked.dimension:
         value = 3
     exact = None if coupled_steering(robot) else _exact_rank(robot, numbers)

@@ -8,6 +8,7 @@ import numpy as np
 
 from wmrgen.constraints import Constraints
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.ranks import twist_scale
 from wmrgen.mobility.records import Admissible, Array, Rank
 
 SAME = 1e-9
@@ -46,13 +47,14 @@ def axle(w: Wheel) -> Array:
     return np.array([-s, c, x * c + y * s])
 
 
-def axle_lines(wheels: list[Wheel]) -> list[list[Wheel]]:
+def axle_lines(robot: Robot, wheels: list[Wheel]) -> list[list[Wheel]]:
     """Fixed wheels grouped by axle line."""
+    scale = twist_scale(robot)
     lines: list[list[Wheel]] = []
     for w in wheels:
-        row = axle(w)
+        row = axle(w) / scale
         for line in lines:
-            first = axle(line[0])
+            first = axle(line[0]) / scale
             if min(np.abs(row - first).max(), np.abs(row + first).max()) < SAME:
                 line.append(w)
                 break

@@ -13,7 +13,7 @@ from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Robot, Wheel
-from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
+from wmrgen.mobility.ranks import numeric_rank, to_array, twist_scale, unit_rows
 
 
 def coincidences(robot: Robot) -> tuple[str, ...]:
@@ -40,7 +40,7 @@ def coincidences(robot: Robot) -> tuple[str, ...]:
     given = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in robot.parameters)
     said = []
     for name, rows, others in pairs:
-        actual, generic = _rank(rows), _rank(others)
+        actual, generic = _rank(robot, rows), _rank(robot, others)
         if actual < generic:
             said.append(
                 f"rank {name} is {actual} at the given values ({given}) and {generic} for general ones."
@@ -48,7 +48,7 @@ def coincidences(robot: Robot) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _rank(rows: list[Row]) -> int:
+def _rank(robot: Robot, rows: list[Row]) -> int:
     numbers = [[value for p in row if (value := p.constant) is not None] for row in rows]
     complete = [row for row in numbers if len(row) == 3]
-    return numeric_rank(unit_rows(to_array(complete)))[0]
+    return numeric_rank(unit_rows(to_array(complete), twist_scale(robot)))[0]

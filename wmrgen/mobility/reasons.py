@@ -10,7 +10,7 @@ from wmrgen.layout.records import Wheel
 from wmrgen.mobility.coupled import coupled_sets
 from wmrgen.mobility.findings import SAME, Findings, axle, axle_lines, listed
 from wmrgen.mobility.generic import coincidences
-from wmrgen.mobility.ranks import null_basis, numeric_rank, unit_rows
+from wmrgen.mobility.ranks import null_basis, numeric_rank, twist_scale, unit_rows
 
 
 def reasons(f: Findings) -> tuple[str, ...]:
@@ -35,7 +35,7 @@ def _fixed(f: Findings) -> list[str]:
     fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
     if not fixed:
         return []
-    lines = axle_lines(fixed)
+    lines = axle_lines(f.robot, fixed)
     said = [
         f"{listed([w.name for w in line])} share an axle line, so {_further(len(line))} no constraint."
         for line in lines if len(line) > 1
@@ -52,7 +52,8 @@ def _fixed(f: Findings) -> list[str]:
 
 def _axles_meet(f: Findings, wheels: list[Wheel]) -> str:
     """Where several axle lines meet, if anywhere."""
-    rows = unit_rows(np.array([axle(w) for w in wheels]))
+    scale = twist_scale(f.robot)
+    rows = unit_rows(np.array([axle(w) for w in wheels]), scale)
     if f.rank_fixed.value == 3:
         triple = next(t for t in combinations(range(len(wheels)), 3) if numeric_rank(rows[list(t)])[0] == 3)
         names = listed([wheels[i].name for i in triple])
@@ -62,7 +63,9 @@ def _axles_meet(f: Findings, wheels: list[Wheel]) -> str:
     if abs(null[2]) < SAME:
         where, what = "are parallel and distinct", "straight motion along the wheels"
     else:
-        x, y = (round(float(v), 12) + 0.0 for v in (-null[1] / null[2], null[0] / null[2]))
+        x, y = (
+            round(float(v), 12) + 0.0 for v in (-null[1] / null[2] * scale[2], null[0] / null[2] * scale[2])
+        )
         where, what = f"meet in ({x:.4g}, {y:.4g})", "rotation about that point"
     return f"The axles of {names} {where}: only {what} slides no wheel (rank C1f = 2)."
 
@@ -122,7 +125,7 @@ def _verdict(f: Findings) -> list[str]:
     if not f.degenerate:
         return []
     fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
-    lines = axle_lines(fixed)
+    lines = axle_lines(f.robot, fixed)
     if f.mobility == 0:
         why = "no motion is free of sliding"
     elif len(lines) > 1 and any(w.actuated for w in fixed) and _skid(lines):

@@ -21,7 +21,6 @@ functions: [{2}]
 SHARED = [
     ("v", "pursuit"),
     ("u1", "chained_input"),
-    ("point_x", "contact_velocity"),
     ("direction", "goto_pose"),
 ]
 

@@ -69,3 +69,25 @@ def test_every_angle_and_length_tunable(
     for backend, values in found.items():
         near = 2e-5 if backend == "c" else 1e-9
         assert values == pytest.approx(wanted, rel=near, abs=near), backend
+
+
+def test_a_model_of_motion_that_is_too_long_is_refused(
+    tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    """A following wheel whose velocity has hundreds of terms; what needs no model of motion is there."""
+    path = tmp_path / "robot.yaml"
+    path.write_text(
+        "wmrgen: 1\nname: robot\nsnap: false\nparameters:\n"
+        + "".join(f"  {n}: {{value: {v}, tunable: true}}\n" for n, v in (("a", 0.5), ("b", 0.55), ("c", 0.7)))
+        + "wheels:\n"
+        "  - {name: w0, type: steered, x: -0.18+sqrt(a**2+b**2), y: 0.17+sqrt(a**2+a**2), "
+        "heading: a/2, r: 0.1, offset_y: a/4}\n"
+        "  - {name: w1, type: steered, x: c/2, y: 0.1+sqrt(b**2+b**2), heading: 0-2*c, r: 0.1}\n"
+        "  - {name: w2, type: steered, x: 0.41, y: b+b/4, heading: pi/3-2*b, r: 0.1}\n",
+        encoding="utf-8",
+    )
+    begin = time.process_time()
+    assert wmrgen_cli("derive", path, "-o", tmp_path / "out").code == 0
+    done = wmrgen_cli("eval", path, "posture")
+    assert time.process_time() - begin < SECONDS
+    assert done.code == 3 and "the velocity of w" in done.err and "terms in the parameters" in done.err

@@ -8,18 +8,31 @@ nearest to its zero at straight steering.
 from __future__ import annotations
 
 from wmrgen.constraints import along, driving_row, sliding_row, steer_gens
+from wmrgen.errors import NotDerivableError
 from wmrgen.exact.angles import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.models.frame import Frame, cleaned, derivative, generic, nominal_at, straight
 from wmrgen.layout.records import Wheel
 
+MOST_TERMS = 120  # a second for their square; twice as many take five
 ONE, ZERO = Poly.of(1), Poly({})
 
 
 def velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly]:
-    """Velocity of the wheel's pivot under one column of N, robot frame [m/s per unit of eta]."""
+    """Velocity of the wheel's pivot under one column of N, robot frame [m/s per unit of eta].
+
+    NotDerivableError where it has too many terms for its square, which directions and rates need.
+    """
     g = frame.view(wheel)
     a, b, _ = cleaned((dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column), ZERO))
+    terms = len(a.terms) + len(b.terms)
+    if terms > MOST_TERMS:
+        raise NotDerivableError(
+            f"{frame.robot.name} has no model of motion that can be written out: the velocity of {wheel.name} has "
+            f"{terms} terms in the parameters, more than {MOST_TERMS}.\n"
+            "  Give numbers for some of the lengths and angles, or simpler expressions; inverse and forward do not "
+            "need it."
+        )
     return a, b
 
 

@@ -97,3 +97,39 @@ def test_a_castor_with_an_offset_of_roots_that_is_zero(
         text.write(f"  - {{name: c, type: castor, x: -0.2, y: 0, heading: 0, d: {d}, r: 0.03}}\n")
     done = wmrgen_cli("derive", file, "-o", tmp_path / "out")
     assert done.code == 2 and "a castor with d = 0 is a steered wheel" in done.err
+
+
+ROOTS = {
+    "heading": "x: 0.1, y: 0.2, heading: sqrt(a)",
+    "x": "x: sqrt(a), y: 0.2, heading: 0",
+    "polar": "l: 0.1+sqrt(a), alpha: sqrt(a), beta: 0",
+}
+
+
+@pytest.mark.parametrize("name", ROOTS)
+def test_the_root_of_a_tunable_parameter_that_is_zero(
+    name: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    """At its nominal value and beside it, what the numbers give."""
+
+    def robot(a: str, root: str) -> Path:
+        place = ROOTS[name].replace("sqrt(a)", root)
+        path = tmp_path / "robot.yaml"
+        path.write_text(
+            f"wmrgen: 1\nname: three\nsnap: false\nparameters: {{a: {a}}}\nwheels:\n"
+            f"  - {{name: left, type: swedish, gamma: 0, {place}, r: 0.1}}\n"
+            "  - {name: right, type: swedish, gamma: 0, x: 0, y: -0.2, heading: 0.5, r: 0.1}\n"
+            "  - {name: back, type: swedish, gamma: 0, x: -0.3, y: 0, heading: pi/2, r: 0.1}\n",
+            encoding="utf-8",
+        )
+        return path
+
+    spins = ["left.spin=1", "right.spin=-0.5", "back.spin=0.25"]
+    for a, root in (("0", "0"), ("0.01", "0.1")):
+        plain = robot("0", root)
+        wanted = json.loads(wmrgen_cli("eval", plain, "forward", *spins, "--json").out)
+        tunable = robot("{value: 0, tunable: true}", "sqrt(a)")
+        assert wmrgen_cli("derive", tunable, "-o", tmp_path / "out").code == 0
+        for backend in ("exact", "casadi", "numpy", "c"):
+            done = wmrgen_cli("eval", tunable, "forward", *spins, f"a={a}", "--backend", backend, "--json")
+            assert json.loads(done.out) == pytest.approx(wanted, rel=1e-5, abs=1e-5), backend

@@ -84,6 +84,14 @@ def result(text: str, style: str = "") -> None:
     _line(sys.stdout, text, style)
 
 
+def values(named: Mapping[str, object]) -> None:
+    """Names and values one below the other; a point in parentheses, a text as it is."""
+    width = max(map(len, named), default=0)
+    for name, value in named.items():
+        point = f"({', '.join(map(repr, value))})" if isinstance(value, list) else None
+        result(f"{name:<{width}} = {point or (value if isinstance(value, str) else repr(value))}")
+
+
 def data(value: object) -> None:
     """A result as JSON, which has no word for infinity and NaN: null."""
     result(json.dumps(_finite(value), indent=2, allow_nan=False))

@@ -10,6 +10,7 @@ import wmrgen
 from wmrgen.artifacts import Written, write_tree
 from wmrgen.cli import console
 from wmrgen.cli.gains import warn
+from wmrgen.cli.loading import noted
 from wmrgen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -37,8 +38,7 @@ def run(paths: Sequence[Path], out: Path, *, as_json: bool, choice: Choice, fuzz
     with console.progress() as step:
         for robot in load_all(paths):
             step(f"deriving {robot.name} ({len(done) + 1} of {len(paths)})")
-            for text in robot.notes:
-                console.note(f"{robot.name}: note: {text}")
+            noted(robot)
             if robot.gains:
                 warn(robot)
             derivation = wmrgen.derive(robot)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.gains import warn
+from wmrgen.cli.loading import noted
 from wmrgen.cli.values import Case, from_file, from_words
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
@@ -62,9 +63,7 @@ def run(
     elif as_json:
         console.data(results[0])
     else:
-        width = max(map(len, results[0]), default=0)
-        for key, value in results[0].items():
-            console.result(f"{key:<{width}} = {value!r}")
+        console.values(results[0])
     return 0
 
 
@@ -74,9 +73,7 @@ def _source(path: Path, name: str) -> Modules:
         from wmrgen.cli.textbook import installed
 
         return cast(Modules, installed().library(name))
-    robot = wmrgen.load(path)
-    for text in robot.notes:
-        console.note(f"{robot.name}: note: {text}")
+    robot = noted(wmrgen.load(path))
     if name == "goto_pose" and robot.gains:
         warn(robot)
     return wmrgen.derive(robot, [known(robot.name, name)])

@@ -46,9 +46,7 @@ def run(words: Sequence[str], *, as_json: bool) -> int:
     if as_json:
         console.data(values)
         return 0
-    width = max(map(len, values))
-    for key, value in values.items():
-        console.result(f"{key:<{width}} = {_text(key, value)}")
+    console.values({key: _text(key, value) for key, value in values.items()})
     for text in verdict.lost if verdict.stable else ():
         console.note(f"not from every pose: {text} fails")
     return 0

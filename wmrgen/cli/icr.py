@@ -7,9 +7,9 @@ from math import atan2, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import wmrgen
 from wmrgen.cli import console
-from wmrgen.cli.motion import clean, show, spelled
+from wmrgen.cli.loading import derived
+from wmrgen.cli.motion import clean, spelled
 from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ONE, ZERO, Exact
@@ -25,25 +25,20 @@ def run(path: Path, words: Sequence[str], *, as_json: bool) -> int:
     """What the words name decides: vx vy omega, steering angles, or icr.x icr.y."""
     if not words:
         raise UsageError("give vx= vy= omega=, or steering angles <wheel>.steer=, or icr.x= icr.y=")
-    with console.progress() as step:
-        step(f"deriving {path}")
-        robot = wmrgen.load(path)
-        for text in robot.notes:
-            console.note(f"{robot.name}: note: {text}")
-        derivation = wmrgen.derive(robot, [])
-        given = spelled(words, robot, "steer")
-        names = [word.partition("=")[0].strip() for word in given]
+    with derived(path, []) as derivation:
+        words = spelled(words, derivation.robot, "steer")
+        names = [word.partition("=")[0].strip() for word in words]
         if any(n.startswith("icr.") for n in names):
-            found = _steering(derivation, given)
+            result = _steering(derivation, words)
         elif any(n.endswith(".steer") for n in names):
-            found = _axles(derivation, given)
+            result = _axles(derivation, words)
         else:
-            found = _twist(derivation, given)
+            result = _twist(derivation, words)
     if as_json:
-        console.data(found)
+        console.data(result)
     else:
-        show({k: v for k, v in found.items() if k != "wheels"})
-        for name, facts in found.get("wheels", {}).items():
+        console.values({k: v for k, v in result.items() if k != "wheels"})
+        for name, facts in result.get("wheels", {}).items():
             console.result(f"{name}: " + ", ".join(f"{k} {v!r}" for k, v in facts.items()))
     return 0
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_file, from_words
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
@@ -32,23 +32,18 @@ def run(path: Path, words: Sequence[str], *, time: str | None, segments: str | N
     """Pose and path after ``time`` at the given joint speeds, or the phases of a file of segments."""
     if (time is None) == (segments is None):
         raise UsageError("give wheel speeds and --time, or --segments FILE.json")
-    with console.progress() as step:
-        step(f"deriving {path}")
-        robot = wmrgen.load(path)
-        for text in robot.notes:
-            console.note(f"{robot.name}: note: {text}")
-        derivation = wmrgen.derive(robot, [])
-        if segments is not None:
-            found: Any = _segments(derivation, words, segments)
+    with derived(path, []) as derivation:
+        if segments is None:
+            result = _constant(derivation, [*words, f"dt={time}"])
         else:
-            found = _constant(derivation, [*words, f"dt={time}"])
+            result = _segments(derivation, words, segments)
     if as_json:
-        console.data(found)
-    elif segments is not None:
-        for line in _table(found["phases"]):
-            console.result(line)
+        console.data(result)
+    elif segments is None:
+        console.values(result)
     else:
-        show(found)
+        for line in _table(result["phases"]):
+            console.result(line)
     return 0
 
 
@@ -63,18 +58,6 @@ def spelled(words: Sequence[str], robot: Robot, joint: str, ports: Sequence[Port
         full = own[0] if len(own) == 1 else f"{name}.{joint}"
         result.append(f"{full}={value}" if equals and name in wheels else word)
     return result
-
-
-def show(values: Mapping[str, Any]) -> None:
-    """Names and values, aligned; a point in parentheses."""
-    width = max(map(len, values))
-    for key, value in values.items():
-        text = f"({', '.join(map(repr, value))})" if isinstance(value, list) else _plain(value)
-        console.result(f"{key:<{width}} = {text}")
-
-
-def _plain(value: Any) -> str:
-    return value if isinstance(value, str) else repr(value)
 
 
 def _constant(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:

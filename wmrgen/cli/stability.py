@@ -7,8 +7,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.loading import derived
 from wmrgen.cli.motion import spelled
 from wmrgen.cli.values import from_words
 from wmrgen.exact.number import Exact
@@ -19,42 +19,34 @@ _NEVER = 1e8
 
 def run(path: Path, words: Sequence[str], *, as_json: bool) -> int:
     """Margin of every edge of the support polygon, and the one about which the robot tips over first."""
-    with console.progress() as step:
-        step(f"deriving {path}")
-        robot = wmrgen.load(path)
-        for text in robot.notes:
-            console.note(f"{robot.name}: note: {text}")
-        derivation = wmrgen.derive(robot, ["stability"])
+    from wmrgen.functions.space.support import polygon
+
+    with derived(path, ["stability"]) as derivation:
+        robot = derivation.robot
         values = dict(from_words(spelled(words, robot, "steer"), derivation.formula("stability").inputs))
         if "fz" not in values:
             values["fz"] = GRAVITY
             console.note(f"not given: fz, taken as {float(GRAVITY)}")
-        found = {name: float(v) for name, v in derivation.evaluate("stability", values).items()}
-
-        from wmrgen.functions.space.support import polygon
-
+        margins = {name: float(v) for name, v in derivation.evaluate("stability", values).items()}
         steer = {w.name: float(values.get(f"{w.name}.steer", Exact(0))) for w in robot.wheels}
         corners = polygon(robot, steer)
-    edges = list(zip(corners, (*corners[1:], corners[0]), strict=True))
-    result = _result(found, edges)
+    result = _result(margins, list(zip(corners, (*corners[1:], corners[0]), strict=True)))
     if as_json:
         console.data(result)
-        return 0
-    _show(result)
+    else:
+        _show(result)
     return 0
 
 
-def _result(found: dict[str, float], edges: Sequence[tuple[str, str]]) -> dict[str, Any]:
-    listed: list[dict[str, Any]] = [{"from": a, "to": b, "margin": found[f"{a}.margin"]} for a, b in edges]
-    first = min(listed, key=lambda e: e["margin"])
+def _result(margins: dict[str, float], edges: Sequence[tuple[str, str]]) -> dict[str, Any]:
+    """The outputs of ``stability`` by edge of the support polygon, each from one corner to the next."""
+    shown: list[dict[str, Any]] = [{"from": a, "to": b, "margin": margins[f"{a}.margin"]} for a, b in edges]
+    first = min(shown, key=lambda e: e["margin"])
     return {
-        "liftoff": found["margin"] <= 0,
-        "margin": found["margin"],
-        "about": [first["from"], first["to"]],
-        "edges": listed,
-        "fx": [found["fx_min"], found["fx_max"]],
-        "fy": [found["fy_min"], found["fy_max"]],
-    }
+        "liftoff": margins["margin"] <= 0, "margin": margins["margin"], "about": [first["from"], first["to"]],
+        "edges": shown,
+        "fx": [margins["fx_min"], margins["fx_max"]], "fy": [margins["fy_min"], margins["fy_max"]],
+    }  # fmt: skip
 
 
 def _show(result: dict[str, Any]) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.loading import derived
 from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
@@ -20,17 +20,12 @@ def run(path: Path, *, as_json: bool) -> int:
     """Print Frobenius's test with its proofs, integrals, Lie brackets, flat outputs and the chained form."""
     from wmrgen.printing import exact
 
-    with console.progress() as step:
-        step(f"deriving {path}")
-        robot = wmrgen.load(path)
-        for text in robot.notes:
-            console.note(f"{robot.name}: note: {text}")
-        d = wmrgen.derive(robot)
-        shown: object = _facts(d, exact) if as_json else "\n".join(_lines(d))
-    if as_json:
-        console.data(shown)
-    else:
-        console.result(str(shown))
+    with derived(path) as derivation:
+        if as_json:
+            console.data(_facts(derivation, exact))
+            return 0
+        lines = _lines(derivation)
+    console.result("\n".join(lines))
     return 0
 
 

@@ -1,0 +1,30 @@
+"""What every verb begins with: the robot file read, its notes told, the model derived while progress is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import wmrgen
+from wmrgen.cli import console
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
+
+
+def noted(robot: Robot) -> Robot:
+    """The robot, its notes told."""
+    for text in robot.notes:
+        console.note(f"{robot.name}: note: {text}")
+    return robot
+
+
+@contextmanager
+def derived(path: Path, functions: Sequence[str] | None = None) -> Iterator[Derivation]:
+    """The model of a robot file with some functions; what is computed inside the context counts as progress."""
+    with console.progress() as step:
+        step(f"deriving {path}")
+        yield wmrgen.derive(noted(wmrgen.load(path)), functions)

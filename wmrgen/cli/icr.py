@@ -59,16 +59,16 @@ def _floats(values: Mapping[str, Exact]) -> dict[str, float]:
 
 def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     values = from_words(words, derivation.formula("icr").inputs)
-    found = _floats(derivation.evaluate("icr", values))
+    centre = _floats(derivation.evaluate("icr", values))
     twist = {k: v for k, v in values.items() if k in ("vx", "vy", "omega")}
     slip = float(derivation.evaluate("inverse", twist)["slip"])
     if slip > _TOLERANCE:
         console.note(f"{derivation.robot.name}: the wheels forbid this twist: {slip:.6g} m/s slides")
-    result = _centre(found)
+    result = _centre(centre)
     if any(k.startswith("point.") for k in values):
         result |= {
-            "point_velocity": [found["point.vx"], found["point.vy"]],
-            "point_radius": found["point.radius"],
+            "point_velocity": [centre["point.vx"], centre["point.vy"]],
+            "point_radius": centre["point.radius"],
         }
     return result
 
@@ -78,7 +78,7 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     values = dict(from_words(words, derivation.formula("steer_to").inputs))
     values.setdefault("icr.w", ONE)
     x, y, w = (values.get(f"icr.{k}", ZERO) for k in "xyw")
-    found = derivation.evaluate("steer_to", values)
+    angles = derivation.evaluate("steer_to", values)
     turned = {k: v for k, v in values.items() if not k.startswith("icr.")}
     slip = float(derivation.evaluate("inverse", turned | {"vx": y, "vy": -x, "omega": w})["slip"])
     if slip > _TOLERANCE * max(1.0, float(abs(x)), float(abs(y)), float(abs(w))):
@@ -86,7 +86,7 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
             f"{derivation.robot.name}: the axles cannot meet there, because the fixed wheels keep theirs; the "
             "angles are those of the nearest motion"
         )
-    return _floats(found)
+    return _floats(angles)
 
 
 def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
@@ -99,13 +99,18 @@ def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     missing = [p.name for p in ports if p.name not in values]
     if missing:
         console.note(f"not given, taken as 0: {' '.join(missing)}")
-    found = _floats(derivation.evaluate("axles", values))
+    outputs = _floats(derivation.evaluate("axles", values))
     steer = {p.name.removesuffix(".steer"): float(values[p.name]) for p in ports if p.name in values}
     check = check_steering(robot, steer)
     if check.rank < 2:
         where = "anywhere on the one line of all axles"
         return {"rank": check.rank, "consistent": True, "icr": where, "mobility": check.mobility}
-    result = {"rank": check.rank, "consistent": check.rank == 2, **_centre(found), "mobility": check.mobility}
+    result = {
+        "rank": check.rank,
+        "consistent": check.rank == 2,
+        **_centre(outputs),
+        "mobility": check.mobility,
+    }
     if check.rank == 2:
         return result
     console.note(
@@ -114,11 +119,11 @@ def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     )
     if len(check.odd) == 1:
         console.note(f"{robot.name}: all axles but that of {check.odd[0]} meet")
-    result["mismatch"] = found["mismatch"]
+    result["mismatch"] = outputs["mismatch"]
     distances = {} if isinstance(result["icr"], str) else axle_distances(robot, steer, tuple(result["icr"]))
     result["wheels"] = {}
     for name in (p.name.removesuffix(".steer") for p in ports):
-        present, error = steer.get(name, 0.0), found[f"{name}.error"]
+        present, error = steer.get(name, 0.0), outputs[f"{name}.error"]
         facts = {"steer": present, "needed": present + error, "error": error}
         result["wheels"][name] = facts | ({"distance": distances[name]} if name in distances else {})
     return result

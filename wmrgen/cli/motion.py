@@ -102,7 +102,7 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
     start = [Port(n, Role.STATE, _UNITS[n]) for n in _POSE]
     turning = [w.name for w in robot.wheels if w.turns]
     steers = [Port(f"{n}.steer", Role.STATE, "rad") for n in turning]
-    given = from_words(spelled(words, robot, "steer"), [*start, *steers])
+    start_values = from_words(spelled(words, robot, "steer"), [*start, *steers])
     ports = [Port(n, Role.COMMAND, unit) for n, unit in _UNITS.items()]
     cases = from_file(file, ports)
     if not cases:
@@ -112,8 +112,8 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
         robot,
         parts,
         derivation.evaluate,
-        [given.get(n, ZERO) for n in _POSE],
-        {n: given.get(f"{n}.steer", ZERO) for n in turning},
+        [start_values.get(n, ZERO) for n in _POSE],
+        {n: start_values.get(f"{n}.steer", ZERO) for n in turning},
     )
     for p in forbidden(phases):
         text = f"segment {p.segment}: the wheels forbid this motion, {float(p.slip):.6g} m/s slides"

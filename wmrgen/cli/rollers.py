@@ -22,10 +22,10 @@ def run(radius: str, count: str, angle: str, *, as_json: bool) -> int:
     function = lower(mecanum_roller())
     case = dict(from_words([f"radius={radius}", f"count={count}", f"angle={angle}"], function.inputs))
     _refuse_impossible(case, angle)
-    found = evaluate(function, case, EXACT)
+    sizes = evaluate(function, case, EXACT)
     size = float(case["radius"])
     values = {_NAMES[k]: v if abs(v) > NEGLIGIBLE * size else 0.0 for k, v in
-              ((k, float(v)) for k, v in found.items())}  # fmt: skip
+              ((k, float(v)) for k, v in sizes.items())}  # fmt: skip
     gamma = 90 - float(case["angle"] / pi_rational()) * 180
     gamma = round(gamma, 9) + 0.0
     if as_json:

@@ -34,13 +34,13 @@ def _lines(d: Derivation) -> list[str]:
     from wmrgen.printing import Reader
 
     shown = Reader()
-    found = _facts(d, shown)
-    lines = [found["text"]]
-    lines += [f"  {row['wheel']}, {row['kind']}: {row['proof']}" for row in found["constraints"]]
-    lines += [f"  integrates to: {text}" for text in found["integrals"]]
-    lines += [f"brackets: {found['brackets']}"]
-    lines += [f"  {name} = ({', '.join(field)})" for name, field in found["fields"].items()]
-    lines += [f"{key}: {found[key]}" for key in ("flat", "chained")]
+    facts = _facts(d, shown)
+    lines = [facts["text"]]
+    lines += [f"  {row['wheel']}, {row['kind']}: {row['proof']}" for row in facts["constraints"]]
+    lines += [f"  integrates to: {text}" for text in facts["integrals"]]
+    lines += [f"brackets: {facts['brackets']}"]
+    lines += [f"  {name} = ({', '.join(field)})" for name, field in facts["fields"].items()]
+    lines += [f"{key}: {facts[key]}" for key in ("flat", "chained")]
     return [*lines, shown.note] if shown.note else lines
 
 
@@ -78,8 +78,8 @@ def _growth(d: Derivation, shown: Shown) -> dict[str, Any]:
 def _flat(d: Derivation) -> str:
     from wmrgen.functions.trailers.flat import flatness
 
-    known = flatness(d.robot, d.mobility)
-    return f"{known.outputs}: {known.text}"
+    flat = flatness(d.robot, d.mobility)
+    return f"{flat.outputs}: {flat.text}"
 
 
 def _chained(d: Derivation) -> str:

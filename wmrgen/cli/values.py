@@ -88,12 +88,12 @@ def _content(file: str, name: str) -> bytes:
 
 def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
     """An object of JSON whose names differ."""
-    found: dict[str, object] = {}
+    members: dict[str, object] = {}
     for name, value in pairs:
-        if name in found:
+        if name in members:
             raise UsageError(f"{name} is given twice")
-        found[name] = value
-    return found
+        members[name] = value
+    return members
 
 
 def _case(case: Mapping[str, object], place: str, ports: Sequence[Port]) -> Case:
@@ -146,9 +146,9 @@ def _without_unit(text: str, port: Port, what: str) -> str:
     if not unit or unit in _KINDS:
         return text
     space = r"\s+" if unit[0].isdigit() else r"\s*"
-    found = re.fullmatch(rf"(.*[\d.)]){space}{re.escape(unit)}\s*", text)
-    if found:
-        return found[1]
+    match = re.fullmatch(rf"(.*[\d.)]){space}{re.escape(unit)}\s*", text)
+    if match:
+        return match[1]
     if re.search(r"[\d.)]\s*[a-zµ°\"]", re.sub(r"[\d.][eE][+-]?\d", "", text)):
         raise UsageError(f"{what} = {text[:60]!r}: {port.name} is in {unit}. Write the number alone.")
     return text

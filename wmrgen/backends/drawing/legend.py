@@ -35,18 +35,18 @@ def legend(signs: Signs, width: float, top: float) -> tuple[list[str], float]:
 
 
 def _entries(signs: Signs) -> list[tuple[str, str]]:
-    found = [(name, kind.noun) for name, kind in WHEEL_TYPES.items() if kind in signs.kinds]
+    entries = [(name, kind.noun) for name, kind in WHEEL_TYPES.items() if kind in signs.kinds]
     if any(kind.has_spin for kind in signs.kinds):
-        found.append(("roll", "positive rolling"))
+        entries.append(("roll", "positive rolling"))
     if signs.pivots:
-        found.append(("pivot", "pivot"))
+        entries.append(("pivot", "pivot"))
     if any(kind.rollers for kind in signs.kinds):
-        found.append(("roller", "roller axis at the ground (on top: mirrored)"))
+        entries.append(("roller", "roller axis at the ground (on top: mirrored)"))
     if signs.axles:
-        found.append(("axle", "zero-motion line"))
+        entries.append(("axle", "zero-motion line"))
     if signs.icr:
-        found.append(("icr", "instantaneous centre of rotation"))
-    return found
+        entries.append(("icr", "instantaneous centre of rotation"))
+    return entries
 
 
 def _symbol(kind: str, x: float, y: float) -> list[str]:

@@ -78,7 +78,7 @@ def _axles(placed: list[Placed], shown: Example, view: View) -> list[tuple[Point
 
     Wheels on one line share it: the longest piece stays.
     """
-    found: dict[tuple[float, float], tuple[Point, Point]] = {}
+    longest: dict[tuple[float, float], tuple[Point, Point]] = {}
     target = view.at(*shown.icr) if shown.icr else None
     for p in placed:
         if not p.wheel.kind.constrains:
@@ -89,9 +89,9 @@ def _axles(placed: list[Placed], shown: Example, view: View) -> list[tuple[Point
             cut = _towards(p, target, view.area)
         if cut:
             key = _line(p)
-            old = found.get(key)
-            found[key] = cut if old is None or _length(cut) > _length(old) else old
-    return list(found.values())
+            old = longest.get(key)
+            longest[key] = cut if old is None or _length(cut) > _length(old) else old
+    return list(longest.values())
 
 
 def _line(p: Placed) -> tuple[float, float]:

@@ -16,9 +16,9 @@ _TWIST = {"vx": 0, "vy": 1, "omega": 2}
 Ports = Mapping[str, str]
 
 
-def terms(expr: Expr, known: Ports) -> list[Term]:
+def terms(expr: Expr, ports: Ports) -> list[Term]:
     """The summands of an expression."""
-    found: list[Term] = []
+    summands: list[Term] = []
     for arg in sympy.Add.make_args(expr):
         number, factors, inner = ONE, [], None
         for factor in sympy.Mul.make_args(arg):
@@ -28,12 +28,12 @@ def terms(expr: Expr, known: Ports) -> list[Term]:
             elif isinstance(factor, sympy.Add) and inner is None:
                 inner = factor
             else:
-                factors.append(_factor(factor, known))
+                factors.append(_factor(factor, ports))
         if inner is None:
-            found.append(Term(number, tuple(factors)))
+            summands.append(Term(number, tuple(factors)))
         else:
-            found += [Term(t.number * number, (*t.factors, *factors)) for t in terms(inner, known)]
-    return [t for t in found if t.number]
+            summands += [Term(t.number * number, (*t.factors, *factors)) for t in terms(inner, ports)]
+    return [t for t in summands if t.number]
 
 
 def _number(expr: Expr) -> Exact | None:
@@ -58,32 +58,32 @@ def _number_product(expr: Expr) -> Exact | None:
     return product
 
 
-def _factor(expr: Expr, known: Ports) -> Factor:
+def _factor(expr: Expr, ports: Ports) -> Factor:
     base, power = (expr.base, expr.exp) if isinstance(expr, sympy.Pow) else (expr, sympy.S.One)
     if power.is_Rational and power.q == 2:
-        return Factor(rf"\sqrt{{{total(terms(base, known))}}}", int(power.p), 2, (8, ""))
+        return Factor(rf"\sqrt{{{total(terms(base, ports))}}}", int(power.p), 2, (8, ""))
     n = int(power)
     if isinstance(base, Parameter):
         return Factor(notation.parameter(base.name), n, 0, (0, base.name))
     if isinstance(base, sympy.Symbol):
-        port = known.get(base.name, base.name.removesuffix("_fit"))
-        order = list(known).index(base.name) if base.name in known else -1
+        port = ports.get(base.name, base.name.removesuffix("_fit"))
+        order = list(ports).index(base.name) if base.name in ports else -1
         return Factor(notation.port(port), n, 2, (_TWIST.get(port, 3 + order), ""))
     if isinstance(base, sympy.Abs):
-        return Factor(rf"\left|{total(terms(base.args[0], known))}\right|", n, 2, (8, ""))
+        return Factor(rf"\left|{total(terms(base.args[0], ports))}\right|", n, 2, (8, ""))
     if isinstance(base, sympy.cos | sympy.sin):
         head = "\\cos" if isinstance(base, sympy.cos) else "\\sin"
-        return Factor(f"{head}{_angle(base.args[0], known)}", n, 1, (0, str(head)))
+        return Factor(f"{head}{_angle(base.args[0], ports)}", n, 1, (0, str(head)))
     if base is sympy.pi:
         return Factor(r"\pi", n, 0, (0, "pi"))
     if isinstance(base, sympy.atan2):
-        y, x = (total(terms(a, known)) for a in base.args)
+        y, x = (total(terms(a, ports)) for a in base.args)
         return Factor(rf"\mathrm{{atan2}}\left({y},\, {x}\right)", n, 1, (8, ""))
-    return Factor(total(terms(base, known)), n, 0, (2, ""), True)
+    return Factor(total(terms(base, ports)), n, 0, (2, ""), True)
 
 
-def _angle(angle: Expr, known: Ports) -> str:
+def _angle(angle: Expr, ports: Ports) -> str:
     """The argument of a sine: a joint's name, or an expression in parentheses."""
     if isinstance(angle, sympy.Symbol):
-        return notation.port(known.get(angle.name, angle.name))
-    return rf"\left({total(terms(angle, known))}\right)"
+        return notation.port(ports.get(angle.name, angle.name))
+    return rf"\left({total(terms(angle, ports))}\right)"

@@ -52,19 +52,19 @@ def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
             f"B moves: {speed}, with e the rolling direction" + (" and n = ẑ × e." if moving else ".")
         )
     for kind, words in (("rolling", "the rolling row"), ("sliding", "the sliding row")):
-        found = [c for c in components if c.wheel.kind.sliding_row == (kind == "sliding")]
-        if found:
-            more = " and others" if len(found) > CAP else ""
-            lines.append(f"* Only {words} is known of {listed([c.wheel.name for c in found[:CAP]])}{more}.")
+        alone = [c for c in components if c.wheel.kind.sliding_row == (kind == "sliding")]
+        if alone:
+            more = " and others" if len(alone) > CAP else ""
+            lines.append(f"* Only {words} is known of {listed([c.wheel.name for c in alone[:CAP]])}{more}.")
     return [*lines, ""]
 
 
 def _rows(contacts: list[Contact], components: list[Component]) -> list[tuple[Row, Poly]]:
     one, zero = Poly.of(1), Poly({})
-    found: list[tuple[Row, Poly]] = []
+    rows: list[tuple[Row, Poly]] = []
     for c in contacts:
-        found += [((one, zero, -c.by), c.wx), ((zero, one, c.bx), c.wy)]
-    return found + [(c.row, c.value) for c in components]
+        rows += [((one, zero, -c.by), c.wx), ((zero, one, c.bx), c.wy)]
+    return rows + [(c.row, c.value) for c in components]
 
 
 def _stacked(rows: list[tuple[Row, Poly]]) -> list[str]:
@@ -141,22 +141,22 @@ def _singular(normal: list[list[Poly]]) -> bool:
 def _closed(s: Subject) -> list[str]:
     """The outputs of ``forward`` and what its residual means."""
     formula = s.derivation.program.formula("forward")
-    known = symbol_names(formula.inputs)
+    ports = symbol_names(formula.inputs)
     outputs = {p.name: e for p, e in formula.outputs}
     fits = {symbol.name.removesuffix("_fit"): e for symbol, e in formula.locals}
     lines = []
     for name in ("vx", "vy", "omega"):
-        parts = summands(terms(fits.get(name, outputs[name]), known))
+        parts = summands(terms(fits.get(name, outputs[name]), ports))
         shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
         lines.append(f"{notation.port(name)} &= {broken(shown)}")
-    return [*aligned(lines), *_residual(outputs["slip"], known)]
+    return [*aligned(lines), *_residual(outputs["slip"], ports)]
 
 
-def _residual(slip: object, known: dict[str, str]) -> list[str]:
-    found = terms(slip, known)
-    if not found:
+def _residual(slip: object, ports: dict[str, str]) -> list[str]:
+    summands = terms(slip, ports)
+    if not summands:
         return ["The rates can never contradict each other, so the residual `slip` is 0.", ""]
-    text = "".join(pieces(found)).removeprefix("+")
+    text = "".join(pieces(summands)).removeprefix("+")
     lines = [
         "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
         "the norm of z − H ξ [m/s]."

@@ -22,12 +22,12 @@ def sentence(text: str) -> str:
     return _INDEX.sub(_symbol, escape(text)).replace("omega = 0", "ω = 0")
 
 
-def _symbol(found: re.Match[str]) -> str:
-    head, bar, index = found.groups()
+def _symbol(match: re.Match[str]) -> str:
+    head, bar, index = match.groups()
     if head == "delta":
-        return f"δ<sub>{index}</sub>" if bar and index else found[0]
+        return f"δ<sub>{index}</sub>" if bar and index else match[0]
     if bar or (index and index not in "fs"):
-        return found[0]
+        return match[0]
     return f"{head[:-1]}<sub>{head[-1]}{index}</sub>" if index else head.translate(_LOW)
 
 

@@ -119,7 +119,7 @@ def _check(s: Subject, columns: Sequence[Row]) -> list[str]:
     if any(dot(r, c) for r in chosen for c in columns):
         chosen, columns = list(s.mobility.basis_rows), s.mobility.null_space
     zeros = matrix([["0"] * len(columns)] * len(chosen))
-    left, right = rows(chosen), matrix([[poly(c[i]) for c in columns] for i in range(3)])
+    factor, basis = rows(chosen), matrix([[poly(c[i]) for c in columns] for i in range(3)])
     words = "Check"
     if not every:
         steered = any(w.kind.steers for w in s.robot.wheels)
@@ -134,7 +134,7 @@ def _check(s: Subject, columns: Sequence[Row]) -> list[str]:
             rf"C_{{1,{i + 1}}}\,N &= 0, & C_{{1,{i + 1}}} &= {rows([r])}" for i, r in enumerate(chosen)
         ]
         return [f"{words}: each of them times N vanishes identically.", *aligned(products)]
-    return [f"{words}:", *math(f"{left}", f"{right} = {zeros}")]
+    return [f"{words}:", *math(f"{factor}", f"{basis} = {zeros}")]
 
 
 def _independent(s: Subject) -> tuple[list[Row], bool]:

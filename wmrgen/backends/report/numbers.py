@@ -30,10 +30,10 @@ def magnitude(value: Exact) -> Magnitude:
     parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
     if len(parts) == 1:
         p, root = parts[0]
-        found = _fraction(abs(p), bool(root))
-        if root and found is None:
+        short = _fraction(abs(p), bool(root))
+        if root and short is None:
             return Magnitude(decimal(float(value)))
-        above, below = found or (decimal(float(value)), "")
+        above, below = short or (decimal(float(value)), "")
         return (
             Magnitude(f"{above}{root}" if above != "1" or not root else root, below)
             if root

@@ -164,11 +164,11 @@ def _in_code(p: Parameter) -> str:
 
 def _remarks(robot: Robot) -> list[str]:
     """The three things that are most often confused: half-track, rollers on top, X and O."""
-    found = []
+    remarks = []
     pair = _pair(robot)
     if pair:
         a, b = pair
-        found.append(
+        remarks.append(
             f"{code(a.name)} and {code(b.name)} stand {_short(2 * abs(float(a.nominal.y)))} m apart (the track); "
             "their y is the half-track."
         )
@@ -182,8 +182,8 @@ def _remarks(robot: Robot) -> list[str]:
             if pattern
             else "."
         )
-        found.append(text)
-    return found
+        remarks.append(text)
+    return remarks
 
 
 def _pair(robot: Robot) -> tuple[Wheel, Wheel] | None:

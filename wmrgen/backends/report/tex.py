@@ -98,19 +98,19 @@ def pieces(terms: Sequence[Term]) -> list[str]:
     groups: dict[str, list[Term]] = {}
     for t in sorted(terms, key=_key):
         groups.setdefault(_lead(t), []).append(t)
-    found: list[str] = []
+    signed: list[str] = []
     for lead, members in groups.items():
         if not lead or len(members) == 1:
-            found += [_product(t.number, t.factors) for t in members]
+            signed += [_product(t.number, t.factors) for t in members]
             continue
         rest = [Term(t.number, tuple(f for f in t.factors if f.base != lead)) for t in members]
         inside = pieces(rest)
         one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
-        found.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
-    two_joints = len(found) == 2 and not any(lead in _TWIST for lead in groups)
+        signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
+    two_joints = len(signed) == 2 and not any(lead in _TWIST for lead in groups)
     if two_joints or not any(groups):
-        return sorted(found, key=lambda piece: piece.startswith("-"))
-    return found
+        return sorted(signed, key=lambda piece: piece.startswith("-"))
+    return signed
 
 
 def summands(terms: Sequence[Term]) -> list[str]:
@@ -151,8 +151,8 @@ def _common(terms: Sequence[Term]) -> tuple[Factor, ...]:
 
 def _without(factors: tuple[Factor, ...], common: tuple[Factor, ...]) -> tuple[Factor, ...]:
     taken = {f.base: f.power for f in common}
-    left = (replace(f, power=f.power - taken.get(f.base, 0)) for f in factors)
-    return tuple(f for f in left if f.power)
+    reduced = (replace(f, power=f.power - taken.get(f.base, 0)) for f in factors)
+    return tuple(f for f in reduced if f.power)
 
 
 def _size(terms: Sequence[Term]) -> Exact:

@@ -35,9 +35,9 @@ class Citation:
 
 def texts(s: Subject) -> list[str]:
     """Section 10."""
-    found = citations(s.robot)
+    cited = citations(s.robot)
     lines = ["## 10 In the textbooks", ""]
-    if not found:
+    if not cited:
         return [
             *lines,
             "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
@@ -46,7 +46,7 @@ def texts(s: Subject) -> list[str]:
         ]
     lines += ["The rows of this robot are those of", ""]
     rows = []
-    for c in found:
+    for c in cited:
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
         order = f"; wheels in the order {listed(c.wheels)}" if c.wheels else ""
         rows.append([c.equation, c.what, letters + order])
@@ -64,13 +64,13 @@ def _constraining(robot: Robot) -> list[Wheel]:
 
 def _rows(wheels: Iterable[Wheel]) -> Rows:
     """Spin per twist of each wheel: J2^-1 J1, exact."""
-    found = []
+    rows = []
     for w in wheels:
         g = nominal_view(w)
         scale = g.rolling_radius.inverse()
         a, b, c = ((p * scale).constant for p in rolling_row(w, g).row)
-        found.append((a or ZERO, b or ZERO, c or ZERO))
-    return tuple(found)
+        rows.append((a or ZERO, b or ZERO, c or ZERO))
+    return tuple(rows)
 
 
 def _ahead(w: Wheel) -> bool:
@@ -81,8 +81,8 @@ def _same(a: Exact, b: Exact) -> bool:
     return abs(float(a - b)) <= _ROUNDING * max(1.0, abs(float(a)))
 
 
-def _alike(found: Rows, expected: Rows) -> bool:
-    return all(_same(a, b) for f, e in zip(found, expected, strict=True) for a, b in zip(f, e, strict=True))
+def _alike(rows: Rows, expected: Rows) -> bool:
+    return all(_same(a, b) for f, e in zip(rows, expected, strict=True) for a, b in zip(f, e, strict=True))
 
 
 def _names(wheels: Iterable[Wheel]) -> tuple[str, ...]:
@@ -171,22 +171,22 @@ def _omni(robot: Robot) -> list[Citation]:
         return []
     if any(w.nominal.r != r for w in wheels):
         return []
-    found = []
+    cited = []
     radius = first if first.sign > 0 else -first
     if first.sign > 0:
-        found.append(
+        cited.append(
             Citation("Tzafestas (2.72)", "`inverse` for any number of omni wheels", {"D": radius, "r": r})
         )
-        found += _ring(wheels, (0, 8, 16), "Tzafestas (2.73), (2.74)", {"D": radius, "r": r})
+        cited += _ring(wheels, (0, 8, 16), "Tzafestas (2.73), (2.74)", {"D": radius, "r": r})
     else:
-        found.append(
+        cited.append(
             Citation(
                 "Konstantinov (3), (4)", "`inverse`, phi_i the polar angle of wheel i", {"a": radius, "r": r}
             )
         )
-        found += _ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": radius, "r": r})
-        found += _ring(wheels, (-6, 2, 10), "Konstantinov (5)", {"a": radius, "r": r})
-    return found  # fmt: skip
+        cited += _ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": radius, "r": r})
+        cited += _ring(wheels, (-6, 2, 10), "Konstantinov (5)", {"a": radius, "r": r})
+    return cited  # fmt: skip
 
 
 def _ring(wheels: list[Wheel], twelfths: tuple[int, ...], equation: str, letters: Letters) -> list[Citation]:
@@ -234,17 +234,17 @@ def _all_steered(robot: Robot) -> list[Citation]:
             [Citation("Siegwart 3.3.3", "synchro drive: the chassis only translates", {})] if parallel else []
         )
     what = "rows H of the contact velocities and their least squares"
-    found = [Citation("Kelly Box 4.2", what, {})]
+    cited = [Citation("Kelly Box 4.2", what, {})]
     offsets = {w.nominal.o for w in wheels if w.nominal.o}
     if len(wheels) == 4 and offsets:
-        found.append(
+        cited.append(
             Citation(
                 "Kelly (4.62)",
                 "H and Q of four wheel steering with offset contacts",
                 {"d": max(offsets, key=float)},
             )
         )
-    return found  # fmt: skip
+    return cited  # fmt: skip
 
 
 def _castors(robot: Robot) -> list[Citation]:

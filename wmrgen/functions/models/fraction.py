@@ -46,11 +46,11 @@ def essential(poly: Poly) -> Poly:
     """The condition poly = 0 without factors that are lengths, numbers, powers or roots."""
     core, factor = split(poly)
     parts = [_squared(Poly({((g, 1),): ONE})) for m in factor.terms for g, e in m if e > 0]
-    found = Poly.of(1)
+    condition = Poly.of(1)
     for part in (core, *parts):
         if part.constant is None and angles_in((part,)):
-            found = found * part
-    return found
+            condition = condition * part
+    return condition
 
 
 def _squared(part: Poly) -> Poly:
@@ -77,9 +77,9 @@ def never_zero(poly: Poly, robot: Robot) -> bool:
             return False
         key = (exponents.get(cosine, 0), exponents.get(sine, 0))
         powers[key] = powers.get(key, 0.0) + float(number(Poly({rest: coefficient}), values))
-    found = [
+    samples = [
         sum(k * cos(a) ** i * sin(a) ** j for (i, j), k in powers.items())
         for a in (2 * pi * step / _STEPS for step in range(_STEPS))
     ]
-    top = max(abs(v) for v in found)
-    return min(abs(v) for v in found) > _MARGIN * top and (min(found) > 0) == (max(found) > 0)
+    top = max(abs(v) for v in samples)
+    return min(abs(v) for v in samples) > _MARGIN * top and (min(samples) > 0) == (max(samples) > 0)

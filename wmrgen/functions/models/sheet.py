@@ -67,8 +67,8 @@ def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
     if expr not in memo:
         args = [_tidied(a, memo) for a in expr.args]
         gathered = isinstance(expr, (sympy.Add, sympy.Mul, sympy.Pow))
-        found = expr.func(*args) if gathered or isinstance(expr, (sympy.sin, sympy.cos)) else expr
-        memo[expr] = _tangent(found) if isinstance(found, sympy.Mul) else found
+        rebuilt = expr.func(*args) if gathered or isinstance(expr, (sympy.sin, sympy.cos)) else expr
+        memo[expr] = _tangent(rebuilt) if isinstance(rebuilt, sympy.Mul) else rebuilt
     return memo[expr]
 
 

@@ -42,9 +42,9 @@ def _by_heading(t: Train) -> Parts:
     theta, (x, y) = signal("theta"), last_axle(t)
     c, s = turned(t.axle, sympy.cos(theta), sympy.sin(theta))
     u1, u2 = (signal(p.name) for p in U)
-    found = {"z1": theta, "z2": tidy(x * c + y * s), "z3": tidy(x * s - y * c)}
-    found |= {V.name: u2 + local("z3") * u1, OMEGA.name: u1}
-    return (), tuple(Equation(name, e) for name, e in found.items()), ()
+    formulas = {"z1": theta, "z2": tidy(x * c + y * s), "z3": tidy(x * s - y * c)}
+    formulas |= {V.name: u2 + local("z3") * u1, OMEGA.name: u1}
+    return (), tuple(Equation(name, e) for name, e in formulas.items()), ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,11 +115,11 @@ def _circle(t: Train, angle: Expr, tractor: bool) -> tuple[Poly, Poly]:
 def _transformation(t: Train, slopes: list[Poly]) -> list[Equation]:
     n = t.size
     x, y = last_axle(t)
-    found = {1: tidy(x), n: tidy(y)}
+    coordinates = {1: tidy(x), n: tidy(y)}
     for k in range(n - 1, 1, -1):
         m = n - 1 - k
-        found[k] = tidy(expression(slopes[m])) if m < len(slopes) else local(f"dz{k + 1}/dz1")
-    return [Equation(f"z{k}", found[k]) for k in sorted(found)]
+        coordinates[k] = tidy(expression(slopes[m])) if m < len(slopes) else local(f"dz{k + 1}/dz1")
+    return [Equation(f"z{k}", coordinates[k]) for k in sorted(coordinates)]
 
 
 def _inputs(t: Train, path: _Path, bend: Expr) -> list[Equation]:

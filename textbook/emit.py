@@ -15,8 +15,8 @@ from textbook.report import report
 from wmrgen import __version__
 from wmrgen.backends.meta import Meta
 from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.report.markdown import page
 from wmrgen.ports import Port
-from wmrgen.render import render
 
 DESCRIPTION = "Formulas of the texts that need no robot, in their corrected form"
 
@@ -44,21 +44,15 @@ def _artifacts(scalar: str) -> dict[str, bytes]:
     for entry in BACKENDS.values():
         if entry.source != "itself":  # those draw and report robots
             files |= entry.load().emit(getattr(book, entry.source), meta)
-    return files | {"report.md": page(report(book))}
+    return files | {"report.md": page(report(book)).encode()}
 
 
 @cache
 def errata() -> bytes:
     """The content of ``DIR/errata.md``, from running every check."""
-    from textbook.errata.page import lines
+    from textbook.errata.page import blocks
 
-    return page(lines())
-
-
-def page(lines: list[str]) -> bytes:
-    """Markdown, without double empty lines."""
-    kept = [line for i, line in enumerate(lines) if line or not i or lines[i - 1]]
-    return render("report/report.md.j2", lines=kept).encode()
+    return page(blocks()).encode()
 
 
 def _functions(book: Textbook) -> list[dict[str, Any]]:

@@ -10,24 +10,21 @@ from wmrgen.kinematics.records import Formula
 
 _INTRODUCTION = (
     "# Textbook formulas",
-    "",
-    "Formulas of the source texts that need no robot, in their corrected form (see "
-    "[`errata.md`](../errata.md)). The same functions stand in `textbook.c`, `textbook.py` and the CasADi "
-    "files of this folder; `wmrgen eval textbook FUNCTION NAME=VALUE…` computes them.",
-    "",
-    "SI units and radians. Vectors are written `v.x`, `v.y`, `v.z`; all vectors of a function are in one frame. "
-    "A quotient whose divisor is at most 1e-12 in magnitude is given as 0, so every function is defined for "
-    "every input.",
-    "",
+    "Formulas of the source texts that need no robot, in their corrected form (see [`errata.md`](../errata.md)). "
+    "The same functions stand in `textbook.c`, `textbook.py` and the CasADi files of this folder; `wmrgen eval "
+    "textbook FUNCTION NAME=VALUE…` computes them.",
+    "SI units and radians. Vectors are written `v.x`, `v.y`, `v.z`; all vectors of a function are in one frame. A "
+    "quotient whose divisor is at most 1e-12 in magnitude is given as 0, so every function is defined for every "
+    "input.",
 )
 
 
 def report(book: Textbook) -> list[str]:
-    """The lines of report.md."""
+    """The blocks of report.md."""
     lines = list(_INTRODUCTION)
     formulas = {f.name: f for f in book.formulas}
     for number, chapter in enumerate(CHAPTERS, 1):
-        lines += [f"## {number} {chapter.title}", ""]
+        lines += [f"## {number} {chapter.title}"]
         for name in chapter.functions:
             if name in formulas:
                 lines += _function(formulas[name])
@@ -44,13 +41,11 @@ def _function(f: Formula) -> list[str]:
     ]
     return [
         f"### `{f.name}`",
-        "",
         f"{f.text[:1].upper()}{escape(f.text)[1:]}.",
         *aligned(equations(f)),
         "<details><summary>Inputs and outputs</summary>",
         *table(("name", "unit", "", ""), rows, "l"),
         "</details>",
-        "",
     ]
 
 
@@ -62,6 +57,5 @@ def _input_sets() -> list[str]:
     }
     return [
         f"The speed v1 of a car takes the values {shown['reeds_shepp']} as Reeds and Shepp drive it and "
-        f"{shown['dubins']} as Dubins does (Tzafestas 2.3.4, AA274).",
-        "",
+        f"{shown['dubins']} as Dubins does (Tzafestas 2.3.4, AA274)."
     ]

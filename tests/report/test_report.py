@@ -53,6 +53,7 @@ def test_math_is_what_github_renders(name: str) -> None:
     page = text(name)
     blocks = FENCE.findall(page)
     assert page.count("```") == 2 * len(blocks) > 10
+    assert "\n\n\n" not in page, "an empty block"
     assert not re.search(r"(?m)^\s*$\n^```$", page), "a blank line inside a math block ends it on GitHub"
     for block in blocks:
         assert set(re.findall(r"\\([A-Za-z]+)", block)) <= MACROS

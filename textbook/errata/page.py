@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from textbook.errata.forms import Form
 from textbook.errata.records import Finding, Judgement, Record, judge
 from textbook.errata.texts import CONVENTIONS, ERRATA, HOLDS, WORKED
-from wmrgen.backends.report.markdown import escape, math
+from wmrgen.backends.report.markdown import escape, items, math
 
 Judged = tuple[Record, Judgement]
 
@@ -35,8 +35,8 @@ _MARKS = {
 }
 
 
-def lines() -> list[str]:
-    """The lines of errata.md, from running every check."""
+def blocks() -> list[str]:
+    """The blocks of errata.md, from running every check."""
     judged = [(r, judge(r)) for r in (*ERRATA, *CONVENTIONS, *HOLDS)]
     counts = Counter(j.verdict for _, j in judged)
     not_right = [(r, j) for r, j in judged if j.verdict in ("wrong", "garbled", "incomplete", "undecided")]
@@ -45,16 +45,12 @@ def lines() -> list[str]:
     return [
         *_opening(counts, len(judged)),
         "## 1 Misprints",
-        "",
         *_sections(not_right, _entry),
         "## 2 What holds under a condition",
-        "",
         *_sections(conditional, _entry),
         "## 3 What holds as printed",
-        "",
         *_sections(right, _folded),
         "## 4 Worked numbers that are right",
-        "",
         *(line for r, j in right if r in WORKED for line in _worked(r, j)),
     ]
 
@@ -62,14 +58,10 @@ def lines() -> list[str]:
 def _opening(counts: Counter[str], total: int) -> list[str]:
     return [
         "# Errata of the source texts",
-        "",
         "Written by `wmrgen textbook`. Each verdict follows from running the check that stands beside it, on the "
         "printed and on the corrected form; no verdict is typed in. Figures at a point are rounded to six digits.",
-        "",
         f"{total} equations and statements:",
-        "",
-        *(f"* **{name}** ({counts[name]}): {_MEANING[name]}" for name in _MEANING if counts[name]),
-        "",
+        *items(f"**{name}** ({counts[name]}): {_MEANING[name]}" for name in _MEANING if counts[name]),
     ]
 
 
@@ -83,22 +75,22 @@ def _by_text(judged: Iterable[Judged]) -> list[tuple[str, list[Judged]]]:
 def _sections(judged: Iterable[Judged], entry: Callable[[Record, Judgement], list[str]]) -> list[str]:
     found = []
     for title, pairs in _by_text(judged):
-        found += [f"### {escape(title)}", "", *(line for r, j in pairs for line in entry(r, j))]
+        found += [f"### {escape(title)}", *(line for r, j in pairs for line in entry(r, j))]
     return found
 
 
 def _entry(r: Record, j: Judgement) -> list[str]:
     """Printed and corrected form, each with what its check found."""
-    shown = [f"#### {r.text} {_words(r.equation)}: {j.verdict}", "", "Printed:"]
-    shown += _display(r.printed) if r.printed is not None else ["", "(nothing)", ""]
-    shown += [f"Check: {_finding(j.printed)}", ""]
+    shown = [f"#### {r.text} {_words(r.equation)}: {j.verdict}", "Printed:"]
+    shown += _display(r.printed) if r.printed is not None else ["(nothing)"]
+    shown += [f"Check: {_finding(j.printed)}"]
     if j.part is not None:
-        shown += [f"Where {_words(r.condition)}: {_finding(j.part)}", ""]
+        shown += [f"Where {_words(r.condition)}: {_finding(j.part)}"]
     if r.corrected is not None:
         shown += ["Corrected:", *_display(r.corrected)]
     if j.corrected is not None:
-        shown += [f"Check: {_finding(j.corrected)}", ""]
-    return [*shown, *([f"{_words(r.remark)}", ""] if r.remark else [])]
+        shown += [f"Check: {_finding(j.corrected)}"]
+    return [*shown, *([f"{_words(r.remark)}"] if r.remark else [])]
 
 
 def _finding(f: Finding) -> str:
@@ -118,8 +110,8 @@ def _folded(r: Record, j: Judgement) -> list[str]:
     """The printed form behind a line that says what it is held against."""
     summary = f"{escape(r.text)} {escape(r.equation)}: {escape(j.printed.text.replace('$', ''))}"
     shown = _display(r.printed) if r.printed is not None else []
-    remark = [_words(r.remark), ""] if r.remark else []
-    return [f"<details><summary>{summary}</summary>", *shown, *remark, "</details>", ""]
+    remark = [_words(r.remark)] if r.remark else []
+    return [f"<details><summary>{summary}</summary>", *shown, *remark, "</details>"]
 
 
 def _worked(r: Record, j: Judgement) -> list[str]:

@@ -10,13 +10,13 @@ from wmrgen.backends.report.closing import cost, singular
 from wmrgen.backends.report.forward import forward
 from wmrgen.backends.report.functions import functions
 from wmrgen.backends.report.inverse import inverse
+from wmrgen.backends.report.markdown import page
 from wmrgen.backends.report.matrices import matrices, null_space
 from wmrgen.backends.report.motion import motion
 from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.subject import subject
 from wmrgen.backends.report.texts import texts
 from wmrgen.backends.report.wheelrows import wheel_rows
-from wmrgen.render import render
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -30,8 +30,7 @@ _PARTS = (
 def emit(derivation: Derivation, meta: Meta) -> dict[str, bytes]:
     """``report.md``; its picture, ``layout.svg``, is another backend's."""
     s = subject(derivation)
-    lines = [line for part in _PARTS for line in part(s)]
+    blocks = [block for part in _PARTS for block in part(s)]
     further = functions(s)
-    lines += further + cost(s, meta, 12 if further else 11)
-    kept = [line for i, line in enumerate(lines) if line or not i or lines[i - 1]]
-    return {FILE: render("report/report.md.j2", lines=kept).encode()}
+    blocks += further + cost(s, meta, 12 if further else 11)
+    return {FILE: page(blocks).encode()}

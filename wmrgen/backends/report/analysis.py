@@ -1,4 +1,4 @@
-"""Section 5: the mobility argument in words and ranks."""
+"""Section 5: the mobility argument in words and ranks, and whether the sliding equations can be integrated."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report.integrability import integrability
-from wmrgen.backends.report.markdown import aligned, sentence, table
-from wmrgen.backends.report.subject import Subject
+from wmrgen.backends.report.markdown import aligned, items, sentence, table
+from wmrgen.backends.report.subject import Subject, some
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
@@ -17,24 +16,25 @@ from wmrgen.mobility.records import TOLERANCE
 
 if TYPE_CHECKING:
     from wmrgen.constraints import ConstraintRow
+    from wmrgen.layout.records import Wheel
     from wmrgen.mobility.records import Mobility, Rank
 
 
 def analysis(s: Subject) -> list[str]:
     """Section 5."""
     m = s.mobility
-    lines = ["## 5 Mobility", "", "The argument:", ""]
-    lines += [f"{i}. {sentence(r)}" for i, r in enumerate(m.reasons, 1)] + [""]
+    blocks = ["## 5 Mobility", "The argument:"]
+    blocks += items(map(sentence, m.reasons), lambda k: f"{k}.")
     steered = any(w.kind.steers for w in s.robot.wheels)
-    lines += [
+    blocks += [
         "In ranks" + (", taken at a steering for which all axles agree on one ICR:" if steered else ":")
     ]
-    lines += table(
+    blocks += table(
         ["matrix", "rank", "rank in exact arithmetic", "singular values", "margin"],
         [_rank("C<sub>1f</sub>", m.rank_C1f), _rank("C₁", m.rank_C1)],
         "lr",
     )
-    lines += [
+    blocks += [
         f"Rows are scaled to m/s. A singular value counts when it exceeds {TOLERANCE:g} of the largest; the margin "
         "says how many times over the smallest of those does.",
         *_degrees(m),
@@ -42,10 +42,10 @@ def analysis(s: Subject) -> list[str]:
         *_generic(s),
         "What follows:",
         *_verdicts(m),
-        *integrability(s),
+        *_integrability(s),
     ]
-    lines += ["Actuation:", "", *(f"* {sentence(a)}." for a in m.actuation), ""]
-    return lines
+    blocks += ["Actuation:", *items(f"{sentence(a)}." for a in m.actuation)]
+    return blocks
 
 
 def _rank(name: str, r: Rank) -> list[str]:
@@ -83,13 +83,11 @@ def _remark(s: Subject) -> list[str]:
     if _plain_steering(s.mobility):
         return [
             "The book writes rank C<sub>1s</sub> in (3.41). Wheels whose axles are bound to meet in one point "
-            "must not be counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts.",
-            "",
+            "must not be counted twice, so the rank that steering adds to C<sub>1f</sub> is what counts."
         ]
     return [
         "The couplings cut the set of admissible twists; its dimension is what steering and driving share between "
-        "them, and takes the place of rank C<sub>1s</sub> in (3.41).",
-        "",
+        "them, and takes the place of rank C<sub>1s</sub> in (3.41)."
     ]
 
 
@@ -101,19 +99,18 @@ def _generic(s: Subject) -> list[str]:
     for k, p in enumerate(s.robot.parameters):
         free = p.symbolic.constant is not None
         values[p.name] = Poly.of(p.nominal * Fraction(101 + 7 * k, 97)) if free else p.symbolic
-    lines = []
+    blocks = []
     pairs = [("C<sub>1f</sub>", s.rows.sliding_fixed, s.values.sliding_fixed)]
     if not any(w.turns for w in s.robot.wheels):
         pairs.append(("J₁", s.rows.rolling, s.values.rolling))
     for name, letters, numbers in pairs:
         other, here = (decide(r).value for r in (_numbers(letters, values), _numbers(numbers, {})))
         if other != here:
-            lines += [
+            blocks += [
                 f"The rank of {name} is {here} for the values given, but {other} for parameters in general: two "
-                "lengths happen to be equal.",
-                "",
+                "lengths happen to be equal."
             ]
-    return lines
+    return blocks
 
 
 def _numbers(rows: Sequence[ConstraintRow], values: dict[str, Poly]) -> list[tuple[Exact, ...]]:
@@ -154,3 +151,43 @@ def _verdicts(m: Mobility) -> list[str]:
         ],
     ]
     return table(["property", "value", "meaning"], rows, "l")
+
+
+def _integrability(s: Subject) -> list[str]:
+    """c . curl c of the sliding rows in world coordinates, and what all rows do together."""
+    wheels = [w for w in s.robot.wheels if w.kind.constrains]
+    if not wheels:
+        return []
+    held = ", the steering angle held" if any(w.kind.steers for w in wheels) else ""
+    values = {curl_product(w) for w in wheels}
+    value = " or ".join(f"{float(v):g}" for v in sorted(values, key=float))
+    return [
+        "Integrability:",
+        f"The sliding row of {some(wheels)} is c(q) q̇ = 0 in the coordinates q = (x, y, θ) of the world{held}, "
+        "with h the wheel's heading and k the third entry of its row. Frobenius asks for c · curl c:",
+        *aligned([
+            r"c &= \begin{bmatrix} -\sin(\theta+h) & \cos(\theta+h) & k \end{bmatrix}",
+            r"\mathrm{curl}\,c &= \begin{bmatrix} \sin(\theta+h) & -\cos(\theta+h) & 0 \end{bmatrix}",
+            rf"c\cdot\mathrm{{curl}}\,c &= -\sin^2(\theta+h) - \cos^2(\theta+h) = {value}",
+        ]),
+        "It is not zero, so none of these equations alone is the derivative of a condition on the pose (Tzafestas "
+        "(2.25)). " + _together(s),
+    ]  # fmt: skip
+
+
+def curl_product(w: Wheel) -> Exact:
+    """c . curl c of a wheel's sliding row, exact: c = R(theta)^T (-sin h, cos h) and its third entry is constant."""
+    g = w.nominal
+    return -(g.ch * g.ch + g.sh * g.sh)
+
+
+def _together(s: Subject) -> str:
+    m = s.mobility
+    if m.ddof == 0:
+        return "Together they forbid all motion."
+    if m.holonomic:
+        return (
+            "Together they can be integrated all the same: the brackets of the motions left over give nothing "
+            f"new, DOF = DDOF = {m.dof}."
+        )
+    return f"Nor can they together: brackets of the motions left over reach {m.dof} dimensions, DDOF is {m.ddof}."

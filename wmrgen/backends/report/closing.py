@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report.markdown import aligned, code, sentence, table
+from wmrgen.backends.report.markdown import aligned, code, items, sentence, table
 from wmrgen.backends.report.numbers import plain
-from wmrgen.backends.report.subject import CAP, Subject
+from wmrgen.backends.report.subject import CAP, Subject, grouped
 from wmrgen.backends.report.tex import Term, broken, summands, terms_of
 from wmrgen.backends.report.wheelrows import TWIST
 from wmrgen.bounds.robot import SINGULAR
@@ -23,42 +23,34 @@ if TYPE_CHECKING:
 
 def singular(s: Subject) -> list[str]:
     """Section 9."""
-    found = s.mobility.singularities
-    lines = ["## 9 Singular configurations", ""]
-    if not found:
-        return [
-            *lines,
-            "There are none: no rank drops and no angle is undefined, whatever the robot does.",
-            "",
-        ]
-    pivots = [f for f in found if f.kind == "icr_on_pivot"]
+    singularities = s.mobility.singularities
+    blocks = ["## 9 Singular configurations"]
+    if not singularities:
+        return [*blocks, "There are none: no rank drops and no angle is undefined, whatever the robot does."]
+    pivots = [f for f in singularities if f.kind == "icr_on_pivot"]
     if pivots:
-        lines += _pivots(s, pivots)
-    for f in found:
+        blocks += _pivots(s, pivots)
+    for f in singularities:
         if f.kind != "icr_on_pivot":
             words = sentence(f.meaning[:1].upper() + f.meaning[1:]).removesuffix(".") + "."
-            lines += [f"{words} This happens where", *_conditions(f)] if f.conditions else [words, ""]
-    return lines
+            blocks += [f"{words} This happens where", *_conditions(f)] if f.conditions else [words]
+    return blocks
 
 
-def _pivots(s: Subject, found: list[Singularity]) -> list[str]:
+def _pivots(s: Subject, pivots: list[Singularity]) -> list[str]:
     """A steered wheel whose pivot is the ICR."""
-    places: dict[str, list[str]] = {}
-    for f in found[:CAP]:
-        w = s.robot.wheel(f.wheels[0])
-        places.setdefault(f"({plain(w.nominal.x)}, {plain(w.nominal.y)})", []).append(w.name)
+    wheels = [s.robot.wheel(f.wheels[0]) for f in pivots[:CAP]]
+    places = grouped((f"({plain(w.nominal.x)}, {plain(w.nominal.y)})", w.name) for w in wheels)
     rows = [[", ".join(code(n) for n in who), place] for place, who in places.items()]
-    lines = [
-        "A steered wheel whose pivot is the ICR stands still. Its heading is undefined there, and "
-        "`inverse` holds the present "
-        "angle. Close by, a small change of the twist asks for a large change of the angle. The "
-        "condition is that the "
-        "pivot's velocity vanishes,",
+    blocks = [
+        "A steered wheel whose pivot is the ICR stands still. Its heading is undefined there, and `inverse` holds "
+        "the present angle. Close by, a small change of the twist asks for a large change of the angle. The "
+        "condition is that the pivot's velocity vanishes,",
         *aligned([r"v_x - y\,\omega &= 0", r"v_y + x\,\omega &= 0"]),
         "with the ICR at",
         *table(["wheel", "(x, y)"], rows, "l"),
     ]
-    return lines + ([f"({len(found) - CAP} more wheels likewise.)", ""] if len(found) > CAP else [])
+    return blocks + ([f"({len(pivots) - CAP} more wheels likewise.)"] if len(pivots) > CAP else [])
 
 
 def _conditions(f: Singularity) -> list[str]:
@@ -74,48 +66,45 @@ def _bare(condition: Poly | Row) -> list[Term]:
 _TEXT = {
     "inverse": "twist to joints", "inverse_slip": "the sliding left, of the same twist",
     "forward": "joints to twist", "forward_slip": "the same with the residual",
-    "odometry": "pose after a step", "dynamics": "rates of the posture model", "prepare": "once per "
-    "calibration",
+    "odometry": "pose after a step", "dynamics": "rates of the posture model", "prepare": "once per calibration",
 }  # fmt: skip
 
 
 def _bounds(s: Subject) -> list[str]:
     """Proved ranges and rounding errors, or what the robot file must say for them."""
-    found = s.derivation.bounds
-    if found.missing:
+    bounds = s.derivation.bounds
+    if bounds.missing:
         return [
-            f"Nothing is proved about ranges and rounding: the robot file has no limits of "
-            f"{' and '.join(code(name) for name in found.missing)} (`wmrgen prove` says what to write).",
-            "",
+            "Nothing is proved about ranges and rounding: the robot file has no limits of "
+            f"{' and '.join(code(name) for name in bounds.missing)} (`wmrgen prove` says what to write)."
         ]
-    lines = [
-        "Proved for all inputs within the limits of the robot file: no NaN, no infinity, no division by zero, and",
-        "",
+    blocks = [
+        "Proved for all inputs within the limits of the robot file: no NaN, no infinity, no division by zero, and"
     ]
     rows = [
         [code(f.name), code(o.name), f"{o.low:.6g}", f"{o.high:.6g}", o.unit or "1", error(o)]
-        for f in found.functions
+        for f in bounds.functions
         if f.proved
         for o in f.outputs
         if not o.singular
     ]
-    lines += table(
+    blocks += table(
         ["function", "output", "at least", "at most", "unit", "rounding error at most"], rows, "llrrlr"
     )
-    lines += [
-        f"The limits are {listed(found.given)}. Inputs that have none: {listed(found.assumed)}. The error is that "
-        f"against the exact formula, comparisons decided as the code decides them ({described(found.library)}). h is "
-        "the speed [m/s] of the pivot of the steered wheel, where it is defined at all.",
-        "",
+    blocks += [
+        f"The limits are {listed(bounds.given)}. Inputs that have none: {listed(bounds.assumed)}. The error is "
+        "that against the exact formula, comparisons decided as the code decides them "
+        f"({described(bounds.library)}). h is the speed [m/s] of the pivot of the steered wheel, where it is "
+        "defined at all."
     ]
-    for f in found.functions:
+    for f in bounds.functions:
         if not f.proved:
             why = "; ".join(f.alarms) or f"no range is known of {', '.join(code(n) for n in f.unknown)}"
-            lines += [f"Not proved: {code(f.name)} ({why}).", ""]
+            blocks += [f"Not proved: {code(f.name)} ({why})."]
         singular = [code(o.name) for o in f.outputs if f.proved and o.singular]
         if singular:
-            lines += [f"No bound for {', '.join(singular)} of {code(f.name)}: {SINGULAR}.", ""]
-    return lines
+            blocks += [f"No bound for {', '.join(singular)} of {code(f.name)}: {SINGULAR}."]
+    return blocks
 
 
 def _places(name: str, meta: Meta) -> list[str]:
@@ -128,8 +117,8 @@ def _places(name: str, meta: Meta) -> list[str]:
         rows.append(
             [code(place.function.removeprefix(f"{name}_")), str(place.line), named.replace("_", r"\_")]
         )
-    lines = [f"Lines of `{name}.c`, where comments name the quantities of sections 6 to 8:"]
-    return lines + table(["function", "line", "what is computed in which line"], rows, "lrl")
+    blocks = [f"Lines of `{name}.c`, where comments name the quantities of sections 6 to 8:"]
+    return blocks + table(["function", "line", "what is computed in which line"], rows, "lrl")
 
 
 def cost(s: Subject, meta: Meta, number: int) -> list[str]:
@@ -143,31 +132,27 @@ def cost(s: Subject, meta: Meta, number: int) -> list[str]:
         rows.append([code(f.name), _TEXT.get(f.name, f.text), *(str(n) for n in cells)])
     head = ["function", "what it gives", "+ −", "×", "÷", "√", "sin, cos", "atan2", "select"]
     name = s.robot.name
-    lines = [
+    blocks = [
         f"## {number} What it costs, and what else is in this folder",
-        "",
-        "Operations of one call, a sine or an arctangent counted as one (the C writes them out as polynomials, and "
-        "many choices of a sign as bits):",
+        "Operations of one call, a sine or an arctangent counted as one (the C writes them out as polynomials, "
+        "and many choices of a sign as bits):",
     ]
-    lines += table(head, rows, "llr")
+    blocks += table(head, rows, "llr")
     if module.prepare:
-        lines += [
-            "`prepare` runs when a tunable parameter changes; no step divides by geometry.",
-            "",
-        ]
-    lines += _bounds(s)
-    lines += _places(name, meta)
-    lines += [
-        f"* `{name}.h`, `{name}.c`: the functions in C99",
-        f"* `{name}_checked.h`, `{name}_checked.c`: the same behind a check of their inputs",
-        f"* `{name}_selftest.c`: test vectors with exact results and a `main`, for the machine it is to run on",
-        f"* `{name}.py`: the functions for NumPy, over arrays of samples",
-        f"* `{name}_*.casadi`: the functions for CasADi, the posture model `dynamics` among them",
-        "* `model.json`: what this page says, as data",
-        "",
-        "---",
-        "",
-        f"wmrgen {meta.wmrgen_version} · model {meta.model_hash or 'unhashed'}",
-        "",
+        blocks += ["`prepare` runs when a tunable parameter changes; no step divides by geometry."]
+    blocks += _bounds(s)
+    blocks += _places(name, meta)
+    files = [
+        f"`{name}.h`, `{name}.c`: the functions in C99",
+        f"`{name}_checked.h`, `{name}_checked.c`: the same behind a check of their inputs",
+        f"`{name}_selftest.c`: test vectors with exact results and a `main`, for the machine it is to run on",
+        f"`{name}.py`: the functions for NumPy, over arrays of samples",
+        f"`{name}_*.casadi`: the functions for CasADi, the posture model `dynamics` among them",
+        "`model.json`: what this page says, as data",
     ]
-    return lines
+    return [
+        *blocks,
+        *items(files),
+        "---",
+        f"wmrgen {meta.wmrgen_version} · model {meta.model_hash or 'unhashed'}",
+    ]

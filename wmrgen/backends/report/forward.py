@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from wmrgen import notation
 from wmrgen.backends.report.expr import terms
-from wmrgen.backends.report.markdown import aligned, code, listed, math
-from wmrgen.backends.report.subject import CAP, Subject, cut_note
-from wmrgen.backends.report.tex import broken, matrix, pieces, poly, summands, terms_of, width
+from wmrgen.backends.report.markdown import aligned, code, items, math
+from wmrgen.backends.report.subject import CAP, Subject, cut_note, some
+from wmrgen.backends.report.tex import broken, matrix, poly, summands, total, width
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.forward import constant_normal
 from wmrgen.kinematics.rigid import spread
@@ -24,39 +24,36 @@ _DET = 70  # glyphs of a printed determinant
 def forward(s: Subject) -> list[str]:
     """Section 7."""
     contacts, components = measurements(s.letters)
-    lines = ["## 7 Forward kinematics", ""]
+    blocks = ["## 7 Forward kinematics"]
     if not contacts and not components:
-        return [*lines, "No joint is sensed, so nothing is known of the twist: `forward` returns 0.", ""]
-    lines += _sources(contacts, components)
+        return [*blocks, "No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
+    blocks += _sources(contacts, components)
     if constant_normal(contacts, components):
-        return [*lines, *_constant(s, contacts, components)]
+        return [*blocks, *_constant(s, contacts, components)]
     if not components:
-        return [*lines, *_rigid(s, contacts)]
-    return [*lines, *_general(s, contacts, components)]
+        return [*blocks, *_rigid(s, contacts)]
+    return [*blocks, *_general(s, contacts, components)]
 
 
 def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
-    lines = [
+    intro = (
         "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all known is one "
-        "measurement, in m/s, with equal weight. Passive castors and balls say nothing.",
-        "",
-    ]
+        "measurement, in m/s, with equal weight. Passive castors and balls say nothing."
+    )
+    sources = []
     if contacts:
-        wheels = listed([c.wheel.name for c in contacts[:CAP]]) + (
-            " and others" if len(contacts) > CAP else ""
-        )
         moving = any(c.wheel.nominal.d or c.wheel.nominal.o for c in contacts)
         speed = "v + ω ẑ × B = " + ("(r φ̇ + o ψ̇) e − d ψ̇ n" if moving else "r φ̇ e")
-        lines.append(
-            f"* Both rows are known of {wheels}. Turned into the robot's axes they say how fast the contact point "
-            f"B moves: {speed}, with e the rolling direction" + (" and n = ẑ × e." if moving else ".")
+        sources.append(
+            f"Both rows are known of {some([c.wheel for c in contacts])}. Turned into the robot's axes they say "
+            f"how fast the contact point B moves: {speed}, with e the rolling direction"
+            + (" and n = ẑ × e." if moving else ".")
         )
     for kind, words in (("rolling", "the rolling row"), ("sliding", "the sliding row")):
         alone = [c for c in components if c.wheel.kind.sliding_row == (kind == "sliding")]
         if alone:
-            more = " and others" if len(alone) > CAP else ""
-            lines.append(f"* Only {words} is known of {listed([c.wheel.name for c in alone[:CAP]])}{more}.")
-    return [*lines, ""]
+            sources.append(f"Only {words} is known of {some([c.wheel for c in alone])}.")
+    return [intro, *items(sources)]
 
 
 def _rows(contacts: list[Contact], components: list[Component]) -> list[tuple[Row, Poly]]:
@@ -82,18 +79,17 @@ def _constant(s: Subject, contacts: list[Contact], components: list[Component]) 
     rows = _rows(contacts, components)
     numbers = _rows(*measurements(s.numbers))
     normal = [[sum((r[i] * r[j] for r, _ in numbers), Poly({})) for j in range(3)] for i in range(3)]
-    lines = ["Stacked,", *_stacked(rows)]
+    blocks = ["Stacked,", *_stacked(rows)]
     singular = _singular(normal)
-    lines += [
+    blocks += [
         f"{_count(len(rows), singular)}: the least-squares solution is",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix([[poly(p) for p in row] for row in normal])),
         _why(bool(contacts), any(c.wheel.turns for c in contacts)) + " It is inverted once, here"
         + (_PSEUDO if singular else "."),
-        "",
         *([] if singular else _condition(rows)),
         "The result, as the code computes it:",
     ]  # fmt: skip
-    return [*lines, *_closed(s), *cut_note(s)]
+    return [*blocks, *_closed(s), *cut_note(s)]
 
 
 def _count(rows: int, singular: bool) -> str:
@@ -107,14 +103,14 @@ def _condition(rows: list[tuple[Row, Poly]]) -> list[str]:
     words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
     a, b, c = ([Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3))
     if max(len(p.terms) for p in (*a, *b, *c)) > _ENTRY:
-        return [f"{words}.", ""]
+        return [f"{words}."]
     det = poly(
         a[0] * (b[1] * c[2] - b[2] * c[1])
         - a[1] * (b[0] * c[2] - b[2] * c[0])
         + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
     if width(det) > _DET:
-        return [f"{words}.", ""]
+        return [f"{words}."]
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
 
 
@@ -155,37 +151,36 @@ def _closed(s: Subject) -> list[str]:
 def _residual(slip: object, ports: dict[str, str]) -> list[str]:
     summands = terms(slip, ports)
     if not summands:
-        return ["The rates can never contradict each other, so the residual `slip` is 0.", ""]
-    text = "".join(pieces(summands)).removeprefix("+")
-    lines = [
+        return ["The rates can never contradict each other, so the residual `slip` is 0."]
+    text = total(summands)
+    blocks = [
         "What no twist can explain is the residual, a signal for slip, a dead encoder or crossed wires: `slip` is "
         "the norm of z − H ξ [m/s]."
     ]
-    return lines + (math(rf"\mathrm{{slip}} = {text}") if len(text) < 420 else [""])
+    return blocks + (math(rf"\mathrm{{slip}} = {text}") if len(text) < 420 else [])
 
 
 def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
     """Rigid motion through measured contact velocities."""
-    lines = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
+    blocks = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
     for c in contacts[:3]:
         index = f"_{{{notation.wheel(c.wheel.name)}}}"
-        b, w = matrix([[poly(c.bx)], [poly(c.by)]]), matrix([[_sum(c.wx)], [_sum(c.wy)]])
-        wide = max(map(width, (poly(c.bx), poly(c.by)))) + max(map(width, (_sum(c.wx), _sum(c.wy)))) > 55
-        lines += aligned(
+        b, w = matrix([[poly(c.bx)], [poly(c.by)]]), matrix([[poly(c.wx)], [poly(c.wy)]])
+        wide = sum(max(map(width, map(poly, pair))) for pair in ((c.bx, c.by), (c.wx, c.wy))) > 55
+        blocks += aligned(
             [f"B{index} &= {b}", f"w{index} &= {w}"] if wide else [f"B{index} &= {b}, & w{index} &= {w}"]
         )
     if len(contacts) > 3:
-        lines += [f"{', '.join(code(c.wheel.name) for c in contacts[3:CAP])} likewise.", ""]
+        blocks += [f"{', '.join(code(c.wheel.name) for c in contacts[3:CAP])} likewise."]
     if len(contacts) == 1:
         return [
-            *lines,
+            *blocks,
             "Two rows cannot determine three unknowns. The smallest twist that explains them is",
             *math(r"\omega = \frac{B \times w}{1 + |B|^2}, \qquad v = w - \omega\,\hat{z}\times B"),
             "and the residual `slip` is 0.",
-            "",
         ]
     return [
-        *lines,
+        *blocks,
         "The rigid motion nearest to them is found as if by hand: take the means away, fit the rotation to what "
         "is left, then the translation to the means.",
         *aligned([
@@ -197,7 +192,6 @@ def _rigid(s: Subject, contacts: list[Contact]) -> list[str]:
         f"{len(contacts)} and a × b = aₓ b<sub>y</sub> − a<sub>y</sub> bₓ. One division is all that is left for "
         f"run time; {_divisor(s)} The residual `slip`, the norm of all w<sub>i</sub> − v − ω ẑ × B<sub>i</sub> "
         "[m/s], is a signal for slip, a dead encoder or crossed wires.",
-        "",
     ]  # fmt: skip
 
 
@@ -210,10 +204,6 @@ def _divisor(s: Subject) -> str:
         "out, with the pivots measured from their mean: B<sub>i</sub> × w<sub>i</sub> and |B<sub>i</sub>|² then "
         "lose their products of sines."
     )
-
-
-def _sum(p: Poly) -> str:
-    return "".join(pieces(terms_of(p))).removeprefix("+") or "0"
 
 
 _RANK_2 = r"\xi = \frac{1}{c_2}\left(c_1\left(I - \frac{\mathrm{adj}\,M}{c_2}\right) - M\right) H^T z"
@@ -233,27 +223,24 @@ def _solution(rank: int, may_fall: bool) -> list[str]:
             "Moore-Penrose inverse of HᵀH,",
             *math(_RANK_2 + r",\qquad " + _INVARIANTS),
             "and is Hᵀz / c₁ where a second direction is lost.",
-            "",
         ]
-    lines = [
+    blocks = [
         "HᵀH moves with the steering, so it is inverted at run time, by cofactors:",
         *math(r"\xi = \frac{\mathrm{adj}(H^T H)\,H^T z}{\det(H^T H)}"),
     ]
     if not may_fall:
         return [
-            *lines,
+            *blocks,
             "The rows that do not steer have rank 3 by themselves, so H keeps the full column rank 3 that this "
             "needs (Tzafestas (2.8a)): det(HᵀH) cannot vanish.",
-            "",
         ]
     return [
-        *lines,
+        *blocks,
         "This needs H of full column rank 3 (Tzafestas (2.8a)). Where the rows leave a direction unseen, det(HᵀH) "
         "vanishes (a singular value under a thousandth of the largest counts as none). There the smallest twist "
         "is taken, by the Moore-Penrose inverse",
         *math(_RANK_2 + r",\qquad " + _INVARIANTS),
         "and Hᵀz / c₁ where a second direction is lost.",
-        "",
     ]
 
 
@@ -261,13 +248,12 @@ def _general(s: Subject, contacts: list[Contact], components: list[Component]) -
     """Cofactors of a 3x3 matrix that moves with the steering."""
     rows = _rows(contacts, components)
     locals_ = {symbol.name for symbol, _ in s.derivation.program.formula("forward").locals}
-    lines = [
+    blocks = [
         "Stacked,",
         *_stacked(rows),
         *_solution(generic_rank(contacts, components), "over_c2" in locals_),
     ]
     return [
-        *lines,
+        *blocks,
         "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
-        "",
     ]

@@ -25,28 +25,26 @@ def inverse(s: Subject) -> list[str]:
     """Section 6."""
     wheels = [w for w in s.letters.wheels[:CAP] if w.has_spin]
     projection = project(s.letters, s.mobility)
-    lines = [
+    blocks = [
         "## 6 Inverse kinematics",
-        "",
         "Given the twist ξ, what must every joint do? Each wheel answers with its own rows of section 2.",
-        "",
         *_projection(projection),
     ]
     twist = _driven(projection)
     if not wheels:
-        return [*lines, "There is no joint to command.", ""]
+        return [*blocks, "There is no joint to command."]
     plain_wheels = [w for w in wheels if not w.turns]
     castors = [w for w in wheels if w.kind.swivels]
     steered = [w for w in wheels if w.kind.steers]
     if plain_wheels:
-        lines += ["The rolling equation of a wheel that does not steer, solved for its rate:"]
-        lines += aligned(f"{_rate(w)} &= {_sum(_spin(w, twist))}" for w in plain_wheels)
+        blocks += ["The rolling equation of a wheel that does not steer, solved for its rate:"]
+        blocks += aligned(f"{_rate(w)} &= {_sum(_spin(w, twist))}" for w in plain_wheels)
     if castors:
-        lines += ["A castor follows: its rolling row gives the wheel rate, its sliding row the swivel rate."]
-        lines += aligned(line for w in castors for line in _castor(w, twist))
+        blocks += ["A castor follows: its rolling row gives the wheel rate, its sliding row the swivel rate."]
+        blocks += aligned(line for w in castors for line in _castor(w, twist))
     if steered:
-        lines += steering(s, steered, twist)
-    return [*lines, *_coupled(s, twist), *cut_note(s), *_slip(s, projection, twist)]
+        blocks += steering(s, steered, twist)
+    return [*blocks, *_coupled(s, twist), *cut_note(s), *_slip(s, projection, twist)]
 
 
 def _sum(p: Poly) -> str:
@@ -94,26 +92,24 @@ def _projection(projection: Projection) -> list[str]:
 
 def _coupled(s: Subject, twist: Row) -> list[str]:
     """What couplings change."""
-    lines, same = [], []
+    blocks, same = [], []
     for joint, members in s.robot.couplings:
         if joint == "spin":
-            lines += [
+            blocks += [
                 f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / Σ r² of the "
-                f"single solutions above.{_way(s, members)}",
-                "",
+                f"single solutions above.{_way(s, members)}"
             ]
         elif alike([s.letters.wheel(n) for n in members], twist):
             same.append(listed(members))
         else:
-            lines += [
+            blocks += [
                 f"{listed(members)} share one angle that need not suit all: the one that leaves least sliding "
                 "turns by half of atan2(Σ 2 u w, Σ (u² − w²)), the sums over the wheels seen from the first of "
-                "them.",
-                "",
+                "them."
             ]
     if same:
-        lines += [f"{'; '.join(same)} share one angle, and the formula gives the same ψ⁺ for each.", ""]
-    return lines
+        blocks += [f"{'; '.join(same)} share one angle, and the formula gives the same ψ⁺ for each."]
+    return blocks
 
 
 def _way(s: Subject, members: tuple[str, ...]) -> str:
@@ -135,8 +131,7 @@ def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
         said += [
             f"A common rate need not suit all wheels of a coupling. Of {'; of '.join(map(listed, unlike))} the mean "
             "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d β̇ against its sideways "
-            "speed, is added under the root.",
-            "",
+            "speed, is added under the root."
         ]
     held = [w.name for w in s.letters.wheels if w.kind.steers and _held(s, w, twist)]
     if not held:
@@ -145,7 +140,6 @@ def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
         *said,
         "A steered wheel that a limit or a coupling keeps from its heading slides as well, at w cos Δ − u sin Δ. "
         f"The mean square of these speeds over {listed(held)} is added under the root.",
-        "",
     ]
 
 
@@ -172,10 +166,7 @@ def _forbidden(projection: Projection, coupled: bool) -> list[str]:
     if not forms and coupled:
         return []
     if not forms:
-        return [
-            "Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0.",
-            "",
-        ]
+        return ["Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0."]
     words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
     if projection.twist == TWIST:
         words += "; nothing is projected away here, the wheels follow as well as they can"

@@ -1,13 +1,21 @@
-"""Markdown that GitHub renders: escaping of free text, tables, math fences."""
+"""Markdown that GitHub renders: escaping of free text, tables, math fences.
+
+A page is a list of blocks, which `page` parts by blank lines: a heading, a paragraph, a list, a table, a formula.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
 _LOW = str.maketrans("12", "₁₂")
 _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
+
+
+def page(blocks: Iterable[str]) -> str:
+    """The text of a page."""
+    return "\n\n".join(blocks) + "\n"
 
 
 def escape(text: str) -> str:
@@ -38,19 +46,29 @@ def code(name: str) -> str:
 
 def listed(names: Sequence[str]) -> str:
     """`a`, `b` and `c`"""
-    parts = [code(n) for n in names]
+    return conjoined([code(n) for n in names])
+
+
+def conjoined(parts: Sequence[str]) -> str:
+    """a, b and c"""
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], align: str) -> list[str]:
     """A table; ``align`` has a letter per column, l for words, r for numbers; its last letter repeats."""
     rule = [":--" if align[min(i, len(align) - 1)] == "l" else "--:" for i in range(len(head))]
-    return ["", *(f"| {' | '.join(row)} |" for row in (head, rule, *rows)), ""]
+    return ["\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *rows))]
+
+
+def items(texts: Iterable[str], marks: Callable[[int], str] = lambda _: "*") -> list[str]:
+    """A list; ``marks`` gives what stands before the k-th item, counted from 1."""
+    lines = [f"{marks(k)} {text}" for k, text in enumerate(texts, 1)]
+    return ["\n".join(lines)] if lines else []
 
 
 def math(*blocks: str) -> list[str]:
     """A displayed formula."""
-    return ["", "```math", *blocks, "```", ""]
+    return ["\n".join(("```math", *blocks, "```"))]
 
 
 def aligned(lines: Iterable[str]) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.markdown import aligned, math
+from wmrgen.backends.report.markdown import aligned, items, math
 from wmrgen.backends.report.subject import Subject
 from wmrgen.backends.report.tex import WIDE, matrix, poly, rows, width
 from wmrgen.constraints import constrain, working_view
@@ -22,16 +22,14 @@ _PFAFFIAN = 9  # columns of a printed Pfaffian matrix
 def matrices(s: Subject) -> list[str]:
     """Section 3."""
     c = s.rows
-    lines = [
+    blocks = [
         "## 3 The matrices",
-        "",
         "The rolling equations stacked are J₁ ξ = J₂ φ̇ (3.24), the sliding equations of fixed and steered wheels "
         "are C₁ ξ = 0 with C<sub>1f</sub> above C<sub>1s</sub> (3.26). Rows follow the order of the layout table.",
-        "",
     ]
     if c.rolling:
-        lines += _shown("J_1", c.rolling, s.values.rolling)
-        lines += _diagonal([poly(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling])
+        blocks += _shown("J_1", c.rolling, s.values.rolling)
+        blocks += _diagonal([poly(-dict(r.rates)[r.wheel.index, "spin"]) for r in c.rolling])
     for label, absent, letters, numbers in (
         ("C_{1f}", "There is no fixed wheel, so C<sub>1f</sub>", c.sliding_fixed, s.values.sliding_fixed),
         (
@@ -41,8 +39,8 @@ def matrices(s: Subject) -> list[str]:
             s.values.sliding_steered,
         ),
     ):
-        lines += _shown(label, letters, numbers) if letters else [f"{absent} has no rows.", ""]
-    return lines + _pfaffian(s)
+        blocks += _shown(label, letters, numbers) if letters else [f"{absent} has no rows."]
+    return blocks + _pfaffian(s)
 
 
 def _diagonal(spins: list[str]) -> list[str]:
@@ -55,10 +53,10 @@ def _diagonal(spins: list[str]) -> list[str]:
 
 def _shown(label: str, symbolic: Sequence[ConstraintRow], nominal: Sequence[ConstraintRow]) -> list[str]:
     """A matrix in letters and, where letters occur, in numbers."""
-    lines = math(f"{label} = {_capped([c.row for c in symbolic])}")
+    blocks = math(f"{label} = {_capped([c.row for c in symbolic])}")
     if any(a.row != b.row for a, b in zip(symbolic, nominal, strict=True)):
-        lines += ["With the values of section 1:", *math(f"{label} = {_capped([c.row for c in nominal])}")]
-    return lines
+        blocks += ["With the values of section 1:", *math(f"{label} = {_capped([c.row for c in nominal])}")]
+    return blocks
 
 
 def _capped(values: Sequence[Row]) -> str:
@@ -75,16 +73,14 @@ def _pfaffian(s: Subject) -> list[str]:
     if not joints:
         return []
     ports = [f"{s.robot.wheels[i].name}.{'spin' if j == 'spin' else 'steer_rate'}" for i, j in joints]
-    lines = [
+    blocks = [
         "With every joint rate in one vector the same equations are the Pfaffian form A(q) q̇ = 0, the starting "
-        "point of any test of integrability.",
-        "",
+        "point of any test of integrability."
     ]
     if 3 + len(joints) > _PFAFFIAN:
         return [
-            *lines,
+            *blocks,
             f"(A has {len(c.rolling) + len(c.sliding)} rows and {3 + len(joints)} columns here.)",
-            "",
         ]
     entries = []
     for r in (*c.rolling, *c.sliding):
@@ -93,24 +89,24 @@ def _pfaffian(s: Subject) -> list[str]:
     vector = ", ".join(["v_x", "v_y", r"\omega", *(notation.port(p) for p in ports)])
     size = sum(max(width(row[i]) for row in entries) for i in range(3 + len(joints))) + 3 * len(joints)
     if size > WIDE:
-        return [*lines, f"(A is too wide to print: {len(entries)} rows and {3 + len(joints)} columns.)", ""]
-    return [*lines, *aligned([rf"\dot{{q}} &= \left({vector}\right)^T", rf"A &= {matrix(entries)}"])]
+        return [*blocks, f"(A is too wide to print: {len(entries)} rows and {3 + len(joints)} columns.)"]
+    return [*blocks, *aligned([rf"\dot{{q}} &= \left({vector}\right)^T", rf"A &= {matrix(entries)}"])]
 
 
 def null_space(s: Subject) -> list[str]:
     """Section 4."""
     columns = s.mobility.null_space_symbolic
-    lines = ["## 4 The null space: the motions that are left", ""]
+    blocks = ["## 4 The null space: the motions that are left"]
     if not columns:
-        return [*lines, "C₁ has rank 3: no twist but ξ = 0 keeps every wheel from sliding.", ""]
+        return [*blocks, "C₁ has rank 3: no twist but ξ = 0 keeps every wheel from sliding."]
     if len(columns) == 3:
-        lines += ["No row constrains ξ, so the null space of C₁ is the whole plane of motions, N = I."]
-        return [*lines, *_meaning(s)]
-    lines += [
+        blocks += ["No row constrains ξ, so the null space of C₁ is the whole plane of motions, N = I."]
+        return [*blocks, *_meaning(s)]
+    blocks += [
         "A motion is admissible when C₁ ξ = 0. The columns of N span these motions, cleared of common factors:",
         *math(f"N = {matrix([[poly(c[i]) for c in columns] for i in range(3)])}"),
     ]
-    return [*lines, *_check(s, columns), *_meaning(s)]
+    return [*blocks, *_check(s, columns), *_meaning(s)]
 
 
 def _check(s: Subject, columns: Sequence[Row]) -> list[str]:
@@ -149,17 +145,13 @@ def _independent(s: Subject) -> tuple[list[Row], bool]:
 def _meaning(s: Subject) -> list[str]:
     """What each column does with the robot."""
     columns = s.mobility.null_space_symbolic
-    lines = []
-    for i, c in enumerate(columns):
-        head = f"* Column {i + 1}" if len(columns) > 1 else "* The column"
-        lines.append(f"{head} {_motion(c)}")
-    lines.append("")
+    heads = [f"Column {i + 1}" for i in range(len(columns))] if len(columns) > 1 else ["The column"]
+    blocks = items(f"{head} {_motion(c)}" for head, c in zip(heads, columns, strict=True))
     if len(columns) == 1 and columns[0][2] and any(p.constant is None for p in columns[0]):
         vx, vy, w = columns[0]
         x, y = _ratio(-vy, w), _ratio(vx, w)
-        lines += ["The ICR lies at (−N₂/N₃, N₁/N₃):", *aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])]
-    lines += ["Every admissible twist is ξ = N η, with one number η per column."]
-    return [*lines, ""]
+        blocks += ["The ICR lies at (−N₂/N₃, N₁/N₃):", *aligned([f"x_{{ICR}} &= {x}", f"y_{{ICR}} &= {y}"])]
+    return [*blocks, "Every admissible twist is ξ = N η, with one number η per column."]
 
 
 def _ratio(a: Poly, b: Poly) -> str:

@@ -12,7 +12,7 @@ from wmrgen.notation import TWIST, decimal, port
 
 def motion(s: Subject) -> list[str]:
     """Section 8."""
-    return ["## 8 Odometry and the posture model", "", *_odometry(), *_posture(s)]
+    return ["## 8 Odometry and the posture model", *_odometry(), *_posture(s)]
 
 
 def _odometry() -> list[str]:
@@ -33,18 +33,17 @@ def _odometry() -> list[str]:
         "The first term left out is h⁸/9!, so the worst error is",
         *math(rf"\frac{{1}}{{9!}}\left({switch}\right)^8 = {decimal(float(f'{WORST_ERROR:.2e}'))},"),
         "half a unit in the last place of a double.",
-        "",
     ]  # fmt: skip
 
 
 def _posture(s: Subject) -> list[str]:
     columns = s.mobility.null_space
     if not columns:
-        return ["Nothing can move without sliding, so the posture model is empty: all rates are 0.", ""]
+        return ["Nothing can move without sliding, so the posture model is empty: all rates are 0."]
     etas = [Poly.gen("input", f"eta{k + 1}") for k in range(len(columns))]
     body = [sum((c[i] * e for c, e in zip(columns, etas, strict=True)), Poly({})) for i in range(3)]
     steering = s.mobility.basis_wheels
-    lines = [
+    blocks = [
         "The continuous model that a predictive controller integrates takes the coordinates η of the twist in the "
         "null space"
         + (" and the steering rates" if steering else "")
@@ -55,9 +54,8 @@ def _posture(s: Subject) -> list[str]:
         *aligned(f"{port(n)} &= {broken(summands(terms_of(p)))}" for n, p in zip(TWIST, body, strict=True)),
     ]  # fmt: skip
     if steering:
-        lines += [
+        blocks += [
             f"where the steering of {' and '.join(code(n) for n in steering)} is the state; any other steered "
-            "wheel follows through `inverse`.",
-            "",
+            "wheel follows through `inverse`."
         ]
-    return lines
+    return blocks

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from math import degrees
+from typing import SupportsFloat
 
 from wmrgen.exact.number import Exact
 from wmrgen.notation import decimal
@@ -73,6 +75,16 @@ def _terminating(f: Fraction) -> str | None:
         return None
     whole, rest = divmod(scaled.numerator, 10**8)
     return f"{whole}.{rest:08d}".rstrip("0").rstrip(".")
+
+
+def rounded(value: float) -> str:
+    """Six significant digits for a table, dust of 1e-12 gone."""
+    return f"{round(value, 12) + 0.0:.6g}".replace("-", "−")
+
+
+def in_degrees(angle: SupportsFloat) -> str:
+    """An angle [rad] in degrees."""
+    return f"{round(degrees(float(angle)), 9) + 0.0:.6g}°".replace("-", "−")
 
 
 def plain(value: Exact) -> str:

@@ -3,99 +3,81 @@
 from __future__ import annotations
 
 from collections import Counter
-from math import degrees, hypot
+from math import hypot
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.report.markdown import code, escape, listed, table
-from wmrgen.backends.report.numbers import plain
+from wmrgen.backends.report.markdown import code, conjoined, escape, items, listed, table
+from wmrgen.backends.report.numbers import in_degrees, plain, rounded
 from wmrgen.backends.report.subject import Subject
 from wmrgen.exact.evaluate import parameters_in
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Parameter, Robot, Wheel
 
-_NUMBERS = (
-    "no",
-    "one",
-    "two",
-    "three",
-    "four",
-    "five",
-    "six",
-    "seven",
-    "eight",
-    "nine",
-    "ten",
-    "eleven",
-    "twelve",
-)
+_NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split()
 
 
 def opening(s: Subject) -> list[str]:
     """Title, description, what kind of robot this is, how to read the page."""
     robot, m = s.robot, s.mobility
-    lines = [f"# {code(robot.name)}", ""]
+    blocks = [f"# {code(robot.name)}"]
     if robot.description:
-        lines += [escape(robot.description), ""]
+        blocks += [escape(robot.description)]
     if robot.source:
-        lines += [f"Source of the geometry: {escape(robot.source)}", ""]
+        blocks += [f"Source of the geometry: {escape(robot.source)}"]
     verdict = (
         f"Campion's type ({m.degree_of_mobility}, {m.degree_of_steerability})"
         if m.robot_type
         else f"a degenerate layout, ({m.degree_of_mobility}, {m.degree_of_steerability})"
     )
-    lines += [
+    blocks += [
         f"This robot has {_counted(robot)}. It is {verdict}: at any instant it has "
-        f"{_freedoms(m.degree_of_mobility)} of motion, and steering opens {_word(m.degree_of_steerability)} more. "
-        "This page derives that, and every formula of the generated code, from the layout alone.",
-        "",
+        f"{_count(m.degree_of_mobility, 'freedom')} of motion, and steering opens "
+        f"{_word(m.degree_of_steerability)} more. This page derives that, and every formula of the generated code, "
+        "from the layout alone.",
         "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
         "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, "
         "angles counter-clockwise; ξ = (v<sub>x</sub>, v<sub>y</sub>, ω) is the velocity of P in that frame, the "
         "book's R(θ) ξ̇<sub>I</sub>. Lengths are in metres, angles in radians unless marked °. Fractions, roots "
         "and short decimals are exact; decimals with six digits are rounded.",
-        "",
     ]  # fmt: skip
-    return lines
+    return blocks
 
 
 def _word(n: int) -> str:
     return _NUMBERS[n] if n < len(_NUMBERS) else str(n)
 
 
-def _freedoms(n: int) -> str:
-    return f"{_word(n)} freedom{'' if n == 1 else 's'}"
+def _count(n: int, noun: str) -> str:
+    return f"{_word(n)} {noun}{'' if n == 1 else 's'}"
 
 
 def _counted(robot: Robot) -> str:
     """two fixed wheels and one castor"""
-    parts = []
-    for noun, n in Counter(w.kind.noun for w in robot.wheels).items():
-        parts.append(f"{_word(n)} {noun}{'' if n == 1 else 's'}")
-    return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+    return conjoined([_count(n, noun) for noun, n in Counter(w.kind.noun for w in robot.wheels).items()])
 
 
 def layout(s: Subject) -> list[str]:
     """Section 1."""
     robot = s.robot
-    lines = ["## 1 The layout", "", f"![Top view of {robot.name}](layout.svg)", "", *_caption(s)]
-    lines += _wheels(robot.wheels)
-    lines += _legend(robot)
+    blocks = ["## 1 The layout", f"![Top view of {robot.name}](layout.svg)", *_caption(s)]
+    blocks += _wheels(robot.wheels)
+    blocks += _legend(robot)
     if robot.parameters:
-        lines += ["The named parameters:", *_parameters(robot)]
+        blocks += ["The named parameters:", *_parameters(robot)]
     if robot.couplings:
-        lines += ["Mechanical couplings:", ""]
+        blocks += ["Mechanical couplings:"]
         joints = {"spin": "turn at one speed", "steer": "share one steering angle"}
-        lines += [f"* {listed(names)} {joints[joint]}" for joint, names in robot.couplings] + [""]
+        blocks += items(f"{listed(names)} {joints[joint]}" for joint, names in robot.couplings)
     notes = [*(escape(n) for n in robot.notes), *_remarks(robot)]
     if notes:
-        lines += ["Notes:", "", *(f"* {n}" for n in notes), ""]
-    return lines
+        blocks += ["Notes:", *items(notes)]
+    return blocks
 
 
 def _caption(s: Subject) -> list[str]:
     if any(w.kind.steers for w in s.robot.wheels):
-        return ["The steered wheels are drawn at one admissible setting: all zero-motion lines agree.", ""]
+        return ["The steered wheels are drawn at one admissible setting: all zero-motion lines agree."]
     return []
 
 
@@ -110,22 +92,17 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
     rows = []
     for w in wheels:
         g = w.nominal
-        row = [code(w.name), w.kind.label, ", ".join(w.actuated) or "—", plain(g.x), plain(g.y), _short(w.l)]
-        row += [_angle(w.alpha), *([_angle(w.beta), _angle(w.heading)] if w.kind.directed else ["—", "—"])]
-        row += [_angle(w.gamma) if w.kind.rollers else "—"] * swedish + [plain(g.r)]
+        row = [code(w.name), w.kind.label, ", ".join(w.actuated) or "—", plain(g.x), plain(g.y), rounded(w.l)]
+        row += [
+            in_degrees(w.alpha),
+            *([in_degrees(w.beta), in_degrees(w.heading)] if w.kind.directed else ["—", "—"]),
+        ]
+        row += [in_degrees(w.gamma) if w.kind.rollers else "—"] * swedish + [plain(g.r)]
         row += [plain(g.r_sw) if g.r_sw else "—"] * rollers
         row += [plain(g.d) if w.kind.swivels else "—"] * castors
         row += [plain(g.o) if w.turns else "—"] * shifted
         rows.append(row)
     return table(head, rows, "lllr")
-
-
-def _short(value: float) -> str:
-    return f"{round(value, 12) + 0.0:.6g}".replace("-", "−")
-
-
-def _angle(value: float) -> str:
-    return f"{round(degrees(value), 9) + 0.0:.6g}°".replace("-", "−")
 
 
 def _legend(robot: Robot) -> list[str]:
@@ -146,7 +123,7 @@ def _legend(robot: Robot) -> list[str]:
         )
     if any(kind.rollers for kind in kinds):
         said.append("γ is the angle from the wheel plane to the axis of the roller that touches the ground")
-    return ["; ".join(said) + ".", ""]
+    return ["; ".join(said) + "."]
 
 
 def _parameters(robot: Robot) -> list[str]:
@@ -169,7 +146,7 @@ def _remarks(robot: Robot) -> list[str]:
     if pair:
         a, b = pair
         remarks.append(
-            f"{code(a.name)} and {code(b.name)} stand {_short(2 * abs(float(a.nominal.y)))} m apart (the track); "
+            f"{code(a.name)} and {code(b.name)} stand {rounded(2 * abs(float(a.nominal.y)))} m apart (the track); "
             "their y is the half-track."
         )
     swedish = [w for w in robot.wheels if w.kind.rollers]

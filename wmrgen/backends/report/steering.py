@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from math import degrees
-from typing import TYPE_CHECKING, SupportsFloat
+from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.markdown import aligned, listed, math
-from wmrgen.backends.report.subject import Subject
+from wmrgen.backends.report.numbers import in_degrees
+from wmrgen.backends.report.subject import Subject, grouped
 from wmrgen.backends.report.tex import poly
 from wmrgen.constraints import along, working_view
 from wmrgen.exact.number import Exact
@@ -26,7 +26,7 @@ def steering(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
     limited = [w for w in wheels if s.robot.limit(w, "steer")]
     shared = [w for w in limited if not alike(partners(s, w), twist)]
     narrow = [w for w in limited if w not in shared and _range(s, w) <= NARROW]
-    lines = [
+    blocks = [
         "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as it stands, "
         "at angle ψ, that velocity has a component u along the wheel and w across it:",
         *aligned([
@@ -35,10 +35,12 @@ def steering(s: Subject, wheels: list[Wheel], twist: Row) -> list[str]:
         ]),
     ]  # fmt: skip
     zero = "where h is the wheel's heading at ψ = 0."
-    lines += [zero, ""] if len(narrow) == len(wheels) else _nearer(zero, shift)
-    lines += ["The pivots' velocities:", *aligned(_unique([velocity(w, twist) for w in wheels], wheels))]
+    blocks += [zero] if len(narrow) == len(wheels) else _nearer(zero, shift)
+    velocities = grouped((velocity(w, twist), notation.wheel(w.name)) for w in wheels)
+    shown = aligned(f"{text} && ({', '.join(who)})" for text, who in velocities.items())
+    blocks += ["The pivots' velocities:", *shown]
     roomy = [w for w in limited if w not in shared and w not in narrow]
-    return [*lines, *_roomy(s, roomy), *_narrow(s, narrow, shift), *_shared(s, shared)]
+    return [*blocks, *_roomy(s, roomy), *_narrow(s, narrow, shift), *_shared(s, shared)]
 
 
 def _nearer(zero: str, shift: str) -> list[str]:
@@ -51,7 +53,6 @@ def _nearer(zero: str, shift: str) -> list[str]:
             r"\qquad \pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
         ),
         "With a = b = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 holds the present one.",
-        "",
     ]
 
 
@@ -73,21 +74,13 @@ def alike(wheels: list[Wheel], twist: Row) -> bool:
     return len({(velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
 
 
-def _unique(lines: list[str], wheels: list[Wheel]) -> list[str]:
-    found: dict[str, list[str]] = {}
-    for text, w in zip(lines, wheels, strict=True):
-        found.setdefault(text, []).append(notation.wheel(w.name))
-    return [f"{text} && ({', '.join(who)})" for text, who in found.items()]
-
-
 def _roomy(s: Subject, wheels: list[Wheel]) -> list[str]:
     if not wheels:
         return []
     return [
         f"Steering is limited: {_ranges(s, wheels)}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken "
         "if that is inside; if neither is, the limit nearest to it. The rate then is that of the pivot's velocity "
-        "along the wheel so turned, u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root.",
-        "",
+        "along the wheel so turned, u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root."
     ]
 
 
@@ -105,14 +98,13 @@ def _narrow(s: Subject, wheels: list[Wheel], shift: str) -> list[str]:
             rf"\dot{{\varphi}} &= \frac{{1}}{{r}}\left(\frac{{p + q\,t}}{{\sqrt{{1+t^2}}}}{shift}\right)",
         ]),
         "With p = q = 0 the present angle is held. Below Δ = ψ⁺ − ψ.",
-        "",
     ]  # fmt: skip
 
 
 def _shared(s: Subject, wheels: list[Wheel]) -> list[str]:
     if not wheels:
         return []
-    return [f"Steering is limited: {_ranges(s, wheels)}. A common angle outside is cut there.", ""]
+    return [f"Steering is limited: {_ranges(s, wheels)}. A common angle outside is cut there."]
 
 
 def _range(s: Subject, w: Wheel) -> Exact:
@@ -122,13 +114,6 @@ def _range(s: Subject, w: Wheel) -> Exact:
 
 
 def _ranges(s: Subject, wheels: list[Wheel]) -> str:
-    found: dict[str, list[str]] = {}
-    for w in wheels:
-        limit = s.robot.limit(w, "steer")
-        if limit is not None:
-            found.setdefault(f"{_degrees(limit.low)} ≤ ψ ≤ {_degrees(limit.high)}", []).append(w.name)
-    return "; ".join(f"{text} for {listed(who)}" for text, who in found.items())
-
-
-def _degrees(angle: SupportsFloat) -> str:
-    return f"{round(degrees(float(angle)), 9) + 0.0:.6g}°".replace("-", "−")
+    limits = [(s.robot.limit(w, "steer"), w.name) for w in wheels]
+    texts = grouped((f"{in_degrees(r.low)} ≤ ψ ≤ {in_degrees(r.high)}", name) for r, name in limits if r)
+    return "; ".join(f"{text} for {listed(who)}" for text, who in texts.items())

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from wmrgen.backends.report.markdown import listed
 from wmrgen.constraints import Constraints, View, constrain, nominal_view, symbolic_view
 
 if TYPE_CHECKING:
@@ -52,6 +54,19 @@ def _seen(robot: Robot, view: View) -> Robot:
     return replace(robot, wheels=tuple(replace(w, working=view(w)) for w in robot.wheels))
 
 
+def some(wheels: Sequence[Wheel]) -> str:
+    """The names of wheels, of many the first ones."""
+    return listed([w.name for w in wheels[:CAP]]) + (" and others" if len(wheels) > CAP else "")
+
+
+def grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    """Each text once, with the names of all wheels that have it."""
+    names: dict[str, list[str]] = {}
+    for text, name in pairs:
+        names.setdefault(text, []).append(name)
+    return names
+
+
 def cut_note(s: Subject, where: str = "`model.json`") -> list[str]:
     """Says that detail was left out."""
-    return [f"({s.more} more wheels follow the same pattern; they stand in {where}.)", ""] if s.more else []
+    return [f"({s.more} more wheels follow the same pattern; they stand in {where}.)"] if s.more else []

@@ -36,21 +36,20 @@ class Citation:
 def texts(s: Subject) -> list[str]:
     """Section 10."""
     cited = citations(s.robot)
-    lines = ["## 10 In the textbooks", ""]
+    blocks = ["## 10 In the textbooks"]
     if not cited:
         return [
-            *lines,
+            *blocks,
             "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
             "2, with the numbers given there.",
-            "",
         ]
-    lines += ["The rows of this robot are those of", ""]
+    blocks += ["The rows of this robot are those of"]
     rows = []
     for c in cited:
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
         order = f"; wheels in the order {listed(c.wheels)}" if c.wheels else ""
         rows.append([c.equation, c.what, letters + order])
-    return lines + table(["equation", "what it gives", "with"], rows, "l")
+    return blocks + table(["equation", "what it gives", "with"], rows, "l")
 
 
 def citations(robot: Robot) -> list[Citation]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wmrgen import notation
 from wmrgen.backends.report.markdown import aligned, code, listed, math
-from wmrgen.backends.report.subject import CAP, Subject
+from wmrgen.backends.report.subject import CAP, Subject, grouped
 from wmrgen.backends.report.tex import WIDE, broken, pieces, poly, summands, terms_of, width
 from wmrgen.constraints import ConstraintRow, along, rolling_direction, symbolic_view
 from wmrgen.exact.poly import Poly, Row, dot
@@ -20,21 +20,19 @@ TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input"
 
 def wheel_rows(s: Subject) -> list[str]:
     """All wheel types that occur, in file order."""
-    lines = [
+    blocks = [
         "## 2 What each wheel demands",
-        "",
         "Each wheel gives one equation along its rolling direction and, unless it slides freely, one across it.",
-        "",
     ]
     for name in dict.fromkeys(w.type for w in s.robot.wheels):
         wheels = [w for w in s.robot.wheels if w.type == name]
         kind = wheels[0].kind
         title = kind.noun[0].upper() + kind.noun[1:]
-        lines += [f"### {title}s: {listed([w.name for w in wheels])}", "", _intro(kind, wheels)]
-        lines += [*_general(kind, wheels), *([kind.words.note, ""] if kind.words.note else [])]
+        blocks += [f"### {title}s: {listed([w.name for w in wheels])}", _intro(kind, wheels)]
+        blocks += [*_general(kind, wheels), *([kind.words.note] if kind.words.note else [])]
         if kind.directed:
-            lines += _worked(s, kind, wheels)
-    return lines
+            blocks += _worked(s, kind, wheels)
+    return blocks
 
 
 def _intro(kind: WheelType, wheels: list[Wheel]) -> str:
@@ -72,24 +70,21 @@ def _worked(s: Subject, kind: WheelType, wheels: list[Wheel]) -> list[str]:
     rolling = [c for c in s.rows.rolling if c.wheel.index in index]
     sliding = [c for c in s.rows.sliding if c.wheel.index in index]
     first = shown[0]
-    lines = [f"For {code(first.name)} the sum of angles gives", *_plugged(first)]
+    blocks = [f"For {code(first.name)} the sum of angles gives", *_plugged(first)]
     only = f"{code(first.name)}" if len(wheels) == 1 else "every wheel"
     which = "rolling" if rolling else "sliding"
-    lines += [
+    blocks += [
         f"and with its pivot's coordinates, x = l cos α and y = l sin α, the {which} equation of {only} reads"
     ]
-    lines += aligned(_equations(rolling or sliding))
+    blocks += aligned(_equations(rolling or sliding))
     if kind.rollers:
-        lines += ["The rollers turn with", *_rollers(first)]
+        blocks += ["The rollers turn with", *_rollers(first)]
     if rolling and sliding:
-        lines += ["and the sliding equation"]
-        lines += aligned(_equations(sliding))
+        blocks += ["and the sliding equation"]
+        blocks += aligned(_equations(sliding))
     if len(wheels) > CAP:
-        lines += [
-            f"({len(wheels) - CAP} more wheels follow the same pattern; they stand in `model.json`.)",
-            "",
-        ]
-    return lines
+        blocks += [f"({len(wheels) - CAP} more wheels follow the same pattern; they stand in `model.json`.)"]
+    return blocks
 
 
 def _plugged(w: Wheel) -> list[str]:
@@ -105,11 +100,9 @@ def _equations(rows: list[ConstraintRow]) -> list[str]:
     """Equal equations once, with the names of all wheels that give them; long ones turned round, to be broken."""
     sides = [_sides(c) for c in rows]
     long = any(sum(map(width, left)) > WIDE for left, _ in sides)
-    found: dict[str, list[str]] = {}
-    for (left, right), c in zip(sides, rows, strict=True):
-        text = f"{right} &= {broken(left)}" if long else f"{broken(left)} &= {right}"
-        found.setdefault(text, []).append(notation.wheel(c.wheel.name))
-    return [text if who[0] in text else f"{text} && ({', '.join(who)})" for text, who in found.items()]
+    texts = [f"{right} &= {broken(left)}" if long else f"{broken(left)} &= {right}" for left, right in sides]
+    wheels = grouped(zip(texts, (notation.wheel(c.wheel.name) for c in rows), strict=True))
+    return [text if who[0] in text else f"{text} && ({', '.join(who)})" for text, who in wheels.items()]
 
 
 def _sides(c: ConstraintRow) -> tuple[list[str], str]:

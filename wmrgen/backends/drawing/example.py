@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, remainder, sin
 from typing import TYPE_CHECKING
 
+from wmrgen.backends.drawing.view import Point, bounds, distance, middle
+
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot, Wheel
     from wmrgen.mobility.records import Mobility
 
-Point = tuple[float, float]
 Twist = tuple[float, float, float]
 
 _SLANT = radians(25)  # direction of travel shown when only translation is admissible
@@ -30,10 +31,9 @@ class Example:
 
 def extent(wheels: tuple[Wheel, ...]) -> tuple[Point, float]:
     """Centre of the pivots' bounding box, and half its diagonal (at least two wheel radii) [m]."""
-    xs, ys = [float(w.nominal.x) for w in wheels], [float(w.nominal.y) for w in wheels]
-    centre = ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2)
-    size = hypot(max(xs) - min(xs), max(ys) - min(ys)) / 2
-    return centre, max(size, 2 * max(float(w.nominal.r) for w in wheels), 1e-3)
+    box = bounds([(float(w.nominal.x), float(w.nominal.y)) for w in wheels])
+    size = distance(box[:2], box[2:]) / 2
+    return middle(box), max(size, 2 * max(float(w.nominal.r) for w in wheels), 1e-3)
 
 
 def example(robot: Robot, mobility: Mobility) -> Example:

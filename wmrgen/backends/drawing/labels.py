@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import cos, hypot, pi, sin
+from math import cos, pi, sin
 
-from wmrgen.backends.drawing.view import Box, Point, clip, overlap, unit
+from wmrgen.backends.drawing.view import Box, Point, along, bounds, clip, distance, middle, overlap, unit
 
 CHARACTER, HEIGHT = 7.25, 14.0  # a monospaced character at 12 px
 _GAPS = (4.0, 12.0, 22.0, 36.0, 54.0)
@@ -36,8 +36,7 @@ class Paper:
         On a crowded page a name that finds no free place is left out (None).
         """
         half = (len(words) * CHARACTER / 2 + 1, HEIGHT / 2)
-        middle = ((target[0] + target[2]) / 2, (target[1] + target[3]) / 2)
-        outward = unit(away, middle) if hypot(middle[0] - away[0], middle[1] - away[1]) > 2 else (1.0, 0.0)
+        outward = unit(away, middle(target)) if distance(middle(target), away) > 2 else (1.0, 0.0)
         best: tuple[float, Point, float] | None = None
         count = _DIRECTIONS // 3 if crowded else _DIRECTIONS
         for gap in _GAPS[:2] if crowded else _GAPS:
@@ -54,20 +53,15 @@ class Paper:
         cost, centre, gap = best
         if crowded and cost > 400:
             return None
-        box = (centre[0] - half[0], centre[1] - half[1], centre[0] + half[0], centre[1] + half[1])
-        leader = _leader(box, middle, target) if gap >= _LEADER else None
+        box = bounds([along(centre, half, -1), along(centre, half, 1)])
+        leader = _leader(box, target) if gap >= _LEADER else None
         self.boxes.append(box)
         if leader:
             self.segments.append(leader)
         return Label(words, (centre[0], centre[1] + 4.1), leader)
 
     def _cost(self, centre: Point, half: Point, lines: bool) -> float:
-        box = (
-            centre[0] - half[0] - 1,
-            centre[1] - half[1] - 1,
-            centre[0] + half[0] + 1,
-            centre[1] + half[1] + 1,
-        )
+        box = bounds([along(centre, half, -1), along(centre, half, 1)], 1)
         hits = sum(500 + common for other in self.boxes if (common := overlap(box, other)) > 0)
         size = (box[2] - box[0]) * (box[3] - box[1])
         outside = size - overlap(box, self.area)
@@ -78,16 +72,15 @@ class Paper:
 def _beside(target: Box, half: Point, direction: Point, gap: float) -> Point:
     """The centre of a label that clears ``target`` by ``gap`` in a direction."""
     c, s = direction
-    middle = ((target[0] + target[2]) / 2, (target[1] + target[3]) / 2)
     reach_x = (target[2] - target[0]) / 2 + half[0] + gap
     reach_y = (target[3] - target[1]) / 2 + half[1] + gap
     scale = min(reach_x / abs(c) if abs(c) > 1e-9 else 1e9, reach_y / abs(s) if abs(s) > 1e-9 else 1e9)
-    return middle[0] + scale * c, middle[1] + scale * s
+    return along(middle(target), direction, scale)
 
 
-def _leader(box: Box, middle: Point, target: Box) -> tuple[Point, Point] | None:
-    centre = ((box[0] + box[2]) / 2, (box[1] + box[3]) / 2)
-    way = unit(centre, middle)
+def _leader(box: Box, target: Box) -> tuple[Point, Point] | None:
+    centre = middle(box)
+    way = unit(centre, middle(target))
     out, into = clip(centre, way, box), clip(centre, way, target)
     return (out[1], into[0]) if out and into else None
 

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, floor, hypot, log10, pi, sin
+from math import cos, degrees, floor, log10, pi, sin
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.example import Example, example, extent
 from wmrgen.backends.drawing.labels import Label, Paper
 from wmrgen.backends.drawing.legend import Signs, icr_mark, legend
 from wmrgen.backends.drawing.svg import arrow, line, num, pair, polygon, text
-from wmrgen.backends.drawing.view import Box, Point, View, bounds, clip, fit, hull, inside
+from wmrgen.backends.drawing.view import (
+    Box,
+    Point,
+    View,
+    along,
+    bounds,
+    clip,
+    distance,
+    fit,
+    hull,
+    inside,
+    middle,
+    unit,
+)
 from wmrgen.backends.drawing.wheels import Placed, body, contact, direction, place
 from wmrgen.render import render
 from wmrgen.wheels import WHEEL_TYPES
@@ -54,7 +67,7 @@ def picture(derivation: Derivation) -> str:
 def _near(robot: Robot, shown: Example) -> Example:
     """An ICR too far away to be drawn is left out; its axle lines still point there."""
     centre, size = extent(robot.wheels)
-    if shown.icr is None or hypot(shown.icr[0] - centre[0], shown.icr[1] - centre[1]) <= 4 * size:
+    if shown.icr is None or distance(shown.icr, centre) <= 4 * size:
         return shown
     return Example(shown.headings, None)
 
@@ -90,7 +103,7 @@ def _axles(placed: list[Placed], shown: Example, view: View) -> list[tuple[Point
         if cut:
             key = _line(p)
             old = longest.get(key)
-            longest[key] = cut if old is None or _length(cut) > _length(old) else old
+            longest[key] = cut if old is None or distance(*cut) > distance(*old) else old
     return list(longest.values())
 
 
@@ -101,19 +114,12 @@ def _line(p: Placed) -> tuple[float, float]:
     return angle, round(p.centre[0] * ny + p.centre[1] * nx, 0)
 
 
-def _length(cut: tuple[Point, Point]) -> float:
-    return hypot(cut[1][0] - cut[0][0], cut[1][1] - cut[0][1])
-
-
 def _towards(p: Placed, target: Point, area: Box) -> tuple[Point, Point] | None:
-    dx, dy = target[0] - p.centre[0], target[1] - p.centre[1]
-    size = hypot(dx, dy)
-    if size < 1.0:
+    if distance(p.centre, target) < 1.0:
         return clip(p.centre, p.left, area)
-    ux, uy = dx / size, dy / size
-    back, on = p.half[1] + 16.0, 22.0
-    ends = (p.centre[0] - back * ux, p.centre[1] - back * uy), (target[0] + on * ux, target[1] + on * uy)
-    return ends if all(inside(e, area) for e in ends) else clip(p.centre, (ux, uy), area)
+    way = unit(p.centre, target)
+    ends = along(p.centre, way, -p.half[1] - 16.0), along(target, way, 22.0)
+    return ends if all(inside(e, area) for e in ends) else clip(p.centre, way, area)
 
 
 def _chassis(placed: list[Placed]) -> list[str]:
@@ -173,23 +179,18 @@ def _names(placed: list[Placed], paper: Paper, axles: list[tuple[Point, Point]])
     for p in placed:
         paper.boxes.append(p.box())
         if p.wheel.has_spin:
-            reach = (p.centre[0] + p.half[0] * p.ahead[0], p.centre[1] + p.half[0] * p.ahead[1])
-            paper.boxes.append(bounds([reach, p.nose()], 4))
+            paper.boxes.append(bounds([along(p.centre, p.ahead, p.half[0]), p.nose()], 4))
         if p.wheel.turns:
             paper.boxes.append(bounds([p.pivot], 4))
     paper.segments += axles
-    middle = bounds([p.centre for p in placed])
-    away = ((middle[0] + middle[2]) / 2, (middle[1] + middle[3]) / 2)
+    away = middle(bounds([p.centre for p in placed]))
     labels: list[Label | None] = []
     for p in placed:
-        swing = hypot(p.centre[0] - p.pivot[0], p.centre[1] - p.pivot[1]) if p.wheel.kind.swivels else 0.0
+        swing = distance(p.centre, p.pivot) if p.wheel.kind.swivels else 0.0
         target = _around(p.box(), bounds([p.pivot], swing)) if p.wheel.turns else p.box()
         labels.append(paper.put(p.wheel.name, target, away, len(placed) > _CROWD))
     lines: list[str] = []
-    for label in labels:
-        if label is None:
-            continue
-        if label.leader:
-            lines.append(line(*label.leader, "leader"))
+    for label in filter(None, labels):
+        lines += [line(*label.leader, "leader")] if label.leader else []
         lines.append(text(label.at, label.words, "name"))
     return lines

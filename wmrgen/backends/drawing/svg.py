@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-Point = tuple[float, float]
+from wmrgen.backends.drawing.view import Point, along, unit
 
 
 def num(value: float) -> str:
@@ -33,11 +33,8 @@ def polygon(points: Iterable[Point], cls: str) -> str:
 
 def bar(centre: Point, half: Point, radius: float, degrees: float, cls: str) -> str:
     """A rounded rectangle, turned clockwise by ``degrees`` on paper."""
-    turn = (
-        f' transform="rotate({num(degrees)} {num(centre[0])} {num(centre[1])})"'
-        if num(degrees) != "0"
-        else ""
-    )
+    rotate = f' transform="rotate({num(degrees)} {num(centre[0])} {num(centre[1])})"'
+    turn = rotate if num(degrees) != "0" else ""
     return (
         f'<rect x="{num(centre[0] - half[0])}" y="{num(centre[1] - half[1])}" width="{num(2 * half[0])}" '
         f'height="{num(2 * half[1])}" rx="{num(radius)}" class="{cls}"{turn}/>'
@@ -50,10 +47,7 @@ def text(p: Point, words: str, cls: str) -> str:
 
 def arrow(a: Point, b: Point, cls: str, head: float = 5.0) -> list[str]:
     """A shaft from a towards b with a filled head that ends in b."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    size = (dx * dx + dy * dy) ** 0.5 or 1.0
-    ux, uy = dx / size, dy / size
-    root = (b[0] - head * 1.5 * ux, b[1] - head * 1.5 * uy)
-    wing = 0.62 * head
-    tip = (b, (root[0] - wing * uy, root[1] + wing * ux), (root[0] + wing * uy, root[1] - wing * ux))
+    ux, uy = unit(a, b)
+    root = along(b, (ux, uy), -1.5 * head)
+    tip = (b, along(root, (-uy, ux), 0.62 * head), along(root, (uy, -ux), 0.62 * head))
     return [line(a, root, cls), polygon(tip, f"{cls} head")]

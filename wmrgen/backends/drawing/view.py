@@ -28,14 +28,14 @@ class View:
 
 def fit(points: list[Point], width: float, tallest: float, margin: Box) -> tuple[View, float]:
     """The view that shows all points [m] on a page ``width`` wide, and the height of the page."""
-    xs, ys = [p[0] for p in points], [p[1] for p in points]
-    wide, long = max(ys) - min(ys), max(xs) - min(xs)
-    room_x, room_y = width - margin[0] - margin[2], tallest - margin[1] - margin[3]
-    scale = min(room_x / max(wide, 1e-6), room_y / max(long, 1e-6))
+    back, right, front, left = bounds(points)
+    wide, long = left - right, front - back
+    inner_x, inner_y = width - margin[0] - margin[2], tallest - margin[1] - margin[3]
+    scale = min(inner_x / max(wide, 1e-6), inner_y / max(long, 1e-6))
     height = max(scale * long, 170.0) + margin[1] + margin[3]
-    middle = ((max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2)
-    centre = (margin[0] + room_x / 2, margin[1] + (height - margin[1] - margin[3]) / 2)
-    origin = (centre[0] + middle[1] * scale, centre[1] + middle[0] * scale)
+    x, y = middle((back, right, front, left))
+    centre = (margin[0] + inner_x / 2, margin[1] + (height - margin[1] - margin[3]) / 2)
+    origin = (centre[0] + y * scale, centre[1] + x * scale)
     return View(scale, origin, (14.0, 14.0, width - 14.0, height - 14.0)), height
 
 
@@ -54,10 +54,22 @@ def clip(p: Point, direction: Point, area: Box) -> tuple[Point, Point] | None:
         low, high = max(low, a), min(high, b)
     if low >= high:
         return None
-    return (p[0] + low * direction[0], p[1] + low * direction[1]), (
-        p[0] + high * direction[0],
-        p[1] + high * direction[1],
-    )
+    return along(p, direction, low), along(p, direction, high)
+
+
+def along(p: Point, direction: Point, reach: float) -> Point:
+    """The point ``reach`` steps from p in a direction."""
+    return p[0] + reach * direction[0], p[1] + reach * direction[1]
+
+
+def distance(a: Point, b: Point) -> float:
+    """How far two points are apart."""
+    return hypot(b[0] - a[0], b[1] - a[1])
+
+
+def middle(box: Box) -> Point:
+    """The middle of a box."""
+    return (box[0] + box[2]) / 2, (box[1] + box[3]) / 2
 
 
 def inside(p: Point, area: Box) -> bool:
@@ -80,7 +92,7 @@ def overlap(a: Box, b: Box) -> float:
 
 def unit(a: Point, b: Point) -> Point:
     """The direction from a to b; up when they coincide."""
-    size = hypot(b[0] - a[0], b[1] - a[1])
+    size = distance(a, b)
     return ((b[0] - a[0]) / size, (b[1] - a[1]) / size) if size > 1e-9 else (0.0, -1.0)
 
 

@@ -7,7 +7,7 @@ from math import cos, degrees, sin
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.svg import arrow, bar, circle, line
-from wmrgen.backends.drawing.view import Box, Point, View, bounds, clip
+from wmrgen.backends.drawing.view import Box, Point, View, along, bounds, clip, distance
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Wheel
@@ -33,12 +33,8 @@ class Placed:
 
     def corners(self) -> list[Point]:
         """The corners of the wheel's outline."""
-        (a, b), (ex, ey), (nx, ny) = self.half, self.ahead, self.left
-        x, y = self.centre
-        return [
-            (x + i * a * ex + j * b * nx, y + i * a * ey + j * b * ny)
-            for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))
-        ]
+        ends = [along(self.centre, self.ahead, i * self.half[0]) for i in (1, 1, -1, -1)]
+        return [along(end, self.left, j * self.half[1]) for end, j in zip(ends, (1, -1, -1, 1), strict=True)]
 
     def box(self) -> Box:
         """The box around the outline."""
@@ -46,8 +42,7 @@ class Placed:
 
     def nose(self) -> Point:
         """Where the rolling-direction arrow ends."""
-        reach = self.half[0] + ARROW
-        return self.centre[0] + reach * self.ahead[0], self.centre[1] + reach * self.ahead[1]
+        return along(self.centre, self.ahead, self.half[0] + ARROW)
 
 
 def contact(w: Wheel, heading: float) -> Point:
@@ -74,14 +69,14 @@ def body(p: Placed) -> list[str]:
         return [circle(p.centre, p.half[0], f"wheel {w.type}"), circle(p.centre, 1.6, "dot")]
     lines = []
     if w.kind.swivels:
-        lines.append(circle(p.pivot, _distance(p.pivot, p.centre), "swivel"))
+        lines.append(circle(p.pivot, distance(p.pivot, p.centre), "swivel"))
     lines.append(
         bar(p.centre, (p.half[1], p.half[0]), min(3.0, p.half[1]), -degrees(p.heading), f"wheel {w.type}")
     )
     if w.kind.rollers:
         lines += [line(a, b, "roller") for a, b in _rollers(p)]
     if w.turns:
-        if _distance(p.pivot, p.centre) > 0.5:
+        if distance(p.pivot, p.centre) > 0.5:
             lines.append(line(p.pivot, p.centre, "arm"))
         lines.append(circle(p.pivot, 3.2, "pivot"))
     return lines
@@ -91,12 +86,7 @@ def direction(p: Placed) -> list[str]:
     """The arrow of positive rolling."""
     if not p.wheel.has_spin:
         return []
-    start = (p.centre[0] + (p.half[0] + 2) * p.ahead[0], p.centre[1] + (p.half[0] + 2) * p.ahead[1])
-    return arrow(start, p.nose(), "roll", 4.2)
-
-
-def _distance(a: Point, b: Point) -> float:
-    return float(((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2) ** 0.5)
+    return arrow(along(p.centre, p.ahead, p.half[0] + 2), p.nose(), "roll", 4.2)
 
 
 def _rollers(p: Placed) -> list[tuple[Point, Point]]:
@@ -106,15 +96,14 @@ def _rollers(p: Placed) -> list[tuple[Point, Point]]:
     reach = abs(s) * a + abs(c) * b
     gap = min(9.0, max(5.0, b / 2.5))
     count = int(reach / gap)
-    found = []
+    axes = []
     for k in range(-count, count + 1):
         cut = clip((-s * k * gap, c * k * gap), (c, s), (-a, -b, a, b))
         if cut:
-            found.append((_out(p, cut[0]), _out(p, cut[1])))
-    return found
+            axes.append((_out(p, cut[0]), _out(p, cut[1])))
+    return axes
 
 
 def _out(p: Placed, q: Point) -> Point:
     """From the wheel's own frame (along e, along n) to paper."""
-    (ex, ey), (nx, ny) = p.ahead, p.left
-    return p.centre[0] + q[0] * ex + q[1] * nx, p.centre[1] + q[0] * ey + q[1] * ny
+    return along(along(p.centre, p.ahead, q[0]), p.left, q[1])

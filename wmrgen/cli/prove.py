@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.loading import noted
 from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
@@ -28,9 +29,7 @@ def run(path: Path, *, as_json: bool) -> int:
 
     with console.progress() as step:
         step(f"deriving {path}")
-        robot = wmrgen.load(path)
-        for text in robot.notes:
-            console.note(f"{robot.name}: note: {text}")
+        robot = noted(wmrgen.load(path))
         derivation = wmrgen.derive(robot)
         step(f"bounding {robot.name}")
         found = derivation.bounds

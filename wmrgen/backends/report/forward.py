@@ -7,6 +7,7 @@ from wmrgen.backends.report.expr import terms
 from wmrgen.backends.report.markdown import aligned, code, items, math
 from wmrgen.backends.report.subject import CAP, Subject, cut_note, some
 from wmrgen.backends.report.tex import broken, matrix, poly, summands, total, width
+from wmrgen.exact.determinant import determinant
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.forward import constant_normal
 from wmrgen.kinematics.rigid import spread
@@ -78,7 +79,7 @@ def _constant(s: Subject, contacts: list[Contact], components: list[Component]) 
     """Everything but z is known at derivation time."""
     rows = _rows(contacts, components)
     numbers = _rows(*measurements(s.numbers))
-    normal = [[sum((r[i] * r[j] for r, _ in numbers), Poly({})) for j in range(3)] for i in range(3)]
+    normal = _normal(numbers)
     blocks = ["Stacked,", *_stacked(rows)]
     singular = _singular(normal)
     blocks += [
@@ -101,17 +102,17 @@ def _count(rows: int, singular: bool) -> str:
 def _condition(rows: list[tuple[Row, Poly]]) -> list[str]:
     """The condition on the rank, and the determinant that it is about where that is short."""
     words = "The condition is that H has full column rank 3 (Tzafestas (2.8a)), det(HᵀH) ≠ 0"
-    a, b, c = ([Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3))
-    if max(len(p.terms) for p in (*a, *b, *c)) > _ENTRY:
-        return [f"{words}."]
-    det = poly(
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-        - a[1] * (b[0] * c[2] - b[2] * c[0])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
-    if width(det) > _DET:
+    normal = _normal(rows)
+    long = max(len(p.terms) for row in normal for p in row) > _ENTRY
+    det = "" if long else poly(determinant(normal))
+    if long or width(det) > _DET:
         return [f"{words}."]
     return [f"{words}:", *math(rf"\det(H^T H) = {det}")]
+
+
+def _normal(rows: list[tuple[Row, Poly]]) -> list[list[Poly]]:
+    """H^T H"""
+    return [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
 
 
 def _why(pairs: bool, turns: bool) -> str:
@@ -124,14 +125,9 @@ def _why(pairs: bool, turns: bool) -> str:
 
 
 def _singular(normal: list[list[Poly]]) -> bool:
-    m = [[float(v) if (v := p.constant) is not None else 0.0 for p in row] for row in normal]
-    a, b, c = m
-    det = (
-        a[0] * (b[1] * c[2] - b[2] * c[1])
-        - a[1] * (b[0] * c[2] - b[2] * c[0])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
-    )
-    return abs(det) < 1e-12 * max(a[0] + b[1] + c[2], 1e-30) ** 3
+    trace = Poly.sum(normal[i][i] for i in range(3))
+    det, size = (float(p.constant or 0) for p in (determinant(normal), trace))
+    return abs(det) < 1e-12 * max(size, 1e-30) ** 3
 
 
 def _closed(s: Subject) -> list[str]:

@@ -37,8 +37,9 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     prepare = module.prepare
     if prepare is not None:
         prepare = _Expansion(prepare, processor_of(scalar, LIBM, target), ()).run()
+    vectors = any(map(_vectors, module.functions))
     own = tuple(_Expansion(f, processor, module.kernels).run(kernel=True) for f in module.kernels)
-    functions = tuple(_Expansion(f, processor, module.kernels).run() for f in module.functions)
+    functions = tuple(_Expansion(f, processor, module.kernels, vectors).run() for f in module.functions)
     return Module(module.name, functions, prepare, _needed(functions, (*library(processor), *own)))
 
 
@@ -74,8 +75,15 @@ def rounds(module: Module) -> bool:
 class _Expansion:
     """One function, node by node."""
 
-    def __init__(self, function: Function, processor: Processor, kernels: tuple[Function, ...]) -> None:
-        self.processor = processor
+    def __init__(
+        self,
+        function: Function,
+        processor: Processor,
+        kernels: tuple[Function, ...],
+        vectors: bool = False,
+    ) -> None:
+        """``vectors``: the module has kernels for vectors, so that directions are those of size 1."""
+        self.processor, self.directions = processor, not vectors
         self.function = function = signs_as_bits(one_comparison(function)) if processor.bits else function
         self.tape = Tape()
         self.made: list[int] = []
@@ -115,7 +123,9 @@ class _Expansion:
             case Op.SIN | Op.COS | Op.ATAN if p.integer:
                 return tape.put(_INTEGER[node.op], *args)
             case Op.SIN | Op.COS if p.inline:
-                return tape.part(tape.call("direction", *args), int(node.op is Op.SIN))
+                size = () if self.directions else (tape.const(ONE),)
+                call = tape.call("direction" if self.directions else "vector_at", *size, *args)
+                return tape.part(call, int(node.op is Op.SIN))
             case Op.ATAN if p.inline:
                 return tape.call("arctangent", *args)
             case Op.ATAN2 if p.inline:

@@ -56,7 +56,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "f7a91a8def4eeee0b9d861b564c6588f"
-#define ACKERMANN_CAR_PAIR_e50259719d368c3b 1
+#define ACKERMANN_CAR_PAIR_3e5e7d3eba9eadd8 1
 
 #ifdef __cplusplus
 extern "C" {

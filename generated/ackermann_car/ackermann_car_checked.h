@@ -20,7 +20,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_e50259719d368c3b)
+#if !defined(ACKERMANN_CAR_PAIR_3e5e7d3eba9eadd8)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

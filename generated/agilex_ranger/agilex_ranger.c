@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_94540004654b3fda)
+#if !defined(AGILEX_RANGER_PAIR_2b48a9a3a420d930)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -18,6 +18,20 @@
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#endif
+
+/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#define WMRGEN_CALLED static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#define WMRGEN_CALLED static inline
+#else
+#define WMRGEN_KERNEL static inline
+#define WMRGEN_CALLED static inline
+#endif
 #endif
 
 #if !defined(WMRGEN_FLIP)
@@ -73,16 +87,6 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
-#if !defined(WMRGEN_KERNEL)
-#if defined(__GNUC__) && defined(WMRGEN_SMALL)
-#define WMRGEN_KERNEL static __attribute__((noinline))
-#elif defined(__GNUC__)
-#define WMRGEN_KERNEL static inline __attribute__((always_inline))
-#else
-#define WMRGEN_KERNEL static inline
-#endif
-#endif
-
 #if !defined(WMRGEN_SINE)
 #define WMRGEN_SINE
 /* sin r, |r| <= pi/2. */
@@ -104,29 +108,6 @@ typedef struct {
     float x;
     float y;
 } wmrgen_vector;
-#endif
-
-#if !defined(WMRGEN_DIRECTION)
-#define WMRGEN_DIRECTION
-/* (cos angle, sin angle). */
-WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
-{
-    wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_flip(1.0f, t0);
-    const float t4 = t2 * t2;
-    const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
-
-    result.x = fmaf(t5, t9, t3);
-    result.y = t3 * wmrgen_sine(t2);
-    return result;
-}
 #endif
 
 #if !defined(WMRGEN_VECTOR_AT)
@@ -204,24 +185,24 @@ void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inv
     const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_left_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
     const float t2 = wmrgen_within(front_left_heading, 1.57f);
-    const wmrgen_vector t3 = wmrgen_direction(t2 - t0.steer);
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2 - t0.steer);
     const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
     const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_within(in->front_right.steer, 1.57f), 1.0f);
     const float t5 = (1.5707964f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
     const float front_right_heading = (t4.steer < (-1.5707964f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
     const float t6 = wmrgen_within(front_right_heading, 1.57f);
-    const wmrgen_vector t7 = wmrgen_direction(t6 - t4.steer);
+    const wmrgen_vector t7 = wmrgen_vector_at(1.0f, t6 - t4.steer);
     const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
     const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_within(in->rear_left.steer, 1.57f), 1.0f);
     const float t9 = (1.5707964f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
     const float rear_left_heading = (t8.steer < (-1.5707964f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
     const float t10 = wmrgen_within(rear_left_heading, 1.57f);
-    const wmrgen_vector t11 = wmrgen_direction(t10 - t8.steer);
+    const wmrgen_vector t11 = wmrgen_vector_at(1.0f, t10 - t8.steer);
     const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_within(in->rear_right.steer, 1.57f), 1.0f);
     const float t13 = (1.5707964f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
     const float rear_right_heading = (t12.steer < (-1.5707964f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
     const float t14 = wmrgen_within(rear_right_heading, 1.57f);
-    const wmrgen_vector t15 = wmrgen_direction(t14 - t12.steer);
+    const wmrgen_vector t15 = wmrgen_vector_at(1.0f, t14 - t12.steer);
 
     out->front_left.spin = 8.333333f * (t0.spin * t3.x);
     out->front_left.steer = t2;
@@ -243,27 +224,27 @@ void agilex_ranger_inverse_slip(
     const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_left_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
     const float front_left_excess = wmrgen_within(front_left_heading, 1.57f) - t0.steer; /* front left excess */
-    const wmrgen_vector t2 = wmrgen_direction(front_left_excess);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_left_excess);
     const float t3 = t0.spin * t2.y;
     const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
     const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_within(in->front_right.steer, 1.57f), 1.0f);
     const float t5 = (1.5707964f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
     const float front_right_heading = (t4.steer < (-1.5707964f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
     const float front_right_excess = wmrgen_within(front_right_heading, 1.57f) - t4.steer; /* front right excess */
-    const wmrgen_vector t6 = wmrgen_direction(front_right_excess);
+    const wmrgen_vector t6 = wmrgen_vector_at(1.0f, front_right_excess);
     const float t7 = t4.spin * t6.y;
     const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
     const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_within(in->rear_left.steer, 1.57f), 1.0f);
     const float t9 = (1.5707964f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
     const float rear_left_heading = (t8.steer < (-1.5707964f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
     const float rear_left_excess = wmrgen_within(rear_left_heading, 1.57f) - t8.steer; /* rear left excess */
-    const wmrgen_vector t10 = wmrgen_direction(rear_left_excess);
+    const wmrgen_vector t10 = wmrgen_vector_at(1.0f, rear_left_excess);
     const float t11 = t8.spin * t10.y;
     const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_within(in->rear_right.steer, 1.57f), 1.0f);
     const float t13 = (1.5707964f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
     const float rear_right_heading = (t12.steer < (-1.5707964f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
     const float rear_right_excess = wmrgen_within(rear_right_heading, 1.57f) - t12.steer; /* rear right excess */
-    const wmrgen_vector t14 = wmrgen_direction(rear_right_excess);
+    const wmrgen_vector t14 = wmrgen_vector_at(1.0f, rear_right_excess);
     const float t15 = t12.spin * t14.y;
     const float t16 = fmaf(t15, t15, fmaf(t11, t11, fmaf(t3, t3, t7 * t7)));
 
@@ -332,12 +313,12 @@ void agilex_ranger_odometry(const agilex_ranger_odometry_in *in, agilex_ranger_o
     const float half_turn_squared = 0.25f * t1; /* h^2 */
     const float half_turn = 0.5f * t0; /* h */
     const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
-    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, half_turn_safe);
     const float t3 = -half_turn_squared;
     const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
     const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
     const float chord = in->dt * t5; /* dt sinc(h) */
-    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const wmrgen_vector t6 = wmrgen_vector_at(1.0f, in->theta + half_turn);
     const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
     const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 

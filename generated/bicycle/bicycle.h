@@ -51,7 +51,7 @@
 #define WMRGEN_BICYCLE_H
 
 #define BICYCLE_MODEL_HASH "b17ba09a604cafb8a5b6bdba0041f0f7"
-#define BICYCLE_PAIR_70c343f45da25d57 1
+#define BICYCLE_PAIR_8d4b2ecb0e65c781 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_70c343f45da25d57)
+#if !defined(BICYCLE_PAIR_8d4b2ecb0e65c781)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_3ca1b816157973cb)
+#if !defined(CAR_WITH_TRAILERS_PAIR_a9f2e34b38801026)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -18,6 +18,20 @@
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#endif
+
+/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#define WMRGEN_CALLED static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#define WMRGEN_CALLED static inline
+#else
+#define WMRGEN_KERNEL static inline
+#define WMRGEN_CALLED static inline
+#endif
 #endif
 
 #if !defined(WMRGEN_FLIP)
@@ -73,16 +87,6 @@ static inline float wmrgen_beyond(float a, float m)
 }
 #endif
 
-#if !defined(WMRGEN_KERNEL)
-#if defined(__GNUC__) && defined(WMRGEN_SMALL)
-#define WMRGEN_KERNEL static __attribute__((noinline))
-#elif defined(__GNUC__)
-#define WMRGEN_KERNEL static inline __attribute__((always_inline))
-#else
-#define WMRGEN_KERNEL static inline
-#endif
-#endif
-
 #if !defined(WMRGEN_SINE)
 #define WMRGEN_SINE
 /* sin r, |r| <= pi/2. */
@@ -104,29 +108,6 @@ typedef struct {
     float x;
     float y;
 } wmrgen_vector;
-#endif
-
-#if !defined(WMRGEN_DIRECTION)
-#define WMRGEN_DIRECTION
-/* (cos angle, sin angle). */
-WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
-{
-    wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_flip(1.0f, t0);
-    const float t4 = t2 * t2;
-    const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
-
-    result.x = fmaf(t5, t9, t3);
-    result.y = t3 * wmrgen_sine(t2);
-    return result;
-}
 #endif
 
 #if !defined(WMRGEN_VECTOR_AT)
@@ -216,9 +197,9 @@ void car_with_trailers_forward(
     const car_with_trailers_forward_in *in,
     car_with_trailers_forward_out *out)
 {
-    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const wmrgen_vector front_right = wmrgen_vector_at(1.0f, in->front_right.steer);
     const float front_right_rw = fmaf(1.4f, front_right.x, -(0.4f * front_right.y)); /* front_right: row of H, omega */
-    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const wmrgen_vector front_left = wmrgen_vector_at(1.0f, in->front_left.steer);
     const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x); /* front_left: row of H, omega */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f)); /* HtH[2][2] */
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
@@ -246,9 +227,9 @@ void car_with_trailers_forward_slip(
     const car_with_trailers_forward_slip_in *in,
     car_with_trailers_forward_slip_out *out)
 {
-    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const wmrgen_vector front_right = wmrgen_vector_at(1.0f, in->front_right.steer);
     const float front_right_rw = fmaf(1.4f, front_right.x, -(0.4f * front_right.y)); /* front_right: row of H, omega */
-    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const wmrgen_vector front_left = wmrgen_vector_at(1.0f, in->front_left.steer);
     const float front_left_rw = fmaf(0.4f, front_left.y, 1.4f * front_left.x); /* front_left: row of H, omega */
     const float n22 = fmaf(front_right_rw, front_right_rw, fmaf(front_left_rw, front_left_rw, 0.32f)); /* HtH[2][2] */
     const float n12 = fmaf(front_left.x, front_left_rw, front_right.x * front_right_rw); /* HtH[1][2] */
@@ -294,12 +275,12 @@ void car_with_trailers_odometry(
     const float half_turn_squared = 0.25f * t1; /* h^2 */
     const float half_turn = 0.5f * t0; /* h */
     const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
-    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, half_turn_safe);
     const float t3 = -half_turn_squared;
     const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
     const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
     const float chord = in->dt * t5; /* dt sinc(h) */
-    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const wmrgen_vector t6 = wmrgen_vector_at(1.0f, in->theta + half_turn);
     const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
     const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 
@@ -313,7 +294,7 @@ void car_with_trailers_posture(
     car_with_trailers_posture_out *out)
 {
     const wmrgen_vector rear = wmrgen_vector_at(in->rear.speed, in->theta);
-    const wmrgen_vector front = wmrgen_direction(in->front.steer);
+    const wmrgen_vector front = wmrgen_vector_at(1.0f, in->front.steer);
     const float t0 = fabsf(front.x);
     const float t1 = (t0 < 1e-09f) ? 1.0f : front.x;
     const float t2 = (t0 < 1e-09f) ? 0.0f : (1.0f / t1);
@@ -330,7 +311,7 @@ void car_with_trailers_trailer(
     car_with_trailers_trailer_out *out)
 {
     const wmrgen_vector rear = wmrgen_vector_at(in->rear.speed, in->theta);
-    const wmrgen_vector front = wmrgen_direction(in->front.steer);
+    const wmrgen_vector front = wmrgen_vector_at(1.0f, in->front.steer);
     const float t0 = fabsf(front.x);
     const float t1 = (t0 < 1e-09f) ? 1.0f : front.x;
     const float t2 = (t0 < 1e-09f) ? 0.0f : (1.0f / t1);

@@ -16,7 +16,7 @@
  */
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_3ca1b816157973cb)
+#if !defined(CAR_WITH_TRAILERS_PAIR_a9f2e34b38801026)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -53,7 +53,7 @@
 #define WMRGEN_CLEARPATH_DO100_H
 
 #define CLEARPATH_DO100_MODEL_HASH "72eb4d2756d18e20bdea901f22e439b4"
-#define CLEARPATH_DO100_PAIR_9684c3cf6b3a1178 1
+#define CLEARPATH_DO100_PAIR_8a113ae3aba932d0 1
 
 #ifdef __cplusplus
 extern "C" {

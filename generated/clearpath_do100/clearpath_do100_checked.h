@@ -20,7 +20,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_9684c3cf6b3a1178)
+#if !defined(CLEARPATH_DO100_PAIR_8a113ae3aba932d0)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

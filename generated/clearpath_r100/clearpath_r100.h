@@ -54,7 +54,7 @@
 #define WMRGEN_CLEARPATH_R100_H
 
 #define CLEARPATH_R100_MODEL_HASH "03ecec3677cbc30e37be227041767ac7"
-#define CLEARPATH_R100_PAIR_300eae638d9662b0 1
+#define CLEARPATH_R100_PAIR_4280bc35a57e88a4 1
 
 #ifdef __cplusplus
 extern "C" {

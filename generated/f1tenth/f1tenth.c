@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_e18b7516878ead95)
+#if !defined(F1TENTH_PAIR_492abe293a76c170)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -18,6 +18,20 @@
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#endif
+
+/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#define WMRGEN_CALLED static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#define WMRGEN_CALLED static inline
+#else
+#define WMRGEN_KERNEL static inline
+#define WMRGEN_CALLED static inline
+#endif
 #endif
 
 #if !defined(WMRGEN_FLIP)
@@ -71,16 +85,6 @@ static inline float wmrgen_beyond(float a, float m)
     x.bits = ((x.bits & 0x7fffffffU) < y.bits) ? ((x.bits & 0x80000000U) | y.bits) : x.bits;
     return x.value;
 }
-#endif
-
-#if !defined(WMRGEN_KERNEL)
-#if defined(__GNUC__) && defined(WMRGEN_SMALL)
-#define WMRGEN_KERNEL static __attribute__((noinline))
-#elif defined(__GNUC__)
-#define WMRGEN_KERNEL static inline __attribute__((always_inline))
-#else
-#define WMRGEN_KERNEL static inline
-#endif
 #endif
 
 #if !defined(WMRGEN_SINE)

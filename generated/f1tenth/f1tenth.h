@@ -51,7 +51,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "cc657de9ce241205004b751d9a5183ed"
-#define F1TENTH_PAIR_e18b7516878ead95 1
+#define F1TENTH_PAIR_492abe293a76c170 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_e18b7516878ead95)
+#if !defined(F1TENTH_PAIR_492abe293a76c170)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

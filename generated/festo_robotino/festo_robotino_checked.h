@@ -20,7 +20,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_31b2b0e0997eec7c)
+#if !defined(FESTO_ROBOTINO_PAIR_18b74146402345b3)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_e4c79e7ba5fa6f37)
+#if !defined(KUKA_YOUBOT_PAIR_5ba8876f2e62a26c)
 #error "kuka_youbot_checked.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_e4c79e7ba5fa6f37)
+#if !defined(KUKA_YOUBOT_PAIR_5ba8876f2e62a26c)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_aeeec09cc8801e42)
+#if !defined(LEKIWI_PAIR_53d509ee7f38ac10)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

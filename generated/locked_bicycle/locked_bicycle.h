@@ -30,7 +30,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "c64665c267857648198b6abeafb60bf7"
-#define LOCKED_BICYCLE_PAIR_e8a1b5bbc2d85dd6 1
+#define LOCKED_BICYCLE_PAIR_d7a277a0375c4873 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_e60352adab0178ec)
+#if !defined(NEOBOTIX_MPO_700_PAIR_88d882959a7ceddc)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_d47a8cc8446aa7f0)
+#if !defined(NEXUS_4WD_PAIR_896013470470930d)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -53,7 +53,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "d254b793afdca06e6a8e8749bae019ee"
-#define PIONEER3DX_PAIR_d1bc1c8f9da8a649 1
+#define PIONEER3DX_PAIR_58f88e2cf80cd062 1
 
 #ifdef __cplusplus
 extern "C" {

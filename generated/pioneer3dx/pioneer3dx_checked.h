@@ -20,7 +20,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_d1bc1c8f9da8a649)
+#if !defined(PIONEER3DX_PAIR_58f88e2cf80cd062)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_81ea64437bcbf55a)
+#if !defined(SYNCHRO_DRIVE_PAIR_e722216f595f2883)
 #error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -18,6 +18,20 @@
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#endif
+
+/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#define WMRGEN_CALLED static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#define WMRGEN_CALLED static inline
+#else
+#define WMRGEN_KERNEL static inline
+#define WMRGEN_CALLED static inline
+#endif
 #endif
 
 #if !defined(WMRGEN_FLIP)
@@ -62,16 +76,6 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
-#if !defined(WMRGEN_KERNEL)
-#if defined(__GNUC__) && defined(WMRGEN_SMALL)
-#define WMRGEN_KERNEL static __attribute__((noinline))
-#elif defined(__GNUC__)
-#define WMRGEN_KERNEL static inline __attribute__((always_inline))
-#else
-#define WMRGEN_KERNEL static inline
-#endif
-#endif
-
 #if !defined(WMRGEN_SINE)
 #define WMRGEN_SINE
 /* sin r, |r| <= pi/2. */
@@ -93,29 +97,6 @@ typedef struct {
     float x;
     float y;
 } wmrgen_vector;
-#endif
-
-#if !defined(WMRGEN_DIRECTION)
-#define WMRGEN_DIRECTION
-/* (cos angle, sin angle). */
-WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
-{
-    wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_flip(1.0f, t0);
-    const float t4 = t2 * t2;
-    const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
-
-    result.x = fmaf(t5, t9, t3);
-    result.y = t3 * wmrgen_sine(t2);
-    return result;
-}
 #endif
 
 #if !defined(WMRGEN_VECTOR_AT)
@@ -254,12 +235,12 @@ void synchro_drive_odometry(const synchro_drive_odometry_in *in, synchro_drive_o
     const float half_turn_squared = 0.25f * t1; /* h^2 */
     const float half_turn = 0.5f * t0; /* h */
     const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
-    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, half_turn_safe);
     const float t3 = -half_turn_squared;
     const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
     const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
     const float chord = in->dt * t5; /* dt sinc(h) */
-    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const wmrgen_vector t6 = wmrgen_vector_at(1.0f, in->theta + half_turn);
     const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
     const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 

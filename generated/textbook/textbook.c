@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_55a8d7d1a6c7082c)
+#if !defined(TEXTBOOK_PAIR_65532b335cb4ad06)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -18,6 +18,20 @@
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#endif
+
+/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#define WMRGEN_CALLED static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#define WMRGEN_CALLED static inline
+#else
+#define WMRGEN_KERNEL static inline
+#define WMRGEN_CALLED static inline
+#endif
 #endif
 
 #if !defined(WMRGEN_FLIP)
@@ -52,16 +66,6 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
-#if !defined(WMRGEN_KERNEL)
-#if defined(__GNUC__) && defined(WMRGEN_SMALL)
-#define WMRGEN_KERNEL static __attribute__((noinline))
-#elif defined(__GNUC__)
-#define WMRGEN_KERNEL static inline __attribute__((always_inline))
-#else
-#define WMRGEN_KERNEL static inline
-#endif
-#endif
-
 #if !defined(WMRGEN_SINE)
 #define WMRGEN_SINE
 /* sin r, |r| <= pi/2. */
@@ -83,29 +87,6 @@ typedef struct {
     float x;
     float y;
 } wmrgen_vector;
-#endif
-
-#if !defined(WMRGEN_DIRECTION)
-#define WMRGEN_DIRECTION
-/* (cos angle, sin angle). */
-WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
-{
-    wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_flip(1.0f, t0);
-    const float t4 = t2 * t2;
-    const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
-
-    result.x = fmaf(t5, t9, t3);
-    result.y = t3 * wmrgen_sine(t2);
-    return result;
-}
 #endif
 
 #if !defined(WMRGEN_VECTOR_AT)
@@ -167,7 +148,7 @@ void textbook_rotation_world_to_robot(
     const textbook_rotation_world_to_robot_in *in,
     textbook_rotation_world_to_robot_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->theta);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
 
     out->m11 = t0.x;
     out->m12 = t0.y;
@@ -184,7 +165,7 @@ void textbook_rotation_robot_to_world(
     const textbook_rotation_robot_to_world_in *in,
     textbook_rotation_robot_to_world_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->theta);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
 
     out->m11 = t0.x;
     out->m12 = -t0.y;
@@ -201,7 +182,7 @@ void textbook_world_to_robot(
     const textbook_world_to_robot_in *in,
     textbook_world_to_robot_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->theta);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
 
     out->vx = fmaf(in->x_rate, t0.x, in->y_rate * t0.y);
     out->vy = fmaf(t0.x, in->y_rate, -(in->x_rate * t0.y));
@@ -212,7 +193,7 @@ void textbook_robot_to_world(
     const textbook_robot_to_world_in *in,
     textbook_robot_to_world_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->theta);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
 
     out->x_rate = fmaf(in->vx, t0.x, -(in->vy * t0.y));
     out->y_rate = fmaf(in->vx, t0.y, t0.x * in->vy);
@@ -221,7 +202,7 @@ void textbook_robot_to_world(
 
 void textbook_rotate(const textbook_rotate_in *in, textbook_rotate_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->angle);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->angle);
 
     out->x = fmaf(in->x, t0.x, -(in->y * t0.y));
     out->y = fmaf(in->x, t0.y, t0.x * in->y);
@@ -229,7 +210,7 @@ void textbook_rotate(const textbook_rotate_in *in, textbook_rotate_out *out)
 
 void textbook_pose_compose(const textbook_pose_compose_in *in, textbook_pose_compose_out *out)
 {
-    const wmrgen_vector a = wmrgen_direction(in->a.theta);
+    const wmrgen_vector a = wmrgen_vector_at(1.0f, in->a.theta);
     const float t0 = in->a.x + fmaf(in->b.x, a.x, -(in->b.y * a.y));
 
     out->x = t0;
@@ -239,7 +220,7 @@ void textbook_pose_compose(const textbook_pose_compose_in *in, textbook_pose_com
 
 void textbook_pose_inverse(const textbook_pose_inverse_in *in, textbook_pose_inverse_out *out)
 {
-    const wmrgen_vector a = wmrgen_direction(in->a.theta);
+    const wmrgen_vector a = wmrgen_vector_at(1.0f, in->a.theta);
 
     out->x = -fmaf(in->a.x, a.x, in->a.y * a.y);
     out->y = fmaf(in->a.x, a.y, -(a.x * in->a.y));
@@ -248,7 +229,7 @@ void textbook_pose_inverse(const textbook_pose_inverse_in *in, textbook_pose_inv
 
 void textbook_rotation_x(const textbook_rotation_x_in *in, textbook_rotation_x_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->angle);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->angle);
 
     out->m11 = 1.0f;
     out->m12 = 0.0f;
@@ -263,7 +244,7 @@ void textbook_rotation_x(const textbook_rotation_x_in *in, textbook_rotation_x_o
 
 void textbook_rotation_y(const textbook_rotation_y_in *in, textbook_rotation_y_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->angle);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->angle);
 
     out->m11 = t0.x;
     out->m12 = 0.0f;
@@ -278,7 +259,7 @@ void textbook_rotation_y(const textbook_rotation_y_in *in, textbook_rotation_y_o
 
 void textbook_rotation_z(const textbook_rotation_z_in *in, textbook_rotation_z_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->angle);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->angle);
 
     out->m11 = t0.x;
     out->m12 = -t0.y;
@@ -928,7 +909,7 @@ void textbook_disk_constraint(
     const textbook_disk_constraint_in *in,
     textbook_disk_constraint_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->phi);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->phi);
 
     out->w1 = t0.y;
     out->w2 = -t0.x;
@@ -976,9 +957,9 @@ void textbook_wheel_contributions(
 void textbook_swedish_wheel(const textbook_swedish_wheel_in *in, textbook_swedish_wheel_out *out)
 {
     const float t0 = in->gamma + in->beta;
-    const wmrgen_vector t1 = wmrgen_direction(in->alpha + t0);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->alpha + t0);
     const wmrgen_vector t2 = wmrgen_vector_at(in->l * in->omega, t0);
-    const wmrgen_vector t3 = wmrgen_direction(in->gamma);
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, in->gamma);
     const float t4 = in->r * t3.x;
     const float t5 = fabsf(t4);
     const float t6 = (1e-12f < t5) ? t4 : 1.0f;
@@ -996,7 +977,7 @@ void textbook_mecanum_wheel(const textbook_mecanum_wheel_in *in, textbook_mecanu
 {
     const wmrgen_vector t0 = wmrgen_vector_at(in->radius, in->phi);
     const wmrgen_vector t1 = wmrgen_vector_at(in->r_sw, in->phi + in->alpha);
-    const wmrgen_vector t2 = wmrgen_direction(in->alpha);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, in->alpha);
 
     out->m11 = -t0.y;
     out->m12 = t1.y;
@@ -1016,13 +997,13 @@ void textbook_mecanum_wheel_inverse(
 {
     const float t0 = fmaf(-in->dy, in->omega, in->vx);
     const float t1 = fmaf(in->omega, in->dx, in->vy);
-    const wmrgen_vector t2 = wmrgen_direction(in->alpha + in->phi);
-    const wmrgen_vector t3 = wmrgen_direction(in->alpha);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, in->alpha + in->phi);
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, in->alpha);
     const float t4 = in->radius * t3.y;
     const float t5 = fabsf(t4);
     const float t6 = (1e-12f < t5) ? -t4 : 1.0f;
     const float t7 = (1e-12f < t5) ? -(fmaf(t0, t2.x, t1 * t2.y) / t6) : 0.0f;
-    const wmrgen_vector t8 = wmrgen_direction(in->phi);
+    const wmrgen_vector t8 = wmrgen_vector_at(1.0f, in->phi);
     const float t9 = t3.y * in->r_sw;
     const float t10 = fabsf(t9);
     const float t11 = (1e-12f < t10) ? -t9 : 1.0f;
@@ -1040,9 +1021,9 @@ void textbook_mecanum_roller(
     const float t0 = fabsf(in->count);
     const float t1 = (1e-12f < t0) ? in->count : 1.0f;
     const float t2 = (1e-12f < t0) ? (3.1415927f / t1) : 0.0f;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
     const float t4 = in->radius * t3.y;
-    const wmrgen_vector t5 = wmrgen_direction(in->angle);
+    const wmrgen_vector t5 = wmrgen_vector_at(1.0f, in->angle);
     const float t6 = fabsf(t5.y);
     const float t7 = (1e-12f < t6) ? t5.y : 1.0f;
     const float t8 = (1e-12f < t6) ? (2.0f * (t4 / t7)) : 0.0f;
@@ -1054,7 +1035,7 @@ void textbook_mecanum_roller(
 
 void textbook_omni_wheel(const textbook_omni_wheel_in *in, textbook_omni_wheel_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->beta - in->gamma);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->beta - in->gamma);
     const float t1 = fabsf(t0.x);
     const float t2 = (1e-12f < t1) ? t1 : 1.0f;
     const float t3 = (1e-12f < t1) ? (1.0f / t2) : 0.0f;
@@ -1087,7 +1068,7 @@ void textbook_castor_swivel(const textbook_castor_swivel_in *in, textbook_castor
     const float t18 = t17 * t17;
     const float t19 = t18 * t18;
     const float t20 = in->alpha + in->beta - wmrgen_arctangent2(in->vy, in->vx);
-    const wmrgen_vector t21 = wmrgen_direction(fmaf(0.5f, t20, 0.7853982f));
+    const wmrgen_vector t21 = wmrgen_vector_at(1.0f, fmaf(0.5f, t20, 0.7853982f));
     const float t22 = wmrgen_arctangent2(t21.y * ((t19 - 1.0f) * t21.x), fmaf(t21.x, t21.x, t19 * (t21.y * t21.y)));
 
     out->beta = in->beta + (2.0f * t22);
@@ -1170,7 +1151,7 @@ void textbook_unicycle_to_chain(
     const textbook_unicycle_to_chain_in *in,
     textbook_unicycle_to_chain_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->theta);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
     const float t1 = fmaf(in->x, t0.y, -(t0.x * in->y));
 
     out->z1 = in->theta;
@@ -1202,7 +1183,7 @@ void textbook_polar_coordinates(
     const textbook_polar_coordinates_in *in,
     textbook_polar_coordinates_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->theta);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
     const float t1 = wmrgen_arctangent2(fmaf(in->x, t0.y, -(in->y * t0.x)), -fmaf(in->x, t0.x, in->y * t0.y));
 
     out->rho = sqrtf(fmaf(in->x, in->x, in->y * in->y));
@@ -1250,7 +1231,7 @@ void textbook_polar_closed_loop(
     textbook_polar_closed_loop_out *out)
 {
     const float t0 = in->k_rho * in->rho;
-    const wmrgen_vector t1 = wmrgen_direction(in->alpha);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->alpha);
     const float t2 = fmaf(in->alpha, in->k_alpha, in->beta * in->k_beta);
     const float t3 = in->k_rho * t1.y;
 
@@ -1303,7 +1284,7 @@ void textbook_turning_radius(
     const textbook_turning_radius_in *in,
     textbook_turning_radius_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->psi);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->psi);
     const float t1 = fabsf(t0.y);
     const float t2 = (1e-12f < t1) ? t0.y : 1.0f;
     const float t3 = in->wheelbase * t0.x;
@@ -1318,7 +1299,7 @@ void textbook_turning_radius(
 
 void textbook_pursuit(const textbook_pursuit_in *in, textbook_pursuit_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->epsilon);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->epsilon);
     const float t1 = wmrgen_arctangent2(2.0f * (in->wheelbase * t0.y), in->distance);
     const float t2 = fabsf(in->distance);
     const float t3 = (1e-12f < t2) ? in->distance : 1.0f;
@@ -1352,7 +1333,7 @@ void textbook_car_reduction(const textbook_car_reduction_in *in, textbook_car_re
 
 void textbook_car_bounds(const textbook_car_bounds_in *in, textbook_car_bounds_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_direction(in->zeta_max);
+    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->zeta_max);
     const float t1 = in->u1_max * t0.x;
     const float t2 = fabsf(t0.x);
     const float t3 = (1e-12f < t2) ? t0.x : 1.0f;

@@ -20,7 +20,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_55a8d7d1a6c7082c)
+#if !defined(TEXTBOOK_PAIR_65532b335cb4ad06)
 #error "textbook_checked.h and textbook.h were not generated together: copy both"
 #endif
 

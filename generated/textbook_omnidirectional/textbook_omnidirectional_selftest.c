@@ -16,7 +16,7 @@
  */
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_95a4ec3837ef3895)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_75d137e6525c923d)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

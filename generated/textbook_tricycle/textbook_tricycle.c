@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_5caca517172da29f)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_1f8e4807782c14d6)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -18,6 +18,20 @@
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#endif
+
+/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#define WMRGEN_CALLED static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#define WMRGEN_CALLED static inline
+#else
+#define WMRGEN_KERNEL static inline
+#define WMRGEN_CALLED static inline
+#endif
 #endif
 
 #if !defined(WMRGEN_FLIP)
@@ -73,16 +87,6 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
-#if !defined(WMRGEN_KERNEL)
-#if defined(__GNUC__) && defined(WMRGEN_SMALL)
-#define WMRGEN_KERNEL static __attribute__((noinline))
-#elif defined(__GNUC__)
-#define WMRGEN_KERNEL static inline __attribute__((always_inline))
-#else
-#define WMRGEN_KERNEL static inline
-#endif
-#endif
-
 #if !defined(WMRGEN_SINE)
 #define WMRGEN_SINE
 /* sin r, |r| <= pi/2. */
@@ -104,29 +108,6 @@ typedef struct {
     float x;
     float y;
 } wmrgen_vector;
-#endif
-
-#if !defined(WMRGEN_DIRECTION)
-#define WMRGEN_DIRECTION
-/* (cos angle, sin angle). */
-WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
-{
-    wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_flip(1.0f, t0);
-    const float t4 = t2 * t2;
-    const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
-
-    result.x = fmaf(t5, t9, t3);
-    result.y = t3 * wmrgen_sine(t2);
-    return result;
-}
 #endif
 
 #if !defined(WMRGEN_VECTOR_AT)
@@ -206,7 +187,7 @@ void textbook_tricycle_inverse(
     const float t3 = (1.5707964f < t2.steer) ? (t2.steer - 3.1415927f) : t2.steer;
     const float front_heading = (t2.steer < (-1.5707964f)) ? (t2.steer + 3.1415927f) : t3; /* front: heading */
     const float front_target = wmrgen_within(front_heading, 1.3089969f); /* front: angle inside the limits */
-    const wmrgen_vector t4 = wmrgen_direction(front_target - t2.steer);
+    const wmrgen_vector t4 = wmrgen_vector_at(1.0f, front_target - t2.steer);
 
     out->rear_left.spin = t0 - t1;
     out->rear_right.spin = t1 + t0;
@@ -222,7 +203,7 @@ void textbook_tricycle_inverse_slip(
     const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
     const float front_excess = wmrgen_within(front_heading, 1.3089969f) - t0.steer; /* front excess */
-    const wmrgen_vector t2 = wmrgen_direction(front_excess);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_excess);
     const float t3 = t0.spin * t2.y;
     const float t4 = fabsf(in->vy);
 
@@ -275,12 +256,12 @@ void textbook_tricycle_odometry(
     const float half_turn_squared = 0.25f * t1; /* h^2 */
     const float half_turn = 0.5f * t0; /* h */
     const float half_turn_safe = (half_turn_squared < 0.0025f) ? 1.0f : half_turn; /* h or 1 */
-    const wmrgen_vector t2 = wmrgen_direction(half_turn_safe);
+    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, half_turn_safe);
     const float t3 = -half_turn_squared;
     const float t4 = fmaf(t3, fmaf((-4.9603175e-05f), t1, 0.008333334f), 0.16666667f);
     const float t5 = (half_turn_squared < 0.0025f) ? fmaf(t3, t4, 1.0f) : (t2.y / half_turn_safe);
     const float chord = in->dt * t5; /* dt sinc(h) */
-    const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
+    const wmrgen_vector t6 = wmrgen_vector_at(1.0f, in->theta + half_turn);
     const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);
     const float t8 = fmaf(chord, fmaf(in->vx, t6.y, t6.x * in->vy), in->y);
 

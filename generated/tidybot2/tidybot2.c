@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_9412c11b4ea9876f)
+#if !defined(TIDYBOT2_PAIR_a9ba1fd12d4f522f)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -18,6 +18,20 @@
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
+#endif
+
+/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+#if !defined(WMRGEN_KERNEL)
+#if defined(__GNUC__) && defined(WMRGEN_SMALL)
+#define WMRGEN_KERNEL static __attribute__((noinline))
+#define WMRGEN_CALLED static __attribute__((noinline))
+#elif defined(__GNUC__)
+#define WMRGEN_KERNEL static inline __attribute__((always_inline))
+#define WMRGEN_CALLED static inline
+#else
+#define WMRGEN_KERNEL static inline
+#define WMRGEN_CALLED static inline
+#endif
 #endif
 
 #if !defined(WMRGEN_FLIP)
@@ -39,16 +53,6 @@ static inline float wmrgen_flip(float a, float n)
     x.bits ^= y.bits << 31U;
     return x.value;
 }
-#endif
-
-#if !defined(WMRGEN_KERNEL)
-#if defined(__GNUC__) && defined(WMRGEN_SMALL)
-#define WMRGEN_KERNEL static __attribute__((noinline))
-#elif defined(__GNUC__)
-#define WMRGEN_KERNEL static inline __attribute__((always_inline))
-#else
-#define WMRGEN_KERNEL static inline
-#endif
 #endif
 
 #if !defined(WMRGEN_SINE)

@@ -20,7 +20,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_9412c11b4ea9876f)
+#if !defined(TIDYBOT2_PAIR_a9ba1fd12d4f522f)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_9412c11b4ea9876f)
+#if !defined(TIDYBOT2_PAIR_a9ba1fd12d4f522f)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_5f406778567bf623)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_6cbf63764363cb40)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_6fd2cc51226d75c7)
+#if !defined(TURTLEBOT3_BURGER_PAIR_853510e5c384a7e3)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

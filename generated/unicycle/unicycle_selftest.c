@@ -16,7 +16,7 @@
  */
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_99d0adcff5a60cb4)
+#if !defined(UNICYCLE_PAIR_1637958253485705)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

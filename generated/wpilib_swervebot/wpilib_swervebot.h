@@ -55,7 +55,7 @@
 #define WMRGEN_WPILIB_SWERVEBOT_H
 
 #define WPILIB_SWERVEBOT_MODEL_HASH "e44121f92de39a2c55e96082878ddddf"
-#define WPILIB_SWERVEBOT_PAIR_83e7daa8e69ac2d9 1
+#define WPILIB_SWERVEBOT_PAIR_12ccdfd30e0add55 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_83e7daa8e69ac2d9)
+#if !defined(WPILIB_SWERVEBOT_PAIR_12ccdfd30e0add55)
 #error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -9,13 +9,15 @@ series below the last bit.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from tests.mutation.mutants import LITERAL, Mutant
+from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Role
 from wmrgen.ir.running import UNITS, Bounded, bounds, outputs
 from wmrgen.ir.vectors import contract, prepared_of
@@ -51,7 +53,8 @@ _CALLS = {
     "atan2f": np.arctan2, "fmaf": _fused,
     "wmrgen_flip": _flip, "wmrgen_signed": _signed, "wmrgen_within": _within, "wmrgen_beyond": _beyond,
 }  # fmt: skip
-_LINE = re.compile(r"^    (?:const float )?([\w.>-]+) = ([^;]+);$")
+_LINE = re.compile(r"^    (?:const (?:float|wmrgen_\w+) )?([\w.>-]+) = ([^;]+);$")
+_KERNEL = re.compile(r"^WMRGEN_KERNEL \w+ (\w+)\(([^)]*)\)\n\{\n(.*?)^\}", flags=re.S | re.M)
 _CHOICE = re.compile(r"^\((.+) < (.+)\) \? (.+) : (.+)$")
 _TYPICAL = {"m/s": 2.0, "rad/s": 8.0, "rad": 3.2, "m": 5.0, "s": 0.25}
 
@@ -64,18 +67,47 @@ def _python(text: str) -> str:
     return "np.where({} < {}, {}, {})".format(*choice.groups()) if choice else text
 
 
+def _kernels(source: str) -> dict[str, Callable[..., Any]]:
+    """The kernels of a file as functions of NumPy, in their order."""
+    made: dict[str, Callable[..., Any]] = {}
+    for name, parameters, text in _KERNEL.findall(source):
+        made[name] = _kernel([p.split()[-1] for p in parameters.split(",")], text, dict(made))
+    return made
+
+
+def _kernel(parameters: Sequence[str], text: str, others: Mapping[str, Any]) -> Callable[..., Any]:
+    lines = [m.groups() for m in map(_LINE.match, text.splitlines()) if m]
+    last = re.search(r"^    return ([^;]+);$", text, flags=re.M)
+
+    def call(*args: Array) -> Any:
+        known: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS, **others}
+        known |= dict(zip(parameters, args, strict=True))
+        result = SimpleNamespace()
+        for target, expression in lines:
+            value = eval(_python(expression), {}, known)
+            if target.startswith("result."):
+                setattr(result, target.removeprefix("result."), value)
+            else:
+                known[target] = value
+        assert last is not None
+        return result if last[1] == "result" else eval(_python(last[1]), {}, known)
+
+    return call
+
+
 class Body:
     """The statements of one C function, computed in float32."""
 
     def __init__(self, source: str, function: str) -> None:
         text = re.search(rf"^void {function}\(.*?^}}", source, flags=re.S | re.M)
         assert text, function
+        self.kernels = _kernels(source)
         bare = re.sub(r"; /\*.*\*/$", ";", text[0], flags=re.M)
         self.lines = [m.groups() for m in map(_LINE.match, bare.splitlines()) if m]
 
     def run(self, mutant: Mutant, given: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
         """What is stored, by member, with the line that ``mutant`` changes as it wants it."""
-        known: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS}
+        known: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS, **self.kernels}
         known |= {f"{name}_": values for name, values in given.items()}
         stored = {}
         changed = mutant.before.removeprefix("const float ")
@@ -102,7 +134,7 @@ class Judge:
     """Tells equivalent mutants of a robot's C from faults."""
 
     def __init__(self, module: Module, source: str) -> None:
-        self.module, self.source = module, source
+        self.module, self.source = inlined_calls(module), source
         self._known: dict[str, tuple[Cases, Body]] = {}
 
     def equivalent(self, mutant: Mutant) -> bool:

@@ -122,34 +122,17 @@ def _verdicts(m: Mobility) -> list[str]:
     kind = f"({m.degree_of_mobility}, {m.degree_of_steerability})"
     growth = "(" + ", ".join(str(n) for n in m.growth_vector) + ")"
     rows = [
-        [
-            "differentiable degrees of freedom",
-            str(m.ddof),
-            "DDOF = δ<sub>m</sub>: velocities that can be chosen at once",
-        ],
-        [
-            "degrees of freedom",
-            str(m.dof),
-            "dimension of the Lie algebra of all admissible twists: poses that can be reached",
-        ],
-        [
-            "growth vector",
-            growth,
-            "dimensions spanned by the inputs, then with their brackets, one order at a time",
-        ],
-        [
-            "degree of nonholonomy",
-            str(m.degree_of_nonholonomy),
-            "bracket orders needed to reach everything, 1 being none",
-        ],
+        ["differentiable degrees of freedom", str(m.ddof),
+         "DDOF = δ<sub>m</sub>: velocities that can be chosen at once"],
+        ["degrees of freedom", str(m.dof),
+         "dimension of the Lie algebra of all admissible twists: poses that can be reached"],
+        ["growth vector", growth, "dimensions spanned by the inputs, then with their brackets, one order at a time"],
+        ["degree of nonholonomy", str(m.degree_of_nonholonomy),
+         "bracket orders needed to reach everything, 1 being none"],
         ["holonomic", yes[m.holonomic], "DDOF = DOF"],
         ["omnidirectional", yes[m.omnidirectional], "DDOF = 3"],
-        [
-            "type (δ<sub>m</sub>, δ<sub>s</sub>)",
-            kind,
-            "degenerate" if m.degenerate else "one of Campion's five",
-        ],
-    ]
+        ["type (δ<sub>m</sub>, δ<sub>s</sub>)", kind, "degenerate" if m.degenerate else "one of Campion's five"],
+    ]  # fmt: skip
     return table(["property", "value", "meaning"], rows, "l")
 
 

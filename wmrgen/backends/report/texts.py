@@ -101,10 +101,8 @@ def _differential(robot: Robot) -> list[Citation]:
     if not _alike(_rows((right, left)), ((ONE / r, ZERO, a / r), (ONE / r, ZERO, -a / r))):
         return []
     if b:
-        text = "Tzafestas Example 2.2"
-        return [
-            Citation(text, "`inverse`, and the constraint with the offset b", {"a": a, "b": b, "r": r}, pair)
-        ]
+        what = "`inverse`, and the constraint with the offset b"
+        return [Citation("Tzafestas Example 2.2", what, {"a": a, "b": b, "r": r}, pair)]
     return [
         Citation("Siegwart (3.29), (3.30)", "the stacked rows and `forward`", {"l": a, "r": r}, pair),
         Citation("Tzafestas (2.34)-(2.37), (2.41c)", "`forward` and `inverse`", {"a": a, "r": r}, pair),
@@ -136,11 +134,8 @@ def _car(robot: Robot) -> list[Citation]:
     if not all(_same(w.nominal.x, steered[0].nominal.x) for w in steered):
         return []
     front = steered[0].nominal
-    if (
-        not _same(sum((w.nominal.y for w in steered), ZERO), ZERO)
-        or not front.x
-        or any(w.nominal.o for w in steered)
-    ):
+    middle = sum((w.nominal.y for w in steered), ZERO)
+    if not _same(middle, ZERO) or not front.x or any(w.nominal.o for w in steered):
         return []
     letters = {"D": front.x}
     if len(steered) > 1:
@@ -170,22 +165,16 @@ def _omni(robot: Robot) -> list[Citation]:
         return []
     if any(w.nominal.r != r for w in wheels):
         return []
-    cited = []
-    radius = first if first.sign > 0 else -first
     if first.sign > 0:
-        cited.append(
-            Citation("Tzafestas (2.72)", "`inverse` for any number of omni wheels", {"D": radius, "r": r})
-        )
-        cited += _ring(wheels, (0, 8, 16), "Tzafestas (2.73), (2.74)", {"D": radius, "r": r})
-    else:
-        cited.append(
-            Citation(
-                "Konstantinov (3), (4)", "`inverse`, phi_i the polar angle of wheel i", {"a": radius, "r": r}
-            )
-        )
-        cited += _ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": radius, "r": r})
-        cited += _ring(wheels, (-6, 2, 10), "Konstantinov (5)", {"a": radius, "r": r})
-    return cited  # fmt: skip
+        letters = {"D": first, "r": r}
+        general = Citation("Tzafestas (2.72)", "`inverse` for any number of omni wheels", letters)
+        return [general, *_ring(wheels, (0, 8, 16), "Tzafestas (2.73), (2.74)", letters)]
+    letters = {"a": -first, "r": r}
+    return [
+        Citation("Konstantinov (3), (4)", "`inverse`, phi_i the polar angle of wheel i", letters),
+        *_ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": -first, "r": r}),
+        *_ring(wheels, (-6, 2, 10), "Konstantinov (5)", letters),
+    ]
 
 
 def _ring(wheels: list[Wheel], twelfths: tuple[int, ...], equation: str, letters: Letters) -> list[Citation]:
@@ -222,39 +211,25 @@ def _all_steered(robot: Robot) -> list[Citation]:
     if len(wheels) < 2 or any(not w.kind.steers for w in wheels):
         return []
     if robot.couplings:
-        parallel = (
-            all(
-                _same(w.nominal.ch, wheels[0].nominal.ch) and _same(w.nominal.sh, wheels[0].nominal.sh)
-                for w in wheels
-            )
-            and len(set(robot.steer_group)) == 1
-        )
-        return (
-            [Citation("Siegwart 3.3.3", "synchro drive: the chassis only translates", {})] if parallel else []
-        )
-    what = "rows H of the contact velocities and their least squares"
-    cited = [Citation("Kelly Box 4.2", what, {})]
+        first = wheels[0].nominal
+        parallel = all(_same(w.nominal.ch, first.ch) and _same(w.nominal.sh, first.sh) for w in wheels)
+        if not parallel or len(set(robot.steer_group)) > 1:
+            return []
+        return [Citation("Siegwart 3.3.3", "synchro drive: the chassis only translates", {})]
+    cited = [Citation("Kelly Box 4.2", "rows H of the contact velocities and their least squares", {})]
     offsets = {w.nominal.o for w in wheels if w.nominal.o}
     if len(wheels) == 4 and offsets:
-        cited.append(
-            Citation(
-                "Kelly (4.62)",
-                "H and Q of four wheel steering with offset contacts",
-                {"d": max(offsets, key=float)},
-            )
-        )
-    return cited  # fmt: skip
+        what = "H and Q of four wheel steering with offset contacts"
+        cited.append(Citation("Kelly (4.62)", what, {"d": max(offsets, key=float)}))
+    return cited
 
 
 def _castors(robot: Robot) -> list[Citation]:
     powered = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
     if not powered:
         return []
-    return [
-        Citation(
-            "Siegwart (3.17), (3.18)", "both rates of a powered castor from the twist", {}, _names(powered)
-        )
-    ]
+    what = "both rates of a powered castor from the twist"
+    return [Citation("Siegwart (3.17), (3.18)", what, {}, _names(powered))]
 
 
 def _locked_bicycle(robot: Robot) -> list[Citation]:
@@ -267,11 +242,8 @@ def _locked_bicycle(robot: Robot) -> list[Citation]:
     l1, l2 = sorted((w.nominal.x for w in wheels), key=float, reverse=True)
     if _same(l1, l2):
         return []
-    return [
-        Citation(
-            "Siegwart (3.39), 3.4.2", "C1f of rank 2: a holonomic robot on a line", {"l1": l1, "l2": -l2}
-        )
-    ]
+    what = "C1f of rank 2: a holonomic robot on a line"
+    return [Citation("Siegwart (3.39), 3.4.2", what, {"l1": l1, "l2": -l2})]
 
 
 _RULES: tuple[Callable[[Robot], list[Citation]], ...] = (

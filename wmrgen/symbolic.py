@@ -156,6 +156,12 @@ def square(a: Expr) -> Expr:
     return sympy.Pow(a, 2, evaluate=False)
 
 
+_LAZY = (
+    sympy.Add, sympy.Mul, sympy.Pow, sympy.Max, sympy.Min, sympy.Abs, sympy.atan, sympy.atan2, Nearest,
+    sympy.StrictLessThan,
+)  # fmt: skip
+
+
 def substituted(expr: Expr, known: dict[Expr, Expr], memo: dict[Expr, Expr]) -> Expr:
     """``expr`` with ``known`` put in and nothing evaluated: comparing nested maxima would take sympy minutes.
 
@@ -165,22 +171,10 @@ def substituted(expr: Expr, known: dict[Expr, Expr], memo: dict[Expr, Expr]) -> 
         return known.get(expr, expr)
     if expr not in memo:
         args = [substituted(a, known, memo) for a in expr.args]
-        lazy = (
-            sympy.Add,
-            sympy.Mul,
-            sympy.Pow,
-            sympy.Max,
-            sympy.Min,
-            sympy.Abs,
-            sympy.atan,
-            sympy.atan2,
-            Nearest,
-            sympy.StrictLessThan,
-        )
         if isinstance(expr, (sympy.Piecewise, ExprCondPair)):
             # Their constructors fold every piecewise condition, even unevaluated.
             memo[expr] = sympy.Basic.__new__(type(expr), *args)
-        elif isinstance(expr, lazy):
+        elif isinstance(expr, _LAZY):
             memo[expr] = expr.func(*args, evaluate=False)
         else:
             memo[expr] = expr.func(*args)

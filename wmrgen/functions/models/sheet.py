@@ -95,27 +95,27 @@ def _written(printer: Writer, expr: Expr) -> str:
 def lines(sheet: Sheet) -> list[str]:
     """Plain text, one equation a line; fractions too long to read as decimals."""
     printer = Reader(Text(sheet.ports).doprint)
-    found = [f"{sheet.form}: {sheet.text}"]
+    rows = [f"{sheet.form}: {sheet.text}"]
     if sheet.state:
-        found.append(f"state:  {' '.join(p.name for p in sheet.state)}")
-    found.append(f"inputs: {' '.join(_with_unit(p) for p in sheet.inputs)}")
+        rows.append(f"state:  {' '.join(p.name for p in sheet.state)}")
+    rows.append(f"inputs: {' '.join(_with_unit(p) for p in sheet.inputs)}")
     if sheet.parameters:
         values = (f"{p.name} = {p.default}" for p in sheet.parameters)
-        found.append(f"with:   {', '.join(values)}")
-    found += ["", *_aligned([(e.left, _written(printer, e.right)) for e in sheet.where])]
-    found += [""] if sheet.where else []
-    found += _aligned(
+        rows.append(f"with:   {', '.join(values)}")
+    rows += ["", *_aligned([(e.left, _written(printer, e.right)) for e in sheet.where])]
+    rows += [""] if sheet.where else []
+    rows += _aligned(
         [(f"{e.left}'" if e.rate else e.left, _written(printer, e.right)) for e in sheet.equations]
     )
     if sheet.fields:
-        found += ["", "vector fields:"]
+        rows += ["", "vector fields:"]
         for name, field in sheet.fields:
-            found.append(f"  {name}: [{', '.join(_written(printer, e) for e in field)}]")
+            rows.append(f"  {name}: [{', '.join(_written(printer, e) for e in field)}]")
     if sheet.state:
-        found += ["", "singular:" if sheet.domain else "singular: nowhere"]
+        rows += ["", "singular:" if sheet.domain else "singular: nowhere"]
         for condition, text in sheet.domain:
-            found.append(f"  {_written(printer, condition)} = 0: {text}")
-    return [*found, "", printer.note] if printer.note else found
+            rows.append(f"  {_written(printer, condition)} = 0: {text}")
+    return [*rows, "", printer.note] if printer.note else rows
 
 
 def _with_unit(port: Port) -> str:

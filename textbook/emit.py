@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,7 +14,7 @@ import sympy
 from textbook.library import Textbook, textbook
 from textbook.report import report
 from wmrgen import __version__
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.report.markdown import page
 from wmrgen.ports import Port
@@ -33,17 +34,17 @@ def _artifacts(scalar: str) -> dict[str, bytes]:
     digest = hashlib.sha256(facts)
     digest.update(repr(book.raw_module).encode())
     digest.update(f"{scalar} {__version__}".encode())
-    meta = Meta(
+    common = Facts(
         description=DESCRIPTION,
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
-        scalar=scalar,
     )
     files = {"functions.json": facts}
     for entry in BACKENDS.values():
         if entry.source != "itself":  # those draw and report robots
-            files |= entry.load().emit(getattr(book, entry.source), meta)
+            options = {"scalar": scalar} if "scalar" in entry.options else {}
+            files |= entry.load().emit(getattr(book, entry.source), replace(common, options=options))
     return files | {"report.md": page(report(book)).encode()}
 
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 import sympy
 
 from wmrgen import __version__
-from wmrgen.backends.lines import places
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.wheels import wheel_lines
 from wmrgen.bounds.text import header_lines
@@ -31,33 +30,34 @@ def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = Fal
     ``choice`` is of the generated C; ``fuzz`` adds a fuzzing harness to it.
     """
     model = (json.dumps(derivation.model(), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
-    facts = replace(meta(derivation, choice, model), fuzz=fuzz)
+    common = facts(derivation, choice, model)
+    chosen = {**asdict(choice), "fuzz": fuzz}
     files = {MODEL: model}
-    for entry in BACKENDS.values():
-        made = entry.load().emit(getattr(derivation, entry.source), facts)
-        clash = files.keys() & made.keys()
+    for entry in sorted(BACKENDS.values(), key=lambda entry: entry.source == "itself"):  # readers come last
+        options = {name: chosen[name] for name in (*entry.options, *entry.switches)}
+        lines = _bound_lines(derivation, choice) if entry.proved else ()
+        own = replace(common, options=options, bound_lines=lines)
+        written = entry.load().emit(getattr(derivation, entry.source), own)
+        clash = files.keys() & written.keys()
         if clash:
             raise ValueError(f"backend {entry.name} writes {sorted(clash)} again")
-        files.update(made)
-        if entry.name == "c99":
-            facts = replace(facts, places=places(made[f"{derivation.robot.name}.c"].decode()))
+        files.update(written)
+        places = entry.offers("places")
+        if places:
+            common = replace(common, places=(*common.places, *places(written)))
     return files
 
 
-def meta(derivation: Derivation, choice: Choice, model: bytes) -> Meta:
+def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
     """What the generated files say about themselves. The hash covers model, choice and version."""
     digest = hashlib.sha256(model)
     digest.update(f"{' '.join(choice.words().values())} {__version__}".encode())
-    return Meta(
+    return Facts(
         description=derivation.robot.description,
         wheel_lines=wheel_lines(derivation.robot),
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
-        scalar=choice.scalar,
-        math=choice.math,
-        target=choice.target,
-        bound_lines=_bound_lines(derivation, choice),
         site=site(derivation.robot),
         formulas=derivation.raw_module.functions,
     )

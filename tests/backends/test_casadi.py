@@ -16,7 +16,7 @@ from tests.backends.samples import samples
 from tests.conftest import GALLERY
 from wmrgen import derive, load
 from wmrgen.backends.casadi import emit, functions
-from wmrgen.backends.meta import NO_META
+from wmrgen.backends.meta import Facts
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.ir.nodes import Module
 
@@ -39,7 +39,7 @@ def test_tunables_come_last_and_default_to_nominal() -> None:
 
 
 def test_a_file_loads_without_wmrgen(tmp_path: Path) -> None:
-    for name, content in emit(swerve(), NO_META).items():
+    for name, content in emit(swerve(), Facts()).items():
         (tmp_path / name).write_bytes(content)
     code = (
         "import casadi, sys; f = casadi.Function.load('swerve_inverse.casadi');"
@@ -53,7 +53,7 @@ def test_a_file_loads_without_wmrgen(tmp_path: Path) -> None:
 
 def test_the_bytes_are_those_of_save(tmp_path: Path) -> None:
     functions(swerve())["inverse"].save(str(tmp_path / "f.casadi"))
-    assert emit(swerve(), NO_META)["swerve_inverse.casadi"] == (tmp_path / "f.casadi").read_bytes()
+    assert emit(swerve(), Facts())["swerve_inverse.casadi"] == (tmp_path / "f.casadi").read_bytes()
 
 
 def _finite(function: casadi.Function, point: list[float]) -> bool:

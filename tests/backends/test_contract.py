@@ -6,13 +6,13 @@ import pytest
 
 from tests.backends.modules import MODULES
 from tests.backends.samples import samples
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.errors import UsageError
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.ir.nodes import Module
 
-META = Meta("a robot", ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0")
+META = Facts("a robot", ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0")
 CODE = tuple(
     name for name, entry in BACKENDS.items() if entry.source != "itself"
 )  # the others are to be read

@@ -14,11 +14,11 @@ from tests.backends.modules import MODULES, RADIUS, VX, swerve, tunable
 from tests.backends.samples import samples
 from tests.conftest import GALLERY
 from wmrgen import derive, load
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.backends.numpy import argument_names, emit, functions
 from wmrgen.ir.nodes import Function, Module, Port, Role
 
-META = Meta('"""\n evil \\', ("wheel é",), "0", "0", "0")
+META = Facts('"""\n evil \\', ("wheel é",), "0", "0", "0")
 
 
 def imported(module: Module, folder: Path) -> ModuleType:

@@ -10,8 +10,8 @@ import pytest
 from tests.conftest import ROOT
 from wmrgen import derive, load
 from wmrgen.backends.c99.emit import printed, unit
-from wmrgen.backends.lines import places
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.c99.lines import places_in
+from wmrgen.backends.c99.meta import Meta
 from wmrgen.backends.quantities import quantity
 from wmrgen.ir.calls import by_name, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes
@@ -53,7 +53,7 @@ def test_comments_and_lines() -> None:
     source = printed(derivation.c_module, unit(derivation.c_module, "float", formulas=meta.formulas), meta)[1]
     assert re.search(r"const float \w+ = .*; /\* front_left: a, back_left: a \*/$", source, flags=re.M)
     lines = source.splitlines()
-    found = {p.function: p for p in places(source)}
+    found = {p.function: p for p in places_in("wpilib_swervebot.c", source)}
     inverse = found["wpilib_swervebot_inverse"]
     assert lines[inverse.line - 1].startswith("void wpilib_swervebot_inverse(")
     texts = {text for text, _ in inverse.quantities}

@@ -12,8 +12,8 @@ from benchmarks.emulator.fleet import LIBM
 from tests.processor.fleets import host, inputs
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import unit
+from wmrgen.backends.c99.meta import Meta
 from wmrgen.backends.c99.step import Step
-from wmrgen.backends.meta import Meta
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT

@@ -10,7 +10,7 @@ import pytest
 import wmrgen
 from tests.conftest import ROOT
 from wmrgen.backends.registry import BACKENDS
-from wmrgen.emit import meta
+from wmrgen.emit import facts
 from wmrgen.functions.registry import declaration, names
 from wmrgen.ir.kernels.choice import DEFAULT
 
@@ -19,7 +19,7 @@ TEXTS = ("Tzafestas", "Konstantinov", "Kelly", "Siegwart", "AA274", "ours")
 
 def report(path: Path) -> str:
     d = wmrgen.derive(wmrgen.load(path))
-    return str(BACKENDS["report"].load().emit(d, meta(d, DEFAULT, b""))["report.md"].decode())
+    return str(BACKENDS["report"].load().emit(d, facts(d, DEFAULT, b""))["report.md"].decode())
 
 
 def test_every_function_has_its_source() -> None:

@@ -13,7 +13,7 @@ from wmrgen import derive, load
 from wmrgen.backends import drawing
 from wmrgen.backends.drawing.example import example
 from wmrgen.backends.drawing.wheels import contact
-from wmrgen.backends.meta import NO_META
+from wmrgen.backends.meta import Facts
 from wmrgen.robot import Derivation
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
@@ -27,7 +27,7 @@ def derivation(name: str) -> Derivation:
 
 @cache
 def root(name: str) -> ET.Element:
-    return ET.fromstring(drawing.emit(derivation(name), NO_META)["layout.svg"])
+    return ET.fromstring(drawing.emit(derivation(name), Facts())["layout.svg"])
 
 
 def frame(svg: ET.Element) -> tuple[float, float, float]:
@@ -132,8 +132,8 @@ def test_rollers_lean_as_they_do_at_the_ground() -> None:
 
 
 def test_same_bytes() -> None:
-    first = drawing.emit(derive(load(ROBOTS["pr2"])), NO_META)
-    assert first == drawing.emit(derivation("pr2"), NO_META)
+    first = drawing.emit(derive(load(ROBOTS["pr2"])), Facts())
+    assert first == drawing.emit(derivation("pr2"), Facts())
 
 
 def test_sixty_four_wheels(tmp_path: Path) -> None:
@@ -142,5 +142,5 @@ def test_sixty_four_wheels(tmp_path: Path) -> None:
     )
     path = tmp_path / "many.yaml"
     path.write_text(f"wmrgen: 1\nname: many\nwheels:\n{wheels}", encoding="utf-8")
-    svg = ET.fromstring(drawing.emit(derive(load(path)), NO_META)["layout.svg"])
+    svg = ET.fromstring(drawing.emit(derive(load(path)), Facts())["layout.svg"])
     assert len([g for g in svg.iter(f"{SVG}g") if "data-wheel" in g.attrib]) == 64

@@ -10,11 +10,11 @@ import pytest
 
 from wmrgen import derive, load
 from wmrgen.backends import report
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.robot import Derivation
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
-META = Meta(model_hash="0123456789abcdef", wmrgen_version="9.9")
+META = Facts(model_hash="0123456789abcdef", wmrgen_version="9.9")
 FENCE = re.compile(r"^```math\n(.*?)\n```$", re.MULTILINE | re.DOTALL)
 
 # What KaTeX and GitHub's MathJax both know, and the report uses. GitHub refuses \operatorname, \def and others.

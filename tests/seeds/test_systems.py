@@ -17,7 +17,7 @@ from tests.seeds.systems import ROBOTS, SYSTEMS, TEXTBOOK, asked, robot_file
 from textbook.library import textbook
 from wmrgen.backends.c99.emit import sources, unit
 from wmrgen.backends.c99.evaluate import answer, calls, driver, request
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.c99.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.exact.number import Exact
@@ -41,14 +41,14 @@ def derivation(robot: str) -> Any:
 
 @cache
 def report(robot: str) -> str:
-    from wmrgen.emit import meta
+    from wmrgen.emit import facts
 
     if robot == TEXTBOOK:
         from textbook.emit import artifacts
 
         return artifacts()["report.md"].decode()
     d = derivation(robot)
-    return BACKENDS["report"].load().emit(d, meta(d, Choice(), b""))["report.md"].decode()
+    return BACKENDS["report"].load().emit(d, facts(d, Choice(), b""))["report.md"].decode()
 
 
 def samples(robot: str, name: str) -> dict[str, float]:

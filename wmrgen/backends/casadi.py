@@ -15,7 +15,7 @@ from functools import cache
 
 import casadi as ca
 
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.ir.inline import complete, defaults, inlined
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
@@ -122,9 +122,9 @@ def functions(module: Module) -> dict[str, ca.Function]:
     return {f.name: to_casadi(f, ca.Function.fix_name(f"{module.name}_{f.name}")) for f in inlined(module)}
 
 
-def emit(module: Module, meta: Meta) -> dict[str, bytes]:
+def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>_<function>.casadi`` for ``casadi.Function.load``; the bytes `Function.save` would write."""
-    del meta  # the format has no place for it
+    del facts  # the format has no place for it
     files = {}
     for name, function in functions(module).items():
         serializer = ca.StringSerializer()

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-from wmrgen.backends.lines import Place
-from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function
 from wmrgen.ir.site import NO_SITE, Site
 
 
 @dataclass(frozen=True, slots=True)
-class Meta:
+class Place:
+    """A function in a generated ``file``: its line, and the lines of the quantities that it names."""
+
+    file: str
+    function: str
+    line: int
+    quantities: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
-    ``wheel_lines``: the wheel table, one finished line per wheel and note. ``bound_lines``: what is proved (float C).
-    ``model_hash``: hexadecimal digest of the model. For C only: ``scalar``, ``math`` and ``target``, see
-    `wmrgen.ir.kernels.choice`. ``site``: what the robot file says about inputs. ``fuzz``: a fuzzing harness too.
-    ``formulas``: the functions as lowered; ``places``: where the C computes what (for the report).
+    ``wheel_lines``: the wheel table, one finished line per wheel and note. ``model_hash``: hexadecimal digest of the
+    model. ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
+    file says about inputs. ``formulas``: the functions as lowered. ``options``: what the user chose of what the
+    backend takes. ``places``: where the code of other backends computes what (for the report).
     """
 
     description: str = ""
@@ -25,14 +34,8 @@ class Meta:
     model_hash: str = ""
     wmrgen_version: str = ""
     sympy_version: str = ""
-    scalar: str = DEFAULT.scalar
-    math: str = DEFAULT.math
-    target: str = DEFAULT.target
     bound_lines: tuple[str, ...] = ()
     site: Site = NO_SITE
-    fuzz: bool = False
     formulas: tuple[Function, ...] = ()
+    options: Mapping[str, str | bool] = field(default_factory=dict)
     places: tuple[Place, ...] = ()
-
-
-NO_META = Meta()

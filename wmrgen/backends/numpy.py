@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from wmrgen.backends.expression import Style, body
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.exact.number import Exact
 from wmrgen.ir.inline import complete, inlined
 from wmrgen.ir.nodes import Function, Module, Op
@@ -107,14 +107,14 @@ def _printed(function: Function) -> _Printed:
     )
 
 
-def emit(module: Module, meta: Meta) -> dict[str, bytes]:
+def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>.py``, which needs nothing but NumPy."""
     text = render(
         "numpy/module.py.j2",
         robot=module.name,
-        description=_plain(meta.description),
-        wheels=[_plain(line) for line in meta.wheel_lines],
-        meta=meta,
+        description=_plain(facts.description),
+        wheels=[_plain(line) for line in facts.wheel_lines],
+        meta=facts,
         functions=[_printed(function) for function in inlined(module)],
     )
     return {f"{module.name}.py": text.encode()}

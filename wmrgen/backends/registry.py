@@ -1,4 +1,4 @@
-"""The backends: one line each. A module is imported only when its backend is asked for."""
+"""The backends: one entry each, which says all that others need to know. A backend is imported only when asked for."""
 
 from __future__ import annotations
 
@@ -7,48 +7,126 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol, cast
 
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
+from wmrgen.backends.words import C_LIBRARY, CASADI, PYTHON, C, Reserved
 from wmrgen.ir.nodes import Module
 
 
 class Backend(Protocol):
-    """What the module of a backend offers."""
+    """What the module of a backend offers; ``places(files)`` too, where readers may want lines of its code."""
 
-    def emit(self, module: Module, meta: Meta) -> dict[str, bytes]:
+    def emit(self, module: Module, facts: Facts) -> dict[str, bytes]:
         """File name -> content, for every file of this backend."""
 
     def evaluate(
-        self, module: Module, function: str, cases: Sequence[Mapping[str, float]]
+        self, module: Module, function: str, cases: Sequence[Mapping[str, float]], **options: str
     ) -> list[dict[str, float]]:
         """Outputs by contract name for each case (inputs by contract name; a tunable may be left out)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
-    """``module`` is the import path; ``source`` the attribute of Derivation that the backend reads.
+class Files:
+    """Files of one purpose: their names, with ``{robot}`` in place and ``*`` for any function; ``what`` they are,
+    for the report (nothing: they are not listed)."""
 
-    A backend for readers has no ``evaluate`` and reads the Derivation ``itself``.
+    names: tuple[str, ...]
+    what: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A backend.
+
+    ``module`` is its import path; ``source`` the attribute of Derivation that it reads: ``module``, ``c_module``, or
+    ``itself`` (a backend for readers). ``word``: what `wmrgen eval --backend` calls it; nothing where it computes
+    nothing. ``files``: what it writes. ``reserved``: words that its language keeps. ``options``: of what `derive` and
+    `eval` let the user choose, the names that it takes; ``switches``: the same of `derive` alone. ``proved``: the
+    proofs are about its code, and it writes them down.
     """
 
     name: str
     module: str
     source: str
+    word: str = ""
+    files: tuple[Files, ...] = ()
+    reserved: tuple[Reserved, ...] = ()
+    options: tuple[str, ...] = ()
+    switches: tuple[str, ...] = ()
+    proved: bool = False
 
     def load(self) -> Backend:
         return cast(Backend, import_module(self.module))
 
     def offers(self, name: str) -> Any:
-        """What this backend offers beyond the protocol, as ``functions`` of CasADi and NumPy."""
-        return getattr(self.load(), name)
+        """What this backend offers beyond the protocol, as ``functions`` of CasADi and NumPy; None where it does
+        not."""
+        return getattr(self.load(), name, None)
+
+    def evaluate(
+        self,
+        module: Module,
+        function: str,
+        cases: Sequence[Mapping[str, float]],
+        options: Mapping[str, str],
+    ) -> list[dict[str, float]]:
+        """`Backend.evaluate` with those of the options that it takes."""
+        chosen = {name: options[name] for name in self.options if name in options}
+        return self.load().evaluate(module, function, cases, **chosen)
 
 
-BACKENDS: dict[str, Entry] = {
-    entry.name: entry
-    for entry in (
-        Entry("c99", "wmrgen.backends.c99", "c_module"),
-        Entry("casadi", "wmrgen.backends.casadi", "module"),
-        Entry("numpy", "wmrgen.backends.numpy", "module"),
-        Entry("drawing", "wmrgen.backends.drawing", "itself"),
-        Entry("report", "wmrgen.backends.report", "itself"),
-    )
-}
+BACKENDS: dict[str, Entry] = {}
+EXACT_WORD = "exact"  # the word of `wmrgen eval --backend` for exact arithmetic, which is no backend
+
+
+def register(entry: Entry) -> None:
+    """Add a backend. ValueError where its name, its word or a file of it is another's."""
+    names = {name for files in entry.files for name in files.names}
+    for other in BACKENDS.values():
+        theirs = {name for files in other.files for name in files.names}
+        if entry.name == other.name or (entry.word and entry.word == other.word) or names & theirs:
+            raise ValueError(f"backend {entry.name} has the name, a word or a file of backend {other.name}")
+    if entry.word == EXACT_WORD:
+        raise ValueError(f"{EXACT_WORD} is the word of exact arithmetic")
+    BACKENDS[entry.name] = entry
+
+
+def of_word(word: str) -> Entry | None:
+    """The backend that `wmrgen eval --backend` calls ``word``."""
+    return next((entry for entry in BACKENDS.values() if word and entry.word == word), None)
+
+
+def known_words() -> tuple[str, ...]:
+    """What `wmrgen eval --backend` knows."""
+    return (EXACT_WORD, *(entry.word for entry in BACKENDS.values() if entry.word))
+
+
+for _entry in (
+    Entry(
+        "c99", "wmrgen.backends.c99", "c_module", "c",
+        files=(
+            Files(("{robot}.h", "{robot}.c"), "the functions in C99"),
+            Files(("{robot}_checked.h", "{robot}_checked.c"), "the same behind a check of their inputs"),
+            Files(
+                ("{robot}_selftest.c",),
+                "test vectors with exact results and a `main`, for the machine it is to run on",
+            ),
+            Files(("{robot}_fuzz.c",)),
+        ),
+        reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz",), proved=True,
+    ),
+    Entry(
+        "numpy", "wmrgen.backends.numpy", "module", "numpy",
+        files=(Files(("{robot}.py",), "the functions for NumPy, over arrays of samples"),),
+        reserved=(PYTHON,),
+    ),
+    Entry(
+        "casadi", "wmrgen.backends.casadi", "module", "casadi",
+        files=(
+            Files(("{robot}_*.casadi",), "the functions for CasADi, the posture model `dynamics` among them"),
+        ),
+        reserved=(CASADI,),
+    ),
+    Entry("drawing", "wmrgen.backends.drawing", "itself", files=(Files(("layout.svg",)),)),
+    Entry("report", "wmrgen.backends.report", "itself", files=(Files(("report.md",)),)),
+):  # fmt: skip
+    register(_entry)

@@ -11,7 +11,7 @@ import typer
 
 from wmrgen import __version__
 from wmrgen.cli import console
-from wmrgen.cli.choices import Backend, Form, Math, Scalar, Target
+from wmrgen.cli.choices import Form, Math, Scalar, Target
 from wmrgen.cli.outcome import outcome
 
 P = ParamSpec("P")
@@ -113,7 +113,12 @@ def evaluate(
             show_default=False,
         ),
     ] = None,
-    backend: Annotated[Backend, typer.Option(help="What computes; c needs a C compiler.")] = Backend.exact,
+    backend: Annotated[
+        str,
+        typer.Option(
+            metavar="WORD", help="What computes: exact, c (with a C compiler); an unknown word lists all."
+        ),
+    ] = "exact",
     scalar: Annotated[Scalar, typer.Option(help="Scalar type of backend c.")] = Scalar.float,
     math: ChosenMath = None,
     target: ChosenTarget = Target.m4f,
@@ -137,7 +142,7 @@ def evaluate(
         robot,
         function,
         values or [],
-        backend=backend.value,
+        backend=backend,
         choice=choice(scalar.value, math and math.value, target.value),
         cases=cases,
         as_json=json,

@@ -28,15 +28,6 @@ class Target(StrEnum):
     host = "host"
 
 
-class Backend(StrEnum):
-    """What computes the values of ``wmrgen eval``."""
-
-    exact = "exact"
-    casadi = "casadi"
-    numpy = "numpy"
-    c = "c"
-
-
 class Form(StrEnum):
     """The forms of a model that ``wmrgen model`` prints."""
 

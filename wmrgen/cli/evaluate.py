@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
 import wmrgen
+from wmrgen.backends.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.cli import console
 from wmrgen.cli.gains import warn
 from wmrgen.cli.loading import noted
@@ -48,6 +49,8 @@ def run(
     """Evaluate one case from the words, or every case of a file."""
     if cases is not None and words:
         raise UsageError("give NAME=VALUE words or --cases, not both")
+    if backend != EXACT_WORD:
+        _entry(backend)  # which says what there is
     with console.progress() as step:
         step(f"deriving {path}")
         derivation = _source(path, name)
@@ -108,14 +111,12 @@ def _compute(
     backend: str,
     choice: Choice = DEFAULT,
 ) -> list[dict[str, float]]:
-    if backend == "exact":
+    if backend == EXACT_WORD:
         from wmrgen.ir.interpret import EXACT, evaluate_module
 
         module = derivation.raw_module
         return [_doubles(evaluate_module(module, function.name, case, EXACT)) for case in cases]
-    from wmrgen.backends.registry import BACKENDS
-
-    entry = BACKENDS[{"c": "c99"}.get(backend, backend)]
+    entry = _entry(backend)
     module = getattr(derivation, entry.source)
     has = [f.name for f in module.functions]
     # A backend may give the residual in a function of its own, so that who does not need it does not pay.
@@ -127,16 +128,19 @@ def _compute(
     doubles = [_doubles(case) for case in cases]
     results: list[dict[str, float]] = [{} for _ in cases]
     for part in parts:
-        if backend == "c":
-            from wmrgen.backends.c99 import evaluate
-
-            found = evaluate(module, part, doubles, choice.scalar, choice.math, choice.target)
-        else:
-            found = entry.load().evaluate(module, part, doubles)
+        found = entry.evaluate(module, part, doubles, choice.words())
         for result, more in zip(results, found, strict=True):
             result.update(more)
     order = [port.name for port in function.outputs]
     return [{name: result[name] for name in order if name in result} for result in results]
+
+
+def _entry(word: str) -> Entry:
+    """The backend that the command line calls ``word``."""
+    entry = of_word(word)
+    if entry is None:
+        raise UsageError(f"there is no backend {word!r}; there are: {' '.join(known_words())}")
+    return entry
 
 
 def _doubles(values: dict[str, Exact]) -> dict[str, float]:

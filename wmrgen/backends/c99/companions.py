@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wmrgen.backends.c99.checked import checked
+from wmrgen.backends.c99.meta import Meta
 from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.step import Step
-from wmrgen.backends.meta import Meta
 from wmrgen.ir.nodes import Module
 
 

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from wmrgen.backends.c99.comment import comment_lines
 from wmrgen.backends.c99.companions import companions
 from wmrgen.backends.c99.kernels import Kernel, printed_kernels, results_of
+from wmrgen.backends.c99.meta import Meta, meta_of
 from wmrgen.backends.c99.notes import arithmetic_notes
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
@@ -141,8 +142,9 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
     return header, source, pair
 
 
-def emit(module: Module, meta: Meta) -> dict[str, bytes]:
+def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """File name -> content."""
+    meta = meta_of(facts)
     made = _unit(module, meta)
     header, source, pair = printed(module, made, meta)
     files = {f"{module.name}.h": header, f"{module.name}.c": source}

@@ -7,9 +7,9 @@ import re
 from collections.abc import Mapping, Sequence
 
 from wmrgen.backends.c99.emit import sources, unit
+from wmrgen.backends.c99.meta import Meta
 from wmrgen.backends.c99.step import Step
 from wmrgen.backends.c99.struct import Struct
-from wmrgen.backends.meta import Meta
 from wmrgen.ir.kernels.choice import HOST, LIBM
 from wmrgen.ir.nodes import Module
 

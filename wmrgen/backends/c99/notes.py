@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.c99.meta import Meta
 from wmrgen.ir.kernels.choice import AVR, INLINE, M0
 from wmrgen.ir.kernels.constants import worst
 from wmrgen.ir.nodes import Function, Op

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.scene import picture
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation
@@ -13,6 +13,6 @@ if TYPE_CHECKING:
 FILE = "layout.svg"
 
 
-def emit(derivation: Derivation, meta: Meta) -> dict[str, bytes]:
+def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
     """``layout.svg``"""
     return {FILE: picture(derivation).encode()}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.meta import Meta
+from wmrgen.backends.meta import Facts
 from wmrgen.backends.report.analysis import analysis
 from wmrgen.backends.report.closing import cost, singular
 from wmrgen.backends.report.forward import forward
@@ -27,10 +27,10 @@ _PARTS = (
 )  # fmt: skip
 
 
-def emit(derivation: Derivation, meta: Meta) -> dict[str, bytes]:
+def emit(derivation: Derivation, facts: Facts) -> dict[str, bytes]:
     """``report.md``; its picture, ``layout.svg``, is another backend's."""
     s = subject(derivation)
     blocks = [block for part in _PARTS for block in part(s)]
     further = functions(s)
-    blocks += further + cost(s, meta, 12 if further else 11)
+    blocks += further + cost(s, facts, 12 if further else 11)
     return {FILE: page(blocks).encode()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from wmrgen.backends.registry import BACKENDS
 from wmrgen.backends.report.markdown import aligned, code, items, sentence, table
 from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import CAP, Subject, grouped
@@ -17,7 +18,7 @@ from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 
 if TYPE_CHECKING:
-    from wmrgen.backends.meta import Meta
+    from wmrgen.backends.meta import Facts
     from wmrgen.mobility.records import Singularity
 
 
@@ -107,21 +108,32 @@ def _bounds(s: Subject) -> list[str]:
     return blocks
 
 
-def _places(name: str, meta: Meta) -> list[str]:
-    """Which line of the C computes which quantity of this page."""
-    if not meta.places:
-        return []
-    rows = []
-    for place in meta.places:
-        named = ", ".join(f"{line} {text}" for text, line in place.quantities)
-        rows.append(
-            [code(place.function.removeprefix(f"{name}_")), str(place.line), named.replace("_", r"\_")]
-        )
-    blocks = [f"Lines of `{name}.c`, where comments name the quantities of sections 6 to 8:"]
-    return blocks + table(["function", "line", "what is computed in which line"], rows, "lrl")
+def _places(name: str, facts: Facts) -> list[str]:
+    """Which line of the code computes which quantity of this page."""
+    blocks = []
+    for file in dict.fromkeys(place.file for place in facts.places):
+        rows = []
+        for place in (p for p in facts.places if p.file == file):
+            named = ", ".join(f"{line} {text}" for text, line in place.quantities)
+            rows.append(
+                [code(place.function.removeprefix(f"{name}_")), str(place.line), named.replace("_", r"\_")]
+            )
+        blocks += [f"Lines of `{file}`, where comments name the quantities of sections 6 to 8:"]
+        blocks += table(["function", "line", "what is computed in which line"], rows, "lrl")
+    return blocks
 
 
-def cost(s: Subject, meta: Meta, number: int) -> list[str]:
+def _files(name: str) -> list[str]:
+    """What the backends write beside this page."""
+    return [
+        f"{', '.join(code(file.format(robot=name)) for file in files.names)}: {files.what}"
+        for entry in BACKENDS.values()
+        for files in entry.files
+        if files.what
+    ]
+
+
+def cost(s: Subject, facts: Facts, number: int) -> list[str]:
     """The last section and the foot of the page."""
     module = inlined_calls(s.derivation.c_module)
     functions = [*([module.prepare] if module.prepare else []), *module.functions]
@@ -141,18 +153,11 @@ def cost(s: Subject, meta: Meta, number: int) -> list[str]:
     if module.prepare:
         blocks += ["`prepare` runs when a tunable parameter changes; no step divides by geometry."]
     blocks += _bounds(s)
-    blocks += _places(name, meta)
-    files = [
-        f"`{name}.h`, `{name}.c`: the functions in C99",
-        f"`{name}_checked.h`, `{name}_checked.c`: the same behind a check of their inputs",
-        f"`{name}_selftest.c`: test vectors with exact results and a `main`, for the machine it is to run on",
-        f"`{name}.py`: the functions for NumPy, over arrays of samples",
-        f"`{name}_*.casadi`: the functions for CasADi, the posture model `dynamics` among them",
-        "`model.json`: what this page says, as data",
-    ]
+    blocks += _places(name, facts)
+    files = [*_files(name), "`model.json`: what this page says, as data"]
     return [
         *blocks,
         *items(files),
         "---",
-        f"wmrgen {meta.wmrgen_version} · model {meta.model_hash or 'unhashed'}",
+        f"wmrgen {facts.wmrgen_version} · model {facts.model_hash or 'unhashed'}",
     ]

@@ -1,0 +1,121 @@
+"""A backend for Lua as somebody outside wmrgen would write it: one module, registered by one entry."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+from wmrgen.backends.expression import Style, body
+from wmrgen.backends.meta import Facts, Place
+from wmrgen.backends.registry import Entry, Files
+from wmrgen.backends.words import reserved
+from wmrgen.exact.number import Exact
+from wmrgen.ir.inline import complete, inlined
+from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.rounding import to_float64
+
+ENTRY = Entry(
+    "lua",
+    __name__,
+    "module",
+    "lua",
+    files=(Files(("{robot}.lua",), "the functions for Lua"),),
+    reserved=(
+        reserved(
+            "and break do else elseif end false for function goto if in local nil not or repeat return then true"
+            " until while math choose",
+            "Lua keeps that word for itself.",
+        ),
+    ),
+    options=("scalar",),
+)
+_LINE = re.compile(r"  local (\w+) = (.*)")
+
+
+def _literal(value: Exact) -> str:
+    text = repr(to_float64(value))
+    return f"({text})" if text.startswith("-") else text
+
+
+STYLE = Style(
+    literal=_literal,
+    calls={
+        Op.ABS: "math.abs({0})", Op.SQRT: "math.sqrt({0})", Op.SIN: "math.sin({0})", Op.COS: "math.cos({0})",
+        Op.ATAN: "math.atan({0})", Op.ATAN2: "math.atan({0}, {1})", Op.RINT: "math.floor({0} + 0.5)",
+        Op.MIN: "math.min({0}, {1})", Op.MAX: "math.max({0}, {1})",
+    },
+    choices={
+        Op.SELECT: "choose({0} < {1}, {2}, {3})",
+        Op.FLIP: "choose(({1}) % 2 == 1, -({0}), {0})",
+    },
+    declare="  local {0} = {1}",
+    temporary="t{0}",
+)  # fmt: skip
+
+
+def _name(port: str) -> str:
+    return "in_" + port.replace(".", "_")
+
+
+def _lines(function: Function) -> list[str]:
+    code = body(function, _name, STYLE)
+    results = ", ".join(
+        f'["{p.name}"] = {text}' for p, text in zip(function.outputs, code.results, strict=True)
+    )
+    arguments = ", ".join(_name(p.name) for p in function.inputs)
+    return [
+        f"function robot.{function.name}({arguments})",
+        *code.statements,
+        f"  return {{{results}}}",
+        "end",
+    ]
+
+
+def emit(module: Module, facts: Facts) -> dict[str, bytes]:
+    """``<robot>.lua``."""
+    lines = [f"-- wmrgen {facts.wmrgen_version}, {facts.options['scalar']}, {facts.model_hash}"]
+    lines += ["local robot = {}", "local function choose(c, x, y) if c then return x end return y end"]
+    for function in inlined(module):
+        lines += _lines(function)
+    return {f"{module.name}.lua": "\n".join([*lines, "return robot", ""]).encode()}
+
+
+def places(files: Mapping[str, bytes]) -> tuple[Place, ...]:
+    """Where the functions begin."""
+    ((name, content),) = files.items()
+    return tuple(
+        Place(name, line.split(".")[1].split("(")[0], number, ())
+        for number, line in enumerate(content.decode().splitlines(), 1)
+        if line.startswith("function ")
+    )
+
+
+class _Math:
+    """What Lua's library has; `math.atan` takes one argument or two."""
+
+    abs, sqrt, sin, cos, floor, min, max = abs, math.sqrt, math.sin, math.cos, math.floor, min, max
+
+    @staticmethod
+    def atan(y: float, x: float = 1.0) -> float:
+        return math.atan2(y, x)
+
+
+def evaluate(
+    module: Module, function: str, cases: Sequence[Mapping[str, float]], scalar: str = "float"
+) -> list[dict[str, float]]:
+    """By running the printed text: of the operators in it, Lua and Python share the meaning."""
+    assert scalar in ("float", "double")  # the option that the entry asks for arrives
+    wanted = next(f for f in inlined(module) if f.name == function)
+    lines = _lines(wanted)
+    table = lines[-2].removeprefix("  return ").replace('["', '"').replace('"] = ', '": ')
+    outputs = []
+    for case in cases:
+        names: dict[str, object] = {"math": _Math, "choose": lambda c, x, y: x if c else y}
+        names |= {_name(p.name): v for p, v in zip(wanted.inputs, complete(wanted, case), strict=True)}
+        for line in lines[1:-2]:
+            declared = _LINE.fullmatch(line)
+            assert declared, line
+            names[declared[1]] = eval(declared[2], {"__builtins__": {}}, names)
+        outputs.append({k: float(v) for k, v in eval(table, {"__builtins__": {}}, names).items()})
+    return outputs

@@ -1,0 +1,107 @@
+"""A backend for another language is one module and one entry, from outside the package, with nothing inside touched."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import wmrgen
+from tests.backends.lua import ENTRY
+from tests.conftest import ROOT, Outcome, tree
+from wmrgen.backends.registry import BACKENDS, Entry, register
+
+Cli = Callable[..., Outcome]
+ROBOTS = ("pioneer3dx", "ackermann_car", "wpilib_swervebot", "kuka_youbot")
+
+
+@pytest.fixture
+def lua() -> Iterator[None]:
+    """The backend, registered."""
+    register(ENTRY)
+    yield
+    del BACKENDS[ENTRY.name]
+
+
+@pytest.mark.usefixtures("lua")
+def test_derive_writes_its_files(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    before = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", "--scalar", "double")
+    assert before.code == 0, before.err
+    assert " pair.lua " in before.out
+    files = tree(tmp_path / "out" / "pair")
+    text = files["pair.lua"].decode()
+    assert text.startswith("-- wmrgen ") and ", double, " in text.splitlines()[0]
+    assert "function robot.inverse(in_vx, in_vy, in_omega)\n" in text
+    assert "pair.lua" in json.loads(files["manifest.json"])["files"]
+    assert wmrgen_cli("check", robot_file, "-o", tmp_path / "out").code == 0
+    report = files["report.md"].decode()
+    assert "* `pair.lua`: the functions for Lua" in report
+    assert "Lines of `pair.lua`" in report and "Lines of `pair.c`" in report
+    (tmp_path / "out" / "pair" / "pair.lua").write_text("")
+    assert wmrgen_cli("check", robot_file, "-o", tmp_path / "out").code == 1
+
+
+@pytest.mark.usefixtures("lua")
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("function", ["inverse", "forward", "odometry"])
+def test_eval_computes_with_it(wmrgen_cli: Cli, tmp_path: Path, name: str, function: str) -> None:
+    robot = ROOT / "robots" / f"{name}.yaml"
+    ports = wmrgen.derive(wmrgen.load(robot)).raw_module.function(function).inputs
+    inputs = [p.name for p in ports if p.default is None]
+    assert inputs
+    cases = [{k: (-1) ** n * (n + seed + 1) / 17 for n, k in enumerate(inputs)} for seed in range(3)]
+    (tmp_path / "cases.json").write_text(json.dumps(cases))
+    exact, lua = (
+        json.loads(
+            wmrgen_cli("eval", robot, function, "--cases", tmp_path / "cases.json", "--backend", word).out
+        )
+        for word in ("exact", "lua")
+    )
+    assert len(lua) == len(cases)
+    for right, mine in zip(exact, lua, strict=True):
+        assert mine == pytest.approx(right, rel=1e-12, abs=1e-12)
+
+
+def test_its_words_are_reserved_while_it_is_there(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
+    robot_file.write_text(robot_file.read_text().replace("name: left", "name: end"))
+    words = ("derive", robot_file, "-o", tmp_path / "out")
+    assert wmrgen_cli(*words).code == 0
+    register(ENTRY)
+    try:
+        done = wmrgen_cli(*words)
+    finally:
+        del BACKENDS[ENTRY.name]
+    assert done.code == 2
+    assert "the wheel name 'end' is reserved" in done.err and "Lua keeps that word for itself." in done.err
+    assert wmrgen_cli(*words).code == 0
+
+
+def test_an_unknown_word_lists_the_backends(wmrgen_cli: Cli, robot_file: Path) -> None:
+    done = wmrgen_cli("eval", robot_file, "inverse", "--backend", "lua")
+    assert (done.code, done.out) == (2, "")
+    assert done.err == "there is no backend 'lua'; there are: exact c numpy casadi\n"
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        Entry("c99", "other", "module", "other"),
+        Entry("other", "other", "module", "c"),
+        Entry("other", "other", "module", "exact"),
+        Entry("other", "other", "module", "other", files=ENTRY.files + BACKENDS["numpy"].files),
+    ],
+)
+def test_what_is_taken_is_refused(entry: Entry) -> None:
+    with pytest.raises(ValueError, match=r"a word or a file|the word of exact"):
+        register(entry)
+    assert "other" not in BACKENDS and BACKENDS["c99"].word == "c"
+
+
+@pytest.mark.parametrize("name", ["wpilib_swervebot", "pioneer3dx"])
+def test_entries_say_what_their_backends_write(name: str) -> None:
+    written = {p.name for p in (ROOT / "generated" / name).iterdir()}
+    patterns = [n for entry in BACKENDS.values() for files in entry.files for n in files.names]
+    said = {p for p in written if any(Path(p).match(n.format(robot=name)) for n in patterns)}
+    assert written - said <= {"model.json", "manifest.json", "budget.json"}

@@ -8,8 +8,11 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from types import FrameType
+from typing import Any
 
 from wmrgen.errors import EnvironmentFailure
 
@@ -18,6 +21,7 @@ _HOW = "install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --
 # Contraction to fused multiply-add is off so that results are those of the printed operations.
 DEFAULT_FLAGS = ("-std=c99", "-O1", "-ffp-contract=off")
 _TIMEOUT = 300
+_STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 def find_compiler(cc: str | None = None) -> str:
@@ -41,12 +45,13 @@ def _run(
     both: bool = False,
 ) -> str:
     try:
-        with subprocess.Popen(
+        with _held() as deliver, subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
             errors="replace", env=None if env is None else {**os.environ, **env}, cwd=folder,
             process_group=0 if os.name == "posix" else None,
         ) as process:  # fmt: skip
             try:
+                deliver()
                 printed, said = process.communicate(stdin, timeout=_TIMEOUT)
             except BaseException:
                 _end(process)
@@ -57,6 +62,31 @@ def _run(
         message = "\n".join(said.splitlines()[:20])
         raise EnvironmentFailure(f"{what} failed with status {process.returncode}:\n{message}")
     return printed + said if both else printed
+
+
+@contextlib.contextmanager
+def _held() -> Iterator[Callable[[], None]]:
+    """Signals that would end this process wait until the function that it gives is called: one that comes while a
+    program is being started would leave a program that nobody knows of."""
+    arrived: list[int] = []
+    handlers: dict[int, Callable[[int, FrameType | None], Any]] = {}
+
+    def deliver() -> None:
+        while handlers:
+            signal.signal(*handlers.popitem())
+        while arrived:
+            signal.raise_signal(arrived.pop())
+
+    if threading.current_thread() is threading.main_thread():
+        for number in _STOPS:
+            handler = signal.getsignal(number)
+            if callable(handler):
+                handlers[number] = handler
+                signal.signal(number, lambda number, _: arrived.append(number))
+    try:
+        yield deliver
+    finally:
+        deliver()
 
 
 def _end(process: subprocess.Popen[str]) -> None:

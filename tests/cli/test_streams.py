@@ -216,3 +216,36 @@ def test_what_a_killed_run_staged_is_cleared_and_no_stale_file(robot_file: Path,
     (leftover / "pair.c").write_text("half of it")
     assert shell(f"cd {tmp_path}; PYTHONPATH={Path.cwd()} wmrgen derive robots/pair.yaml")[0] == 0
     assert not leftover.exists()
+
+
+@POSIX
+def test_a_signal_while_the_compiler_starts(robot_file: Path, tmp_path: Path) -> None:
+    """It comes when the compiler runs and nobody has its number yet."""
+    compiler = tmp_path / "slow-cc"
+    compiler.write_text(SLOW_COMPILER)
+    compiler.chmod(0o755)
+    early = f"""
+import os, signal, subprocess, sys, time
+from wmrgen import __main__
+
+def start(*args, plain=subprocess._fork_exec):
+    number = plain(*args)
+    print(number, flush=True)
+    time.sleep(0.2)
+    os.kill(os.getpid(), signal.SIGTERM)
+    return number
+
+subprocess._fork_exec = start
+subprocess._USE_VFORK = False
+sys.argv = ["wmrgen", "eval", {str(robot_file)!r}, "inverse", "vx=1", "--backend", "c"]
+__main__.main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", early],
+        env={**os.environ, "CC": str(compiler), "PIDS": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=50,
+    )
+    assert done.returncode == 128 + signal.SIGTERM, done.stderr
+    _until(lambda: not _alive(int(done.stdout)))

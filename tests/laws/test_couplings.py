@@ -67,6 +67,12 @@ def test_two_castors_on_one_steering_motor() -> None:
     )
 
 
+def test_castors_on_one_steering_motor_count_once() -> None:
+    free, belt = (derived({"wheels": CASTORS, "couplings": c}) for c in ([], [("steer", ["a", "b"])]))
+    assert free.derivation.mobility.actuation[0].startswith("driving: 4 actuated joints for 3 freedoms")
+    assert belt.derivation.mobility.actuation[0].startswith("driving: 3 actuated joints for 2 freedoms")
+
+
 @law(15)
 @given(st.lists(st.tuples(lengths, radii), min_size=2, max_size=4, unique=True), lengths)
 def test_fixed_wheels_that_turn_alike(wheels: list[tuple[float, float]], x: float) -> None:

@@ -39,6 +39,18 @@ def robot(seed: int, kind: str = "none") -> Layout:
     return {"wheels": wheels, "couplings": found}
 
 
+def moved(layout: Layout, scale: str, shift: str) -> Layout:
+    """The layout with every length ``scale`` times as long, then P moved by ``shift`` [m] along -x."""
+
+    def wheel(w: Wheel) -> Wheel:
+        text = w["text"] | {k: f"({w['text'].get(k, repr(w[k]))})*{scale}" for k in ("x", "y")}
+        text["x"] += f" + {shift}"
+        lengths = {k: w[k] * float(scale) for k in ("x", "y", "r", "d", "o") if k in w}
+        return w | lengths | {"x": lengths["x"] + float(shift), "text": text}
+
+    return layout | {"wheels": [wheel(w) for w in layout["wheels"]]}
+
+
 def _number(rng: random.Random, low: float, high: float, digits: int = 3) -> float:
     return rng.randint(round(low * 10**digits), round(high * 10**digits)) / 10**digits
 

@@ -14,7 +14,7 @@ import pytest
 from tests.laws.common import command_line
 from tests.oracle.agreement import check_forward, check_inverse, refused
 from tests.oracle.compare import case_of, compare, degrees
-from tests.oracle.draw import KINDS, robot
+from tests.oracle.draw import KINDS, moved, robot
 from tests.oracle.harness import Model, robot_text
 from wmrgen.errors import NotDerivableError
 
@@ -40,6 +40,26 @@ def test_a_random_robot(kind: str, seed: int, tmp_path: Path) -> None:
             Model.of(robot_text(layout), tmp_path)
         return
     compare(layout, Model.of(robot_text(layout), tmp_path), seed)
+
+
+SCALES = (("0.001", "0"), ("1000", "0"))
+
+
+@pytest.mark.parametrize(("kind", "seed"), drawn(0, 1, step=3))
+def test_degrees_do_not_depend_on_the_unit_of_length(kind: str, seed: int, tmp_path: Path) -> None:
+    """The robot in millimetres and in kilometres."""
+    layout = robot(seed, kind)
+    if refused(layout):
+        return
+    wanted = _degrees(Model.of(robot_text(layout), tmp_path))
+    for scale, shift in SCALES:
+        found = _degrees(Model.of(robot_text(moved(layout, scale, shift)), tmp_path))
+        assert found == wanted, (scale, shift)
+
+
+def _degrees(model: Model) -> tuple[object, ...]:
+    m = model.derivation.mobility
+    return m.degree_of_mobility, m.degree_of_steerability, m.dof, m.growth_vector, m.rank_C1f.value
 
 
 @pytest.mark.skipif(not shutil.which("cc"), reason="no C compiler")

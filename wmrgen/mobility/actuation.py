@@ -15,18 +15,17 @@ def actuation(f: Findings) -> tuple[str, ...]:
     """One sentence for driving, one for steering."""
     robot = f.robot
     spins = [w for w in robot.wheels if "spin" in w.actuated]
+    swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
     scale = twist_scale(robot)
     free = null_basis(unit_rows(f.at, scale)) if f.at.size else np.eye(3)
     rows = [_rate_row(w, f) for w in spins]
-    rows += [_castor_row(w) for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
+    rows += [_castor_row(w) for w in swivelled]
     grip = (
         int(np.linalg.matrix_rank(unit_rows(np.array(rows), scale) @ free.T, tol=1e-9))
         if rows and len(free)
         else 0
     )
-    motors = len({robot.spin_group[w.index] for w in spins}) + sum(
-        r.kind.swivels and "steer" in r.actuated for r in robot.wheels
-    )
+    motors = len(robot.together("spin", spins)) + len(robot.together("steer", swivelled))
     steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}
     said = [_balance("driving", motors, grip, f.mobility)]
     if f.steerability or steering:

@@ -57,13 +57,13 @@ def test_no_bound_in_terms_of_a_length_is_below_what_roundings_can_do(name: str)
 SMALL: dict[str, Callable[[Builder, int, int, int], int]] = {
     "length": lambda b, x, y, z: b.sqrt(b.add(b.square(x), b.mul(b.const(Fraction(17, 10)), b.square(y)))),
     "length of what errs": lambda b, x, y, z: b.sqrt(
-        b.add(b.mul(b.const(9), b.square(b.mul(b.const(Fraction(1, 3)), x))), b.square(b.mul(x, b.mul(y, z))))
+        b.add(b.mul(b.const(9), b.square(b.mul(x, z))), b.square(b.mul(x, b.mul(y, z))))
     ),
     "product in two sums": lambda b, x, y, z: b.make(
         Op.SUB, [b.make(Op.ADD, [b.mul(x, y), z]), b.make(Op.ADD, [b.mul(x, y), b.const(100)])]
     ),
     "product with a whole number": lambda b, x, y, z: b.mul(b.rint(b.mul(b.const(Fraction(11, 5)), x)), y),
-    "square": lambda b, x, y, z: b.square(b.mul(b.const(Fraction(1, 3)), x)),
+    "square": lambda b, x, y, z: b.square(b.mul(x, z)),
     "quotient": lambda b, x, y, z: b.div(b.mul(x, z), b.add(b.const(3), b.mul(b.const(Fraction(2, 7)), y))),
     "waves": lambda b, x, y, z: b.mul(b.sin(b.mul(x, z)), b.cos(b.mul(y, z))),
     "arctangent": lambda b, x, y, z: b.atan(b.mul(x, b.mul(y, z))),

@@ -57,10 +57,10 @@ def analysed(
     boxes = boxed(ranges, [], 1)
     if len(angles) in PARTS and _divides(function):
         boxes = boxed(_within_a_turn(function, ranges, angles, library), angles, PARTS[len(angles)])
-    known = {}
+    upper = {}
     if any(len(lo) > 1 for lo, _ in boxes.values()):
-        known = errors_one_by_one(function, boxes, form, library, twice)
-    walk = Walk(function, boxes, form, library, twice, known).run()
+        upper = errors_one_by_one(function, boxes, form, library, twice)
+    walk = Walk(function, boxes, form, library, twice, upper).run()
     errors = walk.errors(function.results)
     claims = []
     for row, k in enumerate(function.results):

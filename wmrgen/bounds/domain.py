@@ -29,63 +29,63 @@ Range = tuple[float, float]
 
 @dataclass(slots=True)
 class Domain:
-    """``given``: declared limits by input name. ``commanded``: what `inverse` gives, by output name."""
+    """``declared``: declared limits by input name. ``commanded``: what `inverse` gives, by output name."""
 
     robot: Robot
-    given: dict[str, Range]
+    declared: dict[str, Range]
     commanded: dict[str, Range] = field(default_factory=dict)
 
     def missing(self) -> tuple[str, ...]:
         """Limits without which nothing can be proved."""
-        return tuple(name for name in ("vx", "omega") if name not in self.given)
+        return tuple(name for name in ("vx", "omega") if name not in self.declared)
 
     def of(self, function: Function) -> tuple[dict[str, Range], list[str]]:
         """Range of every input, and the names of those that have none."""
-        found: dict[str, Range] = {}
+        ranges: dict[str, Range] = {}
         unknown = []
         for port in function.inputs:
             interval = self._range(port)
             if interval is None:
                 unknown.append(port.name)
             else:
-                found[port.name] = interval
-        return found, unknown
+                ranges[port.name] = interval
+        return ranges, unknown
 
     def assumed(self, function: Function) -> dict[str, Range]:
         """Ranges of inputs that the robot file does not limit."""
-        return {name: r for name, r in self.of(function)[0].items() if name not in self.given}
+        return {name: r for name, r in self.of(function)[0].items() if name not in self.declared}
 
     def _range(self, port: Port) -> Range | None:
         name = port.name
-        if name in self.given:
-            return self.given[name]
+        if name in self.declared:
+            return self.declared[name]
         if port.role is Role.GEOMETRY and port.default is not None:
             value = to_float64(port.default)
             spread = abs(value) * _SPREAD or _SPAN
             return inside(value - spread, value + spread)
         if name == "vy":
-            return self.given.get("vx")
+            return self.declared.get("vx")
         if name in _POSE:
             return inside(*_POSE[name])
         _, _, joint = name.rpartition(".")
         limit = self.robot.limits.get(joint) if joint in _JOINTS else None
         if limit is not None:  # of a virtual wheel, which has none of its own
-            self.given[name] = _floats(limit.low, limit.high)
-            return self.given[name]
+            self.declared[name] = _floats(limit.low, limit.high)
+            return self.declared[name]
         if joint in ("steer", "theta"):
             return inside(-TURNS, TURNS)
-        return self.given.get("vx") if joint == "speed" else self.commanded.get(name)
+        return self.declared.get("vx") if joint == "speed" else self.commanded.get(name)
 
 
 def domain(robot: Robot) -> Domain:
     """The declared limits, those of a wheel before those of the robot."""
-    given = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name not in _JOINTS}
+    declared = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name not in _JOINTS}
     for wheel in robot.wheels:
         for joint in _JOINTS:
             limit = robot.limit(wheel, joint)
             if limit is not None:
-                given[f"{wheel.name}.{joint}"] = _floats(limit.low, limit.high)
-    return Domain(robot, given)
+                declared[f"{wheel.name}.{joint}"] = _floats(limit.low, limit.high)
+    return Domain(robot, declared)
 
 
 def wanted(missing: tuple[str, ...]) -> str:

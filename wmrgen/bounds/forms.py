@@ -137,8 +137,8 @@ class Forms:
                 middle, reach = self._reach(angles, group, ranges)
                 low, high = np.maximum(low, middle - reach), np.minimum(high, middle + reach)
             lo, hi = lo + low, hi + high
-        room = form.slack * _GROW + size * (_GROW - 1)
-        return lo - room, hi + room
+        width = form.slack * _GROW + size * (_GROW - 1)
+        return lo - width, hi + width
 
     def _reach(
         self, angles: Monomial, group: Sequence[tuple[Monomial, float]], ranges: Sequence[Interval]

@@ -97,9 +97,9 @@ def _div_by_length(w: Walk, i: int, node: Node) -> Value:
     length, below = w.measured(i), w.ranges[b]
     least = below[0]
     reach = iv.magnitude(w.ranges[a]) / least
-    known = share(w, length, a)
-    if known is not None:
-        reach = np.minimum(reach, (known[0] + (known[0] * lost(length.parts) + known[1]) / least) * _ROOM)
+    ratio = share(w, length, a)
+    if ratio is not None:
+        reach = np.minimum(reach, (ratio[0] + (ratio[0] * lost(length.parts) + ratio[1]) / least) * _ROOM)
     value = -reach, reach
     ends = w.effective.get(i, (-np.inf, np.inf))
     most = np.minimum(reach, max(map(abs, ends)))

@@ -51,7 +51,7 @@ class Length:
 
 def lengths(nodes: Sequence[Node]) -> dict[int, Length]:
     """The lengths by which nodes divide, by node."""
-    found = {}
+    by_node = {}
     for i, node in enumerate(nodes):
         parts: tuple[tuple[float, int], ...] | None = None
         if node.op is Op.ATAN2:
@@ -59,8 +59,8 @@ def lengths(nodes: Sequence[Node]) -> dict[int, Length]:
         elif node.op is Op.DIV:
             parts = _kept_apart(nodes, node.args[1])
         if parts is not None:
-            found[i] = Length(i, parts, facts=[fact for f, x in parts for fact in facts(nodes, x, 1 / f)])
-    return found
+            by_node[i] = Length(i, parts, facts=[fact for f, x in parts for fact in facts(nodes, x, 1 / f)])
+    return by_node
 
 
 def facts(nodes: Sequence[Node], x: int, s: float) -> list[tuple[int, float]]:
@@ -107,7 +107,7 @@ def share(w: Walk, length: Length, i: int) -> Share | None:
     """(s, a) where |node i| is at most s h + a; None where nothing is known. Roundings count."""
     if i not in length.shares:
         length.shares[i] = None
-        length.shares[i] = _component(w, length, i) or _made(w, length, i) or _multiple(w, length, i)
+        length.shares[i] = _component(w, length, i) or _computed(w, length, i) or _multiple(w, length, i)
     return length.shares[i]
 
 
@@ -132,7 +132,7 @@ def _multiple(w: Walk, length: Length, i: int) -> Share | None:
     return None
 
 
-def _made(w: Walk, length: Length, i: int) -> Share | None:
+def _computed(w: Walk, length: Length, i: int) -> Share | None:
     """Of what an operation makes of such values."""
     node = w.nodes[i]
     if node.value is not None:
@@ -151,8 +151,8 @@ def _made(w: Walk, length: Length, i: int) -> Share | None:
     if node.op not in (Op.SELECT, Op.MIN, Op.MAX, Op.ADD, Op.SUB):
         return None
     parts = [share(w, length, k) for k in node.args[-2:]]
-    known = [p for p in parts if p is not None]
-    if len(known) < 2:
+    both = [p for p in parts if p is not None]
+    if len(both) < 2:
         return None
     join = sum if node.op in (Op.ADD, Op.SUB) else max
-    return join(s for s, _ in known) * _ROOM, join(a for _, a in known) * _ROOM
+    return join(s for s, _ in both) * _ROOM, join(a for _, a in both) * _ROOM

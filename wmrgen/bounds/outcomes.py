@@ -19,7 +19,7 @@ class Outcomes:
 
     def __init__(self, functions: Sequence[Function], library: Library) -> None:
         self.library = library
-        self.known: dict[tuple[object, ...], int] = {}
+        self.numbers: dict[tuple[object, ...], int] = {}
         self.keys = {f.name: self._numbered(f) for f in functions}
         self.larger = {
             f.name: g
@@ -50,8 +50,8 @@ class Outcomes:
 
     def _numbered(self, function: Function) -> list[int]:
         """A number per result; equal for equal operations on equal inputs."""
-        found: list[int] = []
+        keys: list[int] = []
         for node in function.nodes:
-            key = node.op, tuple(found[k] for k in node.args), node.value, node.name
-            found.append(self.known.setdefault(key, len(self.known)))
-        return [found[k] for k in function.results]
+            key = node.op, tuple(keys[k] for k in node.args), node.value, node.name
+            keys.append(self.numbers.setdefault(key, len(self.numbers)))
+        return [keys[k] for k in function.results]

@@ -66,31 +66,31 @@ def _halved(part: dict[str, Range], name: str) -> list[dict[str, Range]]:
 
 def _cones(function: Function) -> list[frozenset[str]]:
     """The inputs on which each node depends."""
-    found: list[frozenset[str]] = []
+    cones: list[frozenset[str]] = []
     for node in function.nodes:
         own = frozenset({node.name}) if node.op is Op.INPUT and node.name else frozenset[str]()
-        found.append(own.union(*(found[k] for k in node.args)))
-    return found
+        cones.append(own.union(*(cones[k] for k in node.args)))
+    return cones
 
 
 def _first_alarm(function: Function, parts: list[dict[str, Range]], form: Format) -> list[int]:
     """Per part: the first divisor that may be zero, or value that may overflow; -1 where there is none."""
-    found = np.full(len(parts), -1)
-    known: list[Interval] = []
+    first = np.full(len(parts), -1)
+    values: list[Interval] = []
     with np.errstate(all="ignore"):
         for i, node in enumerate(function.nodes):
             if node.op is Op.INPUT:
                 ends = [part[node.name or ""] for part in parts]
                 value = np.array([lo for lo, _ in ends]), np.array([hi for _, hi in ends])
             elif node.op is Op.DIV:
-                value = _quotient(function.nodes, known, node, form)
+                value = _quotient(function.nodes, values, node, form)
             else:
-                value = _value(node, [known[k] for k in node.args], form, len(parts))
-            known.append(value)
+                value = _value(node, [values[k] for k in node.args], form, len(parts))
+            values.append(value)
             bad = ~(iv.magnitude(value) <= form.largest * _LARGE)
             where = node.args[1] if node.op is Op.DIV else i
-            found = np.where((found < 0) & bad, where, found)
-    return [int(i) for i in found]
+            first = np.where((first < 0) & bad, where, first)
+    return [int(i) for i in first]
 
 
 def _value(node: Node, args: list[Interval], form: Format, count: int) -> Interval:
@@ -103,14 +103,14 @@ def _value(node: Node, args: list[Interval], form: Format, count: int) -> Interv
     return _widened(iv.square(args[0]) if squared else _apply(node.op.value, args), form)
 
 
-def _quotient(nodes: Sequence[Node], known: list[Interval], node: Node, form: Format) -> Interval:
+def _quotient(nodes: Sequence[Node], values: list[Interval], node: Node, form: Format) -> Interval:
     """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
     a, b = node.args
     guard = nodes[b]
     if guard.op is not Op.SELECT:
-        return _widened(_apply("div", [known[a], known[b]]), form)
-    small, large, x, y = (known[k] for k in guard.args)
-    first, second = (_apply("div", [known[a], branch]) for branch in (x, y))
+        return _widened(_apply("div", [values[a], values[b]]), form)
+    small, large, x, y = (values[k] for k in guard.args)
+    first, second = (_apply("div", [values[a], branch]) for branch in (x, y))
     always, never = small[1] < large[0], small[0] >= large[1]
     return _widened(_either(always, never, first, second), form)
 

@@ -93,15 +93,15 @@ class Library:
 LIBM = Library("libm", 1.0, 1.0, 1.0, 2.0, 1.0)
 
 
-def _kernel(found: Worst) -> Library:
+def _kernel(errors: Worst) -> Library:
     """What `wmrgen.ir.kernels` is found to hold.
 
     atan2 is the arctangent of a quotient (whose rounding counts 1 ulp), taken from pi/2 and from pi: two more
     roundings and those of the constants, not 3 ulp.
     """
-    circle, arctangent = float(found.circle), float(found.arctangent)
+    circle, arctangent = float(errors.circle), float(errors.arctangent)
     return Library(
-        "kernels", circle, circle, arctangent, arctangent + 3.0, float(found.sine), True, 100.0, 1.0
+        "kernels", circle, circle, arctangent, arctangent + 3.0, float(errors.sine), True, 100.0, 1.0
     )
 
 

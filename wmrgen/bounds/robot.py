@@ -68,7 +68,7 @@ class Bounds:
     scalar: str
     library: Library
     missing: tuple[str, ...]
-    given: dict[str, Range]
+    declared: dict[str, Range]
     assumed: dict[str, Range]
     functions: tuple[FunctionBound, ...]
 
@@ -82,16 +82,16 @@ def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
     where = domain(robot)
     missing = where.missing()
     if missing:
-        return Bounds("float", library, missing, where.given, {}, ())
-    found: list[FunctionBound] = []
+        return Bounds("float", library, missing, where.declared, {}, ())
+    proved: list[FunctionBound] = []
     assumed: dict[str, Range] = {}
     printed = functions(module)
     outcomes = Outcomes(printed, library)
     for function in printed:
         bound = _function(function, where, outcomes)
-        found.append(bound)
-        assumed |= {name: r for name, r in bound.inputs.items() if name not in where.given}
-    return Bounds("float", library, (), where.given, assumed, tuple(found))
+        proved.append(bound)
+        assumed |= {name: r for name, r in bound.inputs.items() if name not in where.declared}
+    return Bounds("float", library, (), where.declared, assumed, tuple(proved))
 
 
 def functions(module: Module) -> list[Function]:
@@ -104,14 +104,14 @@ def _function(function: Function, where: Domain, outcomes: Outcomes) -> Function
     ranges, unknown = where.of(function)
     if unknown:
         return FunctionBound(function.name, ranges, (), (), tuple(unknown))
-    found = outcomes.of(function, ranges)
+    outcome = outcomes.of(function, ranges)
     outputs = tuple(
         _output(claim, port.name, port.unit)
-        for port, claim in zip(function.outputs, found.claims, strict=True)
+        for port, claim in zip(function.outputs, outcome.claims, strict=True)
     )
     if function.name == "inverse":
         where.commanded.update({o.name: (o.low, o.high) for o in outputs})
-    alarms = tuple(dict.fromkeys(f"{function.nodes[i].op.value}: {what}" for i, what in found.alarms))
+    alarms = tuple(dict.fromkeys(f"{function.nodes[i].op.value}: {what}" for i, what in outcome.alarms))
     return FunctionBound(function.name, ranges, outputs, alarms)
 
 
@@ -137,14 +137,14 @@ def _up(value: Any, sign: int = 1) -> float:
     return float(f"{printed + sign * step:.5e}")
 
 
-def data(found: Bounds) -> dict[str, Any]:
+def data(result: Bounds) -> dict[str, Any]:
     """The bounds as plain data: what model.json and `wmrgen prove --json` hold."""
     return {
-        "scalar": found.scalar,
-        "library": {"name": found.library.name, **found.library.table()},
-        "limits": {name: list(r) for name, r in found.given.items()},
-        "assumed": {name: list(r) for name, r in found.assumed.items()},
-        "functions": {f.name: _data(f) for f in found.functions},
+        "scalar": result.scalar,
+        "library": {"name": result.library.name, **result.library.table()},
+        "limits": {name: list(r) for name, r in result.declared.items()},
+        "assumed": {name: list(r) for name, r in result.assumed.items()},
+        "functions": {f.name: _data(f) for f in result.functions},
     }
 
 

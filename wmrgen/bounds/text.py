@@ -7,22 +7,22 @@ from wmrgen.bounds.precision import Library
 from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound
 
 
-def header_lines(found: Bounds) -> tuple[str, ...]:
+def header_lines(bounds: Bounds) -> tuple[str, ...]:
     """What is proved, under which limits, and a line per kind of output; nothing without limits."""
-    if found.missing:
+    if bounds.missing:
         return ()
-    library = found.library
-    under = f"Proved for {listed(found.given)}"
-    if found.assumed:
-        under += f", and with these ranges of inputs that have no limits: {listed(found.assumed)}"
+    library = bounds.library
+    under = f"Proved for {listed(bounds.declared)}"
+    if bounds.assumed:
+        under += f", and with these ranges of inputs that have no limits: {listed(bounds.assumed)}"
     under += (
         ": no division by zero, no NaN, no infinity; results in the ranges below; and off the exact formula, by "
         f"rounding, at most as stated ({described(library)})."
     )
-    if any(o.from_length for f in found.functions for o in f.outputs):
+    if any(o.from_length for f in bounds.functions for o in f.outputs):
         under += " h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined."
     lines = [under]
-    for f in found.functions:
+    for f in bounds.functions:
         lines += _function(f)
     return tuple(lines)
 

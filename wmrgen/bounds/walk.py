@@ -82,7 +82,7 @@ class Errors:
 class Walk:
     """One walk through the node list. ``inputs``: (lo, hi) arrays by input name, one entry per box.
 
-    ``twice``: sums that the code rounds once more than they stand here. ``known``: bounds of errors that are known, by
+    ``twice``: sums that the code rounds once more than they stand here. ``upper``: bounds of errors from elsewhere, by
     node.
     """
 
@@ -93,11 +93,11 @@ class Walk:
         form: Format,
         library: Library,
         twice: Collection[int] = (),
-        known: Mapping[int, Array] | None = None,
+        upper: Mapping[int, Array] | None = None,
     ) -> None:
         self.results, self.nodes, self.inputs = function.results, function.nodes, inputs
         self.form, self.library, self.twice = form, library, frozenset(twice)
-        self.known = known or {}
+        self.upper = upper or {}
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
         self.lengths: dict[int, Length] = lengths(self.nodes)
         self.effective = effective(self.nodes, function.results)
@@ -115,7 +115,7 @@ class Walk:
         self.singular: set[int] = set()  # divisions by what comes close to zero, and guards against it
 
     def run(self, count: int | None = None) -> Walk:
-        """The walk, of the first ``count`` nodes alone if that is given."""
+        """The walk, of the first ``count`` nodes alone if there is one."""
         from wmrgen.bounds.lemmas import LEMMAS
 
         with np.errstate(all="ignore"):
@@ -168,8 +168,8 @@ class Walk:
     def share(self, j: int, i: int) -> float | None:
         """s where |node i| is at most s h, h the length of ``j``, wherever errors are claimed."""
         length = self.lengths[j]
-        known = share_of(self, length, i)
-        return None if known is None else MOVED * (known[0] + known[1] / (SMALL_ANGLE * length.rho))
+        bound = share_of(self, length, i)
+        return None if bound is None else MOVED * (bound[0] + bound[1] / (SMALL_ANGLE * length.rho))
 
     def claimed(self, errors: Errors) -> Array:
         """The errors where they are largest of all that is claimed: where lengths are short."""
@@ -188,8 +188,8 @@ class Walk:
 
     def errors(self, roots: Sequence[int]) -> Errors:
         """How far the nodes ``roots`` may be off."""
-        if not self.singular and all(k in self.known for k in roots):
-            return Errors(np.array([self.known[k] for k in roots]), {}, (frozenset(),) * len(roots))
+        if not self.singular and all(k in self.upper for k in roots):
+            return Errors(np.array([self.upper[k] for k in roots]), {}, (frozenset(),) * len(roots))
         with np.errstate(all="ignore"):
             return self._errors(roots)
 
@@ -217,8 +217,8 @@ class Walk:
                 self._reached(slopes, apart, p.arg, slope.times(p, self))
         plain = np.nan_to_num(plain * GROW, nan=np.inf, posinf=np.inf)
         for row, k in enumerate(roots):
-            if k in self.known:
-                plain[row] = np.minimum(plain[row], self.known[k])
+            if k in self.upper:
+                plain[row] = np.minimum(plain[row], self.upper[k])
         over = {
             j: np.nan_to_num(v * GROW * _TURN, nan=np.inf, posinf=np.inf) for j, v in over.items() if v.any()
         }

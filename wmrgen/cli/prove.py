@@ -99,13 +99,13 @@ def _persistent(left: Callable[[int], tuple[str, ...]]) -> tuple[str, ...]:
 def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:
     from wmrgen.bounds.text import described
 
-    limits = ", ".join(_limit(n, r) for n, r in found.given.items())
+    limits = ", ".join(_limit(n, r) for n, r in found.declared.items())
     console.result(f"{name}: float, {described(found.library)}")
     console.result(f"  limits: {limits}")
     if found.assumed:
         console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in found.assumed.items())}")
     for f in found.functions:
-        _function(f, found.given)
+        _function(f, found.declared)
     if eva["run"]:
         count = len(eva["alarms"])
         console.result(
@@ -120,7 +120,7 @@ def _limit(name: str, r: tuple[float, float]) -> str:
     return f"|{name}| <= {high:g}" if low == -high else f"{low:g} <= {name} <= {high:g}"
 
 
-def _function(f: FunctionBound, given: Mapping[str, Range]) -> None:
+def _function(f: FunctionBound, declared: Mapping[str, Range]) -> None:
     from wmrgen.bounds.domain import wanted
     from wmrgen.bounds.robot import SINGULAR
 
@@ -133,7 +133,7 @@ def _function(f: FunctionBound, given: Mapping[str, Range]) -> None:
     )
     for text in f.alarms:
         console.result(f"  {text}")
-    free = tuple(n for n in f.inputs if n.endswith(".steer") and n not in given)
+    free = tuple(n for n in f.inputs if n.endswith(".steer") and n not in declared)
     if free and (f.alarms or any(o.singular for o in f.outputs)):
         console.result(f"  {', '.join(free)} may have any value; perhaps it needs {wanted(free)}")
     width = max((len(o.name) for o in f.outputs), default=0)

@@ -93,7 +93,7 @@ def _bounds(s: Subject) -> list[str]:
         ["function", "output", "at least", "at most", "unit", "rounding error at most"], rows, "llrrlr"
     )
     blocks += [
-        f"The limits are {listed(bounds.given)}. Inputs that have none: {listed(bounds.assumed)}. The error is "
+        f"The limits are {listed(bounds.declared)}. Inputs that have none: {listed(bounds.assumed)}. The error is "
         "that against the exact formula, comparisons decided as the code decides them "
         f"({described(bounds.library)}). h is the speed [m/s] of the pivot of the steered wheel, where it is "
         "defined at all."

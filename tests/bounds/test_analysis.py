@@ -38,6 +38,22 @@ def test_binary_operations_enclose(name: str) -> None:
         assert ((lo <= value) & (value <= hi)).all()
 
 
+@pytest.mark.parametrize("count", [7, 300])
+def test_rounding_goes_outward(count: int) -> None:
+    """Of numbers, not ranges: the exact sum, difference and product lie inside, by fractions; of few boxes and many."""
+    a, b = (box[0][:count] for box in (_boxes(1), _boxes(2)))
+    for name, exact in {
+        "plus": Fraction.__add__,
+        "minus": Fraction.__sub__,
+        "times": Fraction.__mul__,
+    }.items():
+        lo, hi = getattr(iv, name)((a, a), (b, b))
+        for x, y, low, high in zip(a, b, lo, hi, strict=True):
+            value = exact(Fraction(float(x)), Fraction(float(y)))
+            assert Fraction(float(low)) <= value <= Fraction(float(high))
+            assert high - low <= 8 * np.spacing(max(abs(low), abs(high))) + 1e-299
+
+
 @pytest.mark.parametrize("name", UNARY)
 def test_unary_operations_enclose(name: str) -> None:
     a = _boxes(3)

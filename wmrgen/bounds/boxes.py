@@ -15,10 +15,8 @@ from wmrgen.bounds.precision import Format, Library
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.nodes import Function, Op
 
-PARTS = {
-    1: 192,
-    2: 32,
-}  # of each of so many angles; of more, a grid that one can afford is too coarse to help
+# Parts of each of so many angles; of more, a grid that one can afford is too coarse to help.
+PARTS = {1: 128, 2: 36}
 _TURN = 3.1416  # half a turn and a little [rad]
 
 

@@ -17,12 +17,17 @@ Interval: TypeAlias = tuple[Array, Array]
 
 GROW = 1 + 1e-9  # covers the rounding of sums of bounds
 _WIDE = 1e-15  # sines, cosines and arctangents of NumPy are off by less
+_MANY = 128
+_ULP, _TINY, _HUGE = 2.0**-52, 1e-300, 1e300  # a unit in the last place of x is at most _ULP |x| + _TINY
 _HALF_PI = np.pi / 2
 _SLACK = 1e-9  # a turning point this close to an end counts as inside
 
 
 def outward(lo: Array, hi: Array) -> Interval:
-    """One unit in the last place wider on either side."""
+    """One unit in the last place wider on either side; of many boxes a little more, which takes less time."""
+    if lo.size > _MANY:
+        below, above = np.minimum(np.abs(lo), _HUGE), np.minimum(np.abs(hi), _HUGE)
+        return lo - (below * _ULP + _TINY), hi + (above * _ULP + _TINY)
     return np.nextafter(lo, -np.inf), np.nextafter(hi, np.inf)
 
 

@@ -107,9 +107,9 @@ class Slope:
     def _divided(self, j: int, steep: Array) -> Slope:
         """Times what is at most ``steep`` / h_j of either sign."""
         a, b = self.of(j)
-        twice = sum(self.over.values(), np.zeros(())) > 0  # 1 / h twice: nothing is claimed
+        twice = sum(self.over.values(), np.zeros(())) != 0  # 1 / h twice: nothing is claimed
         gone = np.where(twice, np.inf, b * steep) + np.zeros_like(a)
-        return Slope((-gone, gone), {j: np.where(a > 0, a * steep, 0.0)})
+        return Slope((-gone, gone), {j: np.where(a != 0, a * steep, 0.0)})
 
 
 def _share(p: Partial, w: Walk, j: int) -> float | None:

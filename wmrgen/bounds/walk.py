@@ -241,9 +241,9 @@ class Walk:
         for j, steep in slope.over.items():
             over[j] = over.get(j, 0.0) + _product(steep, noise.size)
             if noise.over:  # 1 / h twice: nothing is claimed
-                total = np.where(steep > 0, np.inf, total)
+                total = np.where(steep != 0, np.inf, total)
         return total
 
 
 def _product(size: Array, noise: Array) -> Array:
-    return np.where((noise > 0) & (size > 0), size * noise, 0.0)
+    return np.where((noise != 0) & (size != 0), size * noise, 0.0)

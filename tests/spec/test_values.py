@@ -91,9 +91,16 @@ def test_under_angles_deg_trigonometry_of_bare_numbers_is_refused(text: str) -> 
     one_wheel(wheel("a", x=text), TOP)
 
 
-@pytest.mark.parametrize("text", ["cos(turn)", "cos(pi/6)", "cos(0)", "'cos(atan2(1, 2))'"])
-def test_under_angles_deg_trigonometry_of_radians_is_read(text: str) -> None:
-    one_wheel(wheel("a", x=text), DEG)
+@pytest.mark.parametrize(
+    ("text", "tree"),
+    [
+        ("cos(turn)", "cos(turn)"), ("cos(pi/6)", "cos((pi / 6))"), ("cos(0)", "cos(0)"),
+        ("'cos(atan2(1, 2))'", "cos(atan2(1, 2))"),
+    ],
+)  # fmt: skip
+def test_under_angles_deg_trigonometry_of_radians_is_read_as_written(text: str, tree: str) -> None:
+    """Arguments stay radians: no factor pi/180 comes in."""
+    assert show(one_wheel(wheel("a", x=text), DEG).x.expr) == tree
 
 
 @pytest.mark.parametrize(
@@ -155,10 +162,17 @@ def test_angles_of_many_parameters_are_refused(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["pi/2 - half + 2*other_one", "12*3*pi/16", "half*180/pi", "1 + 2 + 3 + 4 + 5 + 6 + 7 + 8 + 9"]
-)
-def test_ordinary_angles_are_not(text: str) -> None:
-    one_wheel(wheel("a", heading=text, x=f"cos({text})"), TOP)
+    ("text", "tree"),
+    [
+        ("pi/2 - half + 2*other_one", "(((pi / 2) - half) + (2 * other_one))"),
+        ("12*3*pi/16", "(((12 * 3) * pi) / 16)"), ("half*180/pi", "((half * 180) / pi)"),
+        ("1 + 2 + 3 + 4 + 5 + 6 + 7 + 8 + 9", "((((((((1 + 2) + 3) + 4) + 5) + 6) + 7) + 8) + 9)"),
+    ],
+)  # fmt: skip
+def test_ordinary_angles_are_not(text: str, tree: str) -> None:
+    read_wheel = one_wheel(wheel("a", heading=text, x=f"cos({text})"), TOP)
+    assert show(read_wheel.heading.expr) == tree
+    assert show(read_wheel.x.expr) == f"cos({tree})"
 
 
 class TestParameters:

@@ -71,10 +71,10 @@ def _one_sided(
 ) -> GeneralisedInverse:
     divisor = sympy.simplify(gram.det(method="berkowitz"))
     inverse = gram.adjugate() / divisor
-    made = finish(inverse) if callable(finish) else inverse
+    result = finish(inverse) if callable(finish) else inverse
     what = "det J" if kind == "inverse" else "det(J^T J)" if kind == "left" else "det(J J^T)"
     condition = words if divisor.is_number else f"{words}, wherever {what} is not 0"
-    return GeneralisedInverse(made.applyfunc(sympy.simplify), kind, rank, condition, divisor)
+    return GeneralisedInverse(result.applyfunc(sympy.simplify), kind, rank, condition, divisor)
 
 
 def _factored(J: sympy.Matrix, rank: int) -> GeneralisedInverse:

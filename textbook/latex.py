@@ -82,22 +82,22 @@ def _spaced(text: str) -> str:
 def equations(formula: Formula) -> list[str]:
     """One line ``name &= expression`` per intermediate result worth a name, per output and per output matrix."""
     uses = _uses(formula)
-    known: dict[Expr, Expr] = {
+    values: dict[Expr, Expr] = {
         signal(port.name): sympy.Symbol(name(port.name), real=True) for port in formula.inputs
     }
     memo: dict[Expr, Expr] = {}
     lines = []
     for symbol, expr in formula.locals:
-        value = substituted(unguarded(expr), known, memo)
+        value = substituted(unguarded(expr), values, memo)
         if symbol.name.endswith("_exp"):
-            value = sympy.exp(known[local(f"{symbol.name}_of")])
+            value = sympy.exp(values[local(f"{symbol.name}_of")])
         if "_exp_" in symbol.name or uses[symbol] <= 1 or value.count_ops() <= 3:
-            known[symbol] = value
+            values[symbol] = value
             continue
-        known[symbol] = sympy.Symbol(rf"\mathit{{{_spaced(symbol.name)}}}", real=True)
-        lines.append(_equation(latex(known[symbol]), value))
+        values[symbol] = sympy.Symbol(rf"\mathit{{{_spaced(symbol.name)}}}", real=True)
+        lines.append(_equation(latex(values[symbol]), value))
     taken = {port.name for port in formula.inputs}
-    outputs = [(port, substituted(unguarded(expr), known, memo)) for port, expr in formula.outputs]
+    outputs = [(port, substituted(unguarded(expr), values, memo)) for port, expr in formula.outputs]
     matrix = [(port, value) for port, value in outputs if _ENTRY.fullmatch(port.name)]
     if matrix:
         lines.append(_matrix(matrix))
@@ -109,19 +109,19 @@ def equations(formula: Formula) -> list[str]:
 
 
 def _matrix(entries: list[tuple[Port, Expr]]) -> str:
-    found = [m for port, _ in entries if (m := _ENTRY.fullmatch(port.name))]
-    rows, columns = (max(int(m[k]) for m in found) for k in (2, 3))
-    made = sympy.Matrix(rows, columns, [value for _, value in entries])
-    return rf"{found[0][1].upper()} &= {latex(made)}"
+    places = [m for port, _ in entries if (m := _ENTRY.fullmatch(port.name))]
+    rows, columns = (max(int(m[k]) for m in places) for k in (2, 3))
+    matrix = sympy.Matrix(rows, columns, [value for _, value in entries])
+    return rf"{places[0][1].upper()} &= {latex(matrix)}"
 
 
 def _uses(formula: Formula) -> dict[Expr, int]:
-    found = {symbol: 0 for symbol, _ in formula.locals}
+    uses = {symbol: 0 for symbol, _ in formula.locals}
     for expr in (*(e for _, e in formula.locals), *(e for _, e in formula.outputs)):
         for node in sympy.preorder_traversal(unguarded(expr)):
-            if node in found:
-                found[node] += 1
-    return found
+            if node in uses:
+                uses[node] += 1
+    return uses
 
 
 def _equation(left: str, value: Expr) -> str:

@@ -1,4 +1,4 @@
-"""What AA274, lecture 1, prints and what holds only under a condition."""
+"""AA274, lecture 1: what holds only under a condition, and what holds as printed."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def _set(inner: bool) -> Check:
     def check(f: Form) -> Finding:
         extra, lost = [], []
         for v, w in _GRID:
-            known = {V: v, W: w, TOP: _TOP, ZMAX: _ZETA}
-            said = all(bool(r.xreplace(known)) for r in f.values)
+            at = {V: v, W: w, TOP: _TOP, ZMAX: _ZETA}
+            said = all(bool(r.xreplace(at)) for r in f.values)
             if said and not _attained(v, w):
                 extra.append((v, w))
             if not said and _attained(v, w):
@@ -76,14 +76,14 @@ def _mobility(robots: tuple[str, ...]) -> Check:
     """The claim against wmrgen's degree of mobility."""
 
     def check(f: Form) -> Finding:
-        found = []
+        cases = []
         for text in robots:
             m = engine.robot(text).mobility
             said = f.rights[0].xreplace({RANK: sympy.Integer(m.rank_C1.value)})
             name = "axles in one point" if text is CONCURRENT else "axles apart"
             right = said == m.degree_of_mobility
-            found.append((right, f"{name}: rank {m.rank_C1.value}, mobility {m.degree_of_mobility}"))
-        return each("three fixed wheels at different angles, ", found)
+            cases.append((right, f"{name}: rank {m.rank_C1.value}, mobility {m.degree_of_mobility}"))
+        return each("three fixed wheels at different angles, ", cases)
 
     return check
 

@@ -47,23 +47,23 @@ def vanishes(value: Value, says: str) -> Finding:
     return Finding(True, f"{says}: the difference is 0 identically")
 
 
-Known = Mapping[Expr, Expr]
-NOTHING: Known = {}
+Values = Mapping[Expr, Expr]
+NOTHING: Values = {}
 
 
-def identity(residual: Residual, says: str, known: Known = NOTHING) -> Check:
-    """``residual(*values)`` is 0 identically; ``known``: symbols that are fixed first."""
-    return lambda form: vanishes(fixed(residual(*form.values), known), says)
+def identity(residual: Residual, says: str, at: Values = NOTHING) -> Check:
+    """``residual(*values)`` is 0 identically; ``at``: symbols that are fixed first."""
+    return lambda form: vanishes(fixed(residual(*form.values), at), says)
 
 
-def rights(residual: Residual, says: str, known: Known = NOTHING) -> Check:
-    """``residual(*right-hand sides)`` is 0 identically; ``known``: symbols that are fixed first."""
-    return lambda form: vanishes(fixed(residual(*form.rights), known), says)
+def rights(residual: Residual, says: str, at: Values = NOTHING) -> Check:
+    """``residual(*right-hand sides)`` is 0 identically; ``at``: symbols that are fixed first."""
+    return lambda form: vanishes(fixed(residual(*form.rights), at), says)
 
 
-def fixed(value: Value, known: Known) -> list[Expr]:
+def fixed(value: Value, at: Values) -> list[Expr]:
     """The entries with some symbols fixed."""
-    return [e.xreplace(dict(known)) for e in flat(value)]
+    return [e.xreplace(dict(at)) for e in flat(value)]
 
 
 def equals(truth: Value, says: str) -> Check:
@@ -96,11 +96,11 @@ def at_points(
 
     def check(form: Form) -> Finding:
         for p in listed:
-            known = dict(zip(symbols, p, strict=True))
+            at = dict(zip(symbols, p, strict=True))
             for entry in flat(residual(*form.rights)):
-                value = sympy.N(entry.xreplace(known), 30)
+                value = sympy.N(entry.xreplace(at), 30)
                 if abs(value) > sympy.Rational(1, 10**20):
-                    point = Point(tuple(known.items()), value)
+                    point = Point(tuple(at.items()), value)
                     return Finding(False, f"{says}: at {place(point)} the difference is {number(value)}")
         return Finding(True, f"{says}: 0 at the {len(listed)} points tried, to 30 digits")
 
@@ -109,10 +109,10 @@ def at_points(
 
 def undefined(*defined: Expr) -> Slip:
     """A name that the text has not defined makes a line no statement."""
-    known = frozenset(defined)
+    letters = frozenset(defined)
 
     def slip(form: Form) -> str:
-        strangers = sorted(form.names - known, key=lambda s: str(s.name))
+        strangers = sorted(form.names - letters, key=lambda s: str(s.name))
         return f"nothing defines {', '.join(f'${latex(s)}$' for s in strangers)}" if strangers else ""
 
     return slip
@@ -123,7 +123,7 @@ def units(table: Mapping[Expr, tuple[int, int]]) -> Slip:
 
     def slip(form: Form) -> str:
         for line in form.lines:
-            found = [
+            term_units = [
                 unit_of(term, table)
                 for v in line
                 if hasattr(v, "free_symbols")
@@ -131,7 +131,7 @@ def units(table: Mapping[Expr, tuple[int, int]]) -> Slip:
                 if entry != 0
                 for term in sympy.Add.make_args(entry)
             ]
-            distinct = list(dict.fromkeys(found))
+            distinct = list(dict.fromkeys(term_units))
             if len(distinct) > 1:
                 return f"units do not agree: {' against '.join(unit_name(u) for u in distinct)}"
         return ""

@@ -36,10 +36,10 @@ def residual(
     return Record(text, equation, lambda f: vanishes(test(f.rights[0]), says), shown, remark=remark)
 
 
-def book(function: str, **known: Expr) -> dict[str, Expr]:
+def book(function: str, **at: Expr) -> dict[str, Expr]:
     """Outputs of a function of the library, inputs by name replaced (``_`` for the dot)."""
     outputs = plain(formula(function))
-    return {name: e.xreplace({s: known[s.name] for s in e.free_symbols}) for name, e in outputs.items()}
+    return {name: e.xreplace({s: at[s.name] for s in e.free_symbols}) for name, e in outputs.items()}
 
 
 def along(value: Expr, flow: dict[Expr, Expr]) -> Expr:

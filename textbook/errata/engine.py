@@ -112,8 +112,8 @@ X, Y, H, O = symbol("x"), symbol("y"), symbol("h"), symbol("o")
 def wheel(x: Expr, y: Expr, heading: Expr) -> tuple[sympy.Matrix, sympy.Matrix]:
     """Rolling and sliding row of a wheel at (x, y) whose rolling direction is ``heading``."""
     d = derived(CARTESIAN)
-    known = {"px": x, "py": y, "h": heading}
-    swap = {s: known[s.name] for s in d.J1[0, :].free_symbols if s.name in known}
+    at = {"px": x, "py": y, "h": heading}
+    swap = {s: at[s.name] for s in d.J1[0, :].free_symbols if s.name in at}
     return d.J1[0, :].xreplace(swap), d.C1f[0, :].xreplace(swap)
 
 
@@ -122,9 +122,9 @@ def offset_wheel() -> tuple[sympy.Matrix, sympy.Matrix]:
     (vx, vy, omega, steering rate)."""
     d = derived(CARTESIAN)
     column = d.pfaffian_rates.index("steered.steer_rate")
-    known = {"px": X, "py": Y, "h": H, "o": O}
+    at = {"px": X, "py": Y, "h": H, "o": O}
     rows = [d.pfaffian[k, :3].row_join(d.pfaffian[k : k + 1, column]) for k in (1, d.J1.rows + 1)]
     names = {s for row in rows for s in row.free_symbols}
-    swap: dict[Expr, Expr] = {s: known[s.name] for s in names if s.name in known}
+    swap: dict[Expr, Expr] = {s: at[s.name] for s in names if s.name in at}
     swap[signal("steered.steer")] = sympy.S.Zero
     return rows[0].xreplace(swap), rows[1].xreplace(swap)

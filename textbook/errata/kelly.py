@@ -83,8 +83,8 @@ xd, yd, psi, DASH = symbol(r"\dot{x}"), symbol(r"\dot{y}"), symbol(r"\psi"), sym
 
 def _rolls(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     v = symbol("v")
-    known = {DASH: sympy.S.NegativeOne, xd: v * cos(psi), yd: v * sin(psi)}
-    return left.xreplace(known)
+    at = {DASH: sympy.S.NegativeOne, xd: v * cos(psi), yd: v * sin(psi)}
+    return left.xreplace(at)
 
 DISK = Record(TEXT, "4.2.1.4", identity(_rolls, "a disk that rolls, (ẋ, ẏ) = v (cos ψ, sin ψ), satisfies it"),
     form(DASH * xd * sin(psi) - yd * cos(psi), EQ, sympy.S.Zero),
@@ -151,7 +151,7 @@ def _criterion(names: tuple[str, ...]) -> Check:
     """Does a test tell integrable from non-integrable constraints?"""
 
     def check(f: Form) -> Finding:
-        found = []
+        cases = []
         for name in names:
             row, integrable = EXAMPLES[name]
             if f.values[0].has(sympy.Integral):
@@ -162,11 +162,11 @@ def _criterion(names: tuple[str, ...]) -> Check:
             else:
                 c = _with_curl(row)
                 says, value = c == 0, f"c · curl c = {c}"
-            found.append((name, says == integrable, f"{name}: {value}"))
-        wrong = [text for _, right, text in found if not right]
+            cases.append((name, says == integrable, f"{name}: {value}"))
+        wrong = [text for _, right, text in cases if not right]
         if wrong:
             return Finding(False, f"calls an integrable constraint non-holonomic: {wrong[0]}")
-        return Finding(True, "tells them apart: " + "; ".join(text for *_, text in found))
+        return Finding(True, "tells them apart: " + "; ".join(text for *_, text in cases))
 
     return check
 

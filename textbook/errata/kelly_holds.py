@@ -36,9 +36,9 @@ def _swap(value: sympy.Matrix, *pairs: tuple[sympy.Matrix, sympy.Matrix]) -> sym
 def _inside(value: sympy.Matrix) -> sympy.Matrix:
     """A derivative of the first frame in the letters of the second, which turns at W2 and AL2 against it."""
     seconds = sorted((s for s in AL.free_symbols if s.name.startswith("\\ddot")), key=lambda s: str(s.name))
-    known = sympy.solve(list(AL - AL2), seconds, dict=True)[0]
+    at = sympy.solve(list(AL - AL2), seconds, dict=True)[0]
     letters = ((W_, W2), (R_, R2), (V_, V2), (A_, A2), (MOTION.vm, VS), (MOTION.am, AS))
-    return _swap(value.xreplace(known), *letters)
+    return _swap(value.xreplace(at), *letters)
 
 SEEN_V, SEEN_A = _inside(MOTION.velocity), _inside(MOTION.acceleration)
 CHAIN_V = _swap(MOTION.velocity, (V_, SEEN_V))

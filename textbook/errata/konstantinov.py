@@ -1,4 +1,7 @@
-"""Misprints of Konstantinov: three omni wheels at distance a, wheel i at angle phi_i = phi + 2 pi (i-1)/3."""
+"""Konstantinov: misprints, what holds under a condition, and what holds as printed.
+
+Three omni wheels stand at distance a, wheel i at angle phi_i = phi + 2 pi (i-1)/3.
+"""
 
 from __future__ import annotations
 
@@ -57,8 +60,8 @@ U, OMEGA_I, W_I = symbol("u_i"), symbol(r"\omega_i"), symbol("w_i")
 
 def _drive_speed(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
     """|u_i|^2 = lambda_i^2 (sin^2 + cos^2) with lambda_i = r omega_i of (4)."""
-    known = {U: sqrt((lam * E_I).dot(lam * E_I))}
-    return (left.xreplace(known) ** 2 - right**2).xreplace({lam: r * OMEGA_I})
+    at = {U: sqrt((lam * E_I).dot(lam * E_I))}
+    return (left.xreplace(at) ** 2 - right**2).xreplace({lam: r * OMEGA_I})
 
 ABSOLUTE = Record(
     TEXT, "|u_i|", identity(_drive_speed, "squares, with uᵢ = λᵢ [sin φᵢ, −cos φᵢ] and λᵢ = r ωᵢ of (4)"),
@@ -71,9 +74,9 @@ def _components(f: Form) -> Finding:
     u, v = f.rights
     if not all(isinstance(e, sympy.MatrixBase) for e in (u, v)):
         return Finding(False, "uᵢ and wᵢ are velocities of the plane; the printed right-hand sides are numbers")
-    known = {lam: LAMBDA, mu: xd * cos(phi_i) + yd * sin(phi_i)}
+    at = {lam: LAMBDA, mu: xd * cos(phi_i) + yd * sin(phi_i)}
     hub = M([[xd - a * phid * sin(phi_i), yd + a * phid * cos(phi_i)]])
-    return vanishes(((u + v).xreplace(known) - hub), "uᵢ + wᵢ is the velocity of the hub")
+    return vanishes(((u + v).xreplace(at) - hub), "uᵢ + wᵢ is the velocity of the hub")
 
 COMPONENTS = Record(TEXT, "u_i, w_i before (3)", _components,
     forms((U, EQ, lam * (sin(phi_i) - cos(phi_i))), (W_I, EQ, mu * (cos(phi_i) - sin(phi_i)))),

@@ -73,10 +73,10 @@ def _by_text(judged: Iterable[Judged]) -> list[tuple[str, list[Judged]]]:
 
 
 def _sections(judged: Iterable[Judged], entry: Callable[[Record, Judgement], list[str]]) -> list[str]:
-    found = []
+    parts = []
     for title, pairs in _by_text(judged):
-        found += [f"### {escape(title)}", *(line for r, j in pairs for line in entry(r, j))]
-    return found
+        parts += [f"### {escape(title)}", *(line for r, j in pairs for line in entry(r, j))]
+    return parts
 
 
 def _entry(r: Record, j: Judgement) -> list[str]:

@@ -60,8 +60,8 @@ LEAD = cos(ALPHA + _TURNED) * vx + sin(ALPHA + _TURNED) * vy + L * sin(_TURNED) 
 def _locked(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
     """Rollers locked, the hub of a fixed wheel moves at r spin along e, the fixed wheel's rolling direction."""
     e = engine.rolling("fixed")[:2]
-    known = {PSW: sympy.S.Zero, omega: sympy.S.Zero, vx: R * phid * e[0], vy: R * phid * e[1]}
-    return left.xreplace(known)
+    at = {PSW: sympy.S.Zero, omega: sympy.S.Zero, vx: R * phid * e[0], vy: R * phid * e[1]}
+    return left.xreplace(at)
 
 ROLLERS = Record(
     TEXT, "(3.20)", identity(_locked, "with locked rollers the wheel is a fixed wheel, v = r φ̇ e of wmrgen's row"),

@@ -66,16 +66,16 @@ def _alignment(signs: tuple[int, ...]) -> Check:
     def check(f: Form) -> Finding:
         row = engine.sliding("castor", alpha=0, l=0)
         swing = -(row[0] * SPEED) / engine.castor_rate()  # beta'
-        found = []
+        cases = []
         for sign in signs:
             for angle in (pi / 2, -pi / 2):
                 slope = sympy.diff(swing, BETA).xreplace({BETA: angle, D: sympy.S(sign)})
                 if swing.xreplace({BETA: angle}) == 0 and slope < 0:
                     along = sin(angle)  # e_x at alpha = 0
                     said = f.rights[0].xreplace({D: sympy.S(sign)})
-                    found.append((said == along, f"d {'>' if sign > 0 else '<'} 0: stable at e = {along} V/|V|, "
+                    cases.append((said == along, f"d {'>' if sign > 0 else '<'} 0: stable at e = {along} V/|V|, "
                                                  f"β̇ falls by {-slope}/|d| per radian"))
-        return each("linearised (3.18): ", found)
+        return each("linearised (3.18): ", cases)
 
     return check
 
@@ -95,26 +95,26 @@ def literal_rank(d: Derivation) -> int:
     """rank C1s with all wheels steered to one ICR, (0, 2) in the robot frame or (0.2, 2) without fixed wheels."""
     fixed = any(w.kind.fixed_axle for w in d.robot.wheels)
     icr = (sympy.S.Zero if fixed else sympy.Rational(1, 5), sympy.Integer(2))
-    known = {}
+    at = {}
     for w in d.robot.wheels:
         if w.kind.steers:
             x, y = (number_of(e) for e in (w.nominal.x, w.nominal.y))
-            known[signal(f"{w.name}.steer")] = sympy.atan2(x - icr[0], icr[1] - y)
-    return generic_rank(d.C1s.xreplace(known))
+            at[signal(f"{w.name}.steer")] = sympy.atan2(x - icr[0], icr[1] - y)
+    return generic_rank(d.C1s.xreplace(at))
 
 def _steerability(names: tuple[str, ...]) -> Check:
     """The formula against the degree of steerability, dimension of the ICR's freedom, of wmrgen's analysis."""
 
     def check(f: Form) -> Finding:
-        found = []
+        cases = []
         for name in names:
             d = engine.robot(ROBOTS[name])
             m = d.mobility
             ranks = {RANK_S: literal_rank(d), RANK: m.rank_C1.value, RANK_F: m.rank_C1f.value}
             said = f.rights[0].xreplace({k: sympy.Integer(n) for k, n in ranks.items()})
             right = said == m.degree_of_steerability
-            found.append((right, f"{name}: {said}, steerability {m.degree_of_steerability}"))
-        return each("formula and wmrgen's analysis: ", found)
+            cases.append((right, f"{name}: {said}, steerability {m.degree_of_steerability}"))
+        return each("formula and wmrgen's analysis: ", cases)
 
     return check
 
@@ -147,8 +147,8 @@ def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
     def check(f: Form) -> Finding:
         twist = engine.inverse(engine.differential(l=5)) * M([6 * right, 6 * left, 0])
         truth = world_to_robot_rows(pi / 4).T * twist
-        found = vanishes(f.values[-1] - truth, f"wmrgen's rows with radii {number(left)} and {number(right)}")
-        return Finding(found.holds, f"{found.text}; twist ({', '.join(number(e) for e in truth)})")
+        verdict = vanishes(f.values[-1] - truth, f"wmrgen's rows with radii {number(left)} and {number(right)}")
+        return Finding(verdict.holds, f"{verdict.text}; twist ({', '.join(number(e) for e in truth)})")
 
     return check
 
@@ -169,8 +169,8 @@ def _spin(places: tuple[int, int]) -> Check:
     def check(f: Form) -> Finding:
         entries = []
         for heading, place in zip(f.rights, places, strict=True):
-            known = {A1: sympy.S(places[0]), A2: sympy.S(places[1])}
-            h = heading.xreplace(known) * DEGREE
+            at = {A1: sympy.S(places[0]), A2: sympy.S(places[1])}
+            h = heading.xreplace(at) * DEGREE
             entries.append(engine.sliding("fixed", alpha=place * DEGREE, beta=h + pi / 2 - place * DEGREE, l=1)[2])
         angles = f"{places[0]}° and {places[1]}°".replace("-", "−")
         return vanishes(entries, f"sideways velocity while spinning, wheels at polar angles {angles}")

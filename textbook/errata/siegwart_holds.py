@@ -1,4 +1,4 @@
-"""Equations of Siegwart, Nourbakhsh and Scaramuzza, and of AA274, that hold as printed."""
+"""Equations of Siegwart, Nourbakhsh and Scaramuzza that hold as printed."""
 
 from __future__ import annotations
 
@@ -88,8 +88,8 @@ NAMES = {"rank_C1f": r"\mathrm{rank}\,C_{1f}", "rank_C1": r"\mathrm{rank}\,C_1",
 def facts(text: str) -> dict[str, int]:
     """Ranks and degrees by wmrgen's analysis."""
     m = engine.robot(text).mobility
-    found = {key: getattr(m, key) for key in NAMES}
-    return {key: int(getattr(value, "value", value)) for key, value in found.items()}
+    degrees_of = {key: getattr(m, key) for key in NAMES}
+    return {key: int(getattr(value, "value", value)) for key, value in degrees_of.items()}
 
 def degrees(equation: str, says: str, *said: tuple[str, str, int], remark: str = "") -> Record:
     """Printed ranks and degrees: (robot, key, number) each."""
@@ -109,8 +109,8 @@ def relation(equation: str, says: str, key: str, right: Value) -> Record:
     def check(f: Form) -> Finding:
         entries = []
         for text in every:
-            found = {symbol(NAMES[k]): sympy.Integer(n) for k, n in facts(text).items()}
-            entries.append(f.rights[0].xreplace(found) - facts(text)[key])
+            ranks = {symbol(NAMES[k]): sympy.Integer(n) for k, n in facts(text).items()}
+            entries.append(f.rights[0].xreplace(ranks) - facts(text)[key])
         return vanishes(entries, f"{says}, for {len(every)} robots")
 
     return Record(TEXT, equation, check, shown)

@@ -91,8 +91,8 @@ def _double_integrator(f: Form) -> Finding:
     last = f.lines[2][-1].xreplace(dots).xreplace(rates)
     texts = {p.name: e for p, e in brockett().outputs}
     names = {"x1": "x_1", "x2": "x_2", "u1": "u_1", "u2": "u_2"}
-    known = {s: symbol(names[s.name]) for s in texts["x3_rate"].free_symbols}
-    as_259 = vanishes(last - texts["x3_rate"].xreplace(known), "the third line is that of (2.59)")
+    at = {s: symbol(names[s.name]) for s in texts["x3_rate"].free_symbols}
+    as_259 = vanishes(last - texts["x3_rate"].xreplace(at), "the third line is that of (2.59)")
     if orders != [2, 2]:
         return Finding(False, f"the inputs set derivatives of order {orders[0]} and {orders[1]}: "
                               "the three lines are those of (2.59), which integrates once")
@@ -113,8 +113,8 @@ def _chain_rates(*right: sympy.Expr) -> list[sympy.Expr]:
     x, y, turn = symbol("x"), symbol("y"), symbol(r"\omega")
     chain = book("unicycle_to_chain", x=x, y=y, theta=phi, v=v, omega=turn)
     flow = {x: v * cos(phi), y: v * sin(phi), phi: turn}
-    known = {u1: chain["u1"], u2: chain["u2"], symbol("z_2"): chain["z2"]}
-    return [along(chain[f"z{k}"], flow) - e.xreplace(known) for k, e in enumerate(right, 1)]
+    at = {u1: chain["u1"], u2: chain["u2"], symbol("z_2"): chain["z2"]}
+    return [along(chain[f"z{k}"], flow) - e.xreplace(at) for k, e in enumerate(right, 1)]
 
 CHAIN_MISSING = Record(TEXT, "(2.63)",
     rights(_chain_rates, "rates of z of (2.62) along the unicycle (2.26)"),
@@ -147,15 +147,15 @@ TRAILER_CONSTRAINT = Record(TEXT, "2.3.6, constraint of trailer i",
     remark="Shown for i = 2. Printed with the rate of trailer i in every term (and i for the bound index).")
 
 def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
-    found = []
+    rates = []
     for i in (1, 2, 3):
         product = sympy.Mul(*(cos(PHI[j - 1] - PHI[j]) for j in range(1, i)))
-        found.append(speed / LEN[i] * product * sin(PHI[i - 1] - PHI[i]))
-    return found
+        rates.append(speed / LEN[i] * product * sin(PHI[i - 1] - PHI[i]))
+    return rates
 
 def _trailers_roll(*right: sympy.Expr) -> list[sympy.Expr]:
-    known = {XQ: v1 * cos(PHI[0]), YQ: v1 * sin(PHI[0]), **dict(zip(PHID[1:], right, strict=True))}
-    return [sideways(i).xreplace(known) for i in (1, 2, 3)]
+    at = {XQ: v1 * cos(PHI[0]), YQ: v1 * sin(PHI[0]), **dict(zip(PHID[1:], right, strict=True))}
+    return [sideways(i).xreplace(at) for i in (1, 2, 3)]
 
 TRAILER_RATES = Record(TEXT, "(2.70)",
     rights(_trailers_roll, "the three trailers roll without slipping while Q drives at v₁ along φ₀"),
@@ -166,8 +166,8 @@ TRAILER_RATES = Record(TEXT, "(2.70)",
 VH, VI, VR, VB = (symbol(n) for n in ("v_h", "v_i", r"v_{\mathrm{roller}}", "v_b"))
 
 def _pythagoras(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
-    known = {VI: VH * cos(gamma - beta), VR: VH * sin(gamma - beta)}
-    return (right - left).xreplace(known)
+    at = {VI: VH * cos(gamma - beta), VR: VH * sin(gamma - beta)}
+    return (right - left).xreplace(at)
 
 OMNI_PAIR = Record(TEXT, "(2.71a)",
     identity(_pythagoras, "with v_i = v_h cos(γ − β) and the rest taken up by the roller"),

@@ -53,8 +53,8 @@ def _points(forward_only: bool) -> list[tuple[sympy.Expr, sympy.Expr]]:
 def _front_heading(angle: sympy.Expr) -> list[sympy.Expr]:
     """The front wheel, turning forwards, rolls along (v, D phi'): its velocity in the robot frame."""
     speed = sqrt(v**2 + (D * phid) ** 2)
-    known = {D: sympy.S.One}
-    return [(speed * cos(angle) - v).xreplace(known), (speed * sin(angle) - D * phid).xreplace(known)]
+    at = {D: sympy.S.One}
+    return [(speed * cos(angle) - v).xreplace(at), (speed * sin(angle) - D * phid).xreplace(at)]
 
 def _steer_check(forward_only: bool) -> Check:
     says = "velocity of the front wheel, (v, D φ′) with D = 1, along the wheel turning forwards"
@@ -67,8 +67,8 @@ STEER = Record(TEXT, "(2.47a)", _steer_check(False),
 def _front_rate(rate: sympy.Expr) -> sympy.Expr:
     """r theta_w is the component of (v, D phi') along the wheel at |psi| < pi/2."""
     angle = sympy.atan(D * phid / v)
-    known = {D: sympy.S.One, r: sympy.S.One}
-    return (r * rate - v * cos(angle) - D * phid * sin(angle)).xreplace(known)
+    at = {D: sympy.S.One, r: sympy.S.One}
+    return (r * rate - v * cos(angle) - D * phid * sin(angle)).xreplace(at)
 
 def _rate_check(forward_only: bool) -> Check:
     says = "component of (v, D φ′) along the wheel at |ψ| < π/2, with D = r = 1"

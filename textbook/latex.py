@@ -7,42 +7,19 @@ from collections.abc import Iterable
 from typing import Any
 
 import sympy
-from sympy.printing.latex import LatexPrinter
 
 from textbook.plain import unguarded
 from wmrgen.kinematics.records import Formula
+from wmrgen.notation import port as port_name
 from wmrgen.ports import Port
+from wmrgen.printing import Latex
 from wmrgen.symbolic import Expr, local, signal, substituted
 
-_GREEK = frozenset("alpha beta gamma epsilon zeta theta xi rho phi psi omega".split())
-_SHORT = {"vx": "v_{x}", "vy": "v_{y}", "dx": "d_{x}", "dy": "d_{y}"}
-_NUMBERED = re.compile(r"([a-z]+)(\d+)")
 _ENTRY = re.compile(r"([a-z]+)(\d)(\d)")
 WIDE = 180  # characters of LaTeX in a line before a sum is broken
 
 
-class _Printer(LatexPrinter):  # type: ignore[misc]
-    """sympy's LaTeX, with atan2 and sign upright."""
-
-    def _called(self, head: str, expr: Expr, exp: str | None) -> str:
-        text = rf"{head}\left({', '.join(self._print(a) for a in expr.args)}\right)"
-        return text if exp is None else rf"{text}^{{{exp}}}"
-
-    def _print_atan2(self, expr: Expr, exp: str | None = None) -> str:
-        return self._called(r"\mathrm{atan2}", expr, exp)
-
-    def _print_sign(self, expr: Expr, exp: str | None = None) -> str:
-        return self._called(r"\mathrm{sign}", expr, exp)
-
-    def _print_atan(self, expr: Expr, exp: str | None = None) -> str:
-        return self._called(r"\arctan", expr, exp)
-
-    def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
-        del style  # the name of a symbol is its LaTeX
-        return str(expr.name)
-
-
-_PRINTER = _Printer({"mat_str": "bmatrix", "mat_delim": "", "mul_symbol": r" \, "})
+_PRINTER = Latex(order=None, mat_str="bmatrix", mat_delim="", mul_symbol=r" \, ")
 
 
 def latex(value: Any) -> str:
@@ -50,40 +27,11 @@ def latex(value: Any) -> str:
     return str(_PRINTER.doprint(value))
 
 
-def name(port: str) -> str:
-    """A port or intermediate result: ``x_rate``, ``v_m.x``, ``k_rho``, ``m12``."""
-    base, _, axis = port.partition(".")
-    dots = 0
-    while base.endswith("_rate"):
-        base, dots = base.removesuffix("_rate"), dots + 1
-    head, _, index = base.partition("_")
-    numbered = _NUMBERED.fullmatch(head)
-    if numbered:
-        head, index = numbered[1], numbered[2] + (f",{index}" if index else "")
-    if axis and axis not in ("x", "y", "z"):  # right.spin
-        head, index, axis = axis, base, ""
-    text = rf"\{head}" if head in _GREEK else head if len(head) == 1 else rf"\mathrm{{{head}}}"
-    if head in _SHORT and not (index or axis):
-        text = _SHORT[head]
-    if dots:
-        text = rf"\{'d' * dots}ot{{{text}}}"
-    indices = [i if re.fullmatch(r"[\d,]+|[a-z]", i) else _word(i) for i in (index, axis) if i]
-    return rf"{text}_{{{','.join(indices)}}}" if indices else text
-
-
-def _word(text: str) -> str:
-    return rf"\{text}" if text in _GREEK else rf"\mathrm{{{_spaced(text)}}}"
-
-
-def _spaced(text: str) -> str:
-    return text.replace("_", r"\;")
-
-
 def equations(formula: Formula) -> list[str]:
     """One line ``name &= expression`` per intermediate result worth a name, per output and per output matrix."""
     uses = _uses(formula)
     values: dict[Expr, Expr] = {
-        signal(port.name): sympy.Symbol(name(port.name), real=True) for port in formula.inputs
+        signal(port.name): sympy.Symbol(port_name(port.name), real=True) for port in formula.inputs
     }
     memo: dict[Expr, Expr] = {}
     lines = []
@@ -94,7 +42,7 @@ def equations(formula: Formula) -> list[str]:
         if "_exp_" in symbol.name or uses[symbol] <= 1 or value.count_ops() <= 3:
             values[symbol] = value
             continue
-        values[symbol] = sympy.Symbol(rf"\mathit{{{_spaced(symbol.name)}}}", real=True)
+        values[symbol] = sympy.Symbol(rf"\mathit{{{symbol.name.replace('_', chr(92) + ';')}}}", real=True)
         lines.append(_equation(latex(values[symbol]), value))
     taken = {port.name for port in formula.inputs}
     outputs = [(port, substituted(unguarded(expr), values, memo)) for port, expr in formula.outputs]
@@ -104,7 +52,7 @@ def equations(formula: Formula) -> list[str]:
     for port, value in outputs:
         if not _ENTRY.fullmatch(port.name):
             prime = "^{+}" if port.name in taken else ""  # an output that is the new value of an input
-            lines.append(_equation(name(port.name) + prime, value))
+            lines.append(_equation(port_name(port.name) + prime, value))
     return lines
 
 

@@ -49,6 +49,10 @@ class Latex(LatexPrinter):  # type: ignore[misc]
         del style
         return notation.parameter(expr.name)
 
+    def _print_Pi(self, expr: Expr, exp: str | None = None) -> str:
+        del expr  # sympy's own way to print it is a method of the number, see `printmethod`
+        return r"\pi" if exp is None else rf"\pi^{{{exp}}}"
+
     def _upright(self, name: str, expr: Expr, exponent: str | None) -> str:
         arguments = r",\, ".join(self._print(a) for a in expr.args)
         text = rf"{name}\left({arguments}\right)"

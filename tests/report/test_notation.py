@@ -95,6 +95,11 @@ def test_what_github_refuses_is_not_there() -> None:
     assert "operatorname" not in whole and r"\mathrm{rint}" in whole and r"\arctan\left(y\right)" in whole
 
 
+def test_pi_is_the_letter() -> None:
+    assert Latex().doprint(sympy.pi / 3) == r"\frac{\pi}{3}"
+    assert Latex().doprint(sympy.pi**2) == r"\pi^{2}"
+
+
 def test_text_names_ports_or_stays_python() -> None:
     port = Port("left.spin", Role.STATE, "rad/s")
     expr = signal("left.spin") * parameter("r")

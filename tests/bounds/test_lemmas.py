@@ -162,9 +162,9 @@ def test_known_errors_replace_larger_ones() -> None:
     f = _made(Op.MUL)
     (k,) = f.results
     boxes = {"x": (np.array([1.0]), np.array([2.0])), "y": (np.array([1.0]), np.array([1.5]))}
-    plain = Walk(f, boxes, SINGLE, LIBM).run().errors([k, k]).plain[0, 0]
+    plain = Walk(f, boxes, SINGLE, LIBM).run(LEMMAS).errors([k, k]).plain[0, 0]
     for share in (0.25, 4.0):
-        known = Walk(f, boxes, SINGLE, LIBM, upper={k: np.array([share * plain])}).run()
+        known = Walk(f, boxes, SINGLE, LIBM, upper={k: np.array([share * plain])}).run(LEMMAS)
         known.singular.add(-1)  # nothing is taken on trust where a formula is singular
         assert known.errors([k]).plain[0, 0] == pytest.approx(min(share, 1.0) * plain)
 

@@ -29,8 +29,6 @@ ROOMS = (
     " program lower modules matrices bounds model_json robot __init__"
     " backends/wheels backends/drawing backends/report emit cli __main__"
 ).split()
-# Circles inside this one room are not looked for: today there is one, round bounds/walk.
-UNCOVERED = "bounds"
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
 MAY_IMPORT_SYMPY = ("ir/verify", "backends/report/expr")  # of spec, ir, backends and cli
 
@@ -99,10 +97,9 @@ def against(edges: Mapping[str, set[str]]) -> list[str]:
 
 
 def circle(edges: Mapping[str, set[str]]) -> list[str]:
-    """A circle of imports, empty where there is none. What modules of `UNCOVERED` import of each other is left out."""
-    covered = {m: {n for n in names if not room(m) == room(n) == UNCOVERED} for m, names in edges.items()}
+    """A circle of imports, empty where there is none."""
     try:
-        TopologicalSorter(covered).prepare()
+        TopologicalSorter(edges).prepare()
     except CycleError as error:
         return list(error.args[1])
     return []

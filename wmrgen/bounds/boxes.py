@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wmrgen.bounds.domain import Range
 from wmrgen.bounds.interval import Interval
+from wmrgen.bounds.lemmas import LEMMAS
 from wmrgen.bounds.linear import errors_one_by_one
 from wmrgen.bounds.precision import Format, Library
 from wmrgen.bounds.walk import Walk
@@ -58,7 +59,7 @@ def analysed(
     upper = {}
     if any(len(lo) > 1 for lo, _ in boxes.values()):
         upper = errors_one_by_one(function, boxes, form, library, twice)
-    walk = Walk(function, boxes, form, library, twice, upper).run()
+    walk = Walk(function, boxes, form, library, twice, upper).run(LEMMAS)
     errors = walk.errors(function.results)
     claims = []
     for row, k in enumerate(function.results):

@@ -6,7 +6,7 @@ Each says, for arguments anywhere in their ranges, where the exact result lies, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -17,10 +17,8 @@ from wmrgen.bounds.lengths import MOVED, facts, lost, share
 from wmrgen.bounds.precision import constant
 from wmrgen.bounds.shapes import extremum, size_of, terms_below_root
 from wmrgen.bounds.slopes import Partial
-from wmrgen.bounds.walk import Noise, Value, Walk
+from wmrgen.bounds.walk import Lemma, Noise, Value, Walk
 from wmrgen.ir.nodes import Node, Op
-
-Lemma = Callable[[Walk, int, Node], Value]
 
 _SINGULAR = 1e-6  # of its largest value: a divisor below that may as well be zero
 _ROOM = 1.1  # of a quotient by a length that underflow may shorten, on the way from no rounding to all

@@ -8,16 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
-from wmrgen.bounds.interval import magnitude
+from wmrgen.bounds.forms import Forms
+from wmrgen.bounds.interval import Interval, magnitude
+from wmrgen.bounds.precision import Format
 from wmrgen.bounds.shapes import extremum, scaled, terms_below_root
 from wmrgen.ir.nodes import Node, Op
-
-if TYPE_CHECKING:
-    from wmrgen.bounds.walk import Walk
 
 Share = tuple[float, float]  # (s, a): a value is at most s h + a
 
@@ -103,7 +102,20 @@ def _below(nodes: Sequence[Node], i: int) -> tuple[tuple[float, int], ...] | Non
     return None
 
 
-def share(w: Walk, length: Length, i: int) -> Share | None:
+class Known(Protocol):
+    """What a walk knows of the nodes so far: their ranges, and which are multiples of each other."""
+
+    @property
+    def nodes(self) -> Sequence[Node]: ...
+
+    @property
+    def ranges(self) -> Sequence[Interval]: ...
+
+    forms: Forms
+    form: Format
+
+
+def share(w: Known, length: Length, i: int) -> Share | None:
     """(s, a) where |node i| is at most s h + a; None where nothing is known. Roundings count."""
     if i not in length.shares:
         length.shares[i] = None
@@ -111,7 +123,7 @@ def share(w: Walk, length: Length, i: int) -> Share | None:
     return length.shares[i]
 
 
-def _component(w: Walk, length: Length, i: int) -> Share | None:
+def _component(w: Known, length: Length, i: int) -> Share | None:
     """Of a component of the vector, or of y - x where x - y is one."""
     node = w.nodes[i]
     for x, s in length.facts:
@@ -121,7 +133,7 @@ def _component(w: Walk, length: Length, i: int) -> Share | None:
     return None
 
 
-def _multiple(w: Walk, length: Length, i: int) -> Share | None:
+def _multiple(w: Known, length: Length, i: int) -> Share | None:
     """Of what is a multiple of a component as a formula, but is rounded apart."""
     form = w.forms.list[i]
     for x, s in length.facts:
@@ -132,7 +144,7 @@ def _multiple(w: Walk, length: Length, i: int) -> Share | None:
     return None
 
 
-def _computed(w: Walk, length: Length, i: int) -> Share | None:
+def _computed(w: Known, length: Length, i: int) -> Share | None:
     """Of what an operation makes of such values."""
     node = w.nodes[i]
     if node.value is not None:

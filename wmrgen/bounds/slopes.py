@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.bounds import interval as iv
 from wmrgen.bounds.interval import Array, Interval
-
-if TYPE_CHECKING:
-    from wmrgen.bounds.walk import Walk
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +30,18 @@ class Partial:
     times: float = 1.0
     length: int | None = None
     steep: Array | None = None
+
+
+class Divisions(Protocol):
+    """What a walk knows of quotients by lengths.
+
+    ``behind``: the lengths by which each node, or what it depends on, is divided. ``share(j, i)``: s where |node i| is
+    at most s times the length of ``j``.
+    """
+
+    behind: list[frozenset[int]]
+
+    def share(self, j: int, i: int) -> float | None: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +85,7 @@ class Slope:
         zero = _zero(self.plain) & _zero(other.plain)
         return Slope(_kept(zero, iv.plus(self.plain, other.plain)), over, shared)
 
-    def times(self, p: Partial, w: Walk) -> Slope:
+    def times(self, p: Partial, w: Divisions) -> Slope:
         """The derivative in the argument of ``p``, for this one in the node: the chain rule."""
         if isinstance(p.by, int):
             return Slope(self.plain if p.by > 0 else iv.negative(self.plain), self.over, self.shared)
@@ -112,7 +121,7 @@ class Slope:
         return Slope((-gone, gone), {j: np.where(a != 0, a * steep, 0.0)})
 
 
-def _share(p: Partial, w: Walk, j: int) -> float | None:
+def _share(p: Partial, w: Divisions, j: int) -> float | None:
     """s where the derivative is at most s h_j."""
     s = None if p.like is None else w.share(j, p.like)
     return None if s is None else s * abs(p.times)

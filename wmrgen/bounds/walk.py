@@ -13,7 +13,7 @@ claimed where h is 64 times its own error or more, so that h changes by at most 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,7 +27,7 @@ from wmrgen.bounds.lengths import share as share_of
 from wmrgen.bounds.precision import Format, Library
 from wmrgen.bounds.shapes import contracted, effective
 from wmrgen.bounds.slopes import Partial, Slope
-from wmrgen.ir.nodes import Function, Op
+from wmrgen.ir.nodes import Function, Node, Op
 
 _TURN = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
 
@@ -114,13 +114,11 @@ class Walk:
         self.alarms: list[tuple[int, str, NDArray[np.bool_]]] = []
         self.singular: set[int] = set()  # divisions by what comes close to zero, and guards against it
 
-    def run(self, count: int | None = None) -> Walk:
-        """The walk, of the first ``count`` nodes alone if there is one."""
-        from wmrgen.bounds.lemmas import LEMMAS
-
+    def run(self, lemmas: Mapping[Op, Lemma], count: int | None = None) -> Walk:
+        """The walk by one lemma per operation, of the first ``count`` nodes alone if that is given."""
         with np.errstate(all="ignore"):
             for i, node in enumerate(self.nodes[:count]):
-                self._record(i, LEMMAS[node.op](self, i, node))
+                self._record(i, lemmas[node.op](self, i, node))
         return self
 
     def _record(self, i: int, value: Value) -> None:
@@ -247,3 +245,6 @@ class Walk:
 
 def _product(size: Array, noise: Array) -> Array:
     return np.where((noise != 0) & (size != 0), size * noise, 0.0)
+
+
+Lemma = Callable[[Walk, int, Node], Value]

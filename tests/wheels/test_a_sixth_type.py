@@ -18,9 +18,9 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import Outcome
+from wmrgen import derive, load
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import names
-from wmrgen.robot import derive, load
 from wmrgen.wheels import WHEEL_TYPES, Glyph, WheelType, Words, register
 
 Cli = Callable[..., Outcome]

@@ -110,7 +110,7 @@ def refuse_lookalikes(node: Scalar) -> None:
     text = node.text.strip()
     if _NOT_FINITE.fullmatch(text):
         raise node.error(
-            f"{quoted(text)} is not a finite number", "A length or an angle is finite.", "Write the value."
+            f"{quoted(text)} is not a finite number", "Every quantity is finite.", "Write the value."
         )
     for pattern, what, instead in (
         (

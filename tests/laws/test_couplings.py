@@ -188,13 +188,3 @@ def test_dynamics_of_coupled_castors(joint: str) -> None:
     exact = evaluate_module(model.derivation.raw_module, "dynamics", case, EXACT)
     found = model.call("dynamics", case)
     assert found == pytest.approx({k: float(v) for k, v in exact.items()}, rel=1e-12, abs=1e-12)
-
-
-@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
-@pytest.mark.parametrize("case", [*KNOWN, *GEARED])
-def test_degrees_do_not_depend_on_the_unit_of_length(case: str, scale: float) -> None:
-    wheels, couplings, wanted = (KNOWN | GEARED)[case]
-    lengths = ("x", "y", "r", "d")
-    scaled = [{k: v * scale if k in lengths else v for k, v in w.items()} for w in wheels]
-    m = derived({"wheels": scaled, "couplings": couplings}).derivation.mobility
-    assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == wanted

@@ -8,7 +8,6 @@ row only: what can be inverted now is not inverted on the robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 
 import sympy
 
@@ -29,7 +28,8 @@ from wmrgen.kinematics.rootsum import norm
 from wmrgen.kinematics.sensing import Component, Contact, measurements, sensed_joints
 from wmrgen.kinematics.solve import Twist, solve_general
 from wmrgen.layout.records import Robot
-from wmrgen.mobility.ranks import decide, length_unit
+from wmrgen.mobility.ranks import decide
+from wmrgen.mobility.unit import unit_of
 from wmrgen.ports import Role
 from wmrgen.symbolic import Expr, expression
 
@@ -45,7 +45,7 @@ def forward(robot: Robot) -> Formula:
     contacts, components = measurements(robot)
     if constant_normal(contacts, components):
         nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters if p.tunable}
-        twist, slip = _constant(contacts, components, names, nominal, length_unit(robot))
+        twist, slip = _constant(contacts, components, names, nominal, unit_of(robot).length)
     elif not components:
         twist, slip = fit_rigid(contacts, names)
     else:
@@ -83,7 +83,7 @@ def _constant(
     components: list[Component],
     names: Locals,
     nominal: Mapping[str, Poly],
-    unit: Fraction,
+    unit: Exact,
 ) -> tuple[Twist, Expr]:
     """xi = (H^T H)^+ H^T z with everything but z known now."""
     rows = _rows(contacts, components)
@@ -152,9 +152,9 @@ def _step_by_step(rows: list[Measured], numbers: list[list[Exact]], names: Local
     return fits, sympy.S.Zero if decide(numbers).value == len(rows) else slip
 
 
-def _numbers(rows: list[Row], nominal: Mapping[str, Poly], unit: Fraction) -> list[list[Exact]]:
+def _numbers(rows: list[Row], nominal: Mapping[str, Poly], unit: Exact) -> list[list[Exact]]:
     """The rows at nominal parameters, lengths in ``unit`` [m]."""
-    rows = [(r[0], r[1], r[2].scale(1 / unit)) for r in rows]
+    rows = [(r[0], r[1], r[2].scale(unit.inverse())) for r in rows]
     numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in rows]
     assert all(len(row) == 3 for row in numbers)
     return numbers

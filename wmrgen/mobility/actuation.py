@@ -7,8 +7,9 @@ import numpy as np
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.configure import steering_for
 from wmrgen.mobility.findings import Findings
-from wmrgen.mobility.ranks import null_basis, twist_scale, unit_rows
+from wmrgen.mobility.ranks import null_basis, unit_rows
 from wmrgen.mobility.records import Array
+from wmrgen.mobility.unit import twist_scale
 
 
 def actuation(f: Findings) -> tuple[str, ...]:

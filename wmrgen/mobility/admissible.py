@@ -46,7 +46,6 @@ def _pivot(w: Wheel, turned: bool) -> Array:
 
 def quadrics(robot: Robot) -> list[Array]:
     """Symmetric 3x3 forms that vanish on twists allowed by the couplings of steered wheels."""
-    unit = twist_unit(robot)
     forms: list[Array] = []
     for i, leader in enumerate(robot.steer_group):
         a, b = robot.wheels[leader], robot.wheels[i]
@@ -58,18 +57,12 @@ def quadrics(robot: Robot) -> list[Array]:
         if robot.steer_group[i] == robot.steer_group[k]:
             # One angle for both: not only the sizes of the velocities are in proportion, seen from the wheels.
             both = _pivot(a, True) - _pivot(b, True) * float(a.nominal.r / b.nominal.r)
-            forms += [np.outer(row, row) / (row @ row) for row in both if np.abs(row / unit).max() > SMALL]
+            forms += [np.outer(row, row) / (row @ row) for row in both if np.abs(row).max() > SMALL]
         else:
             ratio = float(a.nominal.rolling_radius / b.nominal.rolling_radius)
             forms.append((_speed(a) - _speed(b) * ratio**2) / max(1.0, ratio**2))
     forms = [(f + f.T) / 2 for f in forms]
-    return [f for f in forms if np.abs(f / np.outer(unit, unit)).max() > SMALL]
-
-
-def twist_unit(robot: Robot) -> Array:
-    """What a twist is measured in: 1 m/s, 1 m/s, and the yaw rate that moves the farthest pivot at 1 m/s about P."""
-    reach = max(float(np.hypot(float(w.nominal.x), float(w.nominal.y))) for w in robot.wheels)
-    return np.array([1.0, 1.0, reach or 1.0])
+    return [f for f in forms if np.abs(f).max() > SMALL]
 
 
 def _speed(w: Wheel) -> Array:
@@ -81,14 +74,11 @@ def _speed(w: Wheel) -> Array:
     return np.outer(along, along)
 
 
-def components(constant_null: Array, forms: list[Array], unit: Array | None = None) -> list[Component]:
-    """Components of {xi in span(rows of constant_null): every form vanishes}. ``unit``: see `twist_unit`."""
+def components(constant_null: Array, forms: list[Array]) -> list[Component]:
+    """Components of {xi in span(rows of constant_null): every form vanishes}."""
     size = len(constant_null)
     if not size:
         return []
-    if forms and unit is not None:  # The same whatever the unit of length.
-        constant_null = np.eye(3) / unit if size == 3 else constant_null
-        constant_null = constant_null / np.linalg.norm(constant_null * unit, axis=1)[:, None]
     reduced = [constant_null @ f @ constant_null.T for f in forms]
     reduced = [f for f in reduced if np.abs(f).max() > SMALL]
 

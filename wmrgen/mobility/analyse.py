@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -21,15 +21,16 @@ from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.actuation import actuation
-from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1
+from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1, rounded_row, rows_at
 from wmrgen.mobility.coupled import constant_rows, geared
 from wmrgen.mobility.findings import Findings
 from wmrgen.mobility.freedom import closure, growth_vector
 from wmrgen.mobility.nullspace import null_columns
-from wmrgen.mobility.ranks import decide, independent, null_basis, singular_values, twist_scale, unit_rows
+from wmrgen.mobility.ranks import decide, independent, null_basis, singular_values, to_array, unit_rows
 from wmrgen.mobility.reasons import reasons
 from wmrgen.mobility.records import Admissible, Array, Mobility, Rank
 from wmrgen.mobility.singular import singularities
+from wmrgen.mobility.unit import Unit, unit_of
 
 INDEPENDENT = 1e-3  # smallest singular value of rows taken for clearly independent
 MOST_CANDIDATES = 16  # steered wheels among which the independent ones are sought
@@ -68,17 +69,23 @@ class _Basis:
 
 def analyse(robot: Robot) -> Mobility:
     """Degrees, ranks, reachable dimensions and the reasons for them."""
-    c, scale = constrain(robot, nominal_view), twist_scale(robot)
+    c = constrain(robot, nominal_view)
     constant = constant_rows(c)
-    picked, numbers = admissible(c, [row for row, _ in constant])
-    rank, at = rank_C1(robot, numbers, picked)
+    unit = unit_of(robot)
+    own = constrain(unit.robot(robot), nominal_view)
+    own_constant = [row for row, _ in constant_rows(own)]
+    own_picked, numbers = admissible(own, own_constant)
+    rank, own_at = rank_C1(own.robot, numbers, own_picked)
+    picked = _in_metres(own_picked, unit)
+    fixed = fixed_numbers(c, [row for row, _ in constant])
+    at = rows_at(robot, picked.sample, to_array([fixed[i] for i in picked.chosen]))
     mobility = 3 - rank.value
     steerability = max(picked.dimension - mobility, 0) if mobility else 0
     basis = _basis(robot, constant, picked, at, rank)
-    rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_fixed]), scale)
-    dof = closure(_all_twists(c, [row for row, _ in constant], picked) * scale) if mobility else 0
-    now = null_basis(unit_rows(at, scale)) if mobility else np.zeros((0, 3))
-    growth = growth_vector(now, picked.tangent * scale, steerability)
+    rank_fixed = decide(fixed_numbers(own, [r.row for r in own.sliding_fixed]))
+    dof = closure(_all_twists(own, own_constant, own_picked)) if mobility else 0
+    now = null_basis(unit_rows(own_at)) if mobility else np.zeros((0, 3))
+    growth = growth_vector(now, own_picked.tangent, steerability)
     degenerate = (mobility, steerability) not in CAMPION
     found = Findings(
         robot, c, picked, rank_fixed, rank, mobility, steerability, basis.turning(robot), at, degenerate
@@ -97,6 +104,13 @@ def analyse(robot: Robot) -> Mobility:
     )  # fmt: skip
 
 
+def _in_metres(picked: Admissible, unit: Unit) -> Admissible:
+    """The admissible twists as twists of P in SI units."""
+    normal = None if picked.normal is None else rounded_row(unit.row(picked.normal_values))
+    basis, sample, tangent = (unit.twists(rows) for rows in (picked.basis, picked.sample, picked.tangent))
+    return replace(picked, normal=normal, basis=basis, sample=sample, tangent=tangent)
+
+
 def _basis(
     robot: Robot, constant: list[tuple[Row, int | None]], picked: Admissible, at: Array, rank: Rank
 ) -> _Basis:
@@ -107,11 +121,10 @@ def _basis(
     if picked.normal is not None:
         sources.append(None)
         coupled.append(picked.normal)
-        values = [p.constant for p in picked.normal]
-        head = np.vstack([head, [[float(v) if v is not None else 0.0 for v in values]]])
+        head = np.vstack([head, picked.normal_values[None, :]])
     steered = [w.index for w in robot.wheels if w.kind.steers]
     pairs = geared(robot)
-    rows = unit_rows(np.vstack([head, at[len(picked.chosen) :]]), twist_scale(robot))
+    rows = unit_rows(np.vstack([head, at[len(picked.chosen) :]]))
     chosen = _chosen(robot, rows, len(head), steered, rank.value)
     keep = [i for i in chosen if i < len(head)]
     if len(keep) < len(head):
@@ -144,7 +157,6 @@ def _chosen(robot: Robot, rows: Array, head: int, steered: list[int], rank: int)
     """
     if not rank:
         return []
-    scale = twist_scale(robot)
     constant = independent(rows[:head], min(rank, head)) if head else []
     wanted = rank - len(constant)
     candidates = range(head, head + min(len(steered), MOST_CANDIDATES))
@@ -154,20 +166,20 @@ def _chosen(robot: Robot, rows: Array, head: int, steered: list[int], rank: int)
         if singular_values(rows[picked])[-1] < INDEPENDENT:
             continue
         wheels = [robot.wheels[steered[i - head]] for i in group]
-        apart = [_apart(rows[constant], wheels, scale, turned) for turned in (False, True)]
+        apart = [_apart(rows[constant], wheels, turned) for turned in (False, True)]
         score = (round(apart[0], 6), round(apart[1], 6))
         if best is None or score > best[0]:
             best = (score, picked)
     return best[1] if best is not None else independent(rows, rank)
 
 
-def _apart(constant: Array, wheels: list[Wheel], scale: Array, turned: bool) -> float:
+def _apart(constant: Array, wheels: list[Wheel], turned: bool) -> float:
     """The smallest singular value of the rows with every steered wheel at its zero angle, or turned."""
     rows = [list(map(float, row)) for row in constant]
     for w in wheels:
         c, s, x, y = (float(v) for v in (w.nominal.ch, w.nominal.sh, w.nominal.x, w.nominal.y))
         c, s = (-s, c) if turned else (c, s)
-        rows.append([-s, c, (x * c + y * s) / float(scale[2])])
+        rows.append([-s, c, x * c + y * s])
     return singular_values(np.array(rows).reshape(-1, 3))[-1] if rows else 0.0
 
 

@@ -16,18 +16,10 @@ from wmrgen.exact.linalg import null_space
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.admissible import Component, components, quadrics, twist_unit
+from wmrgen.mobility.admissible import Component, components, quadrics
 from wmrgen.mobility.coupled import coupled_steering, geared
 from wmrgen.mobility.freedom import closure
-from wmrgen.mobility.ranks import (
-    decide,
-    independent,
-    null_basis,
-    numeric_rank,
-    to_array,
-    twist_scale,
-    unit_rows,
-)
+from wmrgen.mobility.ranks import decide, independent, null_basis, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Admissible, Array, Rank
 
 ExactRow = tuple[Exact, Exact, Exact]
@@ -62,14 +54,12 @@ def admissible(c: Constraints, rows: list[Row], seed: int = 0) -> tuple[Admissib
     """The admissible cone of the layout and its constant rows. ``c``, ``rows``: nominal; ``seed``: castors' angles."""
     robot = c.robot
     numbers = fixed_numbers(c, rows, seed)
-    scale = twist_scale(robot)
-    array = unit_rows(to_array(numbers), scale)
+    array = unit_rows(to_array(numbers))
     value, _ = numeric_rank(array)
     chosen = independent(array, value)
-    found = components(null_basis(array[chosen]) / scale, quadrics(robot), twist_unit(robot))
-    constant = unit_rows(to_array(numbers))[chosen]
-    best = _freest(robot, constant, found)
-    normal = _normal(best, constant)
+    found = components(null_basis(array[chosen]), quadrics(robot))
+    best = _freest(robot, array[chosen], found)
+    normal = _normal(best, array[chosen])
     picked = Admissible(
         chosen=tuple(chosen), normal=normal, dimension=best.dimension,
         basis=best.basis, sample=best.sample, linear=best.linear, tangent=best.tangent,
@@ -80,10 +70,10 @@ def admissible(c: Constraints, rows: list[Row], seed: int = 0) -> tuple[Admissib
 def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
     """The component with most freedom of steering, then of motion; none at all when no twist is admissible."""
     empty = Component(0, np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
-    best, score, scale = empty, (-1, 0, 0), twist_scale(robot)
+    best, score = empty, (-1, 0, 0)
     for component in found:
-        mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant), scale))[0]
-        new = (component.dimension - mobility, mobility, closure(component.basis * scale))
+        mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant)))[0]
+        new = (component.dimension - mobility, mobility, closure(component.basis))
         if mobility and new > score:
             best, score = component, new
     return best
@@ -93,7 +83,11 @@ def _normal(best: Component, constant: Array) -> Row | None:
     """The extra row that coupled steering imposes: orthogonal to the admissible plane or line."""
     if not best.linear or best.dimension == 0 or len(constant) + best.dimension != 2:
         return None
-    n = null_basis(np.vstack([best.basis, constant]))[0]
+    return rounded_row(null_basis(np.vstack([best.basis, constant]))[0])
+
+
+def rounded_row(n: Array) -> Row:
+    """A row of numbers as polynomials, its largest entry 1."""
     n = n / n[np.argmax(np.abs(n))]
     a, b, k = (
         Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n)
@@ -164,7 +158,7 @@ def _speed(robot: Robot, i: int, headings: dict[int, tuple[float, float]]) -> Ar
 def rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[Rank, Array]:
     """Rank of C1 on the admissible set, with the float rows it was decided on."""
     at = rows_at(robot, picked.sample, to_array(numbers))
-    value, singular = numeric_rank(unit_rows(at, twist_scale(robot)))
+    value, singular = numeric_rank(unit_rows(at))
     if not picked.dimension:
         value = 3
     exact = None if coupled_steering(robot) else _exact_rank(robot, numbers)

@@ -8,8 +8,8 @@ import numpy as np
 
 from wmrgen.constraints import Constraints
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.ranks import twist_scale
 from wmrgen.mobility.records import Admissible, Array, Rank
+from wmrgen.mobility.unit import twist_scale
 
 SAME = 1e-9
 

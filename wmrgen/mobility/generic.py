@@ -13,7 +13,8 @@ from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Robot, Wheel
-from wmrgen.mobility.ranks import numeric_rank, to_array, twist_scale, unit_rows
+from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
+from wmrgen.mobility.unit import twist_scale
 
 
 def coincidences(robot: Robot) -> tuple[str, ...]:

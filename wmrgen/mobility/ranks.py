@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
-from math import copysign, hypot, log, sqrt
+from math import copysign, hypot, sqrt
 
 import numpy as np
 
 from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import Exact
-from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import TOLERANCE, Array, Rank
 
 METRES = np.ones(3)
@@ -22,24 +20,10 @@ def to_array(rows: Sequence[Sequence[Exact]]) -> Array:
     return np.array([[float(v) for v in row] for row in rows], dtype=np.float64).reshape(-1, 3)
 
 
-def length_unit(robot: Robot) -> Fraction:
-    """Millimetre, metre or kilometre, whichever is nearest to the reach of the robot's wheels [m].
-
-    Ranks compare turning with moving; in this unit they are the same for a robot of any size.
-    """
-    reach = max(hypot(float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)
-    return Fraction(1000) ** round(log(reach, 1000)) if reach else Fraction(1)
-
-
-def twist_scale(robot: Robot) -> Array:
-    """What takes a twist in metres to one in `length_unit`, up to a factor: (1, 1, unit)."""
-    return np.array([1.0, 1.0, float(length_unit(robot))])
-
-
 def unit_rows(rows: Array, scale: Array = METRES) -> Array:
     """Each row scaled to a unit direction part, so that every row is a speed; pure rotation rows to 1.
 
-    ``scale``: see `twist_scale`; the rows returned act on twists times ``scale``.
+    The rows returned act on twists times ``scale`` (`wmrgen.mobility.unit.twist_scale`).
     """
     rows = rows / scale
     size = np.hypot(rows[:, 0], rows[:, 1])
@@ -85,9 +69,9 @@ def _product(a: Sequence[float], b: Sequence[float]) -> float:
     return sum(x * y for x, y in zip(a, b, strict=True))
 
 
-def decide(rows: Sequence[Sequence[Exact]], scale: Array = METRES) -> Rank:
-    """Both ranks of rows of exact numbers. ``scale``: see `twist_scale`."""
-    value, singular = numeric_rank(unit_rows(to_array(rows), scale))
+def decide(rows: Sequence[Sequence[Exact]]) -> Rank:
+    """Both ranks of rows of exact numbers."""
+    value, singular = numeric_rank(unit_rows(to_array(rows)))
     return Rank(value, exact_rank(rows) if rows else 0, singular)
 
 

@@ -10,7 +10,8 @@ from wmrgen.layout.records import Wheel
 from wmrgen.mobility.coupled import coupled_sets
 from wmrgen.mobility.findings import SAME, Findings, axle, axle_lines, listed
 from wmrgen.mobility.generic import coincidences
-from wmrgen.mobility.ranks import null_basis, numeric_rank, twist_scale, unit_rows
+from wmrgen.mobility.ranks import null_basis, numeric_rank, unit_rows
+from wmrgen.mobility.unit import twist_scale
 
 
 def reasons(f: Findings) -> tuple[str, ...]:

@@ -13,8 +13,9 @@ from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.findings import Findings, listed
 from wmrgen.mobility.nullspace import primitive
-from wmrgen.mobility.ranks import length_unit, numeric_rank, to_array, twist_scale, unit_rows
+from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Singularity
+from wmrgen.mobility.unit import twist_scale, unit_of
 
 MOST_WHEELS = 8  # among which minors are written out
 
@@ -60,7 +61,7 @@ def _shared_axles(found: Findings) -> list[Singularity]:
     f, s = fixed[0], wheels[0]
     offset = _towards(f, s)
     number = offset.constant
-    if number is None or abs(float(number)) > 1e-9 * float(length_unit(found.robot)):
+    if number is None or abs(float(number)) > 1e-9 * float(unit_of(found.robot).length):
         return []
     text = f"{s.name} stands on the axle line of {f.name}: with parallel axles rank C1 falls from 2 to 1"
     return [Singularity("shared_axle", (_parallel(f, s),), text, (f.name, s.name))]
@@ -82,7 +83,7 @@ def _parallel(a: Wheel, b: Wheel) -> Poly:
 
 def _pivots_in_line(found: Findings) -> bool:
     points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.kind.steers])
-    return int(np.linalg.matrix_rank(points - points[0], tol=1e-9 * float(length_unit(found.robot)))) < 2
+    return int(np.linalg.matrix_rank(points - points[0], tol=1e-9 * float(unit_of(found.robot).length))) < 2
 
 
 def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:

@@ -8,6 +8,7 @@ row only: what can be inverted now is not inverted on the robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 import sympy
 
@@ -83,7 +84,7 @@ def _constant(
     components: list[Component],
     names: Locals,
     nominal: Mapping[str, Poly],
-    unit: Exact,
+    unit: Fraction,
 ) -> tuple[Twist, Expr]:
     """xi = (H^T H)^+ H^T z with everything but z known now."""
     rows = _rows(contacts, components)
@@ -152,9 +153,9 @@ def _step_by_step(rows: list[Measured], numbers: list[list[Exact]], names: Local
     return fits, sympy.S.Zero if decide(numbers).value == len(rows) else slip
 
 
-def _numbers(rows: list[Row], nominal: Mapping[str, Poly], unit: Exact) -> list[list[Exact]]:
+def _numbers(rows: list[Row], nominal: Mapping[str, Poly], unit: Fraction) -> list[list[Exact]]:
     """The rows at nominal parameters, lengths in ``unit`` [m]."""
-    rows = [(r[0], r[1], r[2].scale(unit.inverse())) for r in rows]
+    rows = [(r[0], r[1], r[2].scale(1 / unit)) for r in rows]
     numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in rows]
     assert all(len(row) == 3 for row in numbers)
     return numbers

@@ -9,7 +9,6 @@ from wmrgen.mobility.configure import steering_for
 from wmrgen.mobility.findings import Findings
 from wmrgen.mobility.ranks import null_basis, unit_rows
 from wmrgen.mobility.records import Array
-from wmrgen.mobility.unit import twist_scale
 
 
 def actuation(f: Findings) -> tuple[str, ...]:
@@ -17,14 +16,11 @@ def actuation(f: Findings) -> tuple[str, ...]:
     robot = f.robot
     spins = [w for w in robot.wheels if "spin" in w.actuated]
     swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
-    scale = twist_scale(robot)
-    free = null_basis(unit_rows(f.at, scale)) if f.at.size else np.eye(3)
+    free = null_basis(unit_rows(f.at)) if f.at.size else np.eye(3)
     rows = [_rate_row(w, f) for w in spins]
     rows += [_castor_row(w) for w in swivelled]
     grip = (
-        int(np.linalg.matrix_rank(unit_rows(np.array(rows), scale) @ free.T, tol=1e-9))
-        if rows and len(free)
-        else 0
+        int(np.linalg.matrix_rank(unit_rows(np.array(rows)) @ free.T, tol=1e-9)) if rows and len(free) else 0
     )
     motors = len(robot.together("spin", spins)) + len(robot.together("steer", swivelled))
     steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}

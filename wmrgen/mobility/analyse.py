@@ -18,10 +18,11 @@ from wmrgen.constraints import (
     working_view,
 )
 from wmrgen.exact.evaluate import fix
+from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.actuation import actuation
-from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1, rounded_row, rows_at
+from wmrgen.mobility.configure import admissible, fixed_numbers, rank_C1
 from wmrgen.mobility.coupled import constant_rows, geared
 from wmrgen.mobility.findings import Findings
 from wmrgen.mobility.freedom import closure, growth_vector
@@ -69,26 +70,22 @@ class _Basis:
 
 def analyse(robot: Robot) -> Mobility:
     """Degrees, ranks, reachable dimensions and the reasons for them."""
-    c = constrain(robot, nominal_view)
-    constant = constant_rows(c)
     unit = unit_of(robot)
-    own = constrain(unit.robot(robot), nominal_view)
-    own_constant = [row for row, _ in constant_rows(own)]
-    own_picked, numbers = admissible(own, own_constant)
-    rank, own_at = rank_C1(own.robot, numbers, own_picked)
-    picked = _in_metres(own_picked, unit)
-    fixed = fixed_numbers(c, [row for row, _ in constant])
-    at = rows_at(robot, picked.sample, to_array([fixed[i] for i in picked.chosen]))
+    own = unit.robot(robot)
+    c = constrain(own, nominal_view)
+    constant = constant_rows(c)
+    picked, numbers = admissible(c, [row for row, _ in constant])
+    rank, at = rank_C1(own, numbers, picked)
     mobility = 3 - rank.value
     steerability = max(picked.dimension - mobility, 0) if mobility else 0
-    basis = _basis(robot, constant, picked, at, rank)
-    rank_fixed = decide(fixed_numbers(own, [r.row for r in own.sliding_fixed]))
-    dof = closure(_all_twists(own, own_constant, own_picked)) if mobility else 0
-    now = null_basis(unit_rows(own_at)) if mobility else np.zeros((0, 3))
-    growth = growth_vector(now, own_picked.tangent, steerability)
+    basis = _basis(own, unit, constant, picked, at, rank)
+    rank_fixed = decide(fixed_numbers(c, [r.row for r in c.sliding_fixed]))
+    dof = closure(_all_twists(c, [row for row, _ in constant], picked)) if mobility else 0
+    now = null_basis(unit_rows(at)) if mobility else np.zeros((0, 3))
+    growth = growth_vector(now, picked.tangent, steerability)
     degenerate = (mobility, steerability) not in CAMPION
     found = Findings(
-        robot, c, picked, rank_fixed, rank, mobility, steerability, basis.turning(robot), at, degenerate
+        own, unit, picked, rank_fixed, rank, mobility, steerability, basis.turning(robot), at, degenerate
     )
     symbolic = null_columns(basis.rows(robot, symbolic_view)) if mobility else ()
     columns = tuple(_fixed(column, robot) for column in symbolic)
@@ -98,7 +95,8 @@ def analyse(robot: Robot) -> Mobility:
         rank_C1f=rank_fixed, rank_C1=rank, ddof=mobility, dof=dof, holonomic=mobility == dof,
         omnidirectional=mobility == 3, robot_type=None if degenerate else (mobility, steerability),
         degenerate=degenerate, reasons=reasons(found), actuation=actuation(found), growth_vector=growth,
-        degree_of_nonholonomy=len(growth), singularities=singularities(found, columns), admissible=picked,
+        degree_of_nonholonomy=len(growth), singularities=singularities(found, columns),
+        admissible=_in_metres(picked, unit),
         basis_rows=basis.rows(robot, working_view), basis_wheels=basis.leaders(robot),
         null_space=columns, null_space_symbolic=symbolic,
     )  # fmt: skip
@@ -106,22 +104,30 @@ def analyse(robot: Robot) -> Mobility:
 
 def _in_metres(picked: Admissible, unit: Unit) -> Admissible:
     """The admissible twists as twists of P in SI units."""
-    normal = None if picked.normal is None else rounded_row(unit.row(picked.normal_values))
+    normal = None if picked.normal is None else unit.row(picked.normal)
     basis, sample, tangent = (unit.twists(rows) for rows in (picked.basis, picked.sample, picked.tangent))
     return replace(picked, normal=normal, basis=basis, sample=sample, tangent=tangent)
 
 
 def _basis(
-    robot: Robot, constant: list[tuple[Row, int | None]], picked: Admissible, at: Array, rank: Rank
+    robot: Robot,
+    unit: Unit,
+    constant: list[tuple[Row, int | None]],
+    picked: Admissible,
+    at: Array,
+    rank: Rank,
 ) -> _Basis:
-    """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs."""
+    """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs.
+
+    All but the basis is in ``unit``.
+    """
     sources: list[int | None] = [constant[i][1] for i in picked.chosen]
-    coupled = [constant[i][0] for i in picked.chosen if constant[i][1] is None]
+    coupled = [unit.row(constant[i][0]) for i in picked.chosen if constant[i][1] is None]
     head = at[: len(sources)]
     if picked.normal is not None:
         sources.append(None)
-        coupled.append(picked.normal)
-        head = np.vstack([head, picked.normal_values[None, :]])
+        coupled.append(unit.row(picked.normal))
+        head = np.vstack([head, to_array([[p.constant or ZERO for p in picked.normal]])])
     steered = [w.index for w in robot.wheels if w.kind.steers]
     pairs = geared(robot)
     rows = unit_rows(np.vstack([head, at[len(picked.chosen) :]]))

@@ -83,11 +83,7 @@ def _normal(best: Component, constant: Array) -> Row | None:
     """The extra row that coupled steering imposes: orthogonal to the admissible plane or line."""
     if not best.linear or best.dimension == 0 or len(constant) + best.dimension != 2:
         return None
-    return rounded_row(null_basis(np.vstack([best.basis, constant]))[0])
-
-
-def rounded_row(n: Array) -> Row:
-    """A row of numbers as polynomials, its largest entry 1."""
+    n = null_basis(np.vstack([best.basis, constant]))[0]
     n = n / n[np.argmax(np.abs(n))]
     a, b, k = (
         Poly.of(Fraction(float(v)).limit_denominator(10**9)) for v in np.where(np.abs(n) < 1e-12, 0, n)

@@ -6,20 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wmrgen.constraints import Constraints
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Admissible, Array, Rank
-from wmrgen.mobility.unit import twist_scale
+from wmrgen.mobility.unit import Unit
 
 SAME = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What the sentences are about. ``at``: rows of C1 at the sample configuration."""
+    """What the sentences are about, in ``unit``. ``at``: rows of C1 at the sample configuration."""
 
     robot: Robot
-    constraints: Constraints
+    unit: Unit
     admissible: Admissible
     rank_fixed: Rank
     rank: Rank
@@ -47,14 +46,13 @@ def axle(w: Wheel) -> Array:
     return np.array([-s, c, x * c + y * s])
 
 
-def axle_lines(robot: Robot, wheels: list[Wheel]) -> list[list[Wheel]]:
+def axle_lines(wheels: list[Wheel]) -> list[list[Wheel]]:
     """Fixed wheels grouped by axle line."""
-    scale = twist_scale(robot)
     lines: list[list[Wheel]] = []
     for w in wheels:
-        row = axle(w) / scale
+        row = axle(w)
         for line in lines:
-            first = axle(line[0]) / scale
+            first = axle(line[0])
             if min(np.abs(row - first).max(), np.abs(row + first).max()) < SAME:
                 line.append(w)
                 break

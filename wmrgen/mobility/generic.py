@@ -14,11 +14,14 @@ from wmrgen.exact.evaluate import fix
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
-from wmrgen.mobility.unit import twist_scale
+from wmrgen.mobility.unit import Unit
 
 
-def coincidences(robot: Robot) -> tuple[str, ...]:
-    """One sentence for each matrix whose rank is lower at the given values than in general."""
+def coincidences(robot: Robot, unit: Unit) -> tuple[str, ...]:
+    """One sentence for each matrix whose rank is lower at the given values than in general.
+
+    ``robot``: in ``unit``.
+    """
     if not robot.parameters:
         return ()
     values = {
@@ -29,7 +32,7 @@ def coincidences(robot: Robot) -> tuple[str, ...]:
     def general(w: Wheel) -> Geometry[Poly]:
         return Geometry(*(fix(getattr(w.symbolic, f.name), values) for f in fields(Geometry)))
 
-    here, there = constrain(robot, nominal_view), constrain(robot, general)
+    here, there = constrain(robot, nominal_view), constrain(robot, unit.view(general))
     pairs = (
         ("C1f", [c.row for c in here.sliding_fixed], [c.row for c in there.sliding_fixed]),
         (
@@ -41,7 +44,7 @@ def coincidences(robot: Robot) -> tuple[str, ...]:
     given = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in robot.parameters)
     said = []
     for name, rows, others in pairs:
-        actual, generic = _rank(robot, rows), _rank(robot, others)
+        actual, generic = _rank(rows), _rank(others)
         if actual < generic:
             said.append(
                 f"rank {name} is {actual} at the given values ({given}) and {generic} for general ones."
@@ -49,7 +52,7 @@ def coincidences(robot: Robot) -> tuple[str, ...]:
     return tuple(said)
 
 
-def _rank(robot: Robot, rows: list[Row]) -> int:
+def _rank(rows: list[Row]) -> int:
     numbers = [[value for p in row if (value := p.constant) is not None] for row in rows]
     complete = [row for row in numbers if len(row) == 3]
-    return numeric_rank(unit_rows(to_array(complete), twist_scale(robot)))[0]
+    return numeric_rank(unit_rows(to_array(complete)))[0]

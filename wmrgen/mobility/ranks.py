@@ -11,7 +11,6 @@ from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import Exact
 from wmrgen.mobility.records import TOLERANCE, Array, Rank
 
-METRES = np.ones(3)
 GRID = 1e12  # singular values are kept to this fraction of the largest
 
 
@@ -20,12 +19,8 @@ def to_array(rows: Sequence[Sequence[Exact]]) -> Array:
     return np.array([[float(v) for v in row] for row in rows], dtype=np.float64).reshape(-1, 3)
 
 
-def unit_rows(rows: Array, scale: Array = METRES) -> Array:
-    """Each row scaled to a unit direction part, so that every row is a speed; pure rotation rows to 1.
-
-    The rows returned act on twists times ``scale`` (`wmrgen.mobility.unit.twist_scale`).
-    """
-    rows = rows / scale
+def unit_rows(rows: Array) -> Array:
+    """Each row scaled to a unit direction part, so that every row is a speed; pure rotation rows to 1."""
     size = np.hypot(rows[:, 0], rows[:, 1])
     size = np.where(size > TOLERANCE * np.abs(rows[:, 2]), size, np.abs(rows[:, 2]))
     return np.asarray(rows / np.where(size > 0, size, 1.0)[:, None])

@@ -11,14 +11,13 @@ from wmrgen.mobility.coupled import coupled_sets
 from wmrgen.mobility.findings import SAME, Findings, axle, axle_lines, listed
 from wmrgen.mobility.generic import coincidences
 from wmrgen.mobility.ranks import null_basis, numeric_rank, unit_rows
-from wmrgen.mobility.unit import twist_scale
 
 
 def reasons(f: Findings) -> tuple[str, ...]:
     """Why the degrees are what they are, one sentence each."""
     return (
         *_fixed(f), *_couplings(f), *_steered(f), *_free_wheels(f), *_degrees(f), *_verdict(f), *_doubts(f),
-        *coincidences(f.robot),
+        *coincidences(f.robot, f.unit),
     )  # fmt: skip
 
 
@@ -36,7 +35,7 @@ def _fixed(f: Findings) -> list[str]:
     fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
     if not fixed:
         return []
-    lines = axle_lines(f.robot, fixed)
+    lines = axle_lines(fixed)
     said = [
         f"{listed([w.name for w in line])} share an axle line, so {_further(len(line))} no constraint."
         for line in lines if len(line) > 1
@@ -53,8 +52,7 @@ def _fixed(f: Findings) -> list[str]:
 
 def _axles_meet(f: Findings, wheels: list[Wheel]) -> str:
     """Where several axle lines meet, if anywhere."""
-    scale = twist_scale(f.robot)
-    rows = unit_rows(np.array([axle(w) for w in wheels]), scale)
+    rows = unit_rows(np.array([axle(w) for w in wheels]))
     if f.rank_fixed.value == 3:
         triple = next(t for t in combinations(range(len(wheels)), 3) if numeric_rank(rows[list(t)])[0] == 3)
         names = listed([wheels[i].name for i in triple])
@@ -64,9 +62,8 @@ def _axles_meet(f: Findings, wheels: list[Wheel]) -> str:
     if abs(null[2]) < SAME:
         where, what = "are parallel and distinct", "straight motion along the wheels"
     else:
-        x, y = (
-            round(float(v), 12) + 0.0 for v in (-null[1] / null[2] * scale[2], null[0] / null[2] * scale[2])
-        )
+        vx, vy, omega = f.unit.twists(null)
+        x, y = (round(float(v), 12) + 0.0 for v in (-vy / omega, vx / omega))
         where, what = f"meet in ({x:.4g}, {y:.4g})", "rotation about that point"
     return f"The axles of {names} {where}: only {what} slides no wheel (rank C1f = 2)."
 
@@ -126,7 +123,7 @@ def _verdict(f: Findings) -> list[str]:
     if not f.degenerate:
         return []
     fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
-    lines = axle_lines(f.robot, fixed)
+    lines = axle_lines(fixed)
     if f.mobility == 0:
         why = "no motion is free of sliding"
     elif len(lines) > 1 and any(w.actuated for w in fixed) and _skid(lines):

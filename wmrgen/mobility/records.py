@@ -55,12 +55,6 @@ class Admissible:
     linear: bool
     tangent: Array
 
-    @property
-    def normal_values(self) -> Array:
-        """``normal`` as numbers."""
-        values = [p.constant for p in self.normal or ()]
-        return np.array([float(v) if v is not None else 0.0 for v in values])
-
 
 @dataclass(frozen=True, slots=True)
 class Singularity:

@@ -15,7 +15,6 @@ from wmrgen.mobility.findings import Findings, listed
 from wmrgen.mobility.nullspace import primitive
 from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Singularity
-from wmrgen.mobility.unit import twist_scale, unit_of
 
 MOST_WHEELS = 8  # among which minors are written out
 
@@ -61,7 +60,7 @@ def _shared_axles(found: Findings) -> list[Singularity]:
     f, s = fixed[0], wheels[0]
     offset = _towards(f, s)
     number = offset.constant
-    if number is None or abs(float(number)) > 1e-9 * float(unit_of(found.robot).length):
+    if number is None or abs(float(number)) > 1e-9 * float(found.unit.length):
         return []
     text = f"{s.name} stands on the axle line of {f.name}: with parallel axles rank C1 falls from 2 to 1"
     return [Singularity("shared_axle", (_parallel(f, s),), text, (f.name, s.name))]
@@ -83,7 +82,7 @@ def _parallel(a: Wheel, b: Wheel) -> Poly:
 
 def _pivots_in_line(found: Findings) -> bool:
     points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.kind.steers])
-    return int(np.linalg.matrix_rank(points - points[0], tol=1e-9 * float(unit_of(found.robot).length))) < 2
+    return int(np.linalg.matrix_rank(points - points[0], tol=1e-9)) < 2
 
 
 def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
@@ -115,7 +114,7 @@ def _rolling_rank(found: Findings) -> list[Singularity]:
     if found.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in found.robot.wheels):
         return []
     rows = [[p.constant or Exact(0) for p in rolling_row(w, nominal_view(w)).row] for w in wheels]
-    rank, _ = numeric_rank(unit_rows(to_array(rows), twist_scale(found.robot)))
+    rank, _ = numeric_rank(unit_rows(to_array(rows)))
     if rank == 3:
         return []
     text = (

@@ -13,6 +13,7 @@ from tests.laws.common import derived, law
 from tests.laws.layouts import lengths, offsets, radii
 from tests.laws.test_constraints import check_null_space, check_ranks
 from tests.oracle import oracle
+from tests.oracle.freedom import freedom
 from tests.oracle.harness import named, twist_of
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import EXACT, evaluate_module
@@ -113,9 +114,12 @@ def test_belt_driven_wheels_only_translate(places: list[tuple[float, float]], r:
 
 CHAINED = [wheel("rear", "fixed", 0.0, 0.0), wheel("front", "steered", 0.6, 0.0)]
 TRICYCLE = [*AXLE, wheel("front", "steered", 0.5, 0.0)]
+PI = {"heading": np.pi, "text": {"heading": "pi"}}
+THIRD = {"heading": np.pi / 3, "text": {"heading": "pi/3"}}
 MIRRORED = [
-    wheel("a", "steered", 0.3, 0.2), wheel("b", "steered", -0.3, 0.2) | {"heading": np.pi, "text": {"heading": "pi"}},
-]  # fmt: skip
+    wheel("a", "steered", 0.3, 0.2),
+    wheel("b", "steered", -0.3, 0.2) | PI,
+]
 LOCKED = [*AXLE, wheel("c", "fixed", 0.5, 0.0, heading=0.5), wheel("d", "steered", 0.4, 0.4)]
 GEARED = {
     "bicycle on one chain": (CHAINED, [("spin", ["rear", "front"])], (1, 0, 1)),
@@ -125,6 +129,16 @@ GEARED = {
     "locked by its fixed wheels": (LOCKED, [("spin", ["a", "b", "d"])], (0, 0, 0)),
     "locked, and two steered wheels on a belt": (
         [*LOCKED, wheel("e", "steered", -0.4, 0.4)], [("steer", ["d", "e"])], (0, 0, 0)),
+    # One belt turns front and back; each has its chain. Straight ahead back would roll against its chain; about
+    # (0, 0.2), where front's chain runs backwards, it does not.
+    "two chains and a belt": (
+        [wheel("a", "fixed", 0.0, 0.3), wheel("front", "steered", 0.0, 0.1),
+         wheel("c", "fixed", 0.0, -0.3) | PI, wheel("back", "steered", 0.0, -0.3)],
+        [("steer", ["front", "back"]), ("spin", ["a", "front"]), ("spin", ["c", "back"])], (1, 0, 1)),
+    # r cos gamma of the swedish wheel is the radius of the steered one: at one speed both roll along pi/3.
+    "a swedish and a steered wheel on one pivot": (
+        [wheel("a", "swedish", 0.0, 0.0, r=0.2, gamma=np.pi / 3), wheel("b", "steered", 0.0, 0.0),
+         wheel("c", "fixed", 0.0, 0.0) | THIRD], [("spin", ["a", "b"])], (2, 0, 3)),
 }  # fmt: skip
 
 
@@ -135,10 +149,25 @@ def test_geared(case: str) -> None:
     model = derived(layout)
     m = model.derivation.mobility
     assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == wanted
+    seen = freedom(layout)
+    assert (seen.mobility, seen.steerability, seen.dof) == wanted
     assert m.degree_of_mobility == len(m.null_space) == model.derivation.null_space.cols
     assert {n for n in model.ports("dynamics")[0] if n.startswith("eta")} == {
         f"eta{k + 1}" for k in range(m.degree_of_mobility)
     }
+
+
+def test_a_row_of_equal_spins_turns_with_its_steered_wheel() -> None:
+    """Two steered wheels on one pivot give one sliding row; the chain to one of them gives the second row."""
+    wheels = [
+        wheel("a", "swedish", -0.3, 0.1),
+        wheel("b", "steered", 0.3, 0.0),
+        wheel("c", "steered", 0.3, 0.0),
+    ]
+    m = derived({"wheels": wheels, "couplings": [("spin", ["a", "c"])]}).derivation.mobility
+    angles = {g.name for row in m.basis_rows for p in row for g in p.generators}
+    assert m.degree_of_mobility == 1
+    assert angles == set(m.basis_wheels) == {"b", "c"}
 
 
 @pytest.mark.parametrize("case", ["bicycle on one chain", "tricycle, all wheels geared"])

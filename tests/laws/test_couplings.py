@@ -121,6 +121,11 @@ MIRRORED = [
     wheel("b", "steered", -0.3, 0.2) | PI,
 ]
 LOCKED = [*AXLE, wheel("c", "fixed", 0.5, 0.0, heading=0.5), wheel("d", "steered", 0.4, 0.4)]
+TWO = [
+    wheel("a", "fixed", 0.0, 0.3), wheel("b", "steered", 0.0, 0.1),
+    wheel("c", "fixed", 0.0, -0.3), wheel("d", "steered", 0.0, -0.3),
+]  # fmt: skip
+TWO_CHAINS = [("steer", ["b", "d"]), ("spin", ["a", "b"]), ("spin", ["c", "d"])]
 GEARED = {
     "bicycle on one chain": (CHAINED, [("spin", ["rear", "front"])], (1, 0, 1)),
     "tricycle, all wheels geared": (TRICYCLE, [("spin", ["a", "b", "front"])], (1, 0, 1)),
@@ -129,12 +134,11 @@ GEARED = {
     "locked by its fixed wheels": (LOCKED, [("spin", ["a", "b", "d"])], (0, 0, 0)),
     "locked, and two steered wheels on a belt": (
         [*LOCKED, wheel("e", "steered", -0.4, 0.4)], [("steer", ["d", "e"])], (0, 0, 0)),
-    # One belt turns front and back; each has its chain. Straight ahead back would roll against its chain; about
-    # (0, 0.2), where front's chain runs backwards, it does not.
+    # One belt turns b and d, each on a chain. Straight ahead one would roll against its chain; about (0, 0.2) neither.
     "two chains and a belt": (
-        [wheel("a", "fixed", 0.0, 0.3), wheel("front", "steered", 0.0, 0.1),
-         wheel("c", "fixed", 0.0, -0.3) | PI, wheel("back", "steered", 0.0, -0.3)],
-        [("steer", ["front", "back"]), ("spin", ["a", "front"]), ("spin", ["c", "back"])], (1, 0, 1)),
+        [TWO[0], TWO[1], TWO[2] | PI, TWO[3]], TWO_CHAINS, (1, 0, 1)),
+    "two chains and a belt, the other way round": (
+        [TWO[2], TWO[0] | PI, TWO[1], TWO[3]], TWO_CHAINS, (1, 0, 1)),
     # r cos gamma of the swedish wheel is the radius of the steered one: at one speed both roll along pi/3.
     "a swedish and a steered wheel on one pivot": (
         [wheel("a", "swedish", 0.0, 0.0, r=0.2, gamma=np.pi / 3), wheel("b", "steered", 0.0, 0.0),
@@ -155,6 +159,12 @@ def test_geared(case: str) -> None:
     assert {n for n in model.ports("dynamics")[0] if n.startswith("eta")} == {
         f"eta{k + 1}" for k in range(m.degree_of_mobility)
     }
+
+
+def test_wheels_that_would_roll_against_their_chain() -> None:
+    wheels, couplings, _ = GEARED["two chains and a belt"]
+    vx, vy, omega = derived({"wheels": wheels, "couplings": couplings}).derivation.mobility.admissible.sample
+    assert (vx / omega, vy) == pytest.approx((0.2, 0.0))
 
 
 def test_a_row_of_equal_spins_turns_with_its_steered_wheel() -> None:

@@ -1,4 +1,4 @@
-"""The unit of length does not matter: robots a thousandth, a ten-thousandth and ten thousand times as large."""
+"""Neither the unit of length nor the place of P matters."""
 
 from __future__ import annotations
 
@@ -10,10 +10,14 @@ import pytest
 
 import wmrgen
 from wmrgen.layout import build
+from wmrgen.layout.records import Geometry, Robot, T
+from wmrgen.mobility.analyse import analyse
+from wmrgen.mobility.records import Mobility
 from wmrgen.spec.load import read_robot, read_text
 from wmrgen.spec.records import Binary, Num, Quantity, RobotSpec
 
-SCALES = (Fraction(1, 1000), Fraction(1, 10**4), Fraction(10**4))
+SCALES = (Fraction(1, 10**4), Fraction(1, 1000), Fraction(1000), Fraction(10**4))
+FAR = 10_000  # [m]
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
 TOP = "wmrgen: 1\nname: robot\nsnap: false\nwheels:\n"
 # A coincidence that misses by 1e-7 of the robot's size, couplings, castors that steer together.
@@ -82,6 +86,30 @@ def test_degrees_of_the_gallery(path: Path) -> None:
     wanted = facts(scaled(spec, Fraction(1)))
     for k in SCALES:
         assert facts(scaled(spec, k)) == wanted, float(k)
+
+
+def far(robot: Robot) -> Robot:
+    """The robot seen from a point P `FAR` behind it."""
+
+    def moved(g: Geometry[T]) -> Geometry[T]:
+        return replace(g, x=g.x + FAR)
+
+    wheels = (
+        replace(w, symbolic=moved(w.symbolic), working=moved(w.working), nominal=moved(w.nominal))
+        for w in robot.wheels
+    )
+    return replace(robot, wheels=tuple(wheels))
+
+
+def degrees(m: Mobility) -> tuple[object, ...]:
+    pair = m.degree_of_mobility, m.degree_of_steerability
+    return *pair, m.rank_C1f.value, m.rank_C1.value, m.dof, m.growth_vector
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda p: p.stem)
+def test_degrees_of_the_gallery_from_far_away(path: Path) -> None:
+    robot = build(read_robot(path))
+    assert degrees(analyse(far(robot))) == degrees(analyse(robot))
 
 
 @pytest.mark.parametrize("name", NEARLY)

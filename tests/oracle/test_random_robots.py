@@ -45,7 +45,7 @@ def test_a_random_robot(kind: str, seed: int, tmp_path: Path) -> None:
 SCALES = (("0.0001", "0"), ("0.001", "0"), ("1000", "0"), ("10000", "0"), ("1", "10000"))
 
 
-@pytest.mark.parametrize(("kind", "seed"), drawn(0, 1, step=3))
+@pytest.mark.parametrize(("kind", "seed"), [("synchro", 6), *drawn(0, 1, step=3)])
 def test_degrees_do_not_depend_on_the_unit_of_length(kind: str, seed: int, tmp_path: Path) -> None:
     """The robot from a tenth of a millimetre to ten kilometres, and ten kilometres away from P."""
     layout = robot(seed, kind)

@@ -23,6 +23,7 @@ from wmrgen.mobility.ranks import decide, independent, null_basis, numeric_rank,
 from wmrgen.mobility.records import Admissible, Array, Rank
 
 ExactRow = tuple[Exact, Exact, Exact]
+AGAINST = 1e-3  # of a twist: wheels that roll against one another miss by twice their speed
 _WEIGHTS = ((7, -5, 3), (-4, 9, 5), (11, 2, -6))
 
 
@@ -68,13 +69,19 @@ def admissible(c: Constraints, rows: list[Row], seed: int = 0) -> tuple[Admissib
 
 
 def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
-    """The component with most freedom of steering, then of motion; none at all when no twist is admissible."""
+    """The component with most freedom of steering, then of motion; none at all when no twist is admissible.
+
+    The forms know speeds up to their sign: a component is dropped where wheels would roll against one another.
+    """
     empty = Component(0, np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
     best, score = empty, (-1, 0, 0)
     for component in found:
-        mobility = 3 - numeric_rank(unit_rows(rows_at(robot, component.sample, constant)))[0]
+        rows = unit_rows(rows_at(robot, component.sample, constant))
+        if np.abs(rows @ component.sample).max(initial=0.0) > AGAINST * np.linalg.norm(component.sample):
+            continue
+        mobility = 3 - numeric_rank(rows)[0]
         new = (component.dimension - mobility, mobility, closure(component.basis))
-        if mobility and new > score:
+        if new > score:
             best, score = component, new
     return best
 

@@ -81,8 +81,8 @@ def _check_independent(p: ParameterSpec, own: Poly) -> None:
     if names:
         raise RobotFileError(
             f"parameter {p.name} is tunable and computed from {names[0]}, which is tunable too", p.value.mark,
-            f"when {names[0]} changes it is not clear whether {p.name} follows or keeps its value",
-            f"delete tunable: true of {p.name}, which then follows {names[0]}; or give {p.name} a number",
+            f"When {names[0]} changes it is not clear whether {p.name} follows or keeps its value.",
+            f"Delete tunable: true of {p.name}, which then follows {names[0]}; or give {p.name} a number.",
         )  # fmt: skip
 
 
@@ -172,7 +172,7 @@ def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
     kind = WHEEL_TYPES[w.type]
     if w.r is not None and "r" in kind.required and g.r.sign <= 0:
         raise RobotFileError(f"{w.name}: wheel radius r = {w.r.text} is not positive", w.r.mark, "",
-                             "r is the radius in metres, not the diameter, and larger than 0")  # fmt: skip
+                             "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
     if w.r_sw is not None and g.r_sw.sign <= 0:
         raise RobotFileError(f"{w.name}: roller radius r_sw = {w.r_sw.text} is not positive", w.r_sw.mark)
     for check in kind.checks:
@@ -211,7 +211,7 @@ def _limit(limit: Limit, end: Quantity, values: Values, known: Values) -> Exact:
     if names:
         raise RobotFileError(
             f"limit {limit.name}: {end.text} depends on the tunable parameter {names[0]}", end.mark,
-            "limits are constants of the generated code and of its proved bounds",
-            f"write a number, or delete tunable: true of {names[0]}",
+            "Limits are constants of the generated code and of its proved bounds.",
+            f"Write a number, or delete tunable: true of {names[0]}.",
         )  # fmt: skip
     return number(symbolic, values)

@@ -64,7 +64,12 @@ def _call(function: str, args: list[Poly], values: Mapping[str, Poly], mark: Mar
     match function:
         case "sqrt":
             if number(args[0], values).sign < 0:
-                raise RobotFileError("square root of a negative number", mark)
+                raise RobotFileError(
+                    "square root of a negative number",
+                    mark,
+                    "What stands under the root is negative at the nominal parameters.",
+                    "Change the expression or the parameters that it takes.",
+                )
             return sqrt_poly(args[0])
         case "sin":
             return cos_sin(args[0])[1]
@@ -76,14 +81,21 @@ def _call(function: str, args: list[Poly], values: Mapping[str, Poly], mark: Mar
             return s * c.inverse()
         case "atan2":
             if not number(args[0], values) and not number(args[1], values):
-                raise RobotFileError("atan2(0, 0) has no value", mark, "", "give a direction other than zero")
+                raise RobotFileError(
+                    "atan2(0, 0) has no value", mark, "", "Give a direction other than zero."
+                )
             return Poly.gen("atan2", "", *args)
     raise ValueError(function)
 
 
 def _nonzero(divisor: Poly, values: Mapping[str, Poly], mark: Mark) -> None:
     if not number(divisor, values):
-        raise RobotFileError("division by zero", mark, "", "the divisor must not be zero")
+        raise RobotFileError(
+            "division by zero",
+            mark,
+            "The divisor is zero at the nominal parameters.",
+            "Change the expression or the parameters that it takes.",
+        )
 
 
 def evaluate(quantity: Quantity, values: Mapping[str, Poly]) -> Exact:

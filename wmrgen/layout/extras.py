@@ -28,8 +28,8 @@ class Extras:
             if length.nominal.sign <= 0:
                 raise RobotFileError(
                     f"{t.name}: trailer length = {t.length.text} is not positive", t.length.mark,
-                    "a trailer turns about its axle by the lever arm `length`; without one it cannot follow",
-                    "length is the distance from the trailer's coupling back to its axle",
+                    "A trailer turns about its axle by the lever arm `length`; without one it cannot follow.",
+                    "Write the distance from the trailer's coupling back to its axle.",
                 )  # fmt: skip
             hitch = self._of(Poly({})) if t.hitch is None else self._views(t.hitch)
             found.append(Trailer(t.name, length, hitch, t.mark))

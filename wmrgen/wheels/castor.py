@@ -18,8 +18,8 @@ CASTOR = WheelType(
             "d",
             lambda g: not g.d,
             "{name}: a castor with d = 0 is a steered wheel",
-            "with the contact point under the pivot the wheel cannot follow: it constrains the robot",
-            "write type: steered, or give d, the distance from the pivot to the contact along the rolling direction",
+            "With the contact point under the pivot the wheel cannot follow: it constrains the robot.",
+            "Write type: steered, or give d, the distance from the pivot to the contact along the rolling direction.",
         ),
     ),
     words=Words(

@@ -27,9 +27,9 @@ SWEDISH = WheelType(
             "gamma",
             lambda g: abs(float(g.cg)) < 1e-9,
             "{name}: gamma = {text} puts the roller axis across the wheel plane",
-            "the wheel could not drive: its rim speed would turn the rollers only",
+            "The wheel could not drive: its rim speed would turn the rollers only.",
             "gamma is the angle from the wheel plane to the roller axis at the ground: "
-            "0 for an omni wheel, 45 deg or -45 deg for a mecanum wheel",
+            "0 for an omni wheel, 45 deg or -45 deg for a mecanum wheel.",
         ),
     ),
     words=Words(

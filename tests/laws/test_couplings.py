@@ -167,6 +167,20 @@ def test_wheels_that_would_roll_against_their_chain() -> None:
     assert (vx / omega, vy) == pytest.approx((0.2, 0.0))
 
 
+@pytest.mark.parametrize("order", ["abgcf", "gfcab", "gbacf"])
+def test_chains_and_belts_in_any_order(order: str) -> None:
+    """g goes ahead, f backwards; a belt turns a and c, chains tie a to b and c to f: all but g turn about."""
+    wheels = {
+        "a": wheel("a", "steered", 0.3, 0.1), "b": wheel("b", "steered", -0.4, 0.2),
+        "c": wheel("c", "steered", 0.2, -0.3), "f": wheel("f", "fixed", 0.0, 0.2) | PI,
+        "g": wheel("g", "fixed", 0.0, -0.5),
+    }  # fmt: skip
+    couplings = [("steer", ["a", "c"]), ("spin", ["a", "b"]), ("spin", ["c", "f"])]
+    sets = [(joint, sorted(names, key=order.index)) for joint, names in couplings]
+    m = derived({"wheels": [wheels[n] for n in order], "couplings": sets}).derivation.mobility
+    assert (m.degree_of_mobility, m.degree_of_steerability, m.dof) == (1, 0, 1)
+
+
 def test_a_row_of_equal_spins_turns_with_its_steered_wheel() -> None:
     """Two steered wheels on one pivot give one sliding row; the chain to one of them gives the second row."""
     wheels = [

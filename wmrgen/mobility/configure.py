@@ -135,11 +135,16 @@ def steering(robot: Robot, twist: Array) -> dict[int, tuple[float, float]]:
         for w in members:
             turned = joint * _zero(w) if w is not fastest else complex(*steering_for(fastest, twist))
             headings[w.index] = (turned.real, turned.imag)
-    for i, k in geared(robot):
+    pairs, lead, settled = geared(robot), robot.steer_group, set[int]()
+    while pairs:  # from wheels that do not steer along the chains, so that no set of wheels turns about twice
+        i, k = next(
+            (p for p in pairs if p[0] not in headings or settled & {lead[p[0]], lead[p[1]]}), pairs[0]
+        )
+        pairs.remove((i, k))
         if _speed(robot, i, headings) @ twist * (_speed(robot, k, headings) @ twist) < 0:
-            for w in next(members for members in groups if robot.wheels[k] in members):
-                c, s = headings[w.index]
-                headings[w.index] = (-c, -s)
+            turned = lead[i] if lead[k] in settled else lead[k]
+            headings |= {j: (-c, -s) for j, (c, s) in headings.items() if lead[j] == turned}
+        settled |= {lead[i], lead[k]}
     return dict(sorted(headings.items()))
 
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wmrgen.ir.many_points import values_of
 from wmrgen.ir.nodes import Function, Node, Op
-from wmrgen.ir.sample import values_of
 
 Array = NDArray[np.float64]
 

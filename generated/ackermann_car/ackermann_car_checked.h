@@ -20,7 +20,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_2539def6469b1b3f)
+#if !defined(ACKERMANN_CAR_PAIR_9b0882af6855ff4a)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

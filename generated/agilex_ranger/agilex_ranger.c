@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_2b48a9a3a420d930)
+#if !defined(AGILEX_RANGER_PAIR_b1ccb34c30a5eb62)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -34,10 +34,10 @@
 #endif
 #endif
 
-#if !defined(WMRGEN_FLIP)
-#define WMRGEN_FLIP
+#if !defined(WMRGEN_NEGATE_IF_ODD)
+#define WMRGEN_NEGATE_IF_ODD
 /* a, or -a where the last bit of n is set. */
-static inline float wmrgen_flip(float a, float n)
+static inline float wmrgen_negate_if_odd(float a, float n)
 {
     union {
         float value;
@@ -55,10 +55,10 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
-#if !defined(WMRGEN_SIGNED)
-#define WMRGEN_SIGNED
+#if !defined(WMRGEN_WITH_SIGN_OF)
+#define WMRGEN_WITH_SIGN_OF
 /* a, or -a where the sign bit of b is set. */
-static inline float wmrgen_signed(float a, float b)
+static inline float wmrgen_with_sign_of(float a, float b)
 {
     union {
         float value;
@@ -76,10 +76,10 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
-#if !defined(WMRGEN_WITHIN)
-#define WMRGEN_WITHIN
+#if !defined(WMRGEN_CLAMP)
+#define WMRGEN_CLAMP
 /* a where it is at most m in magnitude, else m with the sign of a; m for what is no number. */
-static inline float wmrgen_within(float a, float m)
+static inline float wmrgen_clamp(float a, float m)
 {
     const float below = (a < m) ? a : m;
 
@@ -119,7 +119,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
     const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
     const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
-    const float t3 = wmrgen_flip(size, t0);
+    const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
     result.y = t3 * wmrgen_sine(t2);
@@ -165,10 +165,10 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float size = sqrtf((x * x) + (y * y));
     const float t0 = fabsf(x);
     const float t1 = (1e-20f < size) ? (size + t0) : 1e-20f;
-    const float t2 = wmrgen_signed(2.0f, x);
+    const float t2 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (1e-20f < size) ? (t2 * wmrgen_arctangent(y / t1)) : now;
     const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_flip(wmrgen_signed(per_rim * size, x), t3);
+    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(per_rim * size, x), t3);
     const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
 
     result.spin = t4;
@@ -181,27 +181,27 @@ void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inv
 {
     const float front_left_x = fmaf(1.1920929e-09f, in->omega, fmaf((-0.28f), in->omega, in->vx)); /* front_left: a, rear_left: a */
     const float front_left_y = fmaf(1.1920929e-08f, in->omega, fmaf(0.45f, in->omega, in->vy)); /* front_left: b, front_right: b */
-    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_within(in->front_left.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(in->front_left.steer, 1.57f), 1.0f);
     const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_left_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
-    const float t2 = wmrgen_within(front_left_heading, 1.57f);
+    const float t2 = wmrgen_clamp(front_left_heading, 1.57f);
     const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2 - t0.steer);
     const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
-    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_within(in->front_right.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(in->front_right.steer, 1.57f), 1.0f);
     const float t5 = (1.5707964f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
     const float front_right_heading = (t4.steer < (-1.5707964f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
-    const float t6 = wmrgen_within(front_right_heading, 1.57f);
+    const float t6 = wmrgen_clamp(front_right_heading, 1.57f);
     const wmrgen_vector t7 = wmrgen_vector_at(1.0f, t6 - t4.steer);
     const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
-    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_within(in->rear_left.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(in->rear_left.steer, 1.57f), 1.0f);
     const float t9 = (1.5707964f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
     const float rear_left_heading = (t8.steer < (-1.5707964f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
-    const float t10 = wmrgen_within(rear_left_heading, 1.57f);
+    const float t10 = wmrgen_clamp(rear_left_heading, 1.57f);
     const wmrgen_vector t11 = wmrgen_vector_at(1.0f, t10 - t8.steer);
-    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_within(in->rear_right.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(in->rear_right.steer, 1.57f), 1.0f);
     const float t13 = (1.5707964f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
     const float rear_right_heading = (t12.steer < (-1.5707964f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
-    const float t14 = wmrgen_within(rear_right_heading, 1.57f);
+    const float t14 = wmrgen_clamp(rear_right_heading, 1.57f);
     const wmrgen_vector t15 = wmrgen_vector_at(1.0f, t14 - t12.steer);
 
     out->front_left.spin = 8.333333f * (t0.spin * t3.x);
@@ -220,30 +220,30 @@ void agilex_ranger_inverse_slip(
 {
     const float front_left_x = fmaf(1.1920929e-09f, in->omega, fmaf((-0.28f), in->omega, in->vx)); /* front_left: a, rear_left: a */
     const float front_left_y = fmaf(1.1920929e-08f, in->omega, fmaf(0.45f, in->omega, in->vy)); /* front_left: b, front_right: b */
-    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_within(in->front_left.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(in->front_left.steer, 1.57f), 1.0f);
     const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_left_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
-    const float front_left_excess = wmrgen_within(front_left_heading, 1.57f) - t0.steer; /* front left excess */
+    const float front_left_excess = wmrgen_clamp(front_left_heading, 1.57f) - t0.steer; /* front left excess */
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_left_excess);
     const float t3 = t0.spin * t2.y;
     const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
-    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_within(in->front_right.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(in->front_right.steer, 1.57f), 1.0f);
     const float t5 = (1.5707964f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
     const float front_right_heading = (t4.steer < (-1.5707964f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
-    const float front_right_excess = wmrgen_within(front_right_heading, 1.57f) - t4.steer; /* front right excess */
+    const float front_right_excess = wmrgen_clamp(front_right_heading, 1.57f) - t4.steer; /* front right excess */
     const wmrgen_vector t6 = wmrgen_vector_at(1.0f, front_right_excess);
     const float t7 = t4.spin * t6.y;
     const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
-    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_within(in->rear_left.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(in->rear_left.steer, 1.57f), 1.0f);
     const float t9 = (1.5707964f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
     const float rear_left_heading = (t8.steer < (-1.5707964f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
-    const float rear_left_excess = wmrgen_within(rear_left_heading, 1.57f) - t8.steer; /* rear left excess */
+    const float rear_left_excess = wmrgen_clamp(rear_left_heading, 1.57f) - t8.steer; /* rear left excess */
     const wmrgen_vector t10 = wmrgen_vector_at(1.0f, rear_left_excess);
     const float t11 = t8.spin * t10.y;
-    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_within(in->rear_right.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(in->rear_right.steer, 1.57f), 1.0f);
     const float t13 = (1.5707964f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
     const float rear_right_heading = (t12.steer < (-1.5707964f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
-    const float rear_right_excess = wmrgen_within(rear_right_heading, 1.57f) - t12.steer; /* rear right excess */
+    const float rear_right_excess = wmrgen_clamp(rear_right_heading, 1.57f) - t12.steer; /* rear right excess */
     const wmrgen_vector t14 = wmrgen_vector_at(1.0f, rear_right_excess);
     const float t15 = t12.spin * t14.y;
     const float t16 = fmaf(t15, t15, fmaf(t11, t11, fmaf(t3, t3, t7 * t7)));

@@ -16,7 +16,7 @@
  */
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_2b48a9a3a420d930)
+#if !defined(AGILEX_RANGER_PAIR_b1ccb34c30a5eb62)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

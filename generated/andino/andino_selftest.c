@@ -16,7 +16,7 @@
  */
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_e3a7aa50cc0e01d2)
+#if !defined(ANDINO_PAIR_37c9c517c17db14f)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_7da97b4dc8b1644c)
+#if !defined(BICYCLE_PAIR_ebe3e014b60a2269)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -34,10 +34,10 @@
 #endif
 #endif
 
-#if !defined(WMRGEN_FLIP)
-#define WMRGEN_FLIP
+#if !defined(WMRGEN_NEGATE_IF_ODD)
+#define WMRGEN_NEGATE_IF_ODD
 /* a, or -a where the last bit of n is set. */
-static inline float wmrgen_flip(float a, float n)
+static inline float wmrgen_negate_if_odd(float a, float n)
 {
     union {
         float value;
@@ -55,10 +55,10 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
-#if !defined(WMRGEN_SIGNED)
-#define WMRGEN_SIGNED
+#if !defined(WMRGEN_WITH_SIGN_OF)
+#define WMRGEN_WITH_SIGN_OF
 /* a, or -a where the sign bit of b is set. */
-static inline float wmrgen_signed(float a, float b)
+static inline float wmrgen_with_sign_of(float a, float b)
 {
     union {
         float value;
@@ -76,10 +76,10 @@ static inline float wmrgen_signed(float a, float b)
 }
 #endif
 
-#if !defined(WMRGEN_WITHIN)
-#define WMRGEN_WITHIN
+#if !defined(WMRGEN_CLAMP)
+#define WMRGEN_CLAMP
 /* a where it is at most m in magnitude, else m with the sign of a; m for what is no number. */
-static inline float wmrgen_within(float a, float m)
+static inline float wmrgen_clamp(float a, float m)
 {
     const float below = (a < m) ? a : m;
 
@@ -119,7 +119,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
     const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
     const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
     const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
@@ -171,10 +171,10 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float size = sqrtf((x * x) + (y * y));
     const float t0 = fabsf(x);
     const float t1 = (1e-20f < size) ? (size + t0) : 1e-20f;
-    const float t2 = wmrgen_signed(2.0f, x);
+    const float t2 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (1e-20f < size) ? (t2 * wmrgen_arctangent(y / t1)) : now;
     const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_flip(wmrgen_signed(per_rim * size, x), t3);
+    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(per_rim * size, x), t3);
     const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
 
     result.spin = t4;
@@ -185,10 +185,10 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 
 void bicycle_inverse(const bicycle_inverse_in *in, bicycle_inverse_out *out)
 {
-    const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.1f * in->omega, wmrgen_within(in->front.steer, 1.0471976f), 1.0f);
+    const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.1f * in->omega, wmrgen_clamp(in->front.steer, 1.0471976f), 1.0f);
     const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
-    const float front_target = wmrgen_within(front_heading, 1.0471976f); /* front: angle inside the limits */
+    const float front_target = wmrgen_clamp(front_heading, 1.0471976f); /* front: angle inside the limits */
     const wmrgen_vector t2 = wmrgen_direction(front_target - t0.steer);
 
     out->rear.spin = 2.9411764f * in->vx;
@@ -198,10 +198,10 @@ void bicycle_inverse(const bicycle_inverse_in *in, bicycle_inverse_out *out)
 
 void bicycle_inverse_slip(const bicycle_inverse_slip_in *in, bicycle_inverse_slip_out *out)
 {
-    const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.1f * in->omega, wmrgen_within(in->front.steer, 1.0471976f), 1.0f);
+    const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.1f * in->omega, wmrgen_clamp(in->front.steer, 1.0471976f), 1.0f);
     const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
-    const float front_excess = wmrgen_within(front_heading, 1.0471976f) - t0.steer; /* front excess */
+    const float front_excess = wmrgen_clamp(front_heading, 1.0471976f) - t0.steer; /* front excess */
     const wmrgen_vector t2 = wmrgen_direction(front_excess);
     const float t3 = t0.spin * t2.y;
     const float t4 = fabsf(in->vy);

@@ -20,7 +20,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_7da97b4dc8b1644c)
+#if !defined(BICYCLE_PAIR_ebe3e014b60a2269)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

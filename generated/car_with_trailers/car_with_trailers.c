@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_162b7799526424d4)
+#if !defined(CAR_WITH_TRAILERS_PAIR_f7f56ab39e3c62fd)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -34,10 +34,10 @@
 #endif
 #endif
 
-#if !defined(WMRGEN_FLIP)
-#define WMRGEN_FLIP
+#if !defined(WMRGEN_NEGATE_IF_ODD)
+#define WMRGEN_NEGATE_IF_ODD
 /* a, or -a where the last bit of n is set. */
-static inline float wmrgen_flip(float a, float n)
+static inline float wmrgen_negate_if_odd(float a, float n)
 {
     union {
         float value;
@@ -55,10 +55,10 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
-#if !defined(WMRGEN_WITHIN)
-#define WMRGEN_WITHIN
+#if !defined(WMRGEN_CLAMP)
+#define WMRGEN_CLAMP
 /* a where it is at most m in magnitude, else m with the sign of a; m for what is no number. */
-static inline float wmrgen_within(float a, float m)
+static inline float wmrgen_clamp(float a, float m)
 {
     const float below = (a < m) ? a : m;
 
@@ -66,10 +66,10 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
-#if !defined(WMRGEN_BEYOND)
-#define WMRGEN_BEYOND
+#if !defined(WMRGEN_AT_LEAST)
+#define WMRGEN_AT_LEAST
 /* m with the sign of a where a is less than m in magnitude, else a. */
-static inline float wmrgen_beyond(float a, float m)
+static inline float wmrgen_at_least(float a, float m)
 {
     union {
         float value;
@@ -119,7 +119,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
     const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
     const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
-    const float t3 = wmrgen_flip(size, t0);
+    const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
     result.y = t3 * wmrgen_sine(t2);
@@ -154,15 +154,15 @@ void car_with_trailers_inverse(
     const float front_left_p = in->vx - t0; /* front_left: p */
     const float front_right_p = in->vx + t0; /* front_right: p */
     const float t1 = 1.4f * in->omega;
-    const float front_left_tangent = wmrgen_within(t1 / wmrgen_beyond(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
+    const float front_left_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
     const float t2 = fmaf(front_left_tangent, front_left_tangent, 1.0f);
     const float t3 = fmaf(t1, front_left_tangent, front_left_p) / sqrtf(t2);
     const float t4 = fabsf(t1);
-    const float t5 = ((fabsf(front_left_p) + t4) < 2e-20f) ? wmrgen_within(in->front_left.steer, 0.6981317f) : wmrgen_arctangent(front_left_tangent);
-    const float front_right_tangent = wmrgen_within(t1 / wmrgen_beyond(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
+    const float t5 = ((fabsf(front_left_p) + t4) < 2e-20f) ? wmrgen_clamp(in->front_left.steer, 0.6981317f) : wmrgen_arctangent(front_left_tangent);
+    const float front_right_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
     const float t6 = fmaf(front_right_tangent, front_right_tangent, 1.0f);
     const float t7 = fmaf(t1, front_right_tangent, front_right_p) / sqrtf(t6);
-    const float t8 = ((t4 + fabsf(front_right_p)) < 2e-20f) ? wmrgen_within(in->front_right.steer, 0.6981317f) : wmrgen_arctangent(front_right_tangent);
+    const float t8 = ((t4 + fabsf(front_right_p)) < 2e-20f) ? wmrgen_clamp(in->front_right.steer, 0.6981317f) : wmrgen_arctangent(front_right_tangent);
 
     out->rear_left.spin = 9.090909f * front_left_p;
     out->rear_right.spin = 9.090909f * front_right_p;
@@ -179,11 +179,11 @@ void car_with_trailers_inverse_slip(
     const float t0 = 0.4f * in->omega;
     const float front_left_p = in->vx - t0; /* front_left: p */
     const float t1 = 1.4f * in->omega;
-    const float front_left_tangent = wmrgen_within(t1 / wmrgen_beyond(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
+    const float front_left_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_left_p, 1e-20f), 0.83909965f); /* front_left: t */
     const float t2 = fmaf(front_left_tangent, front_left_tangent, 1.0f);
     const float t3 = fmaf(-front_left_p, front_left_tangent, t1) / sqrtf(t2);
     const float front_right_p = in->vx + t0; /* front_right: p */
-    const float front_right_tangent = wmrgen_within(t1 / wmrgen_beyond(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
+    const float front_right_tangent = wmrgen_clamp(t1 / wmrgen_at_least(front_right_p, 1e-20f), 0.83909965f); /* front_right: t */
     const float t4 = fmaf(-front_right_p, front_right_tangent, t1);
     const float t5 = fmaf(front_right_tangent, front_right_tangent, 1.0f);
     const float t6 = t4 / sqrtf(t5);

@@ -16,7 +16,7 @@
  */
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_4280bc35a57e88a4)
+#if !defined(CLEARPATH_R100_PAIR_9f957c38b7527847)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 

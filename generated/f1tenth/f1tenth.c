@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_1fa9b00e21eefe33)
+#if !defined(F1TENTH_PAIR_358b9c942f3430b6)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -34,10 +34,10 @@
 #endif
 #endif
 
-#if !defined(WMRGEN_FLIP)
-#define WMRGEN_FLIP
+#if !defined(WMRGEN_NEGATE_IF_ODD)
+#define WMRGEN_NEGATE_IF_ODD
 /* a, or -a where the last bit of n is set. */
-static inline float wmrgen_flip(float a, float n)
+static inline float wmrgen_negate_if_odd(float a, float n)
 {
     union {
         float value;
@@ -55,10 +55,10 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
-#if !defined(WMRGEN_WITHIN)
-#define WMRGEN_WITHIN
+#if !defined(WMRGEN_CLAMP)
+#define WMRGEN_CLAMP
 /* a where it is at most m in magnitude, else m with the sign of a; m for what is no number. */
-static inline float wmrgen_within(float a, float m)
+static inline float wmrgen_clamp(float a, float m)
 {
     const float below = (a < m) ? a : m;
 
@@ -66,10 +66,10 @@ static inline float wmrgen_within(float a, float m)
 }
 #endif
 
-#if !defined(WMRGEN_BEYOND)
-#define WMRGEN_BEYOND
+#if !defined(WMRGEN_AT_LEAST)
+#define WMRGEN_AT_LEAST
 /* m with the sign of a where a is less than m in magnitude, else a. */
-static inline float wmrgen_beyond(float a, float m)
+static inline float wmrgen_at_least(float a, float m)
 {
     union {
         float value;
@@ -119,7 +119,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
     const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
     const float t1 = t0 - 12582912.0f;
     const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_flip(1.0f, t0);
+    const float t3 = wmrgen_negate_if_odd(1.0f, t0);
     const float t4 = t2 * t2;
     const float t5 = t3 * t4;
     const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
@@ -155,10 +155,10 @@ WMRGEN_KERNEL float wmrgen_arctangent(float q)
 void f1tenth_inverse(const f1tenth_inverse_in *in, f1tenth_inverse_out *out)
 {
     const float front_q = 0.3302f * in->omega; /* front: q */
-    const float front_tangent = wmrgen_within(front_q / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
+    const float front_tangent = wmrgen_clamp(front_q / wmrgen_at_least(in->vx, 1e-20f), 0.4452287f); /* front: t */
     const float t0 = sqrtf(fmaf(front_tangent, front_tangent, 1.0f));
     const float t1 = 20.0f * (fmaf(front_q, front_tangent, in->vx) / t0);
-    const float t2 = ((fabsf(in->vx) + fabsf(front_q)) < 2e-20f) ? wmrgen_within(in->front.steer, 0.41887903f) : wmrgen_arctangent(front_tangent);
+    const float t2 = ((fabsf(in->vx) + fabsf(front_q)) < 2e-20f) ? wmrgen_clamp(in->front.steer, 0.41887903f) : wmrgen_arctangent(front_tangent);
 
     out->front.spin = t1;
     out->front.steer = t2;
@@ -168,7 +168,7 @@ void f1tenth_inverse(const f1tenth_inverse_in *in, f1tenth_inverse_out *out)
 void f1tenth_inverse_slip(const f1tenth_inverse_slip_in *in, f1tenth_inverse_slip_out *out)
 {
     const float front_q = 0.3302f * in->omega; /* front: q */
-    const float front_tangent = wmrgen_within(front_q / wmrgen_beyond(in->vx, 1e-20f), 0.4452287f); /* front: t */
+    const float front_tangent = wmrgen_clamp(front_q / wmrgen_at_least(in->vx, 1e-20f), 0.4452287f); /* front: t */
     const float t0 = sqrtf(fmaf(front_tangent, front_tangent, 1.0f));
     const float t1 = fmaf(-in->vx, front_tangent, front_q) / t0;
     const float t2 = fabsf(fmaf((-0.17145f), in->omega, in->vy));

@@ -16,7 +16,7 @@
  */
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_18b74146402345b3)
+#if !defined(FESTO_ROBOTINO_PAIR_508110b31f9cd27b)
 #error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_7d6dac43856cd448)
+#if !defined(JPL_OSR_PAIR_bc966257cb6f04ad)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_3366ef1ae0cd6af7)
+#if !defined(KELLY_4WS_PAIR_539a6601bf739e73)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

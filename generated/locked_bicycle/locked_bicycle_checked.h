@@ -20,7 +20,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_d7a277a0375c4873)
+#if !defined(LOCKED_BICYCLE_PAIR_11e5211f90a72bc3)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

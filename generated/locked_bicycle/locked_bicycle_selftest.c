@@ -16,7 +16,7 @@
  */
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_d7a277a0375c4873)
+#if !defined(LOCKED_BICYCLE_PAIR_11e5211f90a72bc3)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_1689dda6dfc25461)
+#if !defined(MIR_100_PAIR_bf5522076af6d985)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

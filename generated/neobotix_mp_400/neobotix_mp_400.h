@@ -35,7 +35,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "5b6c11e62babe7ea1121df533b36d418"
-#define NEOBOTIX_MP_400_PAIR_7e8f1c7473c17575 1
+#define NEOBOTIX_MP_400_PAIR_cb697ab56cf36218 1
 
 #ifdef __cplusplus
 extern "C" {

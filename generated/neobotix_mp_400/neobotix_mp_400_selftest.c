@@ -16,7 +16,7 @@
  */
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_7e8f1c7473c17575)
+#if !defined(NEOBOTIX_MP_400_PAIR_cb697ab56cf36218)
 #error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_88d882959a7ceddc)
+#if !defined(NEOBOTIX_MPO_700_PAIR_6785efd34b8263fb)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

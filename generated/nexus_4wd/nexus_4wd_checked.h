@@ -20,7 +20,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_896013470470930d)
+#if !defined(NEXUS_4WD_PAIR_51bdacce862a4705)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_0058f87091a5d512)
+#if !defined(OFFICE_CHAIR_PAIR_7ed6b81ee13bd2ea)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 

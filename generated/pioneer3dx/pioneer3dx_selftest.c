@@ -16,7 +16,7 @@
  */
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_d7689a455e4c0c97)
+#if !defined(PIONEER3DX_PAIR_e47fa1c7775ce659)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_65532b335cb4ad06)
+#if !defined(TEXTBOOK_PAIR_d906c828686d844f)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -34,10 +34,10 @@
 #endif
 #endif
 
-#if !defined(WMRGEN_FLIP)
-#define WMRGEN_FLIP
+#if !defined(WMRGEN_NEGATE_IF_ODD)
+#define WMRGEN_NEGATE_IF_ODD
 /* a, or -a where the last bit of n is set. */
-static inline float wmrgen_flip(float a, float n)
+static inline float wmrgen_negate_if_odd(float a, float n)
 {
     union {
         float value;
@@ -55,10 +55,10 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
-#if !defined(WMRGEN_WITHIN)
-#define WMRGEN_WITHIN
+#if !defined(WMRGEN_CLAMP)
+#define WMRGEN_CLAMP
 /* a where it is at most m in magnitude, else m with the sign of a; m for what is no number. */
-static inline float wmrgen_within(float a, float m)
+static inline float wmrgen_clamp(float a, float m)
 {
     const float below = (a < m) ? a : m;
 
@@ -98,7 +98,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
     const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
     const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
-    const float t3 = wmrgen_flip(size, t0);
+    const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
     result.y = t3 * wmrgen_sine(t2);
@@ -1051,7 +1051,7 @@ void textbook_castor_swivel(const textbook_castor_swivel_in *in, textbook_castor
     const float t1 = (1e-12f < t0) ? in->d : 1.0f;
     const float t2 = in->t * sqrtf(fmaf(in->vx, in->vx, in->vy * in->vy));
     const float t3 = (1e-12f < t0) ? -(t2 / t1) : 0.0f;
-    const float t4 = wmrgen_within(t3, 40.0f);
+    const float t4 = wmrgen_clamp(t3, 40.0f);
     const float t5 = fmaf(0.0011160715f, t4 * fmaf(0.0010416667f, t4, 1.0f), 1.0f);
     const float t6 = fmaf(0.0013020834f, t4 * fmaf(0.0012019231f, t4 * t5, 1.0f), 1.0f);
     const float t7 = fmaf(0.0015625f, t4 * fmaf(0.0014204546f, t4 * t6, 1.0f), 1.0f);

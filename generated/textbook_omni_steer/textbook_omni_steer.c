@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_ab21d664e541fb7c)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_d0d86096ff55e699)
 #error "textbook_omni_steer.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -34,10 +34,10 @@
 #endif
 #endif
 
-#if !defined(WMRGEN_FLIP)
-#define WMRGEN_FLIP
+#if !defined(WMRGEN_NEGATE_IF_ODD)
+#define WMRGEN_NEGATE_IF_ODD
 /* a, or -a where the last bit of n is set. */
-static inline float wmrgen_flip(float a, float n)
+static inline float wmrgen_negate_if_odd(float a, float n)
 {
     union {
         float value;
@@ -55,10 +55,10 @@ static inline float wmrgen_flip(float a, float n)
 }
 #endif
 
-#if !defined(WMRGEN_SIGNED)
-#define WMRGEN_SIGNED
+#if !defined(WMRGEN_WITH_SIGN_OF)
+#define WMRGEN_WITH_SIGN_OF
 /* a, or -a where the sign bit of b is set. */
-static inline float wmrgen_signed(float a, float b)
+static inline float wmrgen_with_sign_of(float a, float b)
 {
     union {
         float value;
@@ -108,7 +108,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
     const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
     const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
-    const float t3 = wmrgen_flip(size, t0);
+    const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
     result.y = t3 * wmrgen_sine(t2);
@@ -154,10 +154,10 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
     const float size = sqrtf((x * x) + (y * y));
     const float t0 = fabsf(x);
     const float t1 = (1e-20f < size) ? (size + t0) : 1e-20f;
-    const float t2 = wmrgen_signed(2.0f, x);
+    const float t2 = wmrgen_with_sign_of(2.0f, x);
     const float heading = (1e-20f < size) ? (t2 * wmrgen_arctangent(y / t1)) : now;
     const float t3 = fmaf(0.31830987f, heading - now, 12582912.0f);
-    const float t4 = wmrgen_flip(wmrgen_signed(per_rim * size, x), t3);
+    const float t4 = wmrgen_negate_if_odd(wmrgen_with_sign_of(per_rim * size, x), t3);
     const float t5 = fmaf((-3.1415927f), t3 - 12582912.0f, heading);
 
     result.spin = t4;

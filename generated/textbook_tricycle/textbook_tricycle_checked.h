@@ -20,7 +20,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_1f8e4807782c14d6)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_a44668082ab49b90)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_1f8e4807782c14d6)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_a44668082ab49b90)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

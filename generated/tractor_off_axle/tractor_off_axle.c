@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_6cbf63764363cb40)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_2340baaffb5d8bc6)
 #error "tractor_off_axle.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -34,10 +34,10 @@
 #endif
 #endif
 
-#if !defined(WMRGEN_FLIP)
-#define WMRGEN_FLIP
+#if !defined(WMRGEN_NEGATE_IF_ODD)
+#define WMRGEN_NEGATE_IF_ODD
 /* a, or -a where the last bit of n is set. */
-static inline float wmrgen_flip(float a, float n)
+static inline float wmrgen_negate_if_odd(float a, float n)
 {
     union {
         float value;
@@ -87,7 +87,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_vector_at(float size, float angle)
     const float t0 = fmaf(angle, 0.63661975f, 25165824.0f);
     const float t1 = t0 - 25165824.0f;
     const float t2 = fmaf(t1, 4.371139e-08f, fmaf(-t1, 1.5707964f, angle));
-    const float t3 = wmrgen_flip(size, t0);
+    const float t3 = wmrgen_negate_if_odd(size, t0);
 
     result.x = t3 * wmrgen_sine(1.5707964f - fabsf(t2));
     result.y = t3 * wmrgen_sine(t2);

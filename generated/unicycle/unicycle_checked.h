@@ -20,7 +20,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_1637958253485705)
+#if !defined(UNICYCLE_PAIR_428deaac2b151db6)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

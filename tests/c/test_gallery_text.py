@@ -53,7 +53,7 @@ def test_straight_lines_only(name: str, scalar: str) -> None:
                 not statement or re.fullmatch(r"\(void\)\s?\w+", statement) or STATEMENT.fullmatch(statement)
             )
         assert set(re.findall(r"(\w+)\s*\(", body)) - {"void"} <= {
-            *("wmrgen_flip", "wmrgen_signed", "wmrgen_within", "wmrgen_beyond", *kernels),
+            *("wmrgen_negate_if_odd", "wmrgen_with_sign_of", "wmrgen_clamp", "wmrgen_at_least", *kernels),
             *(name + suffix for name in library),
         }
     declared = re.sub(r"typedef struct \{.*?^\} \w+;\n", "", code_of(header), flags=re.S | re.M)

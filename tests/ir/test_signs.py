@@ -80,8 +80,8 @@ def test_the_same_floats(made: Function) -> None:
 def test_no_comparison_is_left() -> None:
     ops = [node.op for node in signs_as_bits(line()).nodes]
     assert not {Op.SELECT, Op.MIN, Op.MAX, Op.NEG, Op.ABS} & set(ops)
-    assert ops.count(Op.SIGNED) == 1  # the speed's, in its constant
-    assert {Op.WITHIN, Op.BEYOND, Op.FLIP} <= set(ops)
+    assert ops.count(Op.WITH_SIGN_OF) == 1  # the speed's, in its constant
+    assert {Op.CLAMP, Op.AT_LEAST, Op.FLIP} <= set(ops)
 
 
 def test_one_comparison_is_asked_twice() -> None:
@@ -110,11 +110,11 @@ def test_opposites() -> None:
 def test_no_number() -> None:
     apply = FLOAT32.apply
     for nan in (math.nan, -math.nan):
-        assert apply[Op.WITHIN](nan, 2.0) == 2.0
-        assert math.isnan(apply[Op.BEYOND](nan, 2.0))
-    assert apply[Op.WITHIN](-math.inf, 2.0) == -2.0
-    assert apply[Op.BEYOND](-0.0, 2.0) == -2.0
-    assert apply[Op.SIGNED](3.0, -0.0) == -3.0
+        assert apply[Op.CLAMP](nan, 2.0) == 2.0
+        assert math.isnan(apply[Op.AT_LEAST](nan, 2.0))
+    assert apply[Op.CLAMP](-math.inf, 2.0) == -2.0
+    assert apply[Op.AT_LEAST](-0.0, 2.0) == -2.0
+    assert apply[Op.WITH_SIGN_OF](3.0, -0.0) == -3.0
 
 
 def waves(count: int, chain: bool) -> Function:

@@ -2,8 +2,8 @@
 
 The mutant is computed, in float32 as it stands, at thousands of inputs, far more and other ones than the self-test
 has. It is set aside only where none of them gives an output further from the exact value than rounding may bring the
-original (`wmrgen.ir.running`): an even function's sign, a guard that no geometry of the robot reaches, a term of a
-series below the last bit.
+original (`wmrgen.selftest.rounding_bounds`): an even function's sign, a guard that no geometry of the robot reaches,
+a term of a series below the last bit.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ import numpy as np
 from tests.mutation.mutants import LITERAL, Mutant
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Role
-from wmrgen.ir.running import UNITS, Bounded, bounds, outputs
-from wmrgen.ir.vectors import contract, prepared_of
+from wmrgen.selftest.rounding_bounds import UNITS, Bounded, bounds, outputs
+from wmrgen.selftest.vectors import contract, prepared_of
 
 Array = Any
 POINTS = 4096
@@ -51,7 +51,7 @@ def _beyond(a: Array, m: Array) -> Array:
 _CALLS = {
     "fabsf": np.abs, "sqrtf": np.sqrt, "sinf": np.sin, "cosf": np.cos, "atanf": np.arctan,
     "atan2f": np.arctan2, "fmaf": _fused,
-    "wmrgen_flip": _flip, "wmrgen_signed": _signed, "wmrgen_within": _within, "wmrgen_beyond": _beyond,
+    "wmrgen_negate_if_odd": _flip, "wmrgen_with_sign_of": _signed, "wmrgen_clamp": _within, "wmrgen_at_least": _beyond,
 }  # fmt: skip
 _LINE = re.compile(r"^    (?:const (?:float|wmrgen_\w+) )?([\w.>-]+) = ([^;]+);$")
 _KERNEL = re.compile(r"^WMRGEN_KERNEL \w+ (\w+)\(([^)]*)\)\n\{\n(.*?)^\}", flags=re.S | re.M)

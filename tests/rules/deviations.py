@@ -22,13 +22,15 @@ MISRA, TIDY = "cppcheck --addon=misra", "clang-tidy"
 DEVIATIONS = (
     Deviation(
         MISRA, "misra-c2012-2.5", r"\w+\.[ch]",
-        "`<ROBOT>_MODEL_HASH`, `<ROBOT>_PAIR_…` and `WMRGEN_FLIP` and its like are macros that no statement uses",
+        "`<ROBOT>_MODEL_HASH`, `<ROBOT>_PAIR_…` and `WMRGEN_NEGATE_IF_ODD` and its like are macros that no statement "
+        "uses",
         "The pair is used by `#if defined` alone: it stops a header and a source that were not generated together. The "
         "hash is for the integrator's log.",
     ),
     Deviation(
         MISRA, "misra-c2012-19.2", r"\w+\.c",
-        "`wmrgen_flip()`, `wmrgen_signed()` and `wmrgen_beyond()` read the bits of floats through unions",
+        "`wmrgen_negate_if_odd()`, `wmrgen_with_sign_of()` and `wmrgen_at_least()` read the bits of floats through "
+        "unions",
         "Turning a sign by the parity of a whole number or by another sign takes one exclusive or and no branch. C99 "
         "defines it for types of one size (6.5.2.3), and `memcpy` would be a call. `--target host` has no such "
         "function.",
@@ -47,7 +49,7 @@ DEVIATIONS = (
     ),
     Deviation(
         TIDY, "bugprone-easily-swappable-parameters", r"\w+\.c",
-        "`is_within(x, low, high)`, `between(x, low, high)`, `wmrgen_flip(a, n)` and its like and kernels "
+        "`is_within(x, low, high)`, `between(x, low, high)`, `wmrgen_negate_if_odd(a, n)` and its like and kernels "
         "take floats side by side",
         "They are static, and every call of them is generated.",
     ),

@@ -135,7 +135,7 @@ class _Printer:
             return _Text(style.literal(node.value), _ATOM)
         if node.op is Op.INPUT:
             return _Text(self.access(node.name or ""), _ATOM)
-        if node.op is Op.PART:
+        if node.op is Op.RESULT:
             return self._part(node)
         args = [self.texts[a] for a in node.args]
         text = self._call(node, args) if node.op is Op.CALL else _expression(node, args, style)

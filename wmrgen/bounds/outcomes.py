@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen.bounds.precision import SINGLE, Library
-from wmrgen.ir.kernels.sharp import sharp_sums
+from wmrgen.ir.kernels.compensated import compensated_sums
 from wmrgen.ir.nodes import Function
 
 if TYPE_CHECKING:
@@ -45,7 +45,9 @@ class Outcomes:
         from wmrgen.bounds.boxes import analysed  # not needed where there are no limits
 
         if function.name not in self.done:
-            self.done[function.name] = analysed(function, ranges, SINGLE, self.library, sharp_sums(function))
+            self.done[function.name] = analysed(
+                function, ranges, SINGLE, self.library, compensated_sums(function)
+            )
         return self.done[function.name]
 
     def _numbered(self, function: Function) -> list[int]:

@@ -209,10 +209,10 @@ _DOUBLE: dict[Op, Callable[..., float]] = {
     Op.DIV: _div, Op.NEG: lambda a: -a, Op.ABS: abs, Op.SQRT: _sqrt,
     Op.MIN: lambda a, b: a if a < b else b, Op.MAX: lambda a, b: b if a < b else a,
     Op.SIN: _sin, Op.COS: _cos, Op.ATAN: math.atan, Op.ATAN2: math.atan2, Op.RINT: _rint, Op.FLIP: _flip,
-    Op.FMA: _fma64, Op.FLIP_BIT: lambda a, b: -a if _last_bit64(b) else a,
-    Op.WITHIN: _within,
-    Op.BEYOND: lambda a, m: math.copysign(m, a) if abs(a) < m else a,
-    Op.SIGNED: lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
+    Op.FMA: _fma64, Op.NEGATE_IF_ODD: lambda a, b: -a if _last_bit64(b) else a,
+    Op.CLAMP: _within,
+    Op.AT_LEAST: lambda a, m: math.copysign(m, a) if abs(a) < m else a,
+    Op.WITH_SIGN_OF: lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
     Op.SELECT: lambda a, b, x, y: x if a < b else y,
 }  # fmt: skip
 
@@ -231,7 +231,7 @@ def _flip_bit32(a: float, b: float) -> float:
 
 
 _SINGLE: dict[Op, Callable[..., float]] = {**_DOUBLE, **{op: _rounded(_DOUBLE[op]) for op in _ROUNDING}}
-_SINGLE |= {Op.FMA: _fma32, Op.FLIP_BIT: _flip_bit32}
+_SINGLE |= {Op.FMA: _fma32, Op.NEGATE_IF_ODD: _flip_bit32}
 _SINGLE |= {Op.ISIN: integer.sine, Op.ICOS: integer.cosine, Op.IATAN: integer.arctangent}
 _SINGLE |= {op: _SINGLE[plain] for plain, op in SOFT.items()}
 FLOAT32 = Arithmetic("float32", _enter32, _SINGLE)

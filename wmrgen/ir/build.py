@@ -276,7 +276,7 @@ class Builder:
 
     def part(self, call: int, number: int) -> int:
         """One of several results of a call."""
-        return self._node(Op.PART, (call,), name=str(number))
+        return self._node(Op.RESULT, (call,), name=str(number))
 
     def again(self, node: Node, args: Sequence[int]) -> int:
         """``node`` of another function over ``args``, as `make` makes it."""

@@ -71,7 +71,7 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
                 inner.append(given[name] if name else put(step, tuple(inner[a] for a in step.args)))
             results[k] = tuple(inner[r] for r in kernel.results)
             place.append(results[k][0])
-        elif node.op is Op.PART:
+        elif node.op is Op.RESULT:
             place.append(results[node.args[0]][int(node.name or 0)])
         else:
             place.append(put(node, tuple(place[a] for a in node.args)))

@@ -44,19 +44,21 @@ class Op(StrEnum):
     IMUL = "imul"  # MUL, DIV and SQRT to the last bit, in integers
     IDIV = "idiv"
     ISQRT = "isqrt"
-    FLIP_BIT = "flip_bit"  # flip_bit(a, b): -a where the last bit of the float b is set, else a
-    WITHIN = "within"  # within(a, m): m with the sign of a where |a| > m, else a; m of NaN; m > 0
-    BEYOND = "beyond"  # beyond(a, m): m with the sign of a where |a| < m, else a; m > 0
-    SIGNED = "signed"  # signed(a, b): -a where the sign bit of the float b is set, else a
+    NEGATE_IF_ODD = (
+        "negate_if_odd"  # negate_if_odd(a, b): -a where the last bit of the float b is set, else a
+    )
+    CLAMP = "clamp"  # clamp(a, m): m with the sign of a where |a| > m, else a; m of NaN; m > 0
+    AT_LEAST = "at_least"  # at_least(a, m): m with the sign of a where |a| < m, else a; m > 0
+    WITH_SIGN_OF = "with_sign_of"  # with_sign_of(a, b): -a where the sign bit of the float b is set, else a
     # Operations that keep their meaning, see `Module.kernels`:
     CALL = "call"  # of the kernel called ``name``, over its inputs
-    PART = "part"  # the result number ``name`` of a call whose kernel has several
+    RESULT = "result"  # the result number ``name`` of a call whose kernel has several
 
 
 ARITY = {
     Op.CONST: 0, Op.INPUT: 0, Op.NEG: 1, Op.ABS: 1, Op.SQRT: 1, Op.SIN: 1, Op.COS: 1,
-    Op.ATAN: 1, Op.RINT: 1, Op.ISIN: 1, Op.ICOS: 1, Op.IATAN: 1, Op.FLIP: 2, Op.FMA: 3, Op.FLIP_BIT: 2,
-    Op.IMUL: 2, Op.IDIV: 2, Op.ISQRT: 1, Op.SIGNED: 2, Op.WITHIN: 2, Op.BEYOND: 2,
+    Op.ATAN: 1, Op.RINT: 1, Op.ISIN: 1, Op.ICOS: 1, Op.IATAN: 1, Op.FLIP: 2, Op.FMA: 3, Op.NEGATE_IF_ODD: 2,
+    Op.IMUL: 2, Op.IDIV: 2, Op.ISQRT: 1, Op.WITH_SIGN_OF: 2, Op.CLAMP: 2, Op.AT_LEAST: 2,
     Op.ADD: 2, Op.SUB: 2, Op.MUL: 2, Op.DIV: 2, Op.MIN: 2, Op.MAX: 2, Op.ATAN2: 2, Op.SELECT: 4,
 }  # fmt: skip
 

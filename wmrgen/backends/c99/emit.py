@@ -14,6 +14,7 @@ from wmrgen.backends.c99.notes import arithmetic_notes
 from wmrgen.backends.c99.step import Step, prepare_steps, step
 from wmrgen.backends.c99.struct import Struct
 from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
+from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.meta import Facts
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
@@ -21,7 +22,6 @@ from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import integer, rounds, with_kernels
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Port
-from wmrgen.ir.trace import traced
 from wmrgen.render import render
 
 

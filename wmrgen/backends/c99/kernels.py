@@ -86,7 +86,8 @@ def _shared(kernel: Function) -> set[int]:
     return {
         k
         for k, node in enumerate(nodes)
-        if node.op in (Op.ABS, Op.SIGNED) and all(nodes[a].op in (Op.INPUT, Op.CONST) for a in node.args)
+        if node.op in (Op.ABS, Op.WITH_SIGN_OF)
+        and all(nodes[a].op in (Op.INPUT, Op.CONST) for a in node.args)
     }
 
 

@@ -8,8 +8,8 @@ from fractions import Fraction
 from wmrgen.backends.c99.literal import literal
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Limits, Port, Role
-from wmrgen.ir.running import LARGEST_ANGLE
 from wmrgen.ir.site import Site
+from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
 
 OVERSHOOT = 1.25  # of what is measured: a joint that stands at its limit must not stop the robot
 LARGEST = {"float": 1e9, "double": 1e100}

@@ -12,8 +12,8 @@ from wmrgen.backends.c99.comment import WIDTH, block_comment, comment_text
 from wmrgen.backends.c99.step import Step
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.site import Site
-from wmrgen.ir.vectors import Table, Vector, tables
 from wmrgen.render import render
+from wmrgen.selftest.vectors import Table, Vector, tables
 
 ABOUT = (
     "Self-test of {0}.c, for the machine it is to run on. A row holds inputs, then for every output what the exact "

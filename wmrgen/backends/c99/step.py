@@ -65,7 +65,7 @@ def _names(function: Function) -> dict[int, str]:
 
     for label, k in function.named:
         call(k, label)
-    several = {node.args[0] for node in nodes if node.op is Op.PART}
+    several = {node.args[0] for node in nodes if node.op is Op.RESULT}
     for k, node in enumerate(nodes):
         joints = (nodes[a].name or "" for a in node.args) if k in several else ()
         for wheel, dot, _ in (joint.partition(".") for joint in joints):

@@ -14,8 +14,8 @@ LIBM = {
 }  # fmt: skip
 # defined in templates/c99/bits.c.j2
 BITS = {
-    Op.FLIP_BIT: "wmrgen_flip({0}, {1})", Op.SIGNED: "wmrgen_signed({0}, {1})",
-    Op.WITHIN: "wmrgen_within({0}, {1})", Op.BEYOND: "wmrgen_beyond({0}, {1})",
+    Op.NEGATE_IF_ODD: "wmrgen_negate_if_odd({0}, {1})", Op.WITH_SIGN_OF: "wmrgen_with_sign_of({0}, {1})",
+    Op.CLAMP: "wmrgen_clamp({0}, {1})", Op.AT_LEAST: "wmrgen_at_least({0}, {1})",
 }  # fmt: skip
 # defined in templates/c99/integer.c.j2
 INTEGER = {

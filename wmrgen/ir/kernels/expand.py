@@ -12,10 +12,10 @@ from dataclasses import replace
 from wmrgen.exact.number import ONE
 from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
+from wmrgen.ir.kernels.compensated import compensated_sum, compensated_sums
 from wmrgen.ir.kernels.constants import EVEN32, RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.order import ordered
-from wmrgen.ir.kernels.sharp import sharp_sum, sharp_sums
 from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.kernels.trigonometry import Processor, flipped, library, soft
@@ -94,7 +94,7 @@ class _Expansion:
             int, int
         ] = {}  # node of `function` that is a whole number -> that plus the magic number
         self.vectors = _vectors(function)
-        self.sharp = sharp_sums(function, kernels) if processor.magic == RINT32 else frozenset()
+        self.compensated = compensated_sums(function, kernels) if processor.magic == RINT32 else frozenset()
 
     def run(self, kernel: bool = False) -> Function:
         for i, node in enumerate(self.function.nodes):
@@ -106,8 +106,8 @@ class _Expansion:
 
     def _node(self, i: int, node: Node) -> int:
         tape, args, p = self.tape, tuple(self.made[a] for a in node.args), self.processor
-        if i in self.sharp:
-            return sharp_sum(tape, node.op, args[0], args[1], p.fused)
+        if i in self.compensated:
+            return compensated_sum(tape, node.op, args[0], args[1], p.fused)
         match node.op:
             case Op.RINT:
                 self.raised[i] = tape.add(args[0], tape.const(p.magic))

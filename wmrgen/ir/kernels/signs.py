@@ -34,7 +34,7 @@ class _Signed:
 
 
 def signs_as_bits(function: Function) -> Function:
-    """``function`` with `Op.SIGNED` in the place of choices between a value and its opposite."""
+    """``function`` with `Op.WITH_SIGN_OF` in the place of choices between a value and its opposite."""
     return _Signs(function).run()
 
 
@@ -66,7 +66,7 @@ class _Signs:
     def _node(self, node: Node) -> _Signed:
         args = [self.made[a] for a in node.args]
         if node.op is Op.SELECT and self._chooses_sign(node):
-            return _Signed(args[3].core, args[3].by ^ {(Op.SIGNED, self._whole(args[0]))})
+            return _Signed(args[3].core, args[3].by ^ {(Op.WITH_SIGN_OF, self._whole(args[0]))})
         if node.op is Op.FLIP:
             return _Signed(args[0].core, args[0].by ^ {(Op.FLIP, self._whole(args[1]))})
         if node.op in _ODD:
@@ -77,7 +77,7 @@ class _Signs:
             return self._product(node.op, args)
         if node.op in _EXTREMES and (kept := self._kept_within(node)) is not None:
             inside, limit = self.made[kept[0]], self.made[kept[1]]
-            return _Signed(self.tape.put(Op.WITHIN, inside.core, limit.core), inside.by)
+            return _Signed(self.tape.put(Op.CLAMP, inside.core, limit.core), inside.by)
         return _Signed(self.tape.copy(node, tuple(self._whole(a) for a in args)))
 
     def _product(self, op: Op, args: list[_Signed]) -> _Signed:
@@ -87,7 +87,9 @@ class _Signs:
         if op is Op.MUL and constant == ONE:
             return _Signed(second, by)
         taken = (
-            frozenset(sign for sign in by if sign[0] is Op.SIGNED) if constant is not None else frozenset()
+            frozenset(sign for sign in by if sign[0] is Op.WITH_SIGN_OF)
+            if constant is not None
+            else frozenset()
         )
         return _Signed(self.tape.put(op, self._whole(_Signed(first, taken)), second), by - taken)
 
@@ -96,9 +98,9 @@ class _Signs:
         nodes = self.tape.nodes
         for size, least in (pair for p in (nodes[below.core].args,) if len(p) == 2 for pair in (p, p[::-1])):
             value, a = nodes[least].value, nodes[size].args[0] if nodes[size].op is Op.ABS else -1
-            sign = frozenset({(Op.SIGNED, a)})
+            sign = frozenset({(Op.WITH_SIGN_OF, a)})
             if nodes[below.core].op is Op.MAX and value is not None and value.sign > 0 and sign <= above.by:
-                return [_Signed(above.core, above.by - sign), _Signed(self.tape.put(Op.BEYOND, a, least))]
+                return [_Signed(above.core, above.by - sign), _Signed(self.tape.put(Op.AT_LEAST, a, least))]
         return [above, below]
 
     def _kept_within(self, node: Node) -> tuple[int, int] | None:

@@ -40,7 +40,7 @@ class Tape:
 
     def part(self, call: int, number: int) -> int:
         """One of several results of a call."""
-        return self.copy(Node(Op.PART, name=str(number)), (call,))
+        return self.copy(Node(Op.RESULT, name=str(number)), (call,))
 
     def put(self, op: Op, *args: int) -> int:
         """The node of an operation."""

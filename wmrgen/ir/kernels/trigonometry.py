@@ -32,7 +32,7 @@ class Processor:
 def flipped(tape: Tape, a: int, raised: int, processor: Processor) -> int:
     """a or -a: ``raised`` has the unit 1 in the last place, so its last bit tells odd from even."""
     if processor.bits:
-        return tape.put(Op.FLIP_BIT, a, raised)
+        return tape.put(Op.NEGATE_IF_ODD, a, raised)
     sign = _sign(tape, raised, processor)
     return sign if tape.nodes[a].value == ONE else tape.mul(a, sign)
 
@@ -40,7 +40,7 @@ def flipped(tape: Tape, a: int, raised: int, processor: Processor) -> int:
 def _sign(tape: Tape, raised: int, processor: Processor) -> int:
     """1 or -1. Twice the magic number has the unit 2: rounding to it tells odd from even."""
     if processor.bits:
-        return tape.put(Op.FLIP_BIT, tape.const(ONE), raised)
+        return tape.put(Op.NEGATE_IF_ODD, tape.const(ONE), raised)
     magic = tape.const(processor.magic)
     odd = tape.sub(raised, tape.sub(tape.add(raised, magic), magic))
     return tape.sub(tape.const(ONE), tape.mul(tape.const(_TWO), tape.mul(odd, odd)))

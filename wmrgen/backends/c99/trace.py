@@ -16,12 +16,12 @@ import numpy as np
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import Kernels, with_places
 from wmrgen.ir.calls import by_name as kernels_by_name
+from wmrgen.ir.many_points import values_of
 from wmrgen.ir.nodes import Function, Module, Op
-from wmrgen.ir.points import Grid
 from wmrgen.ir.rounding import to_float64
-from wmrgen.ir.sample import values_of
 from wmrgen.ir.site import NO_SITE
-from wmrgen.ir.vectors import contract
+from wmrgen.selftest.points import Grid
+from wmrgen.selftest.vectors import contract
 
 Array = Any
 _POINTS = slice(20, 28)
@@ -65,7 +65,7 @@ def labels(
     wanted = [
         (name, v) for name, v in names.items() if np.ndim(v) == 1 and np.ptp(v) > 0 and np.isfinite(v).all()
     ]
-    grouped = {node.args[0] for node in function.nodes if node.op is Op.PART}
+    grouped = {node.args[0] for node in function.nodes if node.op is Op.RESULT}
     every = [
         k
         for k, node in enumerate(function.nodes)

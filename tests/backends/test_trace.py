@@ -12,12 +12,12 @@ from wmrgen import derive, load
 from wmrgen.backends.c99.emit import printed, unit
 from wmrgen.backends.c99.lines import places_in
 from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.quantities import quantity
 from wmrgen.ir.calls import by_name, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes
 from wmrgen.ir.nodes import Role
-from wmrgen.ir.trace import traced
-from wmrgen.ir.vectors import contract
+from wmrgen.selftest.vectors import contract
 
 ROBOTS = ("wpilib_swervebot", "nomad_xr4000", "ackermann_car", "pioneer3dx")
 

@@ -17,7 +17,7 @@ _SPLIT = Exact(4097)  # 2**12 + 1: Veltkamp's constant for halves of 12 bits
 _CLOSE = 8
 
 
-def sharp_sums(function: Function, kernels: tuple[Function, ...] = ()) -> frozenset[int]:
+def compensated_sums(function: Function, kernels: tuple[Function, ...] = ()) -> frozenset[int]:
     """The sums x + c y from whose ratio an arctangent is taken, by one of ``kernels`` too."""
     nodes = function.nodes
     found: set[int] = set()
@@ -109,7 +109,7 @@ def _held(nodes: tuple[Node, ...], total: int, other: int) -> bool:
     return c is not None and k is not None and abs(c) <= abs(k) * _CLOSE
 
 
-def sharp_sum(tape: Tape, op: Op, a: int, b: int, fused: bool) -> int:
+def compensated_sum(tape: Tape, op: Op, a: int, b: int, fused: bool) -> int:
     """a + b or a - b, one of them a product."""
     first = tape.nodes[a].op is Op.MUL
     product, x = (a, b) if first else (b, a)

@@ -14,14 +14,14 @@ from fractions import Fraction
 import numpy as np
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.beside import beside
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.nodes import Function, Module, Port, Role
-from wmrgen.ir.points import BRANCH, TWIST, Grid, Point, points
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
-from wmrgen.ir.running import UNITS, Array, Bounded, bounds, outputs, rounding_of
 from wmrgen.ir.site import NO_SITE, Site
+from wmrgen.selftest.points import BRANCH, TWIST, Grid, Point, points
+from wmrgen.selftest.rounding_bounds import UNITS, Array, Bounded, bounds, outputs, rounding_of
+from wmrgen.selftest.thresholds import near_thresholds
 
 _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything
 _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
@@ -112,7 +112,7 @@ def _table(
     tried = list(points(group[0], ports, site)) if ports else [("constant", np.zeros(0))]
     if ports:
         rows_, fixed = np.array([values for _, values in tried]), {n: b.value for n, b in prepared.items()}
-        tried += [point for f in group for point in beside(f, ports, rows_, fixed)]
+        tried += [point for f in group for point in near_thresholds(f, ports, rows_, fixed)]
     columns = _columns(ports, tried, prepared)
     known = [bounds(function, columns, scalar, len(tried)) for function in group]
     made: dict[str, Bounded] = {}

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from wmrgen.ir.many_points import values_of
 from wmrgen.ir.nodes import Function, Op, Port
 from wmrgen.ir.prune import prune
 from wmrgen.ir.rounding import to_float64
-from wmrgen.ir.sample import values_of
 
 Array = Any
 Wall = tuple[int, float]  # node, and its value at the wall
@@ -24,7 +24,7 @@ _LEAST = 1e-2  # smaller constants guard divisors and bound series
 _HALVINGS, _MOST, _PAIRS = 40, 11, 4
 
 
-def beside(
+def near_thresholds(
     function: Function, ports: Sequence[Port], rows: Array, given: Mapping[str, Array]
 ) -> Iterator[tuple[str, Array]]:
     """Points on segments between ``rows`` (one column per port), both sides of every wall that these cross."""

@@ -17,7 +17,7 @@ from wmrgen.ir.passes.guards import findings
 NAMES = [path.stem for path in GALLERY]
 LIBRARY = {"sqrt", "fabs"}
 BITS = re.compile(
-    r"^static inline float wmrgen_(?:flip|signed|within|beyond)\(float a, float [bmn]\)\n\{\n.*?^\}\n",
+    r"^static inline float wmrgen_(?:negate_if_odd|with_sign_of|clamp|at_least)\(float a, float [bmn]\)\n\{\n.*?^\}\n",
     flags=re.S | re.M,
 )
 STATEMENT = re.compile(

@@ -40,8 +40,8 @@ def measure(
     flags: Sequence[str] = gcc.FLAGS,
     small: bool = False,
 ) -> dict[str, Footprint]:
-    """C function -> what it occupies. ``small``: with its kernels called, not inlined."""
-    found = {}
+    """C function -> what it occupies; a kernel by the robot and its name. ``small``: kernels called, not inlined."""
+    found: dict[str, Footprint] = {}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
@@ -53,6 +53,7 @@ def measure(
         words = (*processor.flags, *flags, *(gcc.SMALL if small else ()), *include, "-fstack-usage", "-c")
         gcc.run(folder, processor.compiler, *words, *files)
         for module in modules:
+            own: dict[str, Footprint] = {}
             symbols = Image(folder / f"{module.name}.o").symbols
             for line in (folder / f"{module.name}.su").read_text().splitlines():
                 place, stack, kind = line.split("\t")
@@ -61,8 +62,10 @@ def measure(
                 # gcc may give a kernel an argument that is the same in all calls: `wmrgen_sine.constprop.0`
                 name = next(s for s in symbols if s == function or s.startswith(f"{function}."))
                 size = symbols[name].size
-                found[function.partition(".")[0]] = Footprint(size, int(stack), size)
-            found |= _whole(module.name, (folder / f"{module.name}.c").read_text(), found)
+                own[function.partition(".")[0]] = Footprint(size, int(stack), size)
+            own |= _whole(module.name, (folder / f"{module.name}.c").read_text(), own)
+            kernel = f"{module.name}: "  # robots have kernels of one name
+            found |= {f"{kernel if name.startswith('wmrgen_') else ''}{name}": o for name, o in own.items()}
     return found
 
 
@@ -95,6 +98,7 @@ def table() -> Iterator[str]:
     measured = [measure(modules, processor) for processor in there]
     versions = ", ".join(dict.fromkeys(processor.version for processor in there))
     yield f"Bytes of code / of stack, `{gcc.FLAGS[0]}`, {DEFAULT.math}: {versions}."
+    yield "A function with the functions of its file that it calls: without an FPU, the arithmetic in integers."
     yield ""
     yield from rows(there, measured)
 
@@ -116,5 +120,5 @@ def heading(first: str, second: str, there: Sequence[Processor]) -> Iterator[str
 def total(found: Mapping[str, Footprint], robot: str) -> int:
     """Bytes of code of all functions of ``robot``."""
     return sum(
-        footprint.own for name, footprint in found.items() if name.startswith((f"{robot}_", "wmrgen_"))
+        footprint.own for name, footprint in found.items() if name.startswith((f"{robot}_", f"{robot}: "))
     )

@@ -56,7 +56,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "d275a3e2287042f7f71da1d227ef561c"
-#define ACKERMANN_CAR_PAIR_9b0882af6855ff4a 1
+#define ACKERMANN_CAR_PAIR_a205681d7c62bfee 1
 
 #ifdef __cplusplus
 extern "C" {

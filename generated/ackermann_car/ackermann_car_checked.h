@@ -20,7 +20,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_9b0882af6855ff4a)
+#if !defined(ACKERMANN_CAR_PAIR_a205681d7c62bfee)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -55,7 +55,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "2b6b634b01cc029e763cbcef71d25b7f"
-#define AGILEX_RANGER_PAIR_b1ccb34c30a5eb62 1
+#define AGILEX_RANGER_PAIR_cc379886a59e00e3 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_b1ccb34c30a5eb62)
+#if !defined(AGILEX_RANGER_PAIR_cc379886a59e00e3)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -32,7 +32,7 @@
 #define WMRGEN_ANDINO_H
 
 #define ANDINO_MODEL_HASH "ea37001b95df837fdd05df2235552647"
-#define ANDINO_PAIR_37c9c517c17db14f 1
+#define ANDINO_PAIR_ce3bf1ca937b838d 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(ANDINO_PAIR_37c9c517c17db14f)
+#if !defined(ANDINO_PAIR_ce3bf1ca937b838d)
 #error "andino_checked.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

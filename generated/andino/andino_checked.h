@@ -20,7 +20,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_37c9c517c17db14f)
+#if !defined(ANDINO_PAIR_ce3bf1ca937b838d)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

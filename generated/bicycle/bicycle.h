@@ -51,7 +51,7 @@
 #define WMRGEN_BICYCLE_H
 
 #define BICYCLE_MODEL_HASH "9aed8e06c9398c7126ca5181531ec4e7"
-#define BICYCLE_PAIR_ebe3e014b60a2269 1
+#define BICYCLE_PAIR_844c0765ee6f690b 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(BICYCLE_PAIR_ebe3e014b60a2269)
+#if !defined(BICYCLE_PAIR_844c0765ee6f690b)
 #error "bicycle_checked.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_ebe3e014b60a2269)
+#if !defined(BICYCLE_PAIR_844c0765ee6f690b)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_ebe3e014b60a2269)
+#if !defined(BICYCLE_PAIR_844c0765ee6f690b)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

@@ -58,7 +58,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "73319457a5f9dc2855a86f31d44a90a3"
-#define CAR_WITH_TRAILERS_PAIR_f7f56ab39e3c62fd 1
+#define CAR_WITH_TRAILERS_PAIR_e4f09c9eb4dbb4c2 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_f7f56ab39e3c62fd)
+#if !defined(CAR_WITH_TRAILERS_PAIR_e4f09c9eb4dbb4c2)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -31,7 +31,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "521b1bc2a8a79f913ba89fbcabe167e8"
-#define CARE_O_BOT_4_PAIR_5a7776f53e93cde8 1
+#define CARE_O_BOT_4_PAIR_002eb781f25abbb4 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_5a7776f53e93cde8)
+#if !defined(CARE_O_BOT_4_PAIR_002eb781f25abbb4)
 #error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -51,7 +51,7 @@
 #define WMRGEN_CLEARPATH_A200_H
 
 #define CLEARPATH_A200_MODEL_HASH "dec1d19baff93ff186204a9bfef4c060"
-#define CLEARPATH_A200_PAIR_139b3227a415e14a 1
+#define CLEARPATH_A200_PAIR_b1fde38f3591b7ba 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_139b3227a415e14a)
+#if !defined(CLEARPATH_A200_PAIR_b1fde38f3591b7ba)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 

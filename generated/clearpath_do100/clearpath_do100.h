@@ -53,7 +53,7 @@
 #define WMRGEN_CLEARPATH_DO100_H
 
 #define CLEARPATH_DO100_MODEL_HASH "72eb4d2756d18e20bdea901f22e439b4"
-#define CLEARPATH_DO100_PAIR_594c133795c045ad 1
+#define CLEARPATH_DO100_PAIR_e3db30b3afd9ea30 1
 
 #ifdef __cplusplus
 extern "C" {

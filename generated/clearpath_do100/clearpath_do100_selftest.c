@@ -16,7 +16,7 @@
  */
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_594c133795c045ad)
+#if !defined(CLEARPATH_DO100_PAIR_e3db30b3afd9ea30)
 #error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_R100_PAIR_9f957c38b7527847)
+#if !defined(CLEARPATH_R100_PAIR_3c0c3234843402ed)
 #error "clearpath_r100_checked.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_9f957c38b7527847)
+#if !defined(CLEARPATH_R100_PAIR_3c0c3234843402ed)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 

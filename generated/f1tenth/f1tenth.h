@@ -51,7 +51,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "2144c64976875c4f83d8695ba0125d54"
-#define F1TENTH_PAIR_358b9c942f3430b6 1
+#define F1TENTH_PAIR_fc27ef0103245b14 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -16,7 +16,7 @@
  */
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_358b9c942f3430b6)
+#if !defined(F1TENTH_PAIR_fc27ef0103245b14)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -52,7 +52,7 @@
 #define WMRGEN_FESTO_ROBOTINO_H
 
 #define FESTO_ROBOTINO_MODEL_HASH "0927c0e85c554e3bd59dde04d7760f29"
-#define FESTO_ROBOTINO_PAIR_508110b31f9cd27b 1
+#define FESTO_ROBOTINO_PAIR_1cf2587e87aa3ba4 1
 
 #ifdef __cplusplus
 extern "C" {

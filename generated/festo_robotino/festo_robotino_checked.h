@@ -20,7 +20,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_508110b31f9cd27b)
+#if !defined(FESTO_ROBOTINO_PAIR_1cf2587e87aa3ba4)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_bc966257cb6f04ad)
+#if !defined(JPL_OSR_PAIR_5fbc0a44f858b7df)
 #error "jpl_osr.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -22,6 +22,7 @@
 
 /* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
 #if !defined(WMRGEN_KERNEL)
+#define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
 #define WMRGEN_KERNEL static __attribute__((noinline))
 #define WMRGEN_CALLED static __attribute__((noinline))
@@ -32,6 +33,9 @@
 #define WMRGEN_KERNEL static inline
 #define WMRGEN_CALLED static inline
 #endif
+#endif
+#if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
+#error "kernels of another --target, --scalar or --math stand above: compile apart"
 #endif
 
 #if !defined(WMRGEN_NEGATE_IF_ODD)

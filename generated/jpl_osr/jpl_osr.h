@@ -34,7 +34,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "16757d818714f3f1db32429bde828da9"
-#define JPL_OSR_PAIR_bc966257cb6f04ad 1
+#define JPL_OSR_PAIR_5fbc0a44f858b7df 1
 
 #ifdef __cplusplus
 extern "C" {

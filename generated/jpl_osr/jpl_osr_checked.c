@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(JPL_OSR_PAIR_bc966257cb6f04ad)
+#if !defined(JPL_OSR_PAIR_5fbc0a44f858b7df)
 #error "jpl_osr_checked.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_bc966257cb6f04ad)
+#if !defined(JPL_OSR_PAIR_5fbc0a44f858b7df)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -32,7 +32,7 @@
 #define WMRGEN_KELLY_4WS_H
 
 #define KELLY_4WS_MODEL_HASH "86a6d1ccdd01a72a21a664d17a01a6d0"
-#define KELLY_4WS_PAIR_539a6601bf739e73 1
+#define KELLY_4WS_PAIR_9b99b5b6e9242dfb 1
 
 #ifdef __cplusplus
 extern "C" {

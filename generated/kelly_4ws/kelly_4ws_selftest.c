@@ -16,7 +16,7 @@
  */
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_539a6601bf739e73)
+#if !defined(KELLY_4WS_PAIR_9b99b5b6e9242dfb)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

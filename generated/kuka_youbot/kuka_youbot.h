@@ -52,7 +52,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "31fc8ca7867dd9ddcefb7a200338ccf6"
-#define KUKA_YOUBOT_PAIR_6302ca495ccb3edb 1
+#define KUKA_YOUBOT_PAIR_97ffbc1ddcdad0ba 1
 
 #ifdef __cplusplus
 extern "C" {

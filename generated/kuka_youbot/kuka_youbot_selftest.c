@@ -16,7 +16,7 @@
  */
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_6302ca495ccb3edb)
+#if !defined(KUKA_YOUBOT_PAIR_97ffbc1ddcdad0ba)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -52,7 +52,7 @@
 #define WMRGEN_LEKIWI_H
 
 #define LEKIWI_MODEL_HASH "7acd69cb30d18ac4f436880bc2f8ba93"
-#define LEKIWI_PAIR_0af7031e4873cc8d 1
+#define LEKIWI_PAIR_7f2c11c649caff6d 1
 
 #ifdef __cplusplus
 extern "C" {

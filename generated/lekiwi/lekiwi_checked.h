@@ -20,7 +20,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_0af7031e4873cc8d)
+#if !defined(LEKIWI_PAIR_7f2c11c649caff6d)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

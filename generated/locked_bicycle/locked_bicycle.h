@@ -30,7 +30,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "c64665c267857648198b6abeafb60bf7"
-#define LOCKED_BICYCLE_PAIR_11e5211f90a72bc3 1
+#define LOCKED_BICYCLE_PAIR_ae3959c0d730a75a 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_11e5211f90a72bc3)
+#if !defined(LOCKED_BICYCLE_PAIR_ae3959c0d730a75a)
 #error "locked_bicycle_checked.c and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_11e5211f90a72bc3)
+#if !defined(LOCKED_BICYCLE_PAIR_ae3959c0d730a75a)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

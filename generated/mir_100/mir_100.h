@@ -60,7 +60,7 @@
 #define WMRGEN_MIR_100_H
 
 #define MIR_100_MODEL_HASH "75f5e2545b195df0bd11305387b1853b"
-#define MIR_100_PAIR_bf5522076af6d985 1
+#define MIR_100_PAIR_639d785b1b13558f 1
 
 #ifdef __cplusplus
 extern "C" {

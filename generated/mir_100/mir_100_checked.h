@@ -20,7 +20,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_bf5522076af6d985)
+#if !defined(MIR_100_PAIR_639d785b1b13558f)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_bf5522076af6d985)
+#if !defined(MIR_100_PAIR_639d785b1b13558f)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

@@ -35,7 +35,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "5b6c11e62babe7ea1121df533b36d418"
-#define NEOBOTIX_MP_400_PAIR_cb697ab56cf36218 1
+#define NEOBOTIX_MP_400_PAIR_d0e72d4ed97467fc 1
 
 #ifdef __cplusplus
 extern "C" {

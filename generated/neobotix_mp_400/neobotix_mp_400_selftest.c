@@ -16,7 +16,7 @@
  */
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_cb697ab56cf36218)
+#if !defined(NEOBOTIX_MP_400_PAIR_d0e72d4ed97467fc)
 #error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

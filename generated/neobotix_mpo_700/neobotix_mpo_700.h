@@ -33,7 +33,7 @@
 #define WMRGEN_NEOBOTIX_MPO_700_H
 
 #define NEOBOTIX_MPO_700_MODEL_HASH "8c20128f06beeda3e4e79292817c79a5"
-#define NEOBOTIX_MPO_700_PAIR_6785efd34b8263fb 1
+#define NEOBOTIX_MPO_700_PAIR_e31875cd0c5ad88e 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_6785efd34b8263fb)
+#if !defined(NEOBOTIX_MPO_700_PAIR_e31875cd0c5ad88e)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -34,7 +34,7 @@
 #define WMRGEN_NEXUS_4WD_H
 
 #define NEXUS_4WD_MODEL_HASH "554517386b33097f083fe6bbff916652"
-#define NEXUS_4WD_PAIR_51bdacce862a4705 1
+#define NEXUS_4WD_PAIR_d05747c0fef56478 1
 
 #ifdef __cplusplus
 extern "C" {

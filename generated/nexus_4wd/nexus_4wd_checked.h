@@ -20,7 +20,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_51bdacce862a4705)
+#if !defined(NEXUS_4WD_PAIR_d05747c0fef56478)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -56,7 +56,7 @@
 #define WMRGEN_NOMAD_XR4000_H
 
 #define NOMAD_XR4000_MODEL_HASH "fdfbe22667ec9af5649798c48954e7d3"
-#define NOMAD_XR4000_PAIR_8793b61abfcf0e9d 1
+#define NOMAD_XR4000_PAIR_2bfa8cc39dcba70e 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NOMAD_XR4000_PAIR_8793b61abfcf0e9d)
+#if !defined(NOMAD_XR4000_PAIR_2bfa8cc39dcba70e)
 #error "nomad_xr4000_checked.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

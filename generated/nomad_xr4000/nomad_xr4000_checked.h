@@ -20,7 +20,7 @@
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_8793b61abfcf0e9d)
+#if !defined(NOMAD_XR4000_PAIR_2bfa8cc39dcba70e)
 #error "nomad_xr4000_checked.h and nomad_xr4000.h were not generated together: copy both"
 #endif
 

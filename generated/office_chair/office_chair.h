@@ -34,7 +34,7 @@
 #define WMRGEN_OFFICE_CHAIR_H
 
 #define OFFICE_CHAIR_MODEL_HASH "0343403b631c7fd6a8e83f382c96a136"
-#define OFFICE_CHAIR_PAIR_7ed6b81ee13bd2ea 1
+#define OFFICE_CHAIR_PAIR_85e3d3dda73ba29e 1
 
 #ifdef __cplusplus
 extern "C" {

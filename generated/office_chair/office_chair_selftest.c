@@ -16,7 +16,7 @@
  */
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_7ed6b81ee13bd2ea)
+#if !defined(OFFICE_CHAIR_PAIR_85e3d3dda73ba29e)
 #error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
 #endif
 

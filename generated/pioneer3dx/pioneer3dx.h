@@ -53,7 +53,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "7b5fda2c67db0c2874e323d91a70ee55"
-#define PIONEER3DX_PAIR_e47fa1c7775ce659 1
+#define PIONEER3DX_PAIR_c9c04a38dcafbf86 1
 
 #ifdef __cplusplus
 extern "C" {

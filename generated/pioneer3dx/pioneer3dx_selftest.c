@@ -16,7 +16,7 @@
  */
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_e47fa1c7775ce659)
+#if !defined(PIONEER3DX_PAIR_c9c04a38dcafbf86)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -36,7 +36,7 @@
 #define WMRGEN_PR2_H
 
 #define PR2_MODEL_HASH "ad97b352ac236771a9592b4bc4b50b01"
-#define PR2_PAIR_88f1aa0807a95cb4 1
+#define PR2_PAIR_90801281890df04a 1
 
 #ifdef __cplusplus
 extern "C" {

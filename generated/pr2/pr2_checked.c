@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PR2_PAIR_88f1aa0807a95cb4)
+#if !defined(PR2_PAIR_90801281890df04a)
 #error "pr2_checked.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -16,7 +16,7 @@
  */
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_88f1aa0807a95cb4)
+#if !defined(PR2_PAIR_90801281890df04a)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

@@ -34,7 +34,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "af9dc6415a911b061b5ef54f64d48fb5"
-#define SSL_PARSIAN_PAIR_6faf46dba8add687 1
+#define SSL_PARSIAN_PAIR_8aa9d137f0bb4306 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SSL_PARSIAN_PAIR_6faf46dba8add687)
+#if !defined(SSL_PARSIAN_PAIR_8aa9d137f0bb4306)
 #error "ssl_parsian_checked.c and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

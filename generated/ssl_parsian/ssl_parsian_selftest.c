@@ -16,7 +16,7 @@
  */
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_6faf46dba8add687)
+#if !defined(SSL_PARSIAN_PAIR_8aa9d137f0bb4306)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -31,7 +31,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "cd75b86f0791ccb50c702d511c4393ce"
-#define SYNCHRO_DRIVE_PAIR_c3c2e6888a8a0d16 1
+#define SYNCHRO_DRIVE_PAIR_99adad92b3223c7d 1
 
 #ifdef __cplusplus
 extern "C" {

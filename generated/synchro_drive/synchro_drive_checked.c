@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_c3c2e6888a8a0d16)
+#if !defined(SYNCHRO_DRIVE_PAIR_99adad92b3223c7d)
 #error "synchro_drive_checked.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_c3c2e6888a8a0d16)
+#if !defined(SYNCHRO_DRIVE_PAIR_99adad92b3223c7d)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_TEXTBOOK_H
 
 #define TEXTBOOK_MODEL_HASH "1d0831ee5c42f744c866d55c04d2c62a"
-#define TEXTBOOK_PAIR_d906c828686d844f 1
+#define TEXTBOOK_PAIR_9a98ddbfbbe56eda 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_d906c828686d844f)
+#if !defined(TEXTBOOK_PAIR_9a98ddbfbbe56eda)
 #error "textbook_checked.h and textbook.h were not generated together: copy both"
 #endif
 

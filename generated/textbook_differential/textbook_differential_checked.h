@@ -20,7 +20,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_91ca662b87048a72)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_ba5020fe4817aa5d)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 

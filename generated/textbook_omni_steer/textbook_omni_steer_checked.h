@@ -20,7 +20,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_d0d86096ff55e699)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_6bbf5470eb31ede6)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_136f10b9836029b8)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_3a24b7eb75cc7f5e)
 #error "textbook_omnidirectional_checked.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

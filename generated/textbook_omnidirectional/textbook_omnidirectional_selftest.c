@@ -16,7 +16,7 @@
  */
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_136f10b9836029b8)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_3a24b7eb75cc7f5e)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_a44668082ab49b90)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_f30db7dd9c327207)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_241022f255b4871e)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_cb58eeba73a5f554)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

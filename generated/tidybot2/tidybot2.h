@@ -37,7 +37,7 @@
 #define WMRGEN_TIDYBOT2_H
 
 #define TIDYBOT2_MODEL_HASH "ecabeb091bce5db73b7f1965e693b0c9"
-#define TIDYBOT2_PAIR_4d31891213d26d2c 1
+#define TIDYBOT2_PAIR_99369a869cc1238f 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_4d31891213d26d2c)
+#if !defined(TIDYBOT2_PAIR_99369a869cc1238f)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

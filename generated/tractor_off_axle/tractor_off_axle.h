@@ -32,7 +32,7 @@
 #define WMRGEN_TRACTOR_OFF_AXLE_H
 
 #define TRACTOR_OFF_AXLE_MODEL_HASH "0070fd12925fb620178aadaf156a43f1"
-#define TRACTOR_OFF_AXLE_PAIR_2340baaffb5d8bc6 1
+#define TRACTOR_OFF_AXLE_PAIR_7101504464e73fa0 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_2340baaffb5d8bc6)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_7101504464e73fa0)
 #error "tractor_off_axle_checked.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_2340baaffb5d8bc6)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_7101504464e73fa0)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 

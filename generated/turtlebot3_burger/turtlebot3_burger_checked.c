@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_7b103084d90e1d96)
+#if !defined(TURTLEBOT3_BURGER_PAIR_1dc6b251452050a1)
 #error "turtlebot3_burger_checked.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

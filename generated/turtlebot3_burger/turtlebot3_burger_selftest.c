@@ -16,7 +16,7 @@
  */
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_7b103084d90e1d96)
+#if !defined(TURTLEBOT3_BURGER_PAIR_1dc6b251452050a1)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

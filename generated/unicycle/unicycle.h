@@ -29,7 +29,7 @@
 #define WMRGEN_UNICYCLE_H
 
 #define UNICYCLE_MODEL_HASH "90099c8a2656a337e8b65871c8606f9b"
-#define UNICYCLE_PAIR_428deaac2b151db6 1
+#define UNICYCLE_PAIR_f2a6e5a8d75aad08 1
 
 #ifdef __cplusplus
 extern "C" {

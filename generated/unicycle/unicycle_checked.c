@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(UNICYCLE_PAIR_428deaac2b151db6)
+#if !defined(UNICYCLE_PAIR_f2a6e5a8d75aad08)
 #error "unicycle_checked.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

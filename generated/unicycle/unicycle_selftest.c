@@ -16,7 +16,7 @@
  */
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_428deaac2b151db6)
+#if !defined(UNICYCLE_PAIR_f2a6e5a8d75aad08)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

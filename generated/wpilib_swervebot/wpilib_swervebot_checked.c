@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_70523b55479385bd)
+#if !defined(WPILIB_SWERVEBOT_PAIR_867e3bcd25520016)
 #error "wpilib_swervebot_checked.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

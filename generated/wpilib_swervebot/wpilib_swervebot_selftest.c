@@ -16,7 +16,7 @@
  */
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_70523b55479385bd)
+#if !defined(WPILIB_SWERVEBOT_PAIR_867e3bcd25520016)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -53,6 +53,19 @@ def test_every_header_from_cpp(tmp_path: Path) -> None:
     compile_program(tmp_path, ["main.cpp", "mecanum.o"], "g++", flags)
 
 
+def test_kernels_of_two_targets_do_not_share_a_file(tmp_path: Path) -> None:
+    """Robots of one target may stand in one translation unit; the kernels of another would replace theirs."""
+    first, second = (m for m in (swerve(), *gallery()) if m.name in ("swerve", "wpilib_swervebot"))
+    (tmp_path / "both.c").write_text(f'#include "{first.name}.c"\n#include "{second.name}.c"\n')
+    write(tmp_path, first, Meta())
+    write(tmp_path, second, Meta())
+    compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
+    for other in (Meta(target="host"), Meta(math="libm"), Meta(scalar="double", math="libm")):
+        write(tmp_path, second, other)
+        with pytest.raises(EnvironmentFailure, match="kernels of another"):
+            compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
+
+
 def test_a_mixed_pair_does_not_compile(tmp_path: Path) -> None:
     write(tmp_path, mecanum(), Meta(model_hash="1"))
     header, _ = sources(mecanum(), Meta(model_hash="2"))

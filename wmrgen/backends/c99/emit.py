@@ -130,6 +130,7 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
         "structs": [s.lines for made_step in made.steps for s in made_step.structs],
         "steps": made.steps,
         "kernels": made.kernels,
+        "kernels_for": "_".join((meta.target, meta.scalar, meta.math)).upper(),
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
         "integer": None if made.ops.isdisjoint(INTEGER) else integer,

@@ -24,7 +24,9 @@ COUNT, SEED, JOBS = 200, 1, os.cpu_count() or 1
 TIMEOUT = 1800  # s; the everyday tests of one process take a tenth of it
 # Unions of types in annotations, caches and swapped identities are faults in name alone.
 _LEFT_OUT = re.compile(r"BitOr|BitAnd|BitXor|Shift|_Is|Is_|IsNot|RemoveDecorator|Variable|ExceptionReplacer")
-_PYTEST = f"{sys.executable} -m pytest -q -x -p no:cacheprovider -m 'slow or not slow'"
+_PYTEST = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
+_EVERYDAY = (*_PYTEST, "-m", "not slow")
+_NAMED = shlex.join((*_PYTEST, "-x", "-m", "slow or not slow", "@tests.txt"))  # whatever mark they have
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,6 @@ def tests_of_lines(folder: Path) -> Mapping[str, Mapping[int, Sequence[str]]]:
     from coverage import CoverageData
 
     data = folder / ".coverage"
-    everyday = shlex.split(_PYTEST.replace("slow or ", "").replace(" -x", ""))
     with_coverage = (
         "--cov=wmrgen",
         "--cov-context=test",
@@ -100,9 +101,9 @@ def tests_of_lines(folder: Path) -> Mapping[str, Mapping[int, Sequence[str]]]:
         str(JOBS),
         "--dist=worksteal",
     )
-    subprocess.run([*everyday, *with_coverage], cwd=folder, env=_environment(folder), check=True)
+    subprocess.run([*_EVERYDAY, *with_coverage], cwd=folder, env=_environment(folder), check=True)
     listed = subprocess.run(
-        [*everyday, "-o", "addopts=", "--collect-only"],
+        [*_EVERYDAY, "-o", "addopts=", "--collect-only"],
         cwd=folder, env=_environment(folder), check=True, capture_output=True, text=True,
     )  # fmt: skip
     # A name that pytest does not find would pass for a fault that is found.
@@ -148,7 +149,7 @@ def _run(job: tuple[Fault, Sequence[str]]) -> Outcome:
     own = fault.path.split("/")[1].removesuffix(".py")
     Path("tests.txt").write_text("\n".join(sorted(tests, key=lambda test: own not in test)), encoding="utf-8")
     spec = MutationSpec(Path(fault.path), fault.operator, fault.occurrence, (fault.line, 0), (fault.line, 1))
-    result = mutate_and_test([spec], f"{_PYTEST} @tests.txt", TIMEOUT)
+    result = mutate_and_test([spec], _NAMED, TIMEOUT)
     if result.worker_outcome is not WorkerOutcome.NORMAL:
         raise RuntimeError(f"{fault}: {result.output}")
     lines = [line for line in (result.diff or "").splitlines() if re.match(r"[-+](?![-+])", line)]

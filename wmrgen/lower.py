@@ -79,7 +79,7 @@ class _Lowering:
         if expr in self.calls:
             call, number = self.calls[expr]
             made = self.builder.call(call.kernel.name, [self.node(a) for a in call.args])
-            return self.builder.part(made, number) if len(call.results) > 1 else made
+            return self.builder.result(made, number) if len(call.results) > 1 else made
         return self.node(self.locals[expr])
 
     def _add(self, expr: Expr) -> int:

@@ -37,8 +37,8 @@ def twice() -> Function:
     """Two calls, one of the result of the other: (x - 1) - (1 - x)."""
     b = Builder()
     inner = b.call("swap", [b.input("x"), b.const(1)])
-    outer = b.call("swap", [b.part(inner, 0), b.part(inner, 1)])
-    return b.function("twice", ports("x"), ports("y"), [b.part(outer, 0)])
+    outer = b.call("swap", [b.result(inner, 0), b.result(inner, 1)])
+    return b.function("twice", ports("x"), ports("y"), [b.result(outer, 0)])
 
 
 def test_a_call_is_what_its_kernel_computes() -> None:
@@ -58,7 +58,7 @@ def test_places_are_where_values_are() -> None:
 def test_equal_calls_are_one_and_a_factor_of_one_is_none() -> None:
     b = Builder()
     x = b.input("x")
-    results = [b.part(b.call("swap", [x, b.const(2)]), k) for k in (0, 1, 0)]
+    results = [b.result(b.call("swap", [x, b.const(2)]), k) for k in (0, 1, 0)]
     assert results[0] == results[2]
     scaled = Builder()
     a, c = scaled.input("a"), scaled.input("c")

@@ -274,7 +274,7 @@ class Builder:
         """A call of a kernel, see `wmrgen.ir.calls`."""
         return self._node(Op.CALL, tuple(args), name=kernel)
 
-    def part(self, call: int, number: int) -> int:
+    def result(self, call: int, number: int) -> int:
         """One of several results of a call."""
         return self._node(Op.RESULT, (call,), name=str(number))
 

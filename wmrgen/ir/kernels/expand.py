@@ -125,7 +125,7 @@ class _Expansion:
             case Op.SIN | Op.COS if p.inline:
                 size = () if self.directions else (tape.const(ONE),)
                 call = tape.call("direction" if self.directions else "vector_at", *size, *args)
-                return tape.part(call, int(node.op is Op.SIN))
+                return tape.result(call, int(node.op is Op.SIN))
             case Op.ATAN if p.inline:
                 return tape.call("arctangent", *args)
             case Op.ATAN2 if p.inline:
@@ -141,7 +141,7 @@ class _Expansion:
                 return self._flip(self.made[factor], other.args[1])
             if wave in self.vectors and nodes[factor].op not in (Op.SIN, Op.COS):
                 call = self.tape.call("vector_at", self.made[factor], self.made[other.args[0]])
-                return self.tape.part(call, int(other.op is Op.SIN))
+                return self.tape.result(call, int(other.op is Op.SIN))
         return None
 
     def _quotient(self, node: Node) -> int | None:

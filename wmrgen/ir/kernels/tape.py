@@ -38,7 +38,7 @@ class Tape:
         """A call of a kernel."""
         return self.copy(Node(Op.CALL, name=kernel), args)
 
-    def part(self, call: int, number: int) -> int:
+    def result(self, call: int, number: int) -> int:
         """One of several results of a call."""
         return self.copy(Node(Op.RESULT, name=str(number)), (call,))
 

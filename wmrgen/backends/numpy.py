@@ -18,16 +18,10 @@ from wmrgen.backends.expression import Style, body
 from wmrgen.backends.meta import Facts
 from wmrgen.exact.number import Exact
 from wmrgen.ir.inline import complete, inlined
+from wmrgen.ir.many_points import APPLY
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
 from wmrgen.render import render
-
-_APPLY: dict[Op, Callable[..., Any]] = {
-    Op.ADD: np.add, Op.SUB: np.subtract, Op.MUL: np.multiply, Op.DIV: np.divide, Op.NEG: np.negative,
-    Op.ABS: np.abs, Op.SQRT: np.sqrt, Op.SIN: np.sin, Op.COS: np.cos,
-    Op.ATAN: np.arctan, Op.ATAN2: np.arctan2, Op.RINT: np.rint, Op.MIN: np.minimum, Op.MAX: np.maximum,
-    Op.SELECT: lambda a, b, x, y: np.where(a < b, x, y), Op.FLIP: lambda a, n: np.where(n % 2 == 1, -a, a),
-}  # fmt: skip
 
 
 def _literal(value: Exact) -> str:
@@ -133,7 +127,7 @@ def _columns(function: Function, given: Mapping[str, Any]) -> dict[str, Any]:
         elif node.op is Op.INPUT:
             values.append(arrays[node.name or ""])
         else:
-            values.append(_APPLY[node.op](*(values[a] for a in node.args)))
+            values.append(APPLY[node.op](*(values[a] for a in node.args)))
     shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     return {
         port.name: np.broadcast_to(values[r], shape).copy()[()]

@@ -14,7 +14,7 @@ from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import INCLUDE
 from benchmarks.jobs import JOBS, derivations
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Module
 

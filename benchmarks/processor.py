@@ -19,8 +19,8 @@ from benchmarks.emulator.zig import M0, M4F
 from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.others import casadi_c, symforce_c, sympy_c
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
-from wmrgen.backends.c99.step import Step
+from wmrgen.backends.c99.emit import Meta
+from wmrgen.backends.c99.functions import Step
 from wmrgen.ir.kernels.choice import MATHS
 
 REFERENCE = Path(__file__).resolve().parent / "reference"

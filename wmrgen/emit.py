@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import sympy
 
 from wmrgen import __version__
-from wmrgen.backends.meta import Facts
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.wheels import wheel_lines
 from wmrgen.bounds.text import header_lines
 from wmrgen.ir.kernels.choice import DEFAULT, Choice

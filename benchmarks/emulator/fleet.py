@@ -12,10 +12,9 @@ from benchmarks.emulator.image import Image
 from benchmarks.emulator.machine import Machine, Run, Trap
 from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Unit, unit
-from wmrgen.backends.c99.meta import Meta
-from wmrgen.backends.c99.step import Step
-from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.c99.emit import Meta, Unit, unit
+from wmrgen.backends.c99.functions import Step
+from wmrgen.backends.c99.text import Struct
 from wmrgen.ir.arithmetic import Arithmetic
 from wmrgen.ir.nodes import Module
 

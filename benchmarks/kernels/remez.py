@@ -16,7 +16,7 @@ import mpmath
 import numpy as np
 from mpmath import mp
 
-from wmrgen.backends.c99.literal import literal
+from wmrgen.backends.c99.text import literal
 from wmrgen.exact.number import Exact
 from wmrgen.ir.rounding import nearest_float32
 

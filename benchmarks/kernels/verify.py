@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Node, Op

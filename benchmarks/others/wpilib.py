@@ -12,7 +12,7 @@ from pathlib import Path
 
 from benchmarks.jobs import derivations
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.kernels.choice import MATHS
 
 ROBOTS = {"differential": "textbook_differential", "mecanum": "clearpath_do100", "swerve": "wpilib_swervebot"}

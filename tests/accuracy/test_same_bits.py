@@ -13,7 +13,7 @@ from benchmarks.emulator.zig import M0, M4F
 from benchmarks.kernels import verify
 from wmrgen import derive, load
 from wmrgen.backends.c99 import evaluate_c, sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.rounding import nearest_float32
 

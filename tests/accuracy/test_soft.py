@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.kernels.verify import FLAGS, compiler
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.build import Builder
 from wmrgen.ir.kernels.choice import M0
 from wmrgen.ir.nodes import Function, Module

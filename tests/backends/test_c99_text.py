@@ -12,10 +12,8 @@ from hypothesis import strategies as st
 
 from tests.backends.modules import MODULES, empty, mecanum, tunable
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.comment import block_comment, comment_text
-from wmrgen.backends.c99.literal import literal, rounded
-from wmrgen.backends.c99.meta import Meta
-from wmrgen.backends.c99.struct import struct
+from wmrgen.backends.c99.emit import Meta
+from wmrgen.backends.c99.text import block_comment, comment_text, literal, rounded, struct
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import SQRT2, Exact
 from wmrgen.ir.nodes import Module, Port, Role

@@ -16,7 +16,7 @@ from tests.backends.samples import samples
 from tests.conftest import GALLERY
 from wmrgen import derive, load
 from wmrgen.backends.casadi import emit, functions
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.ir.nodes import Module
 

@@ -6,8 +6,7 @@ import pytest
 
 from tests.backends.modules import MODULES
 from tests.backends.samples import samples
-from wmrgen.backends.meta import Facts
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.errors import UsageError
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.ir.nodes import Module

@@ -14,8 +14,8 @@ from tests.backends.modules import MODULES, RADIUS, VX, swerve, tunable
 from tests.backends.samples import samples
 from tests.conftest import GALLERY
 from wmrgen import derive, load
-from wmrgen.backends.meta import Facts
 from wmrgen.backends.numpy import argument_names, emit, functions
+from wmrgen.backends.registry import Facts
 from wmrgen.ir.nodes import Function, Module, Port, Role
 
 META = Facts('"""\n evil \\', ("wheel é",), "0", "0", "0")

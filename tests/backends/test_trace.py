@@ -9,10 +9,8 @@ import pytest
 
 from tests.conftest import ROOT
 from wmrgen import derive, load
-from wmrgen.backends.c99.emit import printed, unit
-from wmrgen.backends.c99.lines import places_in
-from wmrgen.backends.c99.meta import Meta
-from wmrgen.backends.c99.trace import traced
+from wmrgen.backends.c99.emit import Meta, printed, unit
+from wmrgen.backends.c99.trace import places_in, traced
 from wmrgen.backends.quantities import quantity
 from wmrgen.ir.calls import by_name, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes

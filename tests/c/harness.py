@@ -16,9 +16,8 @@ from pathlib import Path
 
 from tests.backends.samples import samples
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import unit
+from wmrgen.backends.c99.emit import Meta, unit
 from wmrgen.backends.c99.evaluate import Call, answer, calls, driver, request
-from wmrgen.backends.c99.meta import Meta
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.ir.arithmetic import FLOAT32, FLOAT64, Arithmetic
 from wmrgen.ir.interpret import evaluate_module

@@ -10,7 +10,7 @@ import pytest
 from tests.backends.modules import MODULES, mecanum, swerve, tunable
 from tests.c.harness import COMPILERS, STRICT, Program, gallery
 from wmrgen.backends.c99 import evaluate_c, sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.compiler import compile_program, find_compiler
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.ir.nodes import Module

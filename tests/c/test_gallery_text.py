@@ -10,7 +10,7 @@ from tests.c.harness import robot_module
 from tests.conftest import GALLERY
 from wmrgen import derive, load
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.passes.guards import findings
 

@@ -9,7 +9,7 @@ import pytest
 from tests.conftest import GALLERY, ROOT
 from wmrgen import derive, load
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.exact.number import Exact
 from wmrgen.ir.arithmetic import EXACT, FLOAT32
 from wmrgen.ir.build import Builder

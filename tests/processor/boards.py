@@ -11,9 +11,8 @@ from benchmarks.emulator import gcc
 from benchmarks.emulator.fleet import LIBM
 from tests.processor.fleets import host, inputs
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import unit
-from wmrgen.backends.c99.meta import Meta
-from wmrgen.backends.c99.step import Step
+from wmrgen.backends.c99.emit import Meta, unit
+from wmrgen.backends.c99.functions import Step
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT

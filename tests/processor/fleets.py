@@ -15,7 +15,7 @@ from tests.backends.modules import MODULES
 from tests.backends.samples import input_names, samples
 from tests.c.harness import Libm, gallery, libm
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.nodes import Function, Module

@@ -14,7 +14,7 @@ from benchmarks.emulator.zig import M0, M4F, Target, compile_objects
 from tests.c.harness import robot_module
 from tests.processor.conftest import Built
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.kernels.choice import DEFAULT, MATHS
 from wmrgen.ir.nodes import Module
 

@@ -18,7 +18,7 @@ from benchmarks.emulator.zig import FLAGS
 from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.processor import inputs as every_input
 from benchmarks.processor import references
-from wmrgen.backends.c99.step import Step
+from wmrgen.backends.c99.functions import Step
 from wmrgen.ir.arithmetic import FLOAT32, FLOAT64
 from wmrgen.ir.interpret import evaluate_module
 

@@ -14,7 +14,7 @@ from benchmarks.emulator.gcc import FLAGS, PROCESSORS, SMALL
 from tests.c.harness import robot_module
 from tests.tools import need
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 
 MOST = 1.05
 BEFORE = {  # (m4f, m0)

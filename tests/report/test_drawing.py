@@ -13,7 +13,7 @@ from wmrgen import derive, load
 from wmrgen.backends import drawing
 from wmrgen.backends.drawing.example import example
 from wmrgen.backends.drawing.wheels import contact
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.robot import Derivation
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}

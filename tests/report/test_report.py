@@ -10,7 +10,7 @@ import pytest
 
 from wmrgen import derive, load
 from wmrgen.backends import report
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.robot import Derivation
 
 ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}

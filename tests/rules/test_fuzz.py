@@ -15,7 +15,7 @@ from tests.selftest.every import FEW
 from tests.tools import missing
 from wmrgen import derive, load
 from wmrgen.backends.c99 import emit
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.emit import site
 
 SANITIZERS = "fuzzer,address,undefined,float-divide-by-zero,float-cast-overflow"

@@ -15,9 +15,8 @@ import pytest
 import wmrgen
 from tests.seeds.systems import ROBOTS, SYSTEMS, TEXTBOOK, asked, robot_file
 from textbook.library import textbook
-from wmrgen.backends.c99.emit import sources, unit
+from wmrgen.backends.c99.emit import Meta, sources, unit
 from wmrgen.backends.c99.evaluate import answer, calls, driver, request
-from wmrgen.backends.c99.meta import Meta
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.exact.number import Exact

@@ -10,7 +10,7 @@ from pathlib import Path
 from tests.conftest import GALLERY
 from wmrgen import derive, load
 from wmrgen.backends.c99 import emit
-from wmrgen.backends.c99.meta import Meta
+from wmrgen.backends.c99.emit import Meta
 from wmrgen.emit import site
 
 NAMES = tuple(path.stem for path in GALLERY)

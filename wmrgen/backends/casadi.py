@@ -15,7 +15,7 @@ from functools import cache
 
 import casadi as ca
 
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.ir.inline import complete, defaults, inlined
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from wmrgen.backends.expression import Style, body
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.exact.number import Exact
 from wmrgen.ir.inline import complete, inlined
 from wmrgen.ir.many_points import APPLY

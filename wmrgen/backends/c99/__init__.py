@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from wmrgen.backends.c99.emit import emit, sources
 from wmrgen.backends.c99.evaluate import evaluate, evaluate_c
-from wmrgen.backends.c99.lines import places
+from wmrgen.backends.c99.trace import places
 
 __all__ = ["emit", "evaluate", "evaluate_c", "places", "sources"]

@@ -1,28 +1,47 @@
-"""The two files of a robot, through templates/c99."""
+"""All C files of a robot, through templates/c99: header and source, and what an integrator needs beside them."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
-from wmrgen.backends.c99.comment import comment_lines
-from wmrgen.backends.c99.companions import companions
-from wmrgen.backends.c99.kernels import Kernel, printed_kernels, results_of
-from wmrgen.backends.c99.meta import Meta, meta_of
-from wmrgen.backends.c99.notes import arithmetic_notes
-from wmrgen.backends.c99.step import Step, prepare_steps, step
-from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.c99.checked import checked
+from wmrgen.backends.c99.functions import Kernel, Step, prepare_steps, printed_kernels, results_of, step
+from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
+from wmrgen.backends.c99.text import Struct, comment_lines
 from wmrgen.backends.c99.trace import traced
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import integer, rounds, with_kernels
-from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0
+from wmrgen.ir.kernels.constants import worst
 from wmrgen.ir.nodes import Function, Module, Op, Port
 from wmrgen.render import render
+
+
+@dataclass(frozen=True, slots=True)
+class Meta(Facts):
+    """`Facts`, with the options of C as attributes: ``scalar``, ``math`` and ``target``, see
+    `wmrgen.ir.kernels.choice`. ``fuzz``: a fuzzing harness too."""
+
+    scalar: str = DEFAULT.scalar
+    math: str = DEFAULT.math
+    target: str = DEFAULT.target
+    fuzz: bool = False
+
+
+def meta_of(facts: Facts) -> Meta:
+    """``facts`` with their options, the usual ones where they have none."""
+    if isinstance(facts, Meta):
+        return facts
+    shared: dict[str, Any] = {f.name: getattr(facts, f.name) for f in fields(Facts)}
+    chosen: dict[str, Any] = dict(facts.options)
+    return Meta(**shared, **chosen)
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,3 +170,75 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     files = {f"{module.name}.h": header, f"{module.name}.c": source}
     files |= companions(module, made.steps, meta, _banner(meta), pair)
     return {name: text.encode("ascii") for name, text in files.items()}
+
+
+LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
+_WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
+
+
+def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset[Op]) -> list[str]:
+    """Paragraphs. ``functions`` before their kernels were put in, ``ops`` what is printed."""
+    used = {node.op for function in functions for node in function.nodes}
+    inline = meta.scalar == "float" and meta.math == INLINE and meta.target != AVR
+    angles = " and angles (and omega dt) up to 12000 rad" if inline and used & _WAVES else ""
+    notes = [
+        f"Scalars are {meta.scalar}. No loops, recursion, heap or globals: every function may be called from "
+        "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
+        "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
+        f"{LARGEST_INPUT[meta.scalar]} in magnitude{angles} give finite results; beyond, squares may overflow. NaN is "
+        "not caught: some outputs may come out as numbers all the same, a steering angle at its limit for one. Check "
+        "inputs, or take the functions of the _checked files."
+    ]
+    if inline and used & _WAVES:
+        notes.append(_kernels(meta.target, used))
+    if Op.CALL in ops:
+        notes.append(
+            "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called: the "
+            "least flash, the same results to the bit; calls cost time and stack."
+        )
+    if Op.FMA in ops:
+        notes.append(
+            "Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf is one "
+            "instruction; for others there are --target host, m0 and avr."
+        )
+    if not ops.isdisjoint({Op.IMUL, Op.IDIV, Op.ISQRT}):
+        notes.append(
+            "Written for processors without floating point: products, quotients and roots are formed in integers, to "
+            "the last bit what IEEE 754 says, from fewer instructions than compilers' libraries take."
+        )
+    return notes
+
+
+def _kernels(target: str, used: set[Op]) -> str:
+    errors = worst(target)
+    parts = []
+    if used & {Op.SIN, Op.COS}:
+        parts.append(
+            f"a sine of up to pi/2 is within {errors.sine} ulp, sines and cosines of angles up to 100 rad within "
+            f"{errors.circle} * 2**-24"
+        )
+    if used & {Op.ATAN, Op.ATAN2}:
+        parts.append(f"an arctangent of up to 1 within {errors.arctangent} ulp")
+    how = "without branches or tables"
+    if target == M0:
+        how = "in integers, without tables"
+    tried = f"Every float of these ranges was tried: {'; '.join(parts)} of the true value."
+    return f"Sines and arctangents are polynomials {how}. {tried}"
+
+
+def companions(
+    module: Module, steps: Sequence[Step], meta: Meta, banner: Sequence[str], pair: str
+) -> dict[str, str]:
+    """File name -> text; ``steps`` are the C functions of ``module``, ``pair`` the digest of header and source."""
+    robot = module.name
+    header, source = checked(module, steps, meta.scalar, meta.site, banner, pair)
+    files = {
+        f"{robot}_checked.h": header,
+        f"{robot}_checked.c": source,
+        f"{robot}_selftest.c": selftest(module, steps, meta.scalar, meta.site, banner, pair),
+    }
+    if meta.fuzz:
+        from wmrgen.backends.c99.checked import fuzz
+
+        files[f"{robot}_fuzz.c"] = fuzz(module, steps, meta.scalar, meta.site, banner, pair)
+    return files

@@ -6,10 +6,9 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from wmrgen.backends.c99.emit import sources, unit
-from wmrgen.backends.c99.meta import Meta
-from wmrgen.backends.c99.step import Step
-from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.c99.emit import Meta, sources, unit
+from wmrgen.backends.c99.functions import Step
+from wmrgen.backends.c99.text import Struct
 from wmrgen.ir.kernels.choice import HOST, LIBM
 from wmrgen.ir.nodes import Module
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from wmrgen.backends.c99.emit import Unit, sources, unit
-from wmrgen.backends.c99.meta import Meta
-from wmrgen.backends.c99.struct import Struct
+from wmrgen.backends.c99.emit import Meta, Unit, sources, unit
+from wmrgen.backends.c99.text import Struct
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.errors import UsageError
 from wmrgen.ir.kernels.choice import DEFAULT

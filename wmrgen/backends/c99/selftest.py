@@ -8,8 +8,8 @@ from math import ceil, floor, log10
 
 import numpy as np
 
-from wmrgen.backends.c99.comment import WIDTH, block_comment, comment_text
-from wmrgen.backends.c99.step import Step
+from wmrgen.backends.c99.functions import Step
+from wmrgen.backends.c99.text import WIDTH, block_comment, comment_text
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.site import Site
 from wmrgen.render import render

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache, partial
 
-from wmrgen.backends.c99.literal import literal
+from wmrgen.backends.c99.text import literal
 from wmrgen.backends.expression import Style
 from wmrgen.ir.nodes import Op
 

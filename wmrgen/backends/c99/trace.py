@@ -2,10 +2,13 @@
 
 Passes rewrite a formula beyond recognition, and leave its values: a node that has the value of a named intermediate
 result at several unrelated points is that result. Constants and inputs are left out.
+
+`places` says on which lines the C that is printed computes them: for the report, which never sees the C itself.
 """
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -13,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from wmrgen.backends.registry import Place
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import Kernels, with_places
 from wmrgen.ir.calls import by_name as kernels_by_name
@@ -109,3 +113,27 @@ def traced(module: Module, formulas: Sequence[Function]) -> Module:
 
     functions, called = (tuple(map(named, each)) for each in (module.functions, module.kernels))
     return replace(module, functions=functions, kernels=called)
+
+
+_FUNCTION = re.compile(r"^void (\w+)\(")
+_NAMED = re.compile(r"^    const \w+ \w+ = .*; /\* (.+) \*/$")
+_STORED = re.compile(r"^    out->([\w.]+) = ")
+
+
+def places(files: Mapping[str, bytes]) -> tuple[Place, ...]:
+    """Every function of ``<robot>.c``, among the files that `emit` gives."""
+    file = min((name for name in files if name.endswith(".c")), key=len)  # the others have longer names
+    return places_in(file, files[file].decode())
+
+
+def places_in(file: str, source: str) -> tuple[Place, ...]:
+    """Every function of a generated C file."""
+    functions: list[Place] = []
+    for number, line in enumerate(source.splitlines(), 1):
+        begun, named = _FUNCTION.match(line), _NAMED.match(line) or _STORED.match(line)
+        if begun:
+            functions.append(Place(file, begun[1], number, ()))
+        elif named and functions:
+            last = functions[-1]
+            functions[-1] = Place(file, last.function, last.line, (*last.quantities, (named[1], number)))
+    return tuple(functions)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wmrgen.backends.drawing.scene import picture
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 
 if TYPE_CHECKING:
     from wmrgen.robot import Derivation

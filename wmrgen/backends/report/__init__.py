@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.meta import Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.analysis import analysis
 from wmrgen.backends.report.closing import cost, singular
 from wmrgen.backends.report.forward import forward

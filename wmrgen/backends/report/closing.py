@@ -18,7 +18,7 @@ from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 
 if TYPE_CHECKING:
-    from wmrgen.backends.meta import Facts
+    from wmrgen.backends.registry import Facts
     from wmrgen.mobility.records import Singularity
 
 

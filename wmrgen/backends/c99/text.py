@@ -1,13 +1,100 @@
-"""Ports as C structs: one member per scalar, one nested struct per wheel."""
+"""What C text is made of: comments, constants, and structs.
+
+Comments are printable ASCII that can neither end a comment nor confuse a compiler. Constants are the shortest decimals
+that read back. A struct has one member per scalar, and one nested struct per wheel."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+import textwrap
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from functools import lru_cache
+from math import isinf
 
-from wmrgen.backends.c99.comment import WIDTH, block_comment, comment_text
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Port
+from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
+
+WIDTH = 100  # columns of generated C
+
+
+def _plain(char: str) -> str:
+    """ASCII for one character: a Greek letter by its name, an accented letter without its accent."""
+    if " " <= char <= "~":
+        return char
+    name = unicodedata.name(char, "")
+    if name.startswith("GREEK "):
+        word = name.rsplit(" ", 1)[-1].lower()
+        return word.capitalize() if "CAPITAL" in name else word
+    folded = unicodedata.normalize("NFKD", char)
+    if folded == char:
+        return {"–": "-", "—": "-", "−": "-", "×": "x", "·": ".", "’": "'", "°": " deg"}.get(char, "?")
+    return "".join(_plain(part) for part in folded if not unicodedata.combining(part))
+
+
+def comment_text(text: str) -> str:
+    """``text`` on one line, without comment marks, trigraphs, backslashes or letters beyond ASCII."""
+    plain = "".join(_plain(char) for char in " ".join(text.split()))
+    plain = plain.replace("\\", "/")
+    for pair in ("*/", "/*", "??", "//"):
+        while pair in plain:
+            plain = plain.replace(pair, f"{pair[0]} {pair[1]}")
+    return " ".join(plain.split(" ")).rstrip()
+
+
+def comment_lines(text: str, width: int = WIDTH - 3) -> list[str]:
+    """``text`` escaped and wrapped for a block comment whose lines begin with `` * ``."""
+    return textwrap.wrap(comment_text(text), width, break_on_hyphens=False) or [""]
+
+
+def block_comment(paragraphs: Sequence[str], indent: str = "") -> list[str]:
+    """The finished lines of one comment, each paragraph starting on a line of its own."""
+    lines = [line for text in paragraphs for line in comment_lines(text, WIDTH - len(indent) - 6)]
+    if len(lines) == 1:
+        return [f"{indent}/* {lines[0]} */"]
+    first, *middle, last = lines
+    return [f"{indent}/* {first}", *(f"{indent} * {line}" for line in middle), f"{indent} * {last} */"]
+
+
+@lru_cache(maxsize=4096)
+def rounded(value: Exact, scalar: str) -> float:
+    """``value`` in the target type. NotDerivableError when it leaves the type's range."""
+    result = to_float32(value) if scalar == "float" else to_float64(value)
+    if isinf(result) or (result == 0.0 and value):
+        raise NotDerivableError(f"the constant {value} does not fit the C type {scalar}; use --scalar double")
+    return result
+
+
+def _shortest_single(value: float) -> str:
+    for digits in range(1, 9):
+        text = f"{value:.{digits}g}"
+        # The quick test rounds twice, by way of float64; the exact one has the last word.
+        if nearest_float32(float(text)) == value and to_float32(Exact(Fraction(text))) == value:
+            return text
+    return f"{value:.9g}"
+
+
+def _positional(text: str) -> str:
+    """The decimal without an exponent where that is no longer to read: 20 for 2e+01."""
+    plain = format(Decimal(text), "f")
+    return plain if len(plain.lstrip("-")) <= 10 else text
+
+
+@lru_cache(maxsize=4096)
+def literal(value: Exact, scalar: str) -> str:
+    """The shortest decimal that reads back as the correctly rounded value; negative ones in parentheses."""
+    number = rounded(value, scalar)
+    text = _positional(_shortest_single(number) if scalar == "float" else repr(number))
+    if not set(text) & set(".e"):
+        text += ".0"
+    text += "f" if scalar == "float" else ""
+    return f"({text})" if text.startswith("-") else text
+
 
 _Row = tuple[str, str, Port | None]  # indent, declaration, port that the comment is about
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.functions.space.vectors import Frame, Point, Vector, cross, plus, scaled, seen_from_before
+from wmrgen.functions.space.wheel_motion import Frame, Point, Vector, cross, plus, scaled, seen_from_before
 
 FRAMES = Chapter("Moving frames")
 ZERO: Vector = (sympy.S.Zero, sympy.S.Zero, sympy.S.Zero)

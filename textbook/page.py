@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 
 import sympy
 
-from wmrgen.functions.space.vectors import Vector
+from wmrgen.functions.space.wheel_motion import Vector
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.kinematics.rollers import quotient
 from wmrgen.ports import Port, Role

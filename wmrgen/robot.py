@@ -123,21 +123,21 @@ class Derivation:
     @property
     def H(self) -> sympy.Matrix:
         """2N x 3: velocities of all contact points per twist, v_c = H xi + Q steer_rate (Kelly Box 4.2, (4.62))."""
-        from wmrgen.functions.motion.points import twist_matrix
+        from wmrgen.functions.motion.velocities import twist_matrix
 
         return twist_matrix(self.robot)
 
     @property
     def Q(self) -> sympy.Matrix:
         """2N x M: velocities of all contact points per steering rate of the M wheels that turn, in wheel order."""
-        from wmrgen.functions.motion.points import steering_matrix
+        from wmrgen.functions.motion.velocities import steering_matrix
 
         return steering_matrix(self.robot)
 
     @property
     def compatibility(self) -> sympy.Matrix:
         """Rows w with w . spin = 0, one column per driven wheel: left null space of J2^-1 J1 (Tzafestas (2.84))."""
-        from wmrgen.functions.motion.compatibility import relation_matrix
+        from wmrgen.functions.motion.wheel_speeds import relation_matrix
 
         return relation_matrix(self.robot, self.mobility)
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 import sympy
 
+from tests.functions.control import polar
 from textbook import FUNCTIONS, formula, textbook
 from textbook.emit import artifacts
 from textbook.tests.common import call, matrix, one, spread, vector
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.exact.number import Exact
-from wmrgen.functions.control import polar
 from wmrgen.functions.control.gains import judge
 from wmrgen.ir.interpret import EXACT, evaluate_module
 

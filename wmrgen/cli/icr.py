@@ -91,7 +91,7 @@ def _steering(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
 
 def _axles(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     """The ICR that the axles point at, and each wheel's part in it."""
-    from wmrgen.functions.motion.steering import axle_distances, check_steering
+    from wmrgen.functions.motion.icr import axle_distances, check_steering
 
     robot = derivation.robot
     ports = [p for p in derivation.formula("axles").inputs if p.name.endswith(".steer")]

@@ -3,20 +3,23 @@
     @function(source="Tzafestas (2.57)")
     def pursuit(robot, mobility): ...
 
-`wmrgen.functions.standard` declares what every robot has. Any other module below `wmrgen.functions` declares
-functions that bear its name or have it as one of their words (`chained_input` stands in `chained`): one of them is
-looked up without importing the rest. A function from outside the package is known as soon as its module is imported.
+`wmrgen.functions.standard` declares what every robot has; the other modules below `wmrgen.functions` declare the rest.
+The module of a function is found by its text, so that a look-up imports that module and no other. A function from
+outside the package is known as soon as its module is imported.
 """
 
 from __future__ import annotations
 
 import pkgutil
+import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from importlib import import_module
+from importlib.abc import InspectLoader
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, TypeVar
 
 from wmrgen.errors import RobotFileError
@@ -63,7 +66,6 @@ class Declaration:
 
 _FUNCTIONS: dict[str, Declaration] = {}
 _SYSTEMS: dict[str, SystemBuilder] = {}
-_STANDARD = "standard"
 
 
 def function(
@@ -104,32 +106,31 @@ def declaration(name: str) -> Declaration:
 
 def has_function(name: str) -> bool:
     """Whether a function is called ``name``."""
-    return _found(name, _FUNCTIONS)
+    return _declared(name, _FUNCTIONS)
 
 
 def has_system(name: str) -> bool:
     """Whether a model is called ``name``."""
-    return _found(name, _SYSTEMS)
+    return _declared(name, _SYSTEMS)
 
 
 def system_builder(name: str) -> SystemBuilder:
     """The builder of the model called ``name``; KeyError where there is none."""
-    _found(name, _SYSTEMS)
+    _declared(name, _SYSTEMS)
     return _SYSTEMS[name]
 
 
 def standard() -> tuple[Declaration, ...]:
     """The functions that are generated without being asked for, in the order in which they are emitted."""
-    import_module(f"{__package__}.{_STANDARD}")
+    import_module(f"{__package__}.standard")
     return tuple(d for d in _FUNCTIONS.values() if d.kind is not Kind.OPTIONAL)
 
 
 def names() -> tuple[str, ...]:
     """Every function that a robot may have: the standard ones, then the others by name. Imports all modules."""
     first = tuple(d.name for d in standard())
-    for paths in _modules().values():
-        for path in paths:
-            import_module(path)
+    for path in _sources():
+        import_module(path)
     return (*first, *sorted(_FUNCTIONS.keys() - set(first)))
 
 
@@ -152,30 +153,22 @@ def check(requests: Iterable[FunctionSpec]) -> None:
             )
 
 
-def _found(name: str, table: dict[str, Declaration] | dict[str, SystemBuilder]) -> bool:
+def _declared(name: str, table: dict[str, Declaration] | dict[str, SystemBuilder]) -> bool:
     """Whether ``table`` has ``name``, once the modules that may declare it are imported."""
-    candidates = _candidates(name)
-    while name not in table:
-        path = next(candidates, None)
-        if path is None:
-            return False
-        import_module(path)
-    return True
-
-
-def _candidates(name: str) -> Iterator[str]:
-    yield f"{__package__}.{_STANDARD}"
-    for word in (name, *name.split("_")):
-        yield from _modules().get(word, ())
+    if name not in table:
+        line = re.compile(rf'^(def {re.escape(name)}\(|@system\("{re.escape(name)}"\))', re.MULTILINE)
+        for path, text in _sources().items():
+            if line.search(text):
+                import_module(path)
+    return name in table
 
 
 @cache
-def _modules() -> dict[str, tuple[str, ...]]:
-    """Name of a module below this package -> the import paths that end with it."""
-    package = sys.modules[__package__]
-    paths: dict[str, tuple[str, ...]] = {}
-    for module in sorted(pkgutil.walk_packages(package.__path__, f"{__package__}."), key=lambda m: m.name):
-        if not module.ispkg:
-            last = module.name.rpartition(".")[2]
-            paths[last] = (*paths.get(last, ()), module.name)
-    return paths
+def _sources() -> dict[str, str]:
+    """Import path of each module below this package -> its text."""
+    texts = {}
+    for module in pkgutil.walk_packages(sys.modules[__package__].__path__, f"{__package__}."):
+        spec = find_spec(module.name)
+        assert spec is not None and isinstance(spec.loader, InspectLoader)
+        texts[module.name] = spec.loader.get_source(module.name) or ""
+    return dict(sorted(texts.items()))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tests.conftest import Outcome
 from tests.depth import everyday
+from tests.functions.control import polar
 from tests.functions.control.common import (
     BACKENDS,
     CASES,
@@ -30,7 +31,6 @@ from tests.functions.control.common import (
 )
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
-from wmrgen.functions.control import polar
 from wmrgen.functions.control.gains import exceeds, judge
 from wmrgen.ir.passes.guards import findings
 

@@ -335,7 +335,7 @@ def test_vaf_by_brute_force(name: str) -> None:
         rim = max(abs(joints[f"{w.name}.spin"]) * float(w.nominal.r) for w in driven)
         seen.append(1 / rim)
         close(call(name, "vaf", {"direction": direction})["vaf"], 1 / rim, 1e-8)
-    from wmrgen.functions.motion.vaf import extremes
+    from wmrgen.functions.motion.wheel_speeds import extremes
 
     found = extremes(derivation.robot, derivation.mobility)
     assert float(found.smallest) <= min(seen) * (1 + 1e-9) and min(seen) < float(found.smallest) * 1.01

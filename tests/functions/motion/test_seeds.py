@@ -264,7 +264,7 @@ def test_velocity_augmentation_of_four(on: Callable[[str], Run]) -> None:
 
 
 def test_augmentation_extremes(tmp_path: Path) -> None:
-    from wmrgen.functions.motion.vaf import extremes
+    from wmrgen.functions.motion.wheel_speeds import extremes
 
     for directions, largest in (
         ([60.0, 180.0, 300.0], 2 / sympy.sqrt(3)),

@@ -11,7 +11,7 @@ import sympy
 from numpy.typing import NDArray
 
 from tests.functions.control.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
-from wmrgen.functions.space.vectors import Frame, Point, cross, plus, scaled, seen_from_before
+from wmrgen.functions.space.wheel_motion import Frame, Point, cross, plus, scaled, seen_from_before
 from wmrgen.symbolic import signal
 
 Array = NDArray[np.float64]

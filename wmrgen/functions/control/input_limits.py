@@ -21,8 +21,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.angles import circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.control.drive import Reference, reference
-from wmrgen.functions.control.pursuit import wheelbase
+from wmrgen.functions.control.unicycle import Reference, reference, wheelbase
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel

@@ -17,10 +17,9 @@ from wmrgen.constraints import heading, working_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.functions.motion.circle import path
-from wmrgen.functions.motion.compose import over
 from wmrgen.functions.motion.eigen import smallest_eigenvector
 from wmrgen.functions.motion.icr import centre_ports
+from wmrgen.functions.motion.paths import over, path
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel

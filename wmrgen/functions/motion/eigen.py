@@ -14,7 +14,7 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.exact.number import Exact
-from wmrgen.functions.motion.compose import over
+from wmrgen.functions.motion.paths import over
 from wmrgen.kinematics.records import Locals
 from wmrgen.symbolic import (
     Expr,

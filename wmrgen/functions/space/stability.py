@@ -1,4 +1,4 @@
-"""`stability`: how far a robot is from tipping over (after Kelly 4.1.3).
+"""`stability`: how far a robot is from tipping over. `cg_force`: the force that decides it (after Kelly 4.1.3).
 
 The specific force t = a - g at the centre of gravity c (x forward, y left, z up; at rest (0, 0, 9.81)) is what the
 ground gives. The robot stands while the ray from c along -t meets the support polygon. The texts give this
@@ -8,6 +8,8 @@ criterion and no formula; the margin is ours: for the edge from contact p to con
 
 which is the angle from the plane through c and the edge to -t: positive inside, 0 where the wheels of the other
 edges lift off about this one, at most pi/2. The robot's margin is the least of its edges.
+
+A sensor elsewhere in the body measures t_s, and t = t_s + alpha x r + omega x (omega x r), r from the sensor to c.
 """
 
 from __future__ import annotations
@@ -21,8 +23,19 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.functions.registry import function
 from wmrgen.functions.space.support import Edge, Spot, edges, spots
-from wmrgen.functions.space.vectors import Vector, cross, dot
-from wmrgen.functions.space.wheel_motion import vector_ports
+from wmrgen.functions.space.wheel_motion import (
+    AXES,
+    BODY,
+    NOTHING,
+    Frame,
+    Point,
+    Vector,
+    cross,
+    dot,
+    given_vector,
+    seen_from_before,
+    vector_ports,
+)
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
@@ -162,3 +175,24 @@ def _ranges(
             (Port(f"f{letter}_max", Role.COMMAND, "m/s^2", text), _fold(highs, minimum)),
         ]
     return outputs
+
+
+SENSOR = tuple(Port(f"sensor.{k}", Role.STATE, "m", "place of the sensor, z above the ground") for k in AXES)
+_MEASURED = tuple(
+    Port(p.name, p.role, p.unit, "specific force a - g at the sensor, robot frame") for p in FORCE
+)
+
+
+@function("Kelly 4.1.3")
+def cg_force(robot: Robot, _: Mobility) -> Formula:
+    """What an accelerometer and a gyroscope measure to the specific force at the centre of gravity."""
+    c = centre_of_gravity(robot, "cg_force")
+    x, y, z = (subtract(c[k], signal(port.name)) for k, port in enumerate(SENSOR))
+    body = Frame(NOTHING, given_vector("w"), given_vector("f"), given_vector("w", "_rate"))
+    found = seen_from_before(body, NOTHING, Point((x, y, z), NOTHING, NOTHING)).a
+    turning = tuple(p for p in BODY if p.name.startswith("w"))
+    return Formula(
+        "cg_force", (*_MEASURED, *SENSOR, *turning, *tunable_ports(robot)), (),
+        tuple(zip(FORCE, found, strict=True)),
+        "specific force at a sensor to that at the centre of gravity (Kelly 4.1.3)",
+    )  # fmt: skip

@@ -1,24 +1,25 @@
 """`wheel_motion`: what the wheels' contacts do in space, through world, body, suspension and steering.
 
-The recursion of Kelly (4.23)-(4.29) taken twice is the articulated wheel, Kelly (4.30), (4.31). The body frame
-stands at P on the ground. The frame of a wheel has its origin on the steering axis at the height of the axle,
-travels along z with the suspension and turns about z with the steering. In it the contact is at d e + o n - r z,
-e along and n across the wheel. All vectors are in body axes.
+The recursion through moving frames, Kelly (4.23)-(4.29), taken twice is the articulated wheel, Kelly (4.30), (4.31).
+The body frame stands at P on the ground. The frame of a wheel has its origin on the steering axis at the height of the
+axle, travels along z with the suspension and turns about z with the steering. In it the contact is at
+d e + o n - r z, e along and n across the wheel. All vectors are triples of expressions in body axes.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import sympy
 
 from wmrgen.constraints import working_view
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import function
-from wmrgen.functions.space.vectors import Frame, Point, Vector, seen_from_before
 from wmrgen.kinematics.records import JOINT_TEXT, Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, expression, signal
+from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
 
 AXES = ("x", "y", "z")
 _ZERO = sympy.S.Zero
@@ -114,3 +115,60 @@ def arm(w: Wheel, names: Locals) -> Vector:
         c, s = g.ch * cos - g.sh * sin, g.sh * cos + g.ch * sin
     x, y, z = (expression(p) for p in (g.d * c - g.o * s, g.d * s + g.o * c, Poly.of(0) - g.r))
     return x, y, z
+
+
+Vector = tuple[Expr, Expr, Expr]
+
+
+def plus(*vectors: Vector) -> Vector:
+    """The sum of vectors."""
+    x, y, z = (add(*entries) for entries in zip(*vectors, strict=True))
+    return x, y, z
+
+
+def scaled(factor: Expr, v: Vector) -> Vector:
+    """factor v."""
+    return times(factor, v[0]), times(factor, v[1]), times(factor, v[2])
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """a x b."""
+    x, y, z = (subtract(times(a[i], b[j]), times(a[j], b[i])) for i, j in ((1, 2), (2, 0), (0, 1)))
+    return x, y, z
+
+
+def dot(a: Vector, b: Vector) -> Expr:
+    """a . b."""
+    return add(*(times(p, q) for p, q in zip(a, b, strict=True)))
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """What a frame does as the frame before it sees it: velocity, angular velocity and their rates."""
+
+    v: Vector
+    omega: Vector
+    a: Vector
+    alpha: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A point as a frame sees it: position, velocity, acceleration."""
+
+    r: Vector
+    v: Vector
+    a: Vector
+
+
+def seen_from_before(frame: Frame, origin: Vector, point: Point) -> Point:
+    """One step of the recursion (Kelly (4.23)-(4.25), corrected): the point as the frame before sees it.
+
+    v = v_f + omega x r + v_o,  a = a_f + alpha x r + omega x (omega x r) + 2 omega x v_o + a_o. ``origin``: of the
+    frame, from the frame before.
+    """
+    turning = cross(frame.omega, point.r)
+    v = plus(frame.v, turning, point.v)
+    euler, inward = cross(frame.alpha, point.r), cross(frame.omega, turning)
+    coriolis = scaled(2, cross(frame.omega, point.v))
+    return Point(plus(origin, point.r), v, plus(frame.a, euler, inward, coriolis, point.a))

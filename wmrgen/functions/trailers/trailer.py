@@ -20,11 +20,10 @@ import sympy
 from wmrgen.constraints import View
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.guard import guarded
 from wmrgen.functions.models.frame import clean
 from wmrgen.functions.models.posture import Motion, best_motion, posture_field, posture_state
 from wmrgen.functions.registry import function, system
-from wmrgen.functions.system import Domain, System, rate_port
+from wmrgen.functions.system import Domain, System, guarded, rate_port
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility

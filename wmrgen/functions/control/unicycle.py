@@ -1,0 +1,296 @@
+"""Robots driven like a unicycle: the point that takes (v, 0, omega), and two laws for it, `goto_pose` and `pursuit`.
+
+The point is the centre of the fixed axle. `goto_pose` is the polar feedback law (Siegwart 3.6.2): v = k_rho rho,
+omega = k_alpha alpha + k_beta beta (Siegwart (3.56), (3.57)); driving backwards is the same law for a robot that faces
+the other way, v -> -v, which is (3.55) as corrected. When P is at the goal with heading 0, the point is at its own
+place in the robot frame.
+
+`pursuit` steers onto the circle that is tangent to the heading and meets a point ahead (Tzafestas (2.57)). With the
+goal at distance L in direction epsilon, its lateral offset d = L sin epsilon, the curvature is
+2 sin epsilon / L = 2 d / L^2 and a wheel at distance D before the fixed axle steers by atan(2 D sin epsilon / L).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import sympy
+
+from wmrgen.constraints import nominal_view, rolling_row, working_view
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly
+from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
+from wmrgen.functions.registry import function
+from wmrgen.kinematics.inverse import inverse
+from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.records import Formula, Locals
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.records import Array, Mobility
+from wmrgen.ports import Port, Role
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    angle_of,
+    expression,
+    number,
+    root,
+    select,
+    signal,
+    square,
+    subtract,
+    times,
+)
+
+_SMALL = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """The point Q = (x, y) that drives (v, 0, omega) along the unit vector (c, s), robot frame."""
+
+    x: Poly
+    y: Poly
+    c: Poly
+    s: Poly
+
+    def seen(self, x: Expr, y: Expr, names: Locals, prefix: str) -> tuple[Expr, Expr]:
+        """A point of the robot frame seen from Q along its direction."""
+        dx, dy = subtract(x, expression(self.x)), subtract(y, expression(self.y))
+        return self.turned(dx, dy, names, prefix)
+
+    def turned(self, dx: Expr, dy: Expr, names: Locals, prefix: str) -> tuple[Expr, Expr]:
+        """A vector of the robot frame in components along and across the direction of Q."""
+        c, s = expression(self.c), expression(self.s)
+        along = names.define(f"{prefix}_ahead", add(times(c, dx), times(s, dy)))
+        aside = names.define(f"{prefix}_left", subtract(times(c, dy), times(s, dx)))
+        return along, aside
+
+
+def reference(robot: Robot, mobility: Mobility, function: str) -> Reference:
+    """The centre of the fixed axle and its rolling direction, P and x where no wheel is fixed.
+
+    A skid-steer robot slides as it turns; its reference is the centre of its fixed wheels. NotDerivableError
+    where the robot cannot drive (v, 0, omega).
+    """
+    fixed = [w for w in robot.wheels if w.kind.fixed_axle]
+    found = _centre(fixed) if fixed else Reference(Poly({}), Poly({}), Poly.of(1), Poly({}))
+    if _drives(robot, mobility) or _skids(robot, mobility, fixed):
+        return found
+    why = "the axles of its wheels do not let it turn and drive straight at will"
+    if not mobility.degenerate and not fixed:
+        why = "its coupled wheels do not let it turn"
+    raise NotDerivableError(
+        f"{robot.name} has no {function}: it would need to drive (v, 0, omega), but {why}"
+    )
+
+
+def _centre(fixed: list[Wheel]) -> Reference:
+    """The mean of the fixed wheels; their direction, taken forward."""
+    share = Fraction(1, len(fixed))
+    views = [working_view(w) for w in fixed]
+    x, y = (Poly.sum(p).scale(share) for p in ([g.x for g in views], [g.y for g in views]))
+    backwards = _backwards(fixed[0].nominal.ch, fixed[0].nominal.sh)
+    c, s = (-p if backwards else p for p in (views[0].ch, views[0].sh))
+    return Reference(x, y, c, s)
+
+
+def _backwards(c: Exact, s: Exact) -> bool:
+    """True for a direction that points to the rear (exactly sideways: to the right)."""
+    return c.sign < 0 or (not c and s.sign < 0)
+
+
+def _nominal(robot: Robot) -> Array:
+    """(x, y, c, s) with the tunable parameters at their nominal values."""
+    fixed = [w.nominal for w in robot.wheels if w.kind.fixed_axle]
+    if not fixed:
+        return np.array([0.0, 0.0, 1.0, 0.0])
+    sign = -1.0 if _backwards(fixed[0].ch, fixed[0].sh) else 1.0
+    x, y = (sum(float(v) for v in vs) / len(fixed) for vs in ([g.x for g in fixed], [g.y for g in fixed]))
+    return np.array([x, y, sign * float(fixed[0].ch), sign * float(fixed[0].sh)])
+
+
+def _drives(robot: Robot, mobility: Mobility) -> bool:
+    """True when both unit motions of Q lie in the (linear) set of admissible twists."""
+    picked = mobility.admissible
+    if not picked.linear or not len(picked.basis):
+        return False
+    x, y, c, s = _nominal(robot)
+    wanted = np.array([[c, s, 0.0], [y, -x, 1.0]])
+    basis = np.linalg.qr(np.asarray(picked.basis, float).T)[0]
+    return bool(np.abs(wanted.T - basis @ (basis.T @ wanted.T)).max() < _SMALL * max(1.0, abs(x), abs(y)))
+
+
+def _skids(robot: Robot, mobility: Mobility, fixed: list[Wheel]) -> bool:
+    """True for parallel fixed wheels on several axles whose drives command both speed and turning."""
+    if not mobility.degenerate or len(fixed) < 2 or len(fixed) < len(robot.wheels):
+        return False
+    lead = fixed[0].nominal
+    parallel = all(not (lead.ch * w.nominal.sh - lead.sh * w.nominal.ch) for w in fixed)
+    rows = [rolling_row(w, nominal_view(w)).row for w in fixed if "spin" in w.actuated]
+    values = np.array([[float(v) if (v := p.constant) is not None else 0.0 for p in row] for row in rows])
+    return parallel and len(values) > 1 and int(np.linalg.matrix_rank(values, _SMALL)) >= 2
+
+
+def commands(
+    robot: Robot, mobility: Mobility, ref: Reference, v: Expr, omega: Expr, names: Locals
+) -> tuple[tuple[Port, ...], list[tuple[Port, Expr]]]:
+    """`inverse` of (v, 0, omega) at Q: its inputs beyond the twist, and its outputs.
+
+    The twist of P is v e - omega z x (Q - P).
+    """
+    f = inverse(robot, mobility)
+    twist = {
+        "vx": add(times(expression(ref.c), v), times(expression(ref.y), omega)),
+        "vy": subtract(times(expression(ref.s), v), times(expression(ref.x), omega)),
+        "omega": omega,
+    }
+    known = {signal(name): names.define(f"{name}_driving", value) for name, value in twist.items()}
+    values = names.adopt(f, {**known})
+    outputs = [(port, values[port.name]) for port, _ in f.outputs]
+    return tuple(p for p in f.inputs if p.name not in twist), outputs
+
+
+AT_GOAL = number(Exact(Fraction(1, 10**9)))  # [m]: nearer counts as there: directions mean nothing, it stands
+BORDER = number(Exact(Fraction(1, 10**6)))  # [rad]: so near a border of the angles counts as on it
+
+_OUTPUTS = (
+    Port("v", Role.COMMAND, "m/s", "speed forward of the axle centre"),
+    Port("omega", Role.COMMAND, "rad/s", "yaw rate, counter-clockwise"),
+    Port("rho", Role.COMMAND, "m", "distance to the goal"),
+    Port("alpha", Role.COMMAND, "rad", "direction of the goal from the direction of driving"),
+    Port("beta", Role.COMMAND, "rad", "-theta - alpha"),
+    Port("direction", Role.COMMAND, "", "+1 forward, -1 backwards: keep it as the next input"),
+)
+
+
+@function("Siegwart (3.50)-(3.58), (3.55) corrected")
+def goto_pose(robot: Robot, mobility: Mobility) -> Formula:
+    """x y theta relative to the goal, direction and present steering to every joint's command."""
+    _require_stable(robot)
+    ref = reference(robot, mobility, "goto_pose")
+    names = Locals()
+    rho, alpha, beta, way = _polar(ref, names)
+    k_rho, k_alpha, k_beta = (_gain(robot, name) for name in TEXTBOOK)
+    v = names.define("v_value", select(AT_GOAL, rho, times(way, k_rho, rho), sympy.S.Zero))
+    omega = names.define("omega_value", add(times(k_alpha, alpha), times(k_beta, beta)))
+    more, outputs = commands(robot, mobility, ref, v, omega, names)
+    inputs = (
+        *(Port(p.name, p.role, p.unit, f"{p.text}, goal frame") for p in _GOAL_FRAME),
+        Port("direction", Role.STATE, "", "+1 forward, -1 backwards, 0: as the goal lies ahead or behind"),
+        *more,
+    )
+    results = zip(_OUTPUTS, (v, omega, rho, alpha, beta, way), strict=True)
+    return Formula(
+        "goto_pose", inputs, tuple(names.items), (*outputs, *results),
+        "pose relative to the goal to joint commands, polar feedback law (Siegwart (3.56)-(3.58))",
+    )  # fmt: skip
+
+
+_GOAL_FRAME = (
+    Port("x", Role.STATE, "m", "position of P"),
+    Port("y", Role.STATE, "m", "position of P"),
+    Port("theta", Role.STATE, "rad", "heading"),
+)
+
+
+def _require_stable(robot: Robot) -> None:
+    gains = nominal_gains(robot)
+    verdict = judge(**gains)
+    if not verdict.stable:
+        raise NotDerivableError(
+            f"{robot.name} has no goto_pose: gains {shown(gains)} do not stabilise it. Violated: "
+            f"{', '.join(verdict.violated)} (Siegwart (3.61)-(3.64)). Under gains: write others; without any, "
+            f"{shown(TEXTBOOK)} are taken."
+        )
+
+
+def _gain(robot: Robot, name: str) -> Expr:
+    return expression(robot.gains[name].working) if name in robot.gains else number(TEXTBOOK[name])
+
+
+def _polar(ref: Reference, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
+    """rho, alpha, beta (Siegwart (3.50)-(3.52)) and the direction of driving.
+
+    Bearings come from the goal seen in the robot frame, so nothing needs wrapping; a bearing of -pi is given as pi.
+    """
+    x, y, theta = (signal(p.name) for p in POSE)
+    c, s = names.define("theta_cos", sympy.cos(theta)), names.define("theta_sin", sympy.sin(theta))
+    if ref.x or ref.y:
+        qx, qy = expression(ref.x), expression(ref.y)
+        x = add(x, subtract(times(c, qx), times(s, qy)), times(-1, qx))
+        y = add(y, add(times(s, qx), times(c, qy)), times(-1, qy))
+    px, py = ref.turned(x, y, names, "axle")
+    ahead = names.define("goal_ahead", times(-1, add(times(c, px), times(s, py))))
+    left = names.define("goal_left", subtract(times(s, px), times(c, py)))
+    rho = names.define("rho_value", root(add(square(px), square(py))))
+    way = names.define("direction_value", _direction(ahead, rho))
+    there = (names.define("alpha_raw", angle_of(times(way, left), times(way, ahead))),
+             names.define("beta_raw", angle_of(times(way, py), times(-1, way, px))))  # fmt: skip
+    alpha, beta = (
+        names.define(name, select(AT_GOAL, rho, _half_open(raw), sympy.S.Zero))
+        for name, raw in zip(("alpha_value", "beta_value"), there, strict=True)
+    )
+    return rho, alpha, beta, way
+
+
+def _half_open(angle: Expr) -> Expr:
+    """-pi is pi: rounding and the sign of zero must not choose the side."""
+    return select(angle, add(times(-1, sympy.pi), BORDER), sympy.pi, angle)
+
+
+def _direction(ahead: Expr, rho: Expr) -> Expr:
+    """As commanded; 0: forward when |alpha| <= pi/2, the set I1 (Siegwart (3.54))."""
+    wanted, zero, one = signal("direction"), sympy.S.Zero, sympy.S.One
+    bearing = select(ahead, times(-1, BORDER, rho), sympy.S.NegativeOne, one)
+    return select(zero, wanted, one, select(wanted, zero, sympy.S.NegativeOne, bearing))
+
+
+INPUTS = (
+    Port("goal_x", Role.COMMAND, "m", "point to meet, robot frame"),
+    Port("goal_y", Role.COMMAND, "m", "point to meet, robot frame"),
+    Port(
+        "v",
+        Role.COMMAND,
+        "m/s",
+        "speed forward of the axle centre; negative drives the same circle backwards",
+    ),
+)
+
+
+@function("Tzafestas (2.57)")
+def pursuit(robot: Robot, mobility: Mobility) -> Formula:
+    """A look-ahead point and a speed to every joint's command; straight on where the point is reached."""
+    ref = reference(robot, mobility, "pursuit")
+    names = Locals()
+    gx, gy = ref.seen(signal("goal_x"), signal("goal_y"), names, "goal")
+    square_l = names.define("distance_squared", add(square(gx), square(gy)))
+    far = times(AT_GOAL, AT_GOAL)
+    divisor = names.define("divisor", select(far, square_l, square_l, sympy.S.One))
+    bend = names.define("curvature_value", select(far, square_l, times(2, gy, 1 / divisor), sympy.S.Zero))
+    omega = names.define("omega_value", times(signal("v"), bend))
+    more, outputs = commands(robot, mobility, ref, signal("v"), omega, names)
+    results: list[tuple[Port, Expr]] = [
+        (Port("omega", Role.COMMAND, "rad/s", "yaw rate, counter-clockwise"), omega),
+        (Port("curvature", Role.COMMAND, "1/m", "of the circle of the axle centre, to the left"), bend),
+    ]
+    base = wheelbase(robot, ref)
+    if base is not None:
+        text = "steering angle of a wheel on the centre line, from straight ahead"
+        psi = angle_of(times(2, expression(base), gy), square_l)
+        results.append((Port("psi", Role.COMMAND, "rad", text), psi))
+    return Formula(
+        "pursuit", (*INPUTS, *more), tuple(names.items), (*outputs, *results),
+        "look-ahead point and speed to joint commands, pursuit (Tzafestas (2.57))",
+    )  # fmt: skip
+
+
+def wheelbase(robot: Robot, ref: Reference) -> Poly | None:
+    """D [m], from the fixed axle to the steered wheels along the heading; None unless all have the same."""
+    if not any(w.kind.fixed_axle for w in robot.wheels):
+        return None
+    views = [working_view(w) for w in robot.wheels if w.kind.steers]
+    found = {(g.x - ref.x) * ref.c + (g.y - ref.y) * ref.s for g in views}
+    return found.pop() if len(found) == 1 else None

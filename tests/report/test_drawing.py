@@ -12,7 +12,7 @@ import pytest
 from wmrgen import derive, load
 from wmrgen.backends import drawing
 from wmrgen.backends.drawing.example import example
-from wmrgen.backends.drawing.wheels import contact
+from wmrgen.backends.drawing.marks import contact
 from wmrgen.backends.registry import Facts
 from wmrgen.robot import Derivation
 

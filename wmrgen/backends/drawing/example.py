@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, remainder, sin
 from typing import TYPE_CHECKING
 
-from wmrgen.backends.drawing.view import Point, bounds, distance, middle
+from wmrgen.backends.drawing.paper import Point, bounds, distance, middle
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot, Wheel
@@ -50,31 +51,25 @@ def example(robot: Robot, mobility: Mobility) -> Example:
 
 
 def _twist(robot: Robot, mobility: Mobility, steered: list[Wheel]) -> Twist | None:
-    picked = mobility.admissible
+    """The twist that the picture shows; None where the robot cannot move."""
+    admissible = mobility.admissible
     centre, size = extent(robot.wheels)
-    if not picked.dimension:
+    if not admissible.dimension:
         return None
-    rows = [_row(row) for row in picked.basis]
-    if not picked.linear or len(rows) == 1:
-        return _row(picked.sample)
-    candidates = [_about(c) for c in _points(rows, centre, size)] or [_translation(rows)]
-    if not steered:
-        return candidates[0]
-    fits = [t for t in candidates if _allowed(robot, steered, t, size)]
-    return (fits or candidates)[0]
+    basis = [_floats(row) for row in admissible.basis]
+    if not admissible.linear or len(basis) == 1:
+        return _floats(admissible.sample)
+    rotations: list[Twist] = [(y, -x, 1.0) for x, y in _centres(basis, centre, size)]  # 1 rad/s
+    candidates = rotations or [_translation(basis)]
+    return next((t for t in candidates if _allowed(robot, steered, t, size)), candidates[0])
 
 
-def _row(values: object) -> Twist:
-    a, b, c = (float(v) for v in values)  # type: ignore[attr-defined]
+def _floats(values: Iterable[float]) -> Twist:
+    a, b, c = map(float, values)
     return a, b, c
 
 
-def _about(icr: Point) -> Twist:
-    """Rotation about a point at 1 rad/s."""
-    return icr[1], -icr[0], 1.0
-
-
-def _points(rows: list[Twist], centre: Point, size: float) -> list[Point]:
+def _centres(rows: list[Twist], centre: Point, size: float) -> list[Point]:
     """ICR candidates inside the admissible twists; [] when they only translate."""
     if len(rows) == 3:
         return [(centre[0] + a * size, centre[1] + b * size) for a, b in _PLACES]

@@ -19,8 +19,7 @@ from wmrgen.functions.registry import check, optional_names
 from wmrgen.layout import build
 from wmrgen.spec.fields import Amount
 from wmrgen.spec.keys import GAINS, SECTIONS, WHEEL
-from wmrgen.spec.reference import reference
-from wmrgen.spec.schema import json_schema
+from wmrgen.spec.schema import json_schema, reference
 from wmrgen.wheels import WHEEL_TYPES
 
 SCHEMA = json_schema(optional_names())

@@ -8,8 +8,7 @@ from wmrgen.cli import console
 def run(*, markdown: bool) -> int:
     """Print the JSON Schema of robot files, or their reference in Markdown."""
     from wmrgen.functions.registry import optional_names
-    from wmrgen.spec.reference import reference
-    from wmrgen.spec.schema import json_schema
+    from wmrgen.spec.schema import json_schema, reference
 
     if markdown:
         console.result(reference().rstrip("\n"))

@@ -13,11 +13,9 @@ from wmrgen.exact.number import Exact
 from wmrgen.layout.expressions import evaluate
 from wmrgen.ports import Port
 from wmrgen.reading import read_at_most, read_stream
-from wmrgen.spec.nodes import Scalar
-from wmrgen.spec.numbers import Kind
-from wmrgen.spec.quantities import read_quantity
-from wmrgen.spec.scope import Scope
-from wmrgen.spec.text import suggestion
+from wmrgen.spec.expressions import read_quantity
+from wmrgen.spec.numbers import Kind, Scope
+from wmrgen.spec.text import Scalar, suggestion
 
 MAX_BYTES = 16 << 20  # of a file of cases: some 100,000 of them
 _KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}

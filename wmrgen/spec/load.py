@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from wmrgen.errors import RobotFileError
 from wmrgen.reading import read_at_most
-from wmrgen.spec.extras import read_functions, read_gains, read_point, read_trailers, read_virtual
+from wmrgen.spec.expressions import parse_value, read_quantity, scalar_of
 from wmrgen.spec.fields import Mapped, Text, Version
-from wmrgen.spec.joints import read_couplings, read_limits
-from wmrgen.spec.keys import PARAMETER, ROBOT
-from wmrgen.spec.mappings import Table, mapping_of, table_of
-from wmrgen.spec.names import parameter_name, robot_name
-from wmrgen.spec.nodes import Mapping, Node, Scalar
-from wmrgen.spec.numbers import Kind
-from wmrgen.spec.quantities import parse_value, scalar_of
+from wmrgen.spec.keys import CG, GAINS, PARAMETER, ROBOT, TRAILER, VIRTUAL
+from wmrgen.spec.numbers import Kind, Scope, facts_of, parameters_in, plain_number
 from wmrgen.spec.reader import read_tree
-from wmrgen.spec.records import Parameter, Quantity, RobotSpec
-from wmrgen.spec.scope import Scope, dependency_order, facts_of, parameters_in, refuse_bare_trigonometry
-from wmrgen.spec.text import MAX_BYTES, decode, printable, quoted
-from wmrgen.spec.wheels import read_wheels
+from wmrgen.spec.records import (
+    FunctionSpec,
+    Parameter,
+    PointSpec,
+    Quantity,
+    RobotSpec,
+    TrailerSpec,
+    VirtualSpec,
+    WheelSpec,
+)
+from wmrgen.spec.tables import Table, mapping_of, parameter_name, robot_name, table_of, wheel_name
+from wmrgen.spec.text import MAX_BYTES, MappingNode, Node, Scalar, decode, printable, quoted, suggestion
+from wmrgen.spec.wheels import read_couplings, read_limits, read_wheels
+from wmrgen.wheels import WHEEL_TYPES
 
 _DUNDER = re.compile(r"__\w+__")
 
@@ -129,22 +135,144 @@ def _parameters(node: Node | None, scope: Scope) -> tuple[tuple[Parameter, ...],
     for name, (_, entry) in zip(names, mapping.entries, strict=True):
         nodes[name], tunable[name] = _entry(name, entry)
         trees[name] = parse_value(nodes[name], names, Kind.ANY, f"parameter {name}")
-    order = dependency_order({name: parameters_in(tree) for name, (tree, _) in trees.items()}, nodes)
+    order = _dependency_order({name: parameters_in(tree) for name, (tree, _) in trees.items()}, nodes)
     found = []
     for name in order:
         expr, has_unit = trees[name]
         facts = facts_of(expr, has_unit, scope, nodes[name])
         scope = replace(scope, facts={**scope.facts, name: facts})
-        refuse_bare_trigonometry(expr, scope, nodes[name])
         quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
         found.append(Parameter(name, quantity, tunable[name]))
     return tuple(found), scope
 
 
+def _dependency_order(uses: Mapping[str, set[str]], nodes: Mapping[str, Scalar]) -> list[str]:
+    """Names ordered so that each stands after those it uses, in file order otherwise.
+
+    RobotFileError for a circle. Iterative: a chain of parameters may be long.
+    """
+    order: dict[str, None] = {}
+    for root in uses:
+        path = [root]
+        while path:
+            name = path[-1]
+            missing = [used for used in sorted(uses[name]) if used not in order]
+            if not missing:
+                order[name] = None
+                path.pop()
+            elif missing[0] in path:
+                raise _circle(path[path.index(missing[0]) :], nodes[name])
+            else:
+                path.append(missing[0])
+    return list(order)
+
+
+def _circle(names: list[str], node: Scalar) -> RobotFileError:
+    if len(names) == 1:
+        return node.error(f"parameter {names[0]} refers to itself", "", "Give it a number.")
+    chain = " -> ".join([*names[:6], *(["…"] if len(names) > 6 else []), names[0]])
+    return node.error(
+        f"parameters refer to each other in a circle: {chain}", "", "Give one of them a number."
+    )
+
+
 def _entry(name: str, node: Node) -> tuple[Scalar, bool]:
     """The value node of a parameter and whether it is tunable."""
     what = f"parameter {name}"
-    if not isinstance(node, Mapping):
+    if not isinstance(node, MappingNode):
         return scalar_of(node, what), False
     table = table_of(node, PARAMETER, what)
     return scalar_of(table.require("value", what), what), table.word("tunable")
+
+
+_ROLE, _POINT = VIRTUAL.choices
+
+
+def read_trailers(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[TrailerSpec, ...]:
+    """Trailers from the robot backwards; without a name they are trailer1, trailer2, …"""
+    taken = {w.name: "a wheel" for w in wheels}
+    trailers = []
+    for number, item in enumerate(robot.items("trailers"), 1):
+        table = table_of(item, TRAILER)
+        name = _own_name(table, f"trailer{number}", taken, "a trailer")
+        table.require_all(f"the trailer {name}")
+        length = table.required_amount("length", name, scope)
+        trailers.append(TrailerSpec(name, length, table.amount("hitch", name, scope), table.mark))
+    return tuple(trailers)
+
+
+def read_virtual(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[VirtualSpec, ...]:
+    """Virtual wheels: each steers or drives in place of real ones."""
+    taken = {w.name: "a wheel" for w in wheels}
+    virtual = []
+    for item in robot.items("virtual"):
+        table = table_of(item, VIRTUAL)
+        table.require_all("the virtual wheel")
+        name = _own_name(table, "", taken, "a virtual wheel")
+        what = f"the virtual wheel {name}"
+        (role,) = table.choose(_ROLE, what)
+        table.choose(_POINT, what)
+        x, y = (table.amount(key, name, scope) for key in ("x", "y"))
+        virtual.append(VirtualSpec(name, role, _members(table, role, wheels), x, y, table.mark))
+    return tuple(virtual)
+
+
+def _members(table: Table, role: str, wheels: Sequence[WheelSpec]) -> tuple[str, ...]:
+    types = {w.name: w.type for w in wheels}
+    wanted = [k.name for k in WHEEL_TYPES.values() if (k.steers if role == "steers" else k.constrains)]
+    scalars = table.scalars(role)
+    for scalar in scalars:
+        if scalar.text not in types:
+            raise scalar.error(f"there is no wheel {quoted(scalar.text)}", "", suggestion(scalar.text, types))
+        if types[scalar.text] not in wanted:
+            raise scalar.error(
+                f"{scalar.text} is a {types[scalar.text]} wheel",
+                f"A virtual wheel that {role} stands for {' or '.join(wanted)} wheels.",
+            )
+    return tuple(scalar.text for scalar in scalars)
+
+
+def read_point(node: Node | None, scope: Scope) -> PointSpec | None:
+    """``cg``: x, y from P in the robot frame, z above the ground."""
+    if node is None:
+        return None
+    table = table_of(node, CG)
+    table.require_all("cg")
+    x, y, z = (table.required_amount(key, "cg", scope) for key in ("x", "y", "z"))
+    return PointSpec(x, y, z)
+
+
+def read_gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], ...]:
+    """Gains of the control laws, as expressions over parameters."""
+    if node is None:
+        return ()
+    table = table_of(node, GAINS)
+    return tuple((key, _gain(value, key, scope)) for key, value in table.values.items())
+
+
+def _gain(node: Node, key: str, scope: Scope) -> Quantity:
+    scalar = scalar_of(node, key)
+    found = plain_number(scalar)
+    if found and found[1] is not None:
+        raise scalar.error(
+            f"{key} is a number per second, and {quoted(scalar.text.strip())} has a unit",
+            "",
+            f"Write the number alone, as {key}: 3.",
+        )
+    return read_quantity(scalar, Kind.ANY, key, scope)
+
+
+def read_functions(robot: Table) -> tuple[FunctionSpec, ...]:
+    """Optional functions to be generated, in the order of the file."""
+    return tuple(FunctionSpec(scalar.text, scalar.mark) for scalar in robot.scalars("functions"))
+
+
+def _own_name(table: Table, default: str, taken: dict[str, str], what: str) -> str:
+    """The name of an entry, not one that is taken. Entered into ``taken``."""
+    node = table.get("name")
+    name = default if node is None else wheel_name(scalar_of(node, "name"))
+    if name in taken:
+        place = node if isinstance(node, Scalar) else table.node
+        raise place.error(f"{quoted(name)} is the name of {taken[name]} already", "", "Write another name.")
+    taken[name] = what
+    return name

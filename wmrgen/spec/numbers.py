@@ -1,18 +1,21 @@
-"""Numbers as robot files write them, exact, and units.
+"""Numbers as robot files write them, exact, with units; and how large an expression of them becomes.
 
-YAML's own reading is not used: to PyYAML ``1e-3`` is a string, ``1:30`` is 90 and ``012`` is 10.
+YAML's own reading is not used: to PyYAML ``1e-3`` is a string, ``1:30`` is 90 and ``012`` is 10. Facts about trees
+are found by walking them; no value is ever computed here.
 """
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
+from math import ceil
 
 from wmrgen.errors import RobotFileError
-from wmrgen.spec.nodes import Scalar
-from wmrgen.spec.text import quoted, suggestion
+from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi
+from wmrgen.spec.text import Scalar, quoted, suggestion
 
 NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 MAX_DIGITS = 40
@@ -150,3 +153,130 @@ def _unknown_unit(node: Scalar, digits: str, name: str) -> RobotFileError:
         else suggestion(name, UNITS, _ALIASES),
         node.text.index(name, node.text.index(digits) + len(digits)),
     )
+
+
+# A power of a power grows as 4^n, and parameters can stack: the size of the exact result is bounded before
+# anyone computes it. 4,000 bits are 1,200 digits; a robot needs some twenty.
+MAX_BITS = 4_000
+MAX_TERMS = 400
+MAX_SPREAD = 8  # sin and cos of a sum of n angles have 2^n terms
+_ROUNDED_BITS = 280  # a 40-digit point of the unit circle
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is known of a tree without computing it.
+
+    ``bits`` bounds the exact result, ``terms`` its expanded sum, ``spread`` the addition theorems that its
+    sine takes; ``in_radians``: an angle as it stands.
+    """
+
+    bits: int
+    terms: int
+    spread: int
+    in_radians: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """Declared parameters with their facts, and whether bare angles are degrees."""
+
+    degrees: bool = False
+    facts: Mapping[str, Facts] = field(default_factory=dict)
+
+
+def children(expr: Expr) -> tuple[Expr, ...]:
+    match expr:
+        case Neg(arg):
+            return (arg,)
+        case Binary(_, left, right):
+            return (left, right)
+        case Call(_, args):
+            return args
+    return ()
+
+
+def parameters_in(expr: Expr) -> set[str]:
+    """Names of the parameters that occur in the tree."""
+    if isinstance(expr, Param):
+        return {expr.name}
+    return set().union(*(parameters_in(child) for child in children(expr)))
+
+
+def _facts(expr: Expr, declared: Mapping[str, Facts]) -> Facts:
+    """What is known of a tree, from what is known of its parts; ``declared``: of the parameters."""
+    match expr:
+        case Num(value):
+            return Facts(max(1, value.numerator.bit_length(), value.denominator.bit_length()), 1, 0, False)
+        case Pi():
+            return Facts(_ROUNDED_BITS, 1, 0, True)
+        case Param(name):
+            return replace(declared[name], spread=max(1, declared[name].spread))
+        case Binary("**", left, Num(power)):
+            base, times = _facts(left, declared), max(1, abs(int(power)))
+            spread = int(bool(parameters_in(left)))
+            return Facts(base.bits * times, base.terms**times, spread, base.in_radians)
+    parts = [_facts(child, declared) for child in children(expr)]
+    bits, terms, spread = (sum(getattr(f, key) for f in parts) for key in ("bits", "terms", "spread"))
+    in_radians = any(f.in_radians for f in parts)
+    match expr:
+        case Call("sin" | "cos" | "tan"):
+            return Facts(bits + _ROUNDED_BITS, terms + 2 ** min(spread, 20), 1, in_radians)
+        case Call(name):
+            return Facts(bits + _ROUNDED_BITS, terms, 1, in_radians or name == "atan2")
+        case Binary("*", left, right):
+            terms, spread = parts[0].terms * parts[1].terms, _spread_of_product((left, right), parts)
+        case Binary("/"):
+            spread = max(parts[0].spread, int(bool(parameters_in(expr))))
+            terms = parts[0].terms * parts[1].terms
+        case _:
+            bits += 1
+    return Facts(bits, terms, spread, in_radians)
+
+
+def _spread_of_product(factors: tuple[Expr, Expr], facts: list[Facts]) -> int:
+    """A multiple of angles counts them as often as it has them, up to 4 times."""
+    a, b = (f.spread for f in facts)
+    if a and b:
+        return 1
+    factor = factors[1] if a else factors[0]
+    times = min(4, ceil(abs(factor.value))) if isinstance(factor, Num) else 4
+    return (a + b) * max(1, times)
+
+
+def facts_of(expr: Expr, has_unit: bool, scope: Scope, node: Scalar, angle: bool = False) -> Facts:
+    """The facts of a tree.
+
+    RobotFileError when its exact value would be too large to handle, or when it takes the cosine of what may be
+    degrees or radians.
+    """
+    facts = _facts(expr, scope.facts)
+    if facts.bits > MAX_BITS or facts.terms > MAX_TERMS:
+        raise node.error(
+            "the expression is too large to be computed exactly",
+            "Powers of powers and products of long sums grow without bound.",
+            "Write the number, or a simpler expression.",
+        )
+    if angle and facts.spread > MAX_SPREAD:
+        raise node.error(
+            f"an angle made of more than {MAX_SPREAD} others",
+            "Its exact sine has a term for every subset of them.",
+            "Declare the sum as one parameter with its value.",
+        )
+    if scope.degrees:
+        _refuse_bare_trigonometry(expr, scope, node)
+    return replace(facts, in_radians=has_unit or facts.in_radians)
+
+
+def _refuse_bare_trigonometry(expr: Expr, scope: Scope, node: Scalar) -> None:
+    """Under ``angles: deg`` refuse cos(30): it cannot be told whether degrees are meant."""
+    match expr:
+        case Call("sin" | "cos" | "tan" as name, (arg,)):
+            if arg != Num(Fraction(0)) and not _facts(arg, scope.facts).in_radians:
+                raise node.error(
+                    f"with angles: deg the argument of {name}() is ambiguous",
+                    "sin, cos and tan take radians, and bare angles are degrees in this file.",
+                    f"Write {name}(30*pi/180), or declare a parameter such as a: 30 deg and write {name}(a).",
+                )
+    for child in children(expr):
+        _refuse_bare_trigonometry(child, scope, node)

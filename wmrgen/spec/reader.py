@@ -14,8 +14,16 @@ from yaml.reader import Reader
 from yaml.scanner import Scanner
 
 from wmrgen.errors import RobotFileError
-from wmrgen.spec.nodes import Mapping, Node, Scalar, Sequence
-from wmrgen.spec.text import Source, normalise, quoted, refused_character
+from wmrgen.spec.text import (
+    MappingNode,
+    Node,
+    Scalar,
+    SequenceNode,
+    Source,
+    normalise,
+    quoted,
+    refused_character,
+)
 
 MAX_DEPTH = 16
 MAX_NODES = 20_000
@@ -139,13 +147,13 @@ class _Composer:
             while not self._events.check_event(yaml.SequenceEndEvent):
                 items.append(self._node(depth + 1))
             self._events.get_event()
-            return Sequence(tuple(items), mark)
+            return SequenceNode(tuple(items), mark)
         entries: dict[str, tuple[Scalar, Node]] = {}
         while not self._events.check_event(yaml.MappingEndEvent):
             key = self._key(depth + 1, entries)
             entries[key.text] = (key, self._node(depth + 1))
         self._events.get_event()
-        return Mapping(tuple(entries.values()), mark)
+        return MappingNode(tuple(entries.values()), mark)
 
     def _scalar(self, scalar: Scalar) -> Scalar:
         found = refused_character(scalar.text)  # escapes in double quotes can make any character

@@ -131,3 +131,53 @@ def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | No
     if near:
         return f"Did you mean {near[0]}?"
     return f"Valid here: {' '.join(words)}." if words else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A text as written. ``plain`` when it stands without quotes."""
+
+    text: str
+    plain: bool
+    mark: Mark
+
+    def mark_at(self, offset: int) -> Mark:
+        """The place of character ``offset`` of the text, or of its start when escapes or folds hide it."""
+        column = self.mark.column - 1
+        for start in (column, column + 1):  # plain, quoted
+            if self.mark.text.startswith(self.text, start):
+                return Mark(self.mark.file, self.mark.line, start + offset + 1, self.mark.text)
+        return self.mark
+
+    def error(self, what: str, why: str = "", instead: str = "", offset: int = 0) -> RobotFileError:
+        return RobotFileError(what, self.mark_at(offset) if offset else self.mark, why, instead)
+
+
+@dataclass(frozen=True, slots=True)
+class SequenceNode:
+    items: tuple[Node, ...]
+    mark: Mark
+
+    def error(self, what: str, why: str = "", instead: str = "") -> RobotFileError:
+        return RobotFileError(what, self.mark, why, instead)
+
+
+@dataclass(frozen=True, slots=True)
+class MappingNode:
+    """Keys are distinct and keep the order of the file."""
+
+    entries: tuple[tuple[Scalar, Node], ...]
+    mark: Mark
+
+    def error(self, what: str, why: str = "", instead: str = "") -> RobotFileError:
+        return RobotFileError(what, self.mark, why, instead)
+
+
+Node = Scalar | SequenceNode | MappingNode
+
+
+def kind_of(node: Node) -> str:
+    """What a node is, for error messages."""
+    if isinstance(node, Scalar):
+        return "a text" if node.text or not node.plain else "nothing"
+    return "a list" if isinstance(node, SequenceNode) else "a mapping"

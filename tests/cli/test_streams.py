@@ -157,10 +157,12 @@ def _until(ready: Callable[[], bool]) -> None:
 
 @pytest.fixture
 def heeded() -> Iterator[None]:
-    """A shell lets what it starts in the background ignore SIGINT, and children inherit that."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """A shell lets what it starts in the background ignore SIGINT, nohup SIGHUP, and children inherit that."""
+    numbers = [getattr(signal, name) for name in SIGNALS]
+    before = [signal.signal(number, signal.SIG_DFL) for number in numbers]
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in zip(numbers, before, strict=True):
+        signal.signal(number, handler)
 
 
 @LINUX

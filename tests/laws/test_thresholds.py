@@ -14,8 +14,7 @@ from tests.laws.common import derived, gallery
 from tests.laws.test_couplings import STEERED, wheel
 from tests.oracle.harness import named
 from wmrgen.kinematics.odometry import SWITCH, WORST_ERROR
-from wmrgen.mobility.freedom import bracket
-from wmrgen.mobility.ranks import null_basis, numeric_rank
+from wmrgen.mobility.ranks import bracket, null_basis, numeric_rank
 
 ASKEW = [wheel("a", "fixed", 0.0, 0.2), wheel("b", "fixed", 0.0, -0.2)]
 # Campion's five types and two degenerate robots: dimensions of the bracket filtration of pose and steering angles

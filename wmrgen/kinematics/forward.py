@@ -29,8 +29,7 @@ from wmrgen.kinematics.rootsum import norm
 from wmrgen.kinematics.sensing import Component, Contact, measurements, sensed_joints
 from wmrgen.kinematics.solve import Twist, solve_general
 from wmrgen.layout.records import Robot
-from wmrgen.mobility.ranks import decide
-from wmrgen.mobility.unit import unit_of
+from wmrgen.mobility.ranks import decide, unit_of
 from wmrgen.ports import Role
 from wmrgen.symbolic import Expr, expression
 

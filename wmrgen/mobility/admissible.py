@@ -1,25 +1,29 @@
 """The admissible twists: those for which steering exists that lets every wheel roll.
 
-Without couplings these are the null space of the constant rows: any twist in it tells each steered wheel
-where to point. Wheels that must steer alike, or turn alike, each add a quadratic equation in the twist;
-their common zeros are planes, cones or lines through the origin. The component kept is the one that leaves
-most freedom of steering.
+In general the left null space of the joint-rate columns, couplings applied, times the xi columns constrains the twist.
+An uncoupled wheel needs no elimination: its spin takes the rolling row, a castor's steering rate takes the sliding
+row. Only coupled sets of wheels are worked out. Without couplings the admissible twists are the null space of the
+constant rows: any twist in it tells each steered wheel where to point. Wheels that must steer alike, or turn alike,
+each add a quadratic equation in the twist; their common zeros are planes, cones or lines through the origin.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from wmrgen.constraints import ConstraintRow, Constraints
+from wmrgen.exact.linalg import left_null_space
+from wmrgen.exact.number import ZERO
+from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.coupled import geared
 from wmrgen.mobility.ranks import null_basis
 from wmrgen.mobility.records import Array
 
 SMALL = 1e-9
-_SAMPLES = ((0.83, -0.41, 0.57), (0.29, 0.71, -0.47), (-0.61, 0.37, 0.89))
+_WEIGHTS = (0.83, -0.41, 0.57)  # of a generic twist
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +40,89 @@ class Component:
     tangent: Array
 
 
-def _pivot(w: Wheel, turned: bool) -> Array:
-    """2x3: twist to pivot velocity, in the joint frame at zero steering when ``turned``."""
-    g = w.nominal
-    p = np.array([[1.0, 0.0, -float(g.y)], [0.0, 1.0, float(g.x)]])
-    c, s = float(g.ch), float(g.sh)
-    return np.array([[c, s], [-s, c]]) @ p if turned else p
+def zero_heading(w: Wheel) -> complex:
+    """The rolling direction at joint angle zero, as a point of the unit circle."""
+    return complex(float(w.nominal.ch), float(w.nominal.sh))
+
+
+def along(w: Wheel, direction: complex) -> Array:
+    """The row of the pivot's velocity component along ``direction``: [d_x, d_y, x d_y - y d_x]."""
+    x, y = float(w.nominal.x), float(w.nominal.y)
+    return np.array([direction.real, direction.imag, x * direction.imag - y * direction.real])
+
+
+def coupled_sets(robot: Robot) -> list[frozenset[int]]:
+    """Connected sets of wheels that share a coupled joint, each of two wheels or more; steered wheels left out."""
+    sets: list[set[int]] = []
+    for group in (robot.spin_group, robot.steer_group):
+        for leader in dict.fromkeys(group):
+            members = {i for i, g in enumerate(group) if g == leader and not robot.wheels[i].kind.steers}
+            if len(members) < 2:
+                continue
+            touching = [s for s in sets if s & members]
+            sets = [s for s in sets if not s & members]
+            sets.append(members.union(*touching))
+    return [frozenset(s) for s in sets]
+
+
+def constant_rows(c: Constraints) -> list[tuple[Row, int | None]]:
+    """Rows on xi that do not depend on a steered wheel, each with the fixed wheel it comes from.
+
+    The wheel is None for a combination that a coupling produced. A castor's angle may remain in a row (two
+    castors turned by one motor). Couplings with steered wheels are treated with the steering.
+    """
+    rows: list[tuple[Row, int | None]] = []
+    sets = coupled_sets(c.robot)
+    for s in sets:
+        members = [r for r in (*c.rolling, *c.sliding) if r.wheel.index in s]
+        rows += [(r.row, r.wheel.index) for r in members if _without_rates(r)]
+        rows += [(row, None) for row in _eliminate(c.robot, [r for r in members if not _without_rates(r)])]
+    inside = frozenset[int]().union(*sets)
+    rows += [(r.row, r.wheel.index) for r in c.sliding_fixed if r.wheel.index not in inside]
+    return [(row, wheel) for row, wheel in rows if any(row)]
+
+
+def _without_rates(row: ConstraintRow) -> bool:
+    return row.kind == "sliding" and not row.rates
+
+
+def _eliminate(robot: Robot, rows: Sequence[ConstraintRow]) -> list[Row]:
+    """The combinations of ``rows`` (numeric joint coefficients) in which no joint rate occurs."""
+    groups = {"spin": robot.spin_group, "steer": robot.steer_group}
+    rates = [[((joint, groups[joint][wheel]), k) for (wheel, joint), k in c.rates] for c in rows]
+    columns = sorted({key for row in rates for key, _ in row})
+    table = [
+        [sum((k.constant or ZERO for key, k in row if key == c), ZERO) for c in columns] for row in rates
+    ]
+    combined: list[Row] = []
+    for weights in left_null_space(table):
+        x, y, k = (
+            Poly.sum(c.row[i].scale(w) for w, c in zip(weights, rows, strict=True) if w) for i in range(3)
+        )
+        combined.append((x, y, k))
+    return [row for row in combined if any(row)]
+
+
+def geared(robot: Robot) -> list[tuple[int, int]]:
+    """Pairs of wheels with equal spins, of which the second steers; each wheel of a group once, after the first.
+
+    The first of a pair does not steer where the group has such a wheel. Wheels that steer together follow the first
+    of them.
+    """
+    pairs: list[tuple[int, int]] = []
+    for members in robot.together("spin", robot.wheels):
+        first = min(members, key=lambda w: (w.kind.steers, w.index))
+        for unit in robot.together("steer", (w for w in members if w.kind.steers)):
+            if unit[0] is not first:
+                pairs.append((first.index, unit[0].index))
+            pairs += [(unit[0].index, w.index) for w in unit[1:]]
+    return pairs
+
+
+def coupled_steering(robot: Robot) -> bool:
+    """Whether the steering of wheels is tied to other joints."""
+    steered = [w.index for w in robot.wheels if w.kind.steers]
+    return len({robot.steer_group[i] for i in steered}) < len(steered) or bool(geared(robot))
 
 
 def quadrics(robot: Robot) -> list[Array]:
@@ -50,91 +131,68 @@ def quadrics(robot: Robot) -> list[Array]:
     for i, leader in enumerate(robot.steer_group):
         a, b = robot.wheels[leader], robot.wheels[i]
         if i != leader and a.kind.steers and b.kind.steers:
-            p, q = _pivot(a, True), _pivot(b, True)
+            p, q = _pivot(a), _pivot(b)
             forms.append(np.outer(p[0], q[1]) - np.outer(p[1], q[0]))
     for i, k in geared(robot):
         a, b = robot.wheels[i], robot.wheels[k]
         if robot.steer_group[i] == robot.steer_group[k]:
             # One angle for both: not only the sizes of the velocities are in proportion, seen from the wheels.
-            both = _pivot(a, True) - _pivot(b, True) * float(a.nominal.r / b.nominal.r)
+            both = _pivot(a) - _pivot(b) * float(a.nominal.r / b.nominal.r)
             forms += [np.outer(row, row) / (row @ row) for row in both if np.abs(row).max() > SMALL]
         else:
             ratio = float(a.nominal.rolling_radius / b.nominal.rolling_radius)
-            forms.append((_speed(a) - _speed(b) * ratio**2) / max(1.0, ratio**2))
+            forms.append((_speed_form(a) - _speed_form(b) * ratio**2) / max(1.0, ratio**2))
     forms = [(f + f.T) / 2 for f in forms]
     return [f for f in forms if np.abs(f).max() > SMALL]
 
 
-def _speed(w: Wheel) -> Array:
+def _pivot(w: Wheel) -> Array:
+    """2x3: twist to pivot velocity, in the joint frame at zero steering."""
+    return np.array([along(w, zero_heading(w)), along(w, 1j * zero_heading(w))])
+
+
+def _speed_form(w: Wheel) -> Array:
     """The form of the squared rim speed."""
-    p = _pivot(w, True)
+    p = _pivot(w)
     if w.kind.steers:
         return p.T @ p
-    along = float(w.nominal.cg) * p[0] + float(w.nominal.sg) * p[1]
-    return np.outer(along, along)
+    rolling = float(w.nominal.cg) * p[0] + float(w.nominal.sg) * p[1]
+    return np.outer(rolling, rolling)
 
 
-def components(constant_null: Array, forms: list[Array]) -> list[Component]:
-    """Components of {xi in span(rows of constant_null): every form vanishes}."""
-    size = len(constant_null)
-    if not size:
+def components(rows: Array, forms: Sequence[Array], tolerance: float = SMALL) -> list[Component]:
+    """Components of {xi: rows xi = 0 and every form vanishes}; forms on that space below ``tolerance`` are none."""
+    space = null_basis(rows) + 0.0  # no negative zeros
+    if not len(space):
         return []
-    reduced = [constant_null @ f @ constant_null.T for f in forms]
-    reduced = [f for f in reduced if np.abs(f).max() > SMALL]
-
-    def linear(rows: Array) -> Component:
-        rows = rows @ constant_null
-        weights = np.array(_SAMPLES[0][: len(rows)])
-        return Component(len(rows), rows, weights @ rows, True, rows)
-
+    seen = [space @ f @ space.T for f in forms]
+    reduced = [f for f, g in zip(seen, forms, strict=True) if np.abs(f).max() > tolerance * np.abs(g).max()]
     if not reduced:
-        return [linear(np.eye(size))]
-    if size == 2:
-        return [linear(v[None, :]) for v in _binary_roots(reduced)]
-    if size == 3:
-        return _ternary(reduced, linear, constant_null)
-    return []
+        return [Component(len(space), space, np.array(_WEIGHTS[: len(space)]) @ space, True, space)]
+    first = reduced[0]
+    normals = _normals(first)
+    if normals is None:
+        other = next((f for f in reduced if not _proportional(f, first)), None)
+        if other is None:
+            return _conic(first, space)
+        # Common zeros of two forms are zeros of the degenerate ones of their pencil.
+        roots = np.roots(np.poly(np.linalg.solve(first, other)))
+        pencil = [_normals(other - r.real * first) for r in roots if abs(r.imag) < 1e-9]
+        normals = [n for normals in pencil for n in normals or []]
+    return [c for n in normals for c in components(np.vstack([rows, n @ space]), forms, 10 * tolerance)]
 
 
-def _binary_roots(forms: list[Array]) -> list[Array]:
-    """Common real zeros (unit vectors) of binary quadratic forms."""
-    f = forms[0]
-    a, b, c = f[0, 0], 2 * f[0, 1], f[1, 1]
-    disc = b * b - 4 * a * c
-    scale = np.abs(f).max() ** 2
-    if disc < -SMALL * scale:
-        return []
-    root = np.sqrt(max(disc, 0.0))
-    if abs(disc) <= SMALL * scale:
-        root = 0.0
-    found: list[Array] = []
-    for sign in (1.0, -1.0):
-        v = np.array([-b + sign * root, 2 * a]) if abs(a) > SMALL * np.sqrt(scale) else np.array([1.0, 0.0])
-        if abs(a) <= SMALL * np.sqrt(scale) and sign < 0:
-            v = np.array([-c, b])
-        if np.abs(v).max() < SMALL:
-            continue
-        v = v / np.linalg.norm(v)
-        new = all(abs(v[0] * w[1] - v[1] * w[0]) > 1e-6 for w in found)
-        if new and all(abs(v @ g @ v) < 1e-7 * np.abs(g).max() for g in forms):
-            found.append(v)
-    return found
-
-
-def _spaces(form: Array) -> list[Array]:
-    """Bases of the real planes, or of the line, on which a degenerate ternary form is zero; [] of another form."""
+def _normals(form: Array) -> list[Array] | None:
+    """Normals (rows) of each space on which a degenerate form is zero: two planes, one, or a line. None of another."""
     values, vectors = np.linalg.eigh(form)
     live = np.abs(values) > 1e-9 * np.abs(values).max()
-    axes = vectors[:, live].T
-    if len(axes) == 1:
-        return [null_basis(_oriented(axes[0])[None, :])]
-    if len(axes) == 2:
-        first, second = values[live]
-        if first * second > 0:
-            return [_oriented(vectors[:, ~live][:, 0])[None, :]]
-        p, q = np.sqrt(np.abs([[first], [second]])) * axes
-        return [null_basis(_oriented(n / np.linalg.norm(n))[None, :]) for n in (p + q, p - q)]
-    return []
+    axes = np.array([_oriented(v) for v in vectors[:, live].T])
+    if len(axes) == 3:
+        return None
+    if len(axes) == 1 or (values[live] > 0).all() or (values[live] < 0).all():
+        return [axes]
+    p, q = np.sqrt(np.abs(values[live]))[:, None] * vectors[:, live].T
+    return [_oriented(n / np.linalg.norm(n))[None, :] for n in (p + q, p - q)]
 
 
 def _proportional(f: Array, g: Array) -> bool:
@@ -149,36 +207,16 @@ def _oriented(v: Array) -> Array:
     return v if lead > 0 else -v
 
 
-def _ternary(forms: list[Array], linear: Callable[[Array], Component], null: Array) -> list[Component]:
-    first = forms[0]
-    spaces = _spaces(first)
-    if not spaces:
-        other = next((f for f in forms if not _proportional(f, first)), None)
-        if other is None:
-            return _conic(first, null)
-        roots = np.roots(np.poly(np.linalg.solve(first, other)))
-        spaces = [s for r in roots if abs(r.imag) < 1e-9 for s in _spaces(other - r.real * first)]
-    found: list[Component] = []
-    for space in spaces:
-        rest = [f for f in (space @ g @ space.T for g in forms) if np.abs(f).max() > 1e-8]
-        if not rest:
-            found.append(linear(space))
-        elif len(space) == 2:
-            found += [linear((v @ space)[None, :]) for v in _binary_roots(rest)]
-    return found
-
-
-def _conic(form: Array, null: Array) -> list[Component]:
+def _conic(form: Array, space: Array) -> list[Component]:
     """A real, non-degenerate cone of twists: dimension 2, not linear."""
     values, vectors = np.linalg.eigh(form)
     if (values > 0).all() or (values < 0).all():
         return []
     odd = 0 if values[0] * values[1] < 0 else 2
     others = [k for k in range(3) if k != odd]
-    u = np.array([0.6, 0.8])
     z = np.zeros(3)
-    z[others] = u
+    z[others] = (0.6, 0.8)
     z[odd] = np.sqrt(-sum(values[k] * z[k] ** 2 for k in others) / values[odd])
     point = _oriented(vectors @ z)
     tangent = null_basis((form @ point)[None, :])
-    return [Component(2, null, point @ null, False, tangent @ null)]
+    return [Component(2, space, point @ space, False, tangent @ space)]

@@ -7,80 +7,147 @@ twist is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 
-from wmrgen.constraints import Constraints
+from wmrgen.constraints import constrain, nominal_view
 from wmrgen.exact.linalg import null_space
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.exact.poly import Gen, Poly, Row, has_angles
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.admissible import Component, components, quadrics
-from wmrgen.mobility.coupled import coupled_steering, geared
-from wmrgen.mobility.freedom import closure
-from wmrgen.mobility.ranks import decide, independent, null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.records import Admissible, Array, Rank
+from wmrgen.mobility.admissible import (
+    Component,
+    along,
+    components,
+    constant_rows,
+    coupled_steering,
+    geared,
+    quadrics,
+    zero_heading,
+)
+from wmrgen.mobility.ranks import (
+    Unit,
+    closure,
+    decide,
+    independent,
+    null_basis,
+    numeric_rank,
+    to_array,
+    unit_of,
+    unit_rows,
+)
+from wmrgen.mobility.records import CAMPION, Admissible, Array, Rank
 
 ExactRow = tuple[Exact, Exact, Exact]
+Constant = tuple[Row, int | None]  # a row on xi, and the fixed wheel it comes from
 AGAINST = 1e-3  # of a twist: wheels that roll against one another miss by twice their speed
 _WEIGHTS = ((7, -5, 3), (-4, 9, 5), (11, 2, -6))
+_SEEDS = 3  # of castor angles, over which twists are collected
 
 
-def castor_angles(robot: Robot, seed: int) -> dict[Gen, Poly]:
-    """Rational points of the circle for the castors' joint angles; coupled castors share one."""
-    values: dict[Gen, Poly] = {}
-    for w in robot.wheels:
-        if not w.kind.swivels:
-            continue
-        t = Fraction(2 + 3 * robot.steer_group[w.index] + seed, 7 + 2 * seed)
-        c, s = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
-        values[Gen("cos", w.name)] = Poly.of(c)
-        values[Gen("sin", w.name)] = Poly.of(s)
-    return values
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """What is known of ``robot``, the robot in ``unit``, at a generic admissible configuration.
+
+    ``constant``: independent rows that depend on no steered wheel. ``at``: rows of C1, those first. ``dof``: dimension
+    of the Lie algebra that all admissible twists generate.
+    """
+
+    robot: Robot
+    unit: Unit
+    constant: tuple[Constant, ...]
+    admissible: Admissible
+    rank_fixed: Rank
+    rank: Rank
+    at: Array
+    dof: int
+
+    @property
+    def mobility(self) -> int:
+        """The degree of mobility, Siegwart (3.40)."""
+        return 3 - self.rank.value
+
+    @property
+    def steerability(self) -> int:
+        """The degree of steerability, Siegwart (3.41)."""
+        return max(self.admissible.dimension - self.mobility, 0) if self.mobility else 0
+
+    @property
+    def degenerate(self) -> bool:
+        """Whether the type is none of Campion's five."""
+        return (self.mobility, self.steerability) not in CAMPION
 
 
-def fixed_numbers(c: Constraints, rows: list[Row], seed: int = 0) -> list[ExactRow]:
-    """Constant rows as numbers, at generic castor angles where those occur."""
-    angles = castor_angles(c.robot, seed)
+def configuration(robot: Robot) -> Configuration:
+    """The admissible twists of a robot and the ranks at a generic one."""
+    unit = unit_of(robot)
+    own = unit.robot(robot)
+    c = constrain(own, nominal_view)
+    constant = constant_rows(c)
+    rows = [row for row, _ in constant]
+    picked, numbers = _admissible(own, rows)
+    rank, at = _rank_C1(own, numbers, picked)
+    twists = picked.basis
+    if any(has_angles(row) for row in rows):
+        twists = np.vstack([_admissible(own, rows, seed)[0].basis for seed in range(_SEEDS)])
+    return Configuration(
+        own, unit, tuple(constant[i] for i in picked.chosen), picked,
+        decide(_numbers(own, [r.row for r in c.sliding_fixed])), rank, at,
+        closure(twists) if rank.value < 3 else 0,
+    )  # fmt: skip
+
+
+def in_metres(picked: Admissible, unit: Unit) -> Admissible:
+    """The admissible twists as twists of P in SI units."""
+    normal = None if picked.normal is None else unit.row(picked.normal)
+    basis, sample, tangent = (unit.twists(rows) for rows in (picked.basis, picked.sample, picked.tangent))
+    return replace(picked, normal=normal, basis=basis, sample=sample, tangent=tangent)
+
+
+def _numbers(robot: Robot, rows: Sequence[Row], seed: int = 0) -> list[ExactRow]:
+    """Constant rows as numbers, at generic castor angles (rational points of the circle) where those occur."""
+    angles: dict[Gen, Poly] = {}
+    for w in (w for w in robot.wheels if w.kind.swivels):
+        t = Fraction(2 + 3 * robot.steer_group[w.index] + seed, 7 + 2 * seed)  # coupled castors share one
+        angles[Gen("cos", w.name)] = Poly.of((1 - t * t) / (1 + t * t))
+        angles[Gen("sin", w.name)] = Poly.of(2 * t / (1 + t * t))
     numbers: list[ExactRow] = []
     for row in rows:
-        values = [p.substitute(angles.get).constant for p in row]
-        a, b, k = (v if v is not None else Exact(0) for v in values)
+        a, b, k = (p.substitute(angles.get).constant or ZERO for p in row)
         numbers.append((a, b, k))
     return numbers
 
 
-def admissible(c: Constraints, rows: list[Row], seed: int = 0) -> tuple[Admissible, list[ExactRow]]:
-    """The admissible cone of the layout and its constant rows. ``c``, ``rows``: nominal; ``seed``: castors' angles."""
-    robot = c.robot
-    numbers = fixed_numbers(c, rows, seed)
+def _admissible(robot: Robot, rows: Sequence[Row], seed: int = 0) -> tuple[Admissible, list[ExactRow]]:
+    """The admissible cone and the independent ones of ``rows``; ``seed``: castors' angles."""
+    numbers = _numbers(robot, rows, seed)
     array = unit_rows(to_array(numbers))
-    value, _ = numeric_rank(array)
-    chosen = independent(array, value)
-    found = components(null_basis(array[chosen]), quadrics(robot))
-    best = _freest(robot, array[chosen], found)
-    normal = _normal(best, array[chosen])
+    chosen = independent(array, numeric_rank(array)[0])
+    best = _freest(robot, array[chosen], components(array[chosen], quadrics(robot)))
     picked = Admissible(
-        chosen=tuple(chosen), normal=normal, dimension=best.dimension,
+        chosen=tuple(chosen), normal=_normal(best, array[chosen]), dimension=best.dimension,
         basis=best.basis, sample=best.sample, linear=best.linear, tangent=best.tangent,
     )  # fmt: skip
     return picked, [numbers[i] for i in chosen]
 
 
-def _freest(robot: Robot, constant: Array, found: list[Component]) -> Component:
-    """The component with most freedom of steering, then of motion; none at all when no twist is admissible.
+def _freest(robot: Robot, constant: Array, candidates: list[Component]) -> Component:
+    """The component with most freedom of steering, then of motion, then the straightest; none where nothing can move.
 
     The forms know speeds up to their sign: a component is dropped where wheels would roll against one another.
     """
     empty = Component(0, np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
-    best, score = empty, (-1, 0, 0)
-    for component in found:
-        rows = unit_rows(rows_at(robot, component.sample, constant))
+    best, score = empty, (-1, 0, 0, 0.0)
+    for component in candidates:
+        rows = unit_rows(_rows_at(robot, component.sample, constant))
         if np.abs(rows @ component.sample).max(initial=0.0) > AGAINST * np.linalg.norm(component.sample):
             continue
         mobility = 3 - numeric_rank(rows)[0]
-        new = (component.dimension - mobility, mobility, closure(component.basis))
+        turning = round(abs(float(component.sample[2])) / float(np.linalg.norm(component.sample)), 9)
+        new = (component.dimension - mobility, mobility, closure(component.basis), -turning)
         if new > score:
             best, score = component, new
     return best
@@ -98,79 +165,66 @@ def _normal(best: Component, constant: Array) -> Row | None:
     return a, b, k
 
 
-def pivot_velocity(w: Wheel, twist: Array) -> tuple[float, float]:
-    """Velocity of the pivot [m/s]."""
+def pivot_velocity(w: Wheel, twist: Array) -> complex:
+    """Velocity of the pivot [m/s], x + iy."""
     x, y = float(w.nominal.x), float(w.nominal.y)
-    return float(twist[0] - y * twist[2]), float(twist[1] + x * twist[2])
+    return complex(twist[0] - y * twist[2], twist[1] + x * twist[2])
 
 
-def steering_for(w: Wheel, twist: Array) -> tuple[float, float]:
-    """(cos, sin) of the heading that lets the wheel roll under ``twist``; its zero heading when it stands still."""
-    a, b = pivot_velocity(w, twist)
-    size = float(np.hypot(a, b))
-    return (a / size, b / size) if size > 1e-12 else (float(w.nominal.ch), float(w.nominal.sh))
+def steering_for(w: Wheel, twist: Array) -> complex:
+    """The heading that lets the wheel roll under ``twist``; its zero heading when it stands still."""
+    v = pivot_velocity(w, twist)
+    return v / abs(v) if abs(v) > 1e-12 else zero_heading(w)
 
 
-def rows_at(robot: Robot, twist: Array, constant: Array) -> Array:
+def _rows_at(robot: Robot, twist: Array, constant: Array) -> Array:
     """All rows on xi at the steering that ``twist`` asks for, couplings eliminated: (N, 3)."""
-    rows = [constant]
-    headings = steering(robot, twist)
-    for i, (c, s) in headings.items():
-        x, y = float(robot.wheels[i].nominal.x), float(robot.wheels[i].nominal.y)
-        rows.append(np.array([[-s, c, x * c + y * s]]))
-    rows += [(_speed(robot, i, headings) - _speed(robot, k, headings))[None, :] for i, k in geared(robot)]
-    return np.vstack(rows)
+    headings = _steering(robot, twist)
+    rows = [along(robot.wheels[i], 1j * e)[None, :] for i, e in headings.items()]
+    rows += [
+        (_spin_row(robot, i, headings) - _spin_row(robot, k, headings))[None, :] for i, k in geared(robot)
+    ]
+    return np.vstack([constant, *rows])
 
 
-def steering(robot: Robot, twist: Array) -> dict[int, tuple[float, float]]:
-    """(cos, sin) of the headings of all steered wheels that let them roll under ``twist``, coupled ones together.
+def _steering(robot: Robot, twist: Array) -> dict[int, complex]:
+    """The headings of all steered wheels that let them roll under ``twist``, coupled ones together.
 
     Wheels that turn alike roll the same way round.
     """
-    groups = robot.together("steer", (w for w in robot.wheels if w.kind.steers))
-    headings: dict[int, tuple[float, float]] = {}
-    for members in groups:
-        fastest = max(members, key=lambda w: float(np.hypot(*pivot_velocity(w, twist))))
-        joint = complex(*steering_for(fastest, twist)) / _zero(fastest)
+    headings: dict[int, complex] = {}
+    for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
+        fastest = max(members, key=lambda w: abs(pivot_velocity(w, twist)))
+        joint = steering_for(fastest, twist) / zero_heading(fastest)
         for w in members:
-            turned = joint * _zero(w) if w is not fastest else complex(*steering_for(fastest, twist))
-            headings[w.index] = (turned.real, turned.imag)
+            headings[w.index] = steering_for(w, twist) if w is fastest else joint * zero_heading(w)
     pairs, lead, settled = geared(robot), robot.steer_group, set[int]()
     while pairs:  # from wheels that do not steer along the chains, so that no set of wheels turns about twice
         i, k = next(
             (p for p in pairs if p[0] not in headings or settled & {lead[p[0]], lead[p[1]]}), pairs[0]
         )
         pairs.remove((i, k))
-        if _speed(robot, i, headings) @ twist * (_speed(robot, k, headings) @ twist) < 0:
+        if _spin_row(robot, i, headings) @ twist * (_spin_row(robot, k, headings) @ twist) < 0:
             turned = lead[i] if lead[k] in settled else lead[k]
-            headings |= {j: (-c, -s) for j, (c, s) in headings.items() if lead[j] == turned}
+            headings |= {j: -e for j, e in headings.items() if lead[j] == turned}
         settled |= {lead[i], lead[k]}
     return dict(sorted(headings.items()))
 
 
-def _zero(w: Wheel) -> complex:
-    """The heading at joint angle zero, as a point of the unit circle."""
-    return complex(float(w.nominal.ch), float(w.nominal.sh))
-
-
-def _speed(robot: Robot, i: int, headings: dict[int, tuple[float, float]]) -> Array:
+def _spin_row(robot: Robot, i: int, headings: dict[int, complex]) -> Array:
     """The row that gives the spin [rad/s] of a twist; ``headings``: of steered wheels."""
-    g = robot.wheels[i].nominal
-    along = (
-        complex(*headings[i]) if i in headings else _zero(robot.wheels[i]) * complex(float(g.cg), float(g.sg))
-    )
-    c, s, x, y = along.real, along.imag, float(g.x), float(g.y)
-    return np.array([c, s, x * s - y * c]) / float(g.rolling_radius)
+    w = robot.wheels[i]
+    g = w.nominal
+    direction = headings[i] if i in headings else zero_heading(w) * complex(float(g.cg), float(g.sg))
+    return along(w, direction) / float(g.rolling_radius)
 
 
-def rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[Rank, Array]:
+def _rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[Rank, Array]:
     """Rank of C1 on the admissible set, with the float rows it was decided on."""
-    at = rows_at(robot, picked.sample, to_array(numbers))
+    at = _rows_at(robot, picked.sample, to_array(numbers))
     value, singular = numeric_rank(unit_rows(at))
-    if not picked.dimension:
-        value = 3
     exact = None if coupled_steering(robot) else _exact_rank(robot, numbers)
-    return Rank(value, exact, singular), at
+    return Rank(value if picked.dimension else 3, exact, singular), at
 
 
 def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
@@ -185,5 +239,5 @@ def _exact_rank(robot: Robot, numbers: list[ExactRow]) -> int:
                 a = twist[0] - w.nominal.y * twist[2]
                 b = twist[1] + w.nominal.x * twist[2]
                 rows.append((-b, a, w.nominal.x * a + w.nominal.y * b))
-        best = max(best, decide(rows).exact or 0) if rows else 0
+        best = max(best, decide(rows).exact or 0)
     return best

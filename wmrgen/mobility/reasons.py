@@ -1,59 +1,85 @@
-"""The mobility argument in words."""
+"""The mobility argument in words: why the degrees are what they are, and what is actuated beyond or short of need."""
 
 from __future__ import annotations
 
+from dataclasses import fields
+from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
 
-from wmrgen.layout.records import Wheel
-from wmrgen.mobility.coupled import coupled_sets
-from wmrgen.mobility.findings import SAME, Findings, axle, axle_lines, listed
-from wmrgen.mobility.generic import coincidences
-from wmrgen.mobility.ranks import null_basis, numeric_rank, unit_rows
+from wmrgen.constraints import constrain, nominal_view
+from wmrgen.exact.evaluate import fix
+from wmrgen.exact.poly import Poly, Row
+from wmrgen.layout.records import Geometry, Wheel
+from wmrgen.mobility.admissible import along, coupled_sets, zero_heading
+from wmrgen.mobility.configure import Configuration, steering_for
+from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
+from wmrgen.mobility.records import Array
+
+SAME = 1e-9
 
 
-def reasons(f: Findings) -> tuple[str, ...]:
-    """Why the degrees are what they are, one sentence each."""
+def reasons(at: Configuration, turning: tuple[Wheel, ...]) -> tuple[str, ...]:
+    """Why the degrees are what they are, one sentence each; ``turning``: the steered wheels that give a row of C1."""
     return (
-        *_fixed(f), *_couplings(f), *_steered(f), *_free_wheels(f), *_degrees(f), *_verdict(f), *_doubts(f),
-        *coincidences(f.robot, f.unit),
+        *_fixed(at), *_couplings(at), *_steered(at, turning), *_free_wheels(at), *_degrees(at), *_verdict(at),
+        *_doubts(at), *_coincidences(at),
     )  # fmt: skip
 
 
-def _free_wheels(f: Findings) -> list[str]:
-    free = [w for w in f.robot.wheels if not w.kind.constrains]
-    if not free:
-        return []
-    kinds = "; ".join(dict.fromkeys(w.kind.words.free for w in free))
-    return [
-        f"{listed([w.name for w in free])} impose{'s' if len(free) == 1 else ''} no sliding constraint: {kinds}."
-    ]
+def listed(names: list[str]) -> str:
+    """a, b and c"""
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
-def _fixed(f: Findings) -> list[str]:
-    fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
+def _axle(w: Wheel) -> Array:
+    """The sliding row of a fixed wheel: its axle line, unit direction."""
+    return along(w, 1j * zero_heading(w))
+
+
+def _axle_lines(wheels: list[Wheel]) -> list[list[Wheel]]:
+    """Fixed wheels grouped by axle line."""
+    lines: list[list[Wheel]] = []
+    for w in wheels:
+        same = (line for line in lines if _one_line(_axle(w), _axle(line[0])))
+        line = next(same, None)
+        if line is None:
+            lines.append([w])
+        else:
+            line.append(w)
+    return lines
+
+
+def _one_line(a: Array, b: Array) -> bool:
+    return bool(min(np.abs(a - b).max(), np.abs(a + b).max()) < SAME)
+
+
+def _fixed(at: Configuration) -> list[str]:
+    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
     if not fixed:
         return []
-    lines = axle_lines(fixed)
+    lines = _axle_lines(fixed)
     said = [
-        f"{listed([w.name for w in line])} share an axle line, so {_further(len(line))} no constraint."
-        for line in lines if len(line) > 1
-    ]  # fmt: skip
-    if f.rank_fixed.value == 1:
+        f"{listed([w.name for w in line])} share an axle line, so "
+        f"{'the second adds' if len(line) == 2 else 'the others add'} no constraint."
+        for line in lines
+        if len(line) > 1
+    ]
+    if at.rank_fixed.value == 1:
         noun = fixed[0].kind.noun if len({w.type for w in fixed}) == 1 else "fixed wheel"
         wheels, verb = (f"{noun}s", "forbid") if len(fixed) > 1 else (noun, "forbids")
         return [
             *said,
             f"The {wheels} {listed([w.name for w in fixed])} {verb} motion along the axle: rank C1f = 1.",
         ]
-    return [*said, _axles_meet(f, [line[0] for line in lines])]
+    return [*said, _axles_meet(at, [line[0] for line in lines])]
 
 
-def _axles_meet(f: Findings, wheels: list[Wheel]) -> str:
+def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
     """Where several axle lines meet, if anywhere."""
-    rows = unit_rows(np.array([axle(w) for w in wheels]))
-    if f.rank_fixed.value == 3:
+    rows = unit_rows(np.array([_axle(w) for w in wheels]))
+    if at.rank_fixed.value == 3:
         triple = next(t for t in combinations(range(len(wheels)), 3) if numeric_rank(rows[list(t)])[0] == 3)
         names = listed([wheels[i].name for i in triple])
         return f"The axles of {names} meet in no common point: nothing can move (rank C1f = 3)."
@@ -62,50 +88,43 @@ def _axles_meet(f: Findings, wheels: list[Wheel]) -> str:
     if abs(null[2]) < SAME:
         where, what = "are parallel and distinct", "straight motion along the wheels"
     else:
-        vx, vy, omega = f.unit.twists(null)
+        vx, vy, omega = at.unit.twists(null)
         x, y = (round(float(v), 12) + 0.0 for v in (-vy / omega, vx / omega))
         where, what = f"meet in ({x:.4g}, {y:.4g})", "rotation about that point"
     return f"The axles of {names} {where}: only {what} slides no wheel (rank C1f = 2)."
 
 
-def _further(n: int) -> str:
-    return "the second adds" if n == 2 else "the others add"
-
-
-def _couplings(f: Findings) -> list[str]:
+def _couplings(at: Configuration) -> list[str]:
     said = []
-    for joint, names in f.robot.couplings:
-        said.append(
-            f"{listed(list(names))} are coupled: their {joint} angles are equal."
-            if joint == "steer"
-            else f"{listed(list(names))} are coupled: they turn at one speed."
-        )
-    if f.admissible.normal is not None:
-        values = [p.constant for p in f.admissible.normal]
-        if values[0] == 0 and values[1] == 0:
+    for joint, names in at.robot.couplings:
+        what = "their steer angles are equal" if joint == "steer" else "they turn at one speed"
+        said.append(f"{listed(list(names))} are coupled: {what}.")
+    normal = at.admissible.normal
+    if normal is not None:
+        if not normal[0] and not normal[1]:
             said.append("With equal steering the axles stay parallel: only translation remains, omega = 0.")
         else:
             said.append("The coupled steering admits a plane of twists only.")
-    elif not f.admissible.linear:
+    elif not at.admissible.linear:
         said.append("The coupled steering admits a cone of twists only.")
-    if coupled_sets(f.robot) and len(f.admissible.chosen) > f.rank_fixed.value:
+    if coupled_sets(at.robot) and len(at.constant) > at.rank_fixed.value:
         said.append("Eliminating the coupled joint rates leaves a further constraint on the body.")
     return said
 
 
-def _steered(f: Findings) -> list[str]:
-    steered = [w for w in f.robot.wheels if w.kind.steers]
-    if not steered or not f.mobility:
+def _steered(at: Configuration, turning: tuple[Wheel, ...]) -> list[str]:
+    steered = [w.name for w in at.robot.wheels if w.kind.steers]
+    if not steered or not at.mobility:
         return []
-    lead = [w.name for w in f.basis_wheels][: f.steerability]
-    rest = [w.name for w in steered if w.name not in lead]
-    if not f.steerability:
-        names = listed([w.name for w in steered])
+    if not at.steerability:
         return [
-            f"{names} can be steered, but one direction alone lets every wheel roll: no freedom of steering is left."
+            f"{listed(steered)} can be steered, but one direction alone lets every wheel roll: "
+            "no freedom of steering is left."
         ]
-    said = f"Steering {listed(lead)} chooses the ICR (delta_s = {f.steerability})"
-    if rest and f.admissible.normal is not None:
+    lead = [w.name for w in turning][: at.steerability]
+    rest = [name for name in steered if name not in lead]
+    said = f"Steering {listed(lead)} chooses the ICR (delta_s = {at.steerability})"
+    if rest and at.admissible.normal is not None:
         said += f"; {listed(rest)} must point the same way round"
     elif rest:
         axles = "its axle" if len(rest) == 1 else "their axles"
@@ -113,20 +132,29 @@ def _steered(f: Findings) -> list[str]:
     return [said + "."]
 
 
-def _degrees(f: Findings) -> list[str]:
-    m, s = f.mobility, f.steerability
+def _free_wheels(at: Configuration) -> list[str]:
+    free = [w for w in at.robot.wheels if not w.kind.constrains]
+    if not free:
+        return []
+    kinds = "; ".join(dict.fromkeys(w.kind.words.free for w in free))
+    return [
+        f"{listed([w.name for w in free])} impose{'s' if len(free) == 1 else ''} no sliding constraint: {kinds}."
+    ]
+
+
+def _degrees(at: Configuration) -> list[str]:
+    m, s = at.mobility, at.steerability
     return [f"delta_m = 3 - rank C1 = 3 - {3 - m} = {m}; delta_M = {m} + {s} = {m + s}."]
 
 
-def _verdict(f: Findings) -> list[str]:
-    pair = (f.mobility, f.steerability)
-    if not f.degenerate:
+def _verdict(at: Configuration) -> list[str]:
+    if not at.degenerate:
         return []
-    fixed = [w for w in f.robot.wheels if w.kind.fixed_axle]
-    lines = axle_lines(fixed)
-    if f.mobility == 0:
+    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
+    lines = _axle_lines(fixed)
+    if at.mobility == 0:
         why = "no motion is free of sliding"
-    elif len(lines) > 1 and any(w.actuated for w in fixed) and _skid(lines):
+    elif len(lines) > 1 and any(w.actuated for w in fixed) and _skids(lines):
         why = (
             "its fixed axles are several parallel lines: it turns only by skidding (skid-steer); "
             "kinematics are least squares and report the residual"
@@ -135,23 +163,21 @@ def _verdict(f: Findings) -> list[str]:
         why = "its fixed axles are not one line, which leaves a single motion"
     else:
         why = "couplings or parallel steering leave fewer freedoms than any useful robot has"
-    return [f"Degenerate: ({pair[0]}, {pair[1]}) is none of Campion's five types, because {why}."]
+    return [f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."]
 
 
-def _skid(lines: list[list[Wheel]]) -> bool:
+def _skids(lines: list[list[Wheel]]) -> bool:
     """Parallel axles with wheels side by side: left and right can be driven apart."""
-    rows = np.array([axle(line[0]) for line in lines])
-    if np.abs(rows[:, 0] * rows[0, 1] - rows[:, 1] * rows[0, 0]).max() > SAME:
+    axle = zero_heading(lines[0][0]) * 1j
+    if any(abs((zero_heading(line[0]) * 1j * axle.conjugate()).imag) > SAME for line in lines):
         return False
-    across = [
-        float(w.nominal.x) * rows[0, 0] + float(w.nominal.y) * rows[0, 1] for line in lines for w in line
-    ]
-    return bool(max(across) - min(across) > SAME)
+    across = [float(w.nominal.x) * axle.real + float(w.nominal.y) * axle.imag for line in lines for w in line]
+    return max(across) - min(across) > SAME
 
 
-def _doubts(f: Findings) -> list[str]:
+def _doubts(at: Configuration) -> list[str]:
     said = []
-    for name, rank in (("C1f", f.rank_fixed), ("C1", f.rank)):
+    for name, rank in (("C1f", at.rank_fixed), ("C1", at.rank)):
         if rank.disagrees:
             values = ", ".join(f"{s:.3g}" for s in rank.singular_values)
             said.append(
@@ -161,3 +187,82 @@ def _doubts(f: Findings) -> list[str]:
         elif rank.value and rank.margin < 1e3:
             said.append(f"rank {name} = {rank.value} is a close call: {rank.margin:.3g} times the tolerance.")
     return said
+
+
+def _coincidences(at: Configuration) -> list[str]:
+    """A sentence for each matrix whose rank is lower at the given values than at general ones of the parameters.
+
+    A mecanum base whose rollers form an X has rank 3 in general and rank 2 when its two half-lengths are equal.
+    """
+    parameters = at.robot.parameters
+    if not parameters:
+        return []
+    values = {
+        p.name: Poly.of(p.nominal * Fraction(1000 + 37 * (k + 1), 1000)) for k, p in enumerate(parameters)
+    }
+
+    def general(w: Wheel) -> Geometry[Poly]:
+        return Geometry(*(fix(getattr(w.symbolic, f.name), values) for f in fields(Geometry)))
+
+    here, there = constrain(at.robot, nominal_view), constrain(at.robot, at.unit.view(general))
+    nominal = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in parameters)
+    said = []
+    for name, ranks in (
+        ("C1f", [_rank([r.row for r in c.sliding_fixed]) for c in (here, there)]),
+        ("J1", [_rank([r.row for r in c.rolling if not r.wheel.turns]) for c in (here, there)]),
+    ):
+        if ranks[0] < ranks[1]:
+            said.append(
+                f"rank {name} is {ranks[0]} at the given values ({nominal}) and {ranks[1]} for general ones."
+            )
+    return said
+
+
+def _rank(rows: list[Row]) -> int:
+    """The rank of the rows that are numbers."""
+    numbers = [[value for p in row if (value := p.constant) is not None] for row in rows]
+    return numeric_rank(unit_rows(to_array([row for row in numbers if len(row) == 3])))[0]
+
+
+def actuation(at: Configuration) -> tuple[str, ...]:
+    """What is actuated beyond or short of need: one sentence for driving, one for steering."""
+    robot = at.robot
+    spins = [w for w in robot.wheels if "spin" in w.actuated]
+    swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
+    free = null_basis(unit_rows(at.at)) if at.at.size else np.eye(3)
+    rows = [_driving_row(w, at) for w in spins] + [_swivelling_row(w) for w in swivelled]
+    independent = 0
+    if rows and len(free):
+        independent = int(np.linalg.matrix_rank(unit_rows(np.array(rows)) @ free.T, tol=1e-9))
+    motors = len(robot.together("spin", spins)) + len(robot.together("steer", swivelled))
+    steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}
+    said = [_balance("driving", motors, independent, at.mobility)]
+    if at.steerability or steering:
+        said.append(_balance("steering", len(steering), min(len(steering), at.steerability), at.steerability))
+    return tuple(said)
+
+
+def _balance(what: str, motors: int, independent: int, need: int) -> str:
+    """``independent``: how many of the freedoms the motors command."""
+    head = f"{what}: {motors} actuated joint{'s' if motors != 1 else ''} for {need} freedom{'s' if need != 1 else ''}"
+    if independent < need:
+        return f"{head}, short by {need - independent}"
+    if motors > independent:
+        extra = motors - independent
+        return f"{head}, {extra} beyond need: {extra} relation{'s' if extra != 1 else ''} must hold between the rates"
+    return f"{head}, exactly enough"
+
+
+def _driving_row(w: Wheel, at: Configuration) -> Array:
+    """Rim speed per twist at the sample configuration, castors at their zero angle: see `constraints.driving_row`."""
+    g = w.nominal
+    heading = steering_for(w, at.admissible.sample) if w.kind.steers else zero_heading(w)
+    row: Array = along(w, heading * complex(float(g.cg), float(g.sg))) - np.array([0.0, 0.0, float(g.o)])
+    return row - float(g.o) * _swivelling_row(w) if w.kind.swivels else row
+
+
+def _swivelling_row(w: Wheel) -> Array:
+    """The twist row of a castor's steering rate."""
+    d = float(w.nominal.d)
+    row: Array = -(_axle(w) + np.array([0.0, 0.0, d])) / d
+    return row

@@ -11,6 +11,7 @@ from wmrgen.exact.poly import Poly, Row
 
 Array = NDArray[np.float64]
 TOLERANCE = 1e-9  # relative to the largest singular value
+CAMPION = ((3, 0), (2, 0), (2, 1), (1, 1), (1, 2))  # the types that are not degenerate
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,22 +81,51 @@ class Mobility:
 
     degree_of_mobility: int
     degree_of_steerability: int
-    degree_of_maneuverability: int
     rank_C1f: Rank
     rank_C1: Rank
-    ddof: int
     dof: int
-    holonomic: bool
-    omnidirectional: bool
-    robot_type: tuple[int, int] | None
-    degenerate: bool
     reasons: tuple[str, ...]
     actuation: tuple[str, ...]
     growth_vector: tuple[int, ...]
-    degree_of_nonholonomy: int
     singularities: tuple[Singularity, ...]
     admissible: Admissible
     basis_rows: tuple[Row, ...]  # independent rows of C1 (working view), steering symbolic
     basis_wheels: tuple[str, ...]  # the steered wheels among them
     null_space: tuple[Row, ...]  # columns, working view
     null_space_symbolic: tuple[Row, ...]
+
+    @property
+    def degree_of_maneuverability(self) -> int:
+        """Siegwart (3.42)."""
+        return self.degree_of_mobility + self.degree_of_steerability
+
+    @property
+    def ddof(self) -> int:
+        """Differentiable degrees of freedom, Siegwart 3.4.1."""
+        return self.degree_of_mobility
+
+    @property
+    def degree_of_nonholonomy(self) -> int:
+        """Steps until the growth vector stays."""
+        return len(self.growth_vector)
+
+    @property
+    def holonomic(self) -> bool:
+        """DDOF = DOF, Siegwart 3.4.2."""
+        return self.ddof == self.dof
+
+    @property
+    def omnidirectional(self) -> bool:
+        """Every twist is possible at once."""
+        return self.ddof == 3
+
+    @property
+    def robot_type(self) -> tuple[int, int] | None:
+        """(degree of mobility, degree of steerability), where that is one of Campion's five types."""
+        pair = (self.degree_of_mobility, self.degree_of_steerability)
+        return pair if pair in CAMPION else None
+
+    @property
+    def degenerate(self) -> bool:
+        """Whether the type is none of Campion's five."""
+        return self.robot_type is None

@@ -11,42 +11,41 @@ from wmrgen.exact.determinant import determinant
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Wheel
-from wmrgen.mobility.findings import Findings, listed
-from wmrgen.mobility.nullspace import primitive
+from wmrgen.mobility.basis import primitive
+from wmrgen.mobility.configure import Configuration
 from wmrgen.mobility.ranks import numeric_rank, to_array, unit_rows
+from wmrgen.mobility.reasons import listed
 from wmrgen.mobility.records import Singularity
 
 MOST_WHEELS = 8  # among which minors are written out
 
 
-def singularities(found: Findings, columns: tuple[Row, ...]) -> tuple[Singularity, ...]:
-    """All singular sets of the layout, each with the conditions that vanish there."""
-    return (*_icr_on_pivot(found), *_shared_axles(found), *_drive(found, columns), *_rolling_rank(found))
+def singularities(
+    at: Configuration, turning: tuple[Wheel, ...], columns: tuple[Row, ...]
+) -> tuple[Singularity, ...]:
+    """All singular sets of the layout, each with the conditions that vanish there.
+
+    ``turning``: the steered wheels that give a row of C1; ``columns``: of the null space of C1.
+    """
+    pivots = [_icr_on_pivot(w) for w in at.robot.wheels if w.kind.steers]
+    return (*pivots, *_shared_axles(at, turning), *_drive(at, turning, columns), *_rolling_rank(at))
 
 
-def _icr_on_pivot(found: Findings) -> list[Singularity]:
+def _icr_on_pivot(w: Wheel) -> Singularity:
     """A steered wheel whose pivot is the ICR: every heading rolls, the inverse holds the present one."""
-    result = []
-    one, zero = Poly.of(1), Poly({})
-    for w in found.robot.wheels:
-        if not w.kind.steers:
-            continue
-        g = working_view(w)
-        conditions: tuple[Row, ...] = ((one, zero, -g.y), (zero, one, g.x))
-        text = f"the ICR lies on the pivot of {w.name}: its heading is undefined, and inverse holds the present angle"
-        result.append(Singularity("icr_on_pivot", conditions, text, (w.name,)))
-    return result
+    g, one, zero = working_view(w), Poly.of(1), Poly({})
+    text = f"the ICR lies on the pivot of {w.name}: its heading is undefined, and inverse holds the present angle"
+    return Singularity("icr_on_pivot", ((one, zero, -g.y), (zero, one, g.x)), text, (w.name,))
 
 
-def _shared_axles(found: Findings) -> list[Singularity]:
+def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singularity]:
     """The independent axles of C1 fall into one line: its rank drops."""
-    wheels = found.basis_wheels
-    if found.mobility != 1 or not wheels:
+    if at.mobility != 1 or not wheels:
         return []
     if len(wheels) == 2:
         a, b = wheels
         conditions = (_towards(a, b), _towards(b, a))
-        many = sum(w.kind.steers for w in found.robot.wheels) > 2 and not _pivots_in_line(found)
+        many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
         what = (
             f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
             if many
@@ -54,13 +53,13 @@ def _shared_axles(found: Findings) -> list[Singularity]:
         )
         text = f"the axles of {a.name} and {b.name} lie on one line: {what}"
         return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
-    fixed = [w for w in found.robot.wheels if w.kind.fixed_axle]
+    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
     if not fixed:
         return []
     f, s = fixed[0], wheels[0]
     offset = _towards(f, s)
     number = offset.constant
-    if number is None or abs(float(number)) > 1e-9 * float(found.unit.length):
+    if number is None or abs(float(number)) > 1e-9 * float(at.unit.length):
         return []
     text = f"{s.name} stands on the axle line of {f.name}: with parallel axles rank C1 falls from 2 to 1"
     return [Singularity("shared_axle", (_parallel(f, s),), text, (f.name, s.name))]
@@ -80,14 +79,14 @@ def _parallel(a: Wheel, b: Wheel) -> Poly:
     return ax * by - ay * bx
 
 
-def _pivots_in_line(found: Findings) -> bool:
-    points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in found.robot.wheels if w.kind.steers])
+def _pivots_in_line(at: Configuration) -> bool:
+    points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in at.robot.wheels if w.kind.steers])
     return int(np.linalg.matrix_rank(points - points[0], tol=1e-9)) < 2
 
 
-def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
+def _drive(at: Configuration, turning: tuple[Wheel, ...], columns: tuple[Row, ...]) -> list[Singularity]:
     """The driven wheels lose their grip on the motion: every rolling row vanishes on the null space."""
-    driven = [w for w in found.robot.wheels if "spin" in w.actuated]
+    driven = [w for w in at.robot.wheels if "spin" in w.actuated]
     if len(columns) != 1 or not driven or any(w.turns for w in driven):
         return []
     rates: list[Poly] = []
@@ -97,7 +96,7 @@ def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
         rate = rate if lead is None else rate.scale(lead[1].inverse())
         if rate and rate not in rates:
             rates.append(rate)
-    if len(rates) > len(found.basis) or any(r.constant is not None for r in rates):
+    if len(rates) > len(turning) or any(r.constant is not None for r in rates):
         return []
     names = tuple(w.name for w in driven)
     one = len(names) == 1
@@ -108,10 +107,10 @@ def _drive(found: Findings, columns: tuple[Row, ...]) -> list[Singularity]:
     return [Singularity("drive", tuple(rates), text, names)]
 
 
-def _rolling_rank(found: Findings) -> list[Singularity]:
+def _rolling_rank(at: Configuration) -> list[Singularity]:
     """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
-    wheels = [w for w in found.robot.wheels if w.kind.rollers]
-    if found.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in found.robot.wheels):
+    wheels = [w for w in at.robot.wheels if w.kind.rollers]
+    if at.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in at.robot.wheels):
         return []
     rows = [[p.constant or Exact(0) for p in rolling_row(w, nominal_view(w)).row] for w in wheels]
     rank, _ = numeric_rank(unit_rows(to_array(rows)))
@@ -132,10 +131,9 @@ def _rolling_rank(found: Findings) -> list[Singularity]:
 def _minors(wheels: list[Wheel]) -> tuple[Poly, ...]:
     """What vanishes, in the named parameters: the 3x3 minors of the rolling rows, each form once."""
     rows = [rolling_row(w, symbolic_view(w)).row for w in wheels[:MOST_WHEELS]]
-    found: list[Poly] = []
-    for a, b, c in combinations(rows, 3):
-        minor = determinant((a, b, c))
-        form = primitive((minor, Poly({}), Poly({})))[0]
-        if form and form.constant is None and form not in found:
-            found.append(form)
-    return tuple(found)
+    forms: list[Poly] = []
+    for triple in combinations(rows, 3):
+        form = primitive((determinant(triple), Poly({}), Poly({})))[0]
+        if form and form.constant is None and form not in forms:
+            forms.append(form)
+    return tuple(forms)

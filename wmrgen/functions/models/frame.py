@@ -17,7 +17,7 @@ from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.nullspace import null_columns
+from wmrgen.mobility.basis import null_columns
 from wmrgen.mobility.records import Mobility
 
 # Points of the unit circle at which generic ranks are decided.

@@ -16,6 +16,7 @@ from wmrgen.functions.models.frame import Frame, constant_rows, fixed, frame, ge
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Geometry, Robot, Virtual, Wheel
+from wmrgen.mobility.admissible import along
 from wmrgen.mobility.configure import pivot_velocity
 from wmrgen.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.mobility.records import Mobility
@@ -143,8 +144,7 @@ def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -
     ]
     for v in wheels:
         w = as_wheel(robot, v)
-        a, b = pivot_velocity(w, mobility.admissible.sample)
-        found.append([-b, a, float(w.nominal.x) * a + float(w.nominal.y) * b])
+        found.append(list(along(w, 1j * pivot_velocity(w, mobility.admissible.sample))))
     rank = numeric_rank(unit_rows(np.array(found)))[0]
     if rank != 3 - mobility.degree_of_mobility:
         names = ", ".join(v.name for v in wheels)

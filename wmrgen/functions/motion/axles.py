@@ -23,7 +23,7 @@ from wmrgen.functions.motion.paths import over, path
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.nullspace import null_columns
+from wmrgen.mobility.basis import null_columns
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import (

@@ -32,7 +32,7 @@ from wmrgen.functions.motion.paths import over
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.nullspace import IDENTITY
+from wmrgen.mobility.basis import IDENTITY
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role

@@ -1,0 +1,180 @@
+"""Independent rows of C1, and their null space with readable entries: polynomials, cleared of common factors.
+
+A rank-1 matrix is an axle: its null space is motion along the wheel and rotation about the axle.
+The null space of a rank-2 matrix is one cross product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from wmrgen.constraints import View, rolling_row, sliding_row
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Gen, Poly, Row, cross
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.admissible import along, geared, zero_heading
+from wmrgen.mobility.configure import Configuration
+from wmrgen.mobility.ranks import independent, singular_values, to_array, unit_rows
+from wmrgen.mobility.records import Array
+
+INDEPENDENT = 1e-3  # smallest singular value of rows taken for clearly independent
+MOST_CANDIDATES = 16  # steered wheels among which the independent ones are sought
+NEGLIGIBLE = 1e-9
+_ZERO, _ONE = Poly({}), Poly.of(1)
+IDENTITY: tuple[Row, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
+
+
+@dataclass(frozen=True, slots=True)
+class BasisRow:
+    """A row of C1 in any view of the geometry, twists in SI units; ``steered``: the wheels that it stands for."""
+
+    row: Callable[[View], Row]
+    steered: tuple[Wheel, ...] = ()
+
+
+def basis(robot: Robot, at: Configuration) -> tuple[BasisRow, ...]:
+    """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs."""
+    fixed = [_constant(robot, at.unit.row(row), index) for row, index in at.constant]
+    numbers = [at.at[: len(fixed)]]
+    if at.admissible.normal is not None:
+        fixed.append(_constant(robot, at.unit.row(at.admissible.normal), None))
+        numbers.append(to_array([[p.constant or ZERO for p in at.admissible.normal]]))
+    numbers.append(at.at[len(at.constant) :])
+    steered = [w for w in robot.wheels if w.kind.steers]
+    candidates = [*fixed, *(_slides(robot, w) for w in steered)]
+    candidates += [_turns_alike(robot, robot.wheels[i], robot.wheels[k]) for i, k in geared(robot)]
+    chosen = _chosen(
+        unit_rows(np.vstack(numbers)), len(fixed), [at.robot.wheels[w.index] for w in steered], at
+    )
+    return tuple(candidates[i] for i in chosen)
+
+
+def turning(rows: Sequence[BasisRow]) -> tuple[Wheel, ...]:
+    """The steered wheels that give a row."""
+    return tuple({w.index: w for row in rows for w in row.steered}.values())
+
+
+def _constant(robot: Robot, row: Row, index: int | None) -> BasisRow:
+    """A constant row: of the wheel ``index``, or of a coupling."""
+    if index is None:
+        return BasisRow(lambda _: row)
+    w = robot.wheels[index]
+    return BasisRow(lambda view: sliding_row(w, view(w)).row)
+
+
+def _slides(robot: Robot, w: Wheel) -> BasisRow:
+    return BasisRow(lambda view: _led(robot, sliding_row(w, view(w)).row), (w,))
+
+
+def _turns_alike(robot: Robot, a: Wheel, b: Wheel) -> BasisRow:
+    """r_b e_a - r_a e_b: the rolling rows of two wheels that turn alike."""
+
+    def row(view: View) -> Row:
+        p, q = view(a), view(b)
+        x, y, k = (
+            u * q.rolling_radius - v * p.rolling_radius
+            for u, v in zip(rolling_row(a, p).row, rolling_row(b, q).row, strict=True)
+        )
+        return _led(robot, (x, y, k))
+
+    return BasisRow(row, tuple(w for w in (a, b) if w.kind.steers))
+
+
+def _led(robot: Robot, row: Row) -> Row:
+    """A row of steered wheels in the joint angles of the wheels that their couplings follow."""
+
+    def value(gen: Gen) -> Poly | None:
+        if gen.kind not in ("cos", "sin"):
+            return None
+        return Poly.gen(gen.kind, robot.wheels[robot.steer_group[robot.wheel(gen.name).index]].name)
+
+    return row[0].substitute(value), row[1].substitute(value), row[2].substitute(value)
+
+
+def _chosen(rows: Array, head: int, steered: list[Wheel], at: Configuration) -> list[int]:
+    """Rows that span: all independent ones of the first ``head``, and the steered wheels that stay independent longest.
+
+    Rows of equal spins (those after the steered wheels) come where the steered wheels do not suffice.
+    Of several choices the one is taken whose axles differ most with every wheel at its zero angle, then with
+    every wheel turned by 90 degrees: the posture model is singular where they fall into one line.
+    """
+    rank = at.rank.value
+    constant = independent(rows[:head], min(rank, head))
+    candidates = range(head, head + min(len(steered), MOST_CANDIDATES))
+    best: tuple[tuple[float, float], list[int]] | None = None
+    for group in combinations(candidates, rank - len(constant)):
+        picked = [*constant, *group]
+        if not picked or singular_values(rows[picked])[-1] < INDEPENDENT:
+            continue
+        wheels = [steered[i - head] for i in group]
+        score = _apart(rows[constant], wheels, 1), _apart(rows[constant], wheels, 1j)
+        if best is None or score > best[0]:
+            best = (score, picked)
+    return best[1] if best is not None else independent(rows, rank)
+
+
+def _apart(constant: Array, wheels: list[Wheel], turned: complex) -> float:
+    """The smallest singular value of the rows with every steered wheel at its zero angle, or ``turned`` from it."""
+    axles = [along(w, 1j * turned * zero_heading(w))[None, :] for w in wheels]
+    return round(singular_values(np.vstack([constant, *axles]))[-1], 6)
+
+
+def null_columns(rows: Sequence[Row]) -> tuple[Row, ...]:
+    """A basis (as columns) of the null space of up to three independent rows."""
+    if not rows:
+        return IDENTITY
+    if len(rows) == 1:
+        return _axle(rows[0])
+    if len(rows) == 2:
+        return (primitive(cross(rows[0], rows[1])),)
+    return ()
+
+
+def _axle(row: Row) -> tuple[Row, ...]:
+    nx, ny, k = row
+    if not nx and not ny:  # a pure ban on rotation
+        return IDENTITY[:2]
+    size = nx * nx + ny * ny
+    forward = primitive((ny, -nx, _ZERO))
+    if not k:
+        return forward, (_ZERO, _ZERO, _ONE)
+    return forward, primitive((-(nx * k), -(ny * k), size))
+
+
+def primitive(row: Row) -> Row:
+    """The row without common factors: no common monomial, leading coefficient 1."""
+    terms = [(m, c) for p in row for m, c in p.terms.items()]
+    if not terms:
+        return row
+    common: dict[Gen, int] = dict(terms[0][0])
+    for m, _ in terms:
+        powers = dict(m)
+        common = {g: min(e, powers.get(g, 0)) for g, e in common.items()}
+        common.update({g: min(e, 0) for g, e in powers.items() if e < 0 and g not in common})
+    shift = {g: e for g, e in common.items() if e}
+    factor = _leading(row)
+    return _shifted(row[0], shift, factor), _shifted(row[1], shift, factor), _shifted(row[2], shift, factor)
+
+
+def _leading(row: Row) -> Exact:
+    """The first coefficient of the first entry that is not negligible beside the largest."""
+    ordered = [
+        c for p in row for _, c in sorted(p.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+    ]
+    largest = max(abs(float(c)) for c in ordered)
+    return next(c for c in ordered if abs(float(c)) > NEGLIGIBLE * largest)
+
+
+def _shifted(p: Poly, shift: dict[Gen, int], factor: Exact) -> Poly:
+    inverse = factor.inverse()
+    terms = {}
+    for m, c in p.terms.items():
+        powers = dict(m)
+        for g, e in shift.items():
+            powers[g] = powers.get(g, 0) - e
+        terms[tuple(sorted((g, e) for g, e in powers.items() if e))] = c * inverse
+    return Poly(terms)

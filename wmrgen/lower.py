@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import sympy
 
-from wmrgen.exact.angles import pi_rational
+from wmrgen.exact.evaluate import pi_rational
 from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function

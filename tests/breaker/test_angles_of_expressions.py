@@ -59,6 +59,12 @@ def test_an_angle_of_numbers(text: str, tmp_path: Path, wmrgen_cli: Callable[...
     assert wmrgen_cli("derive", file, "-o", tmp_path / "out").code == 0
 
 
+@pytest.mark.parametrize("a", ["1 - pi", "{value: 1 - pi, tunable: true}"])
+def test_an_angle_divided_by_a_parameter_that_holds_pi(a: str, tmp_path: Path) -> None:
+    wheel = wmrgen.load(written(tmp_path, a, "1", "2/a")).wheels[0]
+    assert float(wheel.nominal.sh) == pytest.approx(math.sin(2 / (1 - math.pi)), rel=1e-15)
+
+
 @pytest.mark.parametrize("text", TUNABLE)
 def test_an_angle_of_tunable_parameters(
     text: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]

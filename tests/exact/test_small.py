@@ -8,10 +8,9 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from wmrgen.exact.angles import circle
-from wmrgen.exact.derivative import by_angle, derivative
-from wmrgen.exact.determinant import adjugate, determinant, inverse
-from wmrgen.exact.poly import Gen, Poly
+from wmrgen.exact.evaluate import circle
+from wmrgen.exact.linalg import adjugate, determinant, inverse
+from wmrgen.exact.poly import Gen, Poly, by_angle, derivative
 from wmrgen.symbolic import expression
 
 NAMES = ("a", "b", "c")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from wmrgen.cli import console
 from wmrgen.cli.values import from_words
 from wmrgen.errors import UsageError
-from wmrgen.exact.angles import pi_rational
+from wmrgen.exact.evaluate import pi_rational
 from wmrgen.exact.number import Exact
 
 FEWEST = 3

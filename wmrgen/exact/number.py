@@ -6,9 +6,10 @@ An element a + b sqrt2 + c sqrt3 + d sqrt6 is four integers over one common deno
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import cache
-from math import gcd, isqrt
+from functools import cache, total_ordering
+from math import gcd, isqrt, lcm
 
+Rational = int | Fraction
 _DIGITS = 60
 
 
@@ -19,6 +20,7 @@ def sqrt_rational(n: int, digits: int = _DIGITS) -> Fraction:
     return Fraction(isqrt(n * scale * scale), scale)
 
 
+@total_ordering
 class Exact:
     """An immutable element of Q(sqrt2, sqrt3). Hashable, totally ordered, closed under + - * /."""
 
@@ -27,17 +29,13 @@ class Exact:
     num: tuple[int, int, int, int]
     den: int
 
-    def __init__(
-        self, a: int | Fraction = 0, b: int | Fraction = 0, c: int | Fraction = 0, d: int | Fraction = 0
-    ):
+    def __init__(self, a: Rational = 0, b: Rational = 0, c: Rational = 0, d: Rational = 0) -> None:
         self._hash: int | None = None
         if not (b or c or d):  # the common case, kept quick
             self.num, self.den = (a.numerator, 0, 0, 0), a.denominator
             return
         parts = (Fraction(a), Fraction(b), Fraction(c), Fraction(d))
-        den = 1
-        for part in parts:
-            den = den * part.denominator // gcd(den, part.denominator)
+        den = lcm(*(part.denominator for part in parts))
         self.num = tuple(int(part * den) for part in parts)  # type: ignore[assignment]
         self.den = den
 
@@ -63,7 +61,7 @@ class Exact:
         return self
 
     @staticmethod
-    def of(value: Exact | Fraction | int) -> Exact:
+    def of(value: Exact | Rational) -> Exact:
         """``value`` as a field element."""
         return value if isinstance(value, Exact) else Exact(value)
 
@@ -80,7 +78,7 @@ class Exact:
     def __bool__(self) -> bool:
         return any(self.num)
 
-    def __add__(self, other: Exact | Fraction | int) -> Exact:
+    def __add__(self, other: Exact | Rational) -> Exact:
         o = Exact.of(other)
         p, q = self.den, o.den
         a, b = self.num, o.num
@@ -96,13 +94,13 @@ class Exact:
         a, b, c, d = self.num
         return Exact._make((-a, -b, -c, -d), self.den)
 
-    def __sub__(self, other: Exact | Fraction | int) -> Exact:
+    def __sub__(self, other: Exact | Rational) -> Exact:
         return self + (-Exact.of(other))
 
-    def __rsub__(self, other: Exact | Fraction | int) -> Exact:
+    def __rsub__(self, other: Exact | Rational) -> Exact:
         return Exact.of(other) - self
 
-    def __mul__(self, other: Exact | Fraction | int) -> Exact:
+    def __mul__(self, other: Exact | Rational) -> Exact:
         o = Exact.of(other)
         a, b, c, d = self.num
         e, f, g, h = o.num
@@ -136,10 +134,10 @@ class Exact:
         norm = norm3 * flip2  # in Q
         return flip3 * flip2 * Fraction(norm.den, norm.num[0])
 
-    def __truediv__(self, other: Exact | Fraction | int) -> Exact:
+    def __truediv__(self, other: Exact | Rational) -> Exact:
         return self * Exact.of(other).inverse()
 
-    def __rtruediv__(self, other: Exact | Fraction | int) -> Exact:
+    def __rtruediv__(self, other: Exact | Rational) -> Exact:
         return Exact.of(other) * self.inverse()
 
     def __pow__(self, n: int) -> Exact:
@@ -170,11 +168,8 @@ class Exact:
         if not (b or c or d):
             return Fraction(a, self.den)
         value = a + b * sqrt_rational(2, digits) + c * sqrt_rational(3, digits) + d * sqrt_rational(6, digits)
-        size = max(abs(n) for n in self.num)
-        if (
-            abs(value) * 10 ** (digits // 2) < size
-        ):  # cancellation: look closer; a non-zero element is never 0
-            return self.rational(2 * digits)
+        if abs(value) * 10 ** (digits // 2) < max(abs(n) for n in self.num):
+            return self.rational(2 * digits)  # it cancels: look closer; a non-zero element is never 0
         return value / self.den
 
     @property
@@ -184,17 +179,8 @@ class Exact:
             return (self.num[0] > 0) - (self.num[0] < 0)
         return 1 if self.rational() > 0 else -1
 
-    def __lt__(self, other: Exact | Fraction | int) -> bool:
+    def __lt__(self, other: Exact | Rational) -> bool:
         return (self - other).sign < 0
-
-    def __le__(self, other: Exact | Fraction | int) -> bool:
-        return (self - other).sign <= 0
-
-    def __gt__(self, other: Exact | Fraction | int) -> bool:
-        return (self - other).sign > 0
-
-    def __ge__(self, other: Exact | Fraction | int) -> bool:
-        return (self - other).sign >= 0
 
     def __abs__(self) -> Exact:
         return -self if self.sign < 0 else self
@@ -226,7 +212,7 @@ SQRT2 = Exact(0, 1)
 SQRT3 = Exact(0, 0, 1)
 
 
-def exact_sqrt(value: Exact | Fraction | int) -> Exact | None:
+def exact_sqrt(value: Exact | Rational) -> Exact | None:
     """sqrt(value) when value is rational and the root lies in the field, else None."""
     v = Exact.of(value)
     if not v.is_rational or v.sign < 0:

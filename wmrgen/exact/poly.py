@@ -40,6 +40,11 @@ class Gen:
     def __lt__(self, other: Gen) -> bool:
         return self.key < other.key
 
+    @property
+    def alone(self) -> Poly:
+        """The polynomial that is this generator."""
+        return Poly({((self, 1),): ONE})
+
 
 Monomial = tuple[tuple[Gen, int], ...]
 
@@ -64,7 +69,7 @@ class Poly:
     @staticmethod
     def gen(kind: str, name: str = "", *args: Poly) -> Poly:
         """The polynomial that is one generator."""
-        return Poly({((Gen(kind, name, args), 1),): ONE})
+        return Gen(kind, name, args).alone
 
     @property
     def key(self) -> str:
@@ -106,9 +111,7 @@ class Poly:
         if not self.terms:
             return o
         terms = dict(self.terms)
-        for m, c in o.terms.items():
-            old = terms.get(m)
-            terms[m] = c if old is None else old + c
+        _add_to(terms, o.terms.items())
         return Poly(terms)
 
     __radd__ = __add__
@@ -118,9 +121,7 @@ class Poly:
         """The sum of many polynomials, in one pass."""
         terms: dict[Monomial, Exact] = {}
         for p in polys:
-            for m, c in p.terms.items():
-                old = terms.get(m)
-                terms[m] = c if old is None else old + c
+            _add_to(terms, p.terms.items())
         return Poly(terms)
 
     def __neg__(self) -> Poly:
@@ -146,17 +147,18 @@ class Poly:
             return self.scale(b)
         if a is not None:
             return o.scale(a)
-        replaced: list[Poly] = []
-        plain: dict[Monomial, Exact] = {}
+        related: list[Poly] = []
+        plain: list[tuple[Monomial, Exact]] = []
         for m1, c1 in self.terms.items():
             for m2, c2 in o.terms.items():
-                m, special = _merge(m1, m2)
-                if special is None:
-                    old = plain.get(m)
-                    plain[m] = c1 * c2 if old is None else old + c1 * c2
+                m, factor = _merge(m1, m2)
+                if factor is None:
+                    plain.append((m, c1 * c2))
                 else:
-                    replaced.append(Poly({m: c1 * c2}) * special)
-        return Poly.sum((*replaced, Poly(plain)))
+                    related.append(Poly({m: c1 * c2}) * factor)
+        terms: dict[Monomial, Exact] = {}
+        _add_to(terms, plain)
+        return Poly.sum((*related, Poly(terms)))
 
     __rmul__ = __mul__
 
@@ -182,8 +184,7 @@ class Poly:
         """Replace generators for which ``value`` returns a polynomial; the others stay."""
         if self.constant is not None:
             return self
-        replaced: list[Poly] = []
-        plain: dict[Monomial, Exact] = {}
+        summands: list[Poly] = []
         cache: dict[Gen, Poly | None] = {}
         for m, c in self.terms.items():
             kept: list[tuple[Gen, int]] = []
@@ -197,19 +198,23 @@ class Poly:
                 else:
                     factor = factor * v**e
             number = factor.constant
-            if number is not None:
-                old = plain.get(tuple(kept))
-                plain[tuple(kept)] = number if old is None else old + number
-            else:
-                replaced.append(Poly({tuple(kept): ONE}) * factor)
-        return Poly.sum((*replaced, Poly(plain)))
+            summands.append(
+                Poly({tuple(kept): ONE}) * factor if number is None else Poly({tuple(kept): number})
+            )
+        return Poly.sum(summands)
 
     def __repr__(self) -> str:
         return f"Poly({self.key})"
 
 
+def _add_to(terms: dict[Monomial, Exact], others: Iterable[tuple[Monomial, Exact]]) -> None:
+    for m, c in others:
+        old = terms.get(m)
+        terms[m] = c if old is None else old + c
+
+
 def _merge(a: Monomial, b: Monomial) -> tuple[Monomial, Poly | None]:
-    """The product of two monomials; the second part is a factor that a relation produced, or None."""
+    """The product of two monomials; the second part is the factor that a relation puts in place of squares, or None."""
     if not a:
         return b, None
     if not b:
@@ -245,3 +250,21 @@ def has_angles(row: Row) -> bool:
 def dot(a: Row, b: Row) -> Poly:
     """a . b"""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def derivative(poly: Poly, of_generator: Callable[[Gen], Poly]) -> Poly:
+    """The sum over generators g of d poly / d g times ``of_generator(g)``, the derivative of g."""
+    parts = []
+    for monomial, coefficient in poly.terms.items():
+        for g, e in monomial:
+            inner = of_generator(g)
+            if inner:
+                rest = tuple((h, n - (h == g)) for h, n in monomial if n - (h == g))
+                parts.append(Poly({rest: coefficient * e}) * inner)
+    return Poly.sum(parts)
+
+
+def by_angle(poly: Poly, cosine: Gen, sine: Gen) -> Poly:
+    """The derivative by an angle that enters through this cosine and sine alone."""
+    rates = {cosine: -sine.alone, sine: cosine.alone}
+    return derivative(poly, lambda g: rates.get(g, Poly({})))

@@ -15,7 +15,7 @@ import mpmath
 import sympy
 
 from wmrgen.constraints import along, working_view
-from wmrgen.exact.angles import PRECISION, add_angles, circle_point, to_fraction, to_mpf, twelfths
+from wmrgen.exact.evaluate import PRECISION, add_angles, circle_point, to_fraction, to_mpf, twelfths
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals

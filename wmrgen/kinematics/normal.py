@@ -7,7 +7,7 @@ parameters are nominal.
 
 from __future__ import annotations
 
-from wmrgen.exact.determinant import inverse
+from wmrgen.exact.linalg import inverse
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array

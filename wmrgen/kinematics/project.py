@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from wmrgen.constraints import rolling_row, sliding_row, working_view
-from wmrgen.exact.angles import sqrt_poly
-from wmrgen.exact.evaluate import fix
+from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.kinematics.normal import pseudo_inverse

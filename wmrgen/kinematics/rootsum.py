@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import sympy
 
-from wmrgen.exact.angles import sqrt_poly
-from wmrgen.exact.evaluate import fix
+from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.symbolic import Expr, absolute, add, expression, number, root, square, times

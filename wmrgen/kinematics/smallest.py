@@ -18,9 +18,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from wmrgen.exact.angles import circle
-from wmrgen.exact.determinant import cofactor
-from wmrgen.exact.evaluate import fix
+from wmrgen.exact.evaluate import circle, fix
+from wmrgen.exact.linalg import cofactor
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly
 from wmrgen.kinematics.records import Locals

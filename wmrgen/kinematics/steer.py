@@ -13,7 +13,7 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.constraints import heading, working_view
-from wmrgen.exact.angles import add_angles, circle_point
+from wmrgen.exact.evaluate import add_angles, circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.line import STILL, Velocity, line, near_zero, short, turned_by

@@ -8,8 +8,7 @@ from fractions import Fraction
 from math import atan2, hypot, pi, remainder
 
 from wmrgen.errors import RobotFileError
-from wmrgen.exact.angles import cos_sin
-from wmrgen.exact.evaluate import fix, number, parameters_in, substituted
+from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.exact.angles import cos_sin, sqrt_poly
-from wmrgen.exact.evaluate import number
+from wmrgen.exact.evaluate import cos_sin, number, sqrt_poly
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity

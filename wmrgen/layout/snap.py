@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from wmrgen.exact.angles import pi_multiple, pi_rational
-from wmrgen.exact.evaluate import angle_value, number, parameters_in
+from wmrgen.exact.evaluate import angle_value, number, parameters_in, pi_multiple, pi_rational
 from wmrgen.exact.poly import Poly
 
 TOLERANCE = Fraction(1, 1000)

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from wmrgen.constraints import heading, nominal_view, rolling_row, symbolic_view, working_view
-from wmrgen.exact.determinant import determinant
+from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.layout.records import Wheel

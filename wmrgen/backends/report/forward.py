@@ -7,7 +7,7 @@ from wmrgen.backends.report.expr import terms
 from wmrgen.backends.report.markdown import aligned, code, items, math
 from wmrgen.backends.report.subject import CAP, Subject, cut_note, some
 from wmrgen.backends.report.tex import broken, matrix, poly, summands, total, width
-from wmrgen.exact.determinant import determinant
+from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.kinematics.forward import constant_normal
 from wmrgen.kinematics.rigid import spread

@@ -13,7 +13,7 @@ from wmrgen.backends.report.markdown import listed, table
 from wmrgen.backends.report.numbers import plain
 from wmrgen.backends.report.subject import Subject
 from wmrgen.constraints import nominal_view, rolling_row
-from wmrgen.exact.angles import cos_sin
+from wmrgen.exact.evaluate import cos_sin
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel

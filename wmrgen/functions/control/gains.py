@@ -12,7 +12,7 @@ from fractions import Fraction
 
 import mpmath
 
-from wmrgen.exact.angles import to_fraction
+from wmrgen.exact.evaluate import to_fraction
 from wmrgen.exact.number import Exact
 from wmrgen.layout.records import Robot
 

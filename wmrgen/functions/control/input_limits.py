@@ -18,7 +18,7 @@ import sympy
 
 from wmrgen.constraints import working_view
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.angles import circle_point
+from wmrgen.exact.evaluate import circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.unicycle import Reference, reference, wheelbase

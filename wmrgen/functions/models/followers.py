@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from wmrgen.constraints import along, driving_row, sliding_row, steer_gens
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.angles import sqrt_poly
+from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.models.frame import Frame, cleaned, derivative, generic, nominal_at, straight
 from wmrgen.layout.records import Wheel

@@ -12,10 +12,9 @@ from fractions import Fraction
 
 from wmrgen.constraints import View, sliding_row, symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.derivative import by_angle
 from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.exact.poly import Gen, Poly, Row, by_angle
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.basis import null_columns
 from wmrgen.mobility.records import Mobility

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.determinant import adjugate, determinant
+from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.followers import castor_rate, direct, rate_row, rim_row
 from wmrgen.functions.models.frame import Frame, generic, nominal_at

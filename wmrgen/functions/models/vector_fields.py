@@ -11,11 +11,9 @@ from fractions import Fraction
 
 import sympy
 
-from wmrgen.exact.angles import circle
-from wmrgen.exact.derivative import derivative
-from wmrgen.exact.evaluate import fix
+from wmrgen.exact.evaluate import circle, fix
 from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt
-from wmrgen.exact.poly import Gen, Poly
+from wmrgen.exact.poly import Gen, Poly, derivative
 from wmrgen.symbolic import Expr, Input, Parameter
 
 Field = tuple[Poly, ...]

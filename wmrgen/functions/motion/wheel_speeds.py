@@ -23,9 +23,8 @@ import sympy
 
 from wmrgen.constraints import View, driving_row, nominal_view, rolling_row, symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.angles import circle
-from wmrgen.exact.determinant import determinant
-from wmrgen.exact.evaluate import fix
+from wmrgen.exact.evaluate import circle, fix
+from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.motion.paths import over

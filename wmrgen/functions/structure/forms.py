@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from wmrgen.constraints import ConstraintRow
-from wmrgen.exact.derivative import by_angle
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly
+from wmrgen.exact.poly import Gen, Poly, by_angle
 
 ZERO = Poly({})
 THETA = Poly.gen("input", "theta")

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from wmrgen.constraints import symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.angles import sqrt_poly
+from wmrgen.exact.evaluate import sqrt_poly
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.models.frame import constant_rows, fixed, nominal_at, straight
 from wmrgen.functions.models.virtual import steering_frame

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.angles import circle
+from wmrgen.exact.evaluate import circle
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.models.posture import eta_motion, posture_field, posture_state
 from wmrgen.functions.models.rational_points import Dual, Evaluator, Place

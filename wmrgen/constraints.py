@@ -15,10 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Robot, Wheel
 
+T = TypeVar("T", Poly, Exact)
 View = Callable[[Wheel], Geometry[Poly]]
 
 
@@ -87,6 +90,11 @@ def heading(wheel: Wheel, g: Geometry[Poly]) -> tuple[Poly, Poly]:
         return g.ch, g.sh
     c, s = steer_gens(wheel)
     return g.ch * c - g.sh * s, g.sh * c + g.ch * s
+
+
+def arm(g: Geometry[T], c: T, s: T) -> tuple[T, T]:
+    """B - A = d e + o n, from the pivot to the contact of a wheel whose rolling direction e is (c, s)."""
+    return g.d * c - g.o * s, g.d * s + g.o * c
 
 
 def along(direction: tuple[Poly, Poly], g: Geometry[Poly]) -> Row:

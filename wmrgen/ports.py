@@ -37,3 +37,8 @@ class Port:
     unit: str
     text: str = ""
     default: Exact | None = None
+
+
+def output(name: str, unit: str, text: str) -> Port:
+    """The port of a result."""
+    return Port(name, Role.COMMAND, unit, text)

@@ -141,6 +141,21 @@ def times(*factors: Expr) -> Expr:
     return sympy.Mul(*kept, evaluate=False) if len(kept) > 1 else kept[0] if kept else sympy.S.One
 
 
+def over(above: Expr, below: Expr) -> Expr:
+    """above / below as it stands; ``below`` is kept off zero by the caller."""
+    return times(above, sympy.Pow(below, -1, evaluate=below.is_Rational))
+
+
+def rotated(c: Expr, s: Expr, a: Expr, b: Expr) -> tuple[Expr, Expr]:
+    """The vector (a, b) turned by the angle whose cosine and sine are c and s."""
+    return subtract(times(c, a), times(s, b)), add(times(s, a), times(c, b))
+
+
+def rotated_back(c: Expr, s: Expr, a: Expr, b: Expr) -> tuple[Expr, Expr]:
+    """The vector (a, b) turned back by the angle whose cosine and sine are c and s: (a, b) in axes at that angle."""
+    return add(times(c, a), times(s, b)), subtract(times(c, b), times(s, a))
+
+
 def root(a: Expr) -> Expr:
     """The square root as it stands."""
     return sympy.Pow(a, sympy.S.Half, evaluate=False)

@@ -22,7 +22,7 @@ from importlib.abc import InspectLoader
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, TypeVar
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.ports import Limits
 from wmrgen.spec.text import quoted, suggestion
 
@@ -95,6 +95,11 @@ def system(name: str) -> Callable[[_SystemBuilder], _SystemBuilder]:
         return build
 
     return declare
+
+
+def underivable(robot: Robot, what: str, why: str) -> NotDerivableError:
+    """The error of a builder: ``robot`` cannot have ``what``, and why."""
+    return NotDerivableError(f"{robot.name} has no {what}: {why}")
 
 
 def declaration(name: str) -> Declaration:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Limits, Port, Role
-from wmrgen.symbolic import Expr, Local, expression, local, substituted
+from wmrgen.symbolic import Expr, Local, expression, local, signal, substituted
 
 JOINT_UNIT = {"spin": "rad/s", "steer": "rad", "steer_rate": "rad/s"}
 _SPIN = "wheel speed about its axle, positive rolls along the rolling direction"
@@ -80,8 +81,12 @@ class Locals:
         """A new intermediate result as a generator of polynomials."""
         return Poly.gen("local", self.define(name, value).name)
 
-    def adopt(self, formula: Formula, known: dict[Expr, Expr]) -> dict[str, Expr]:
-        """Add the locals of ``formula``, with ``known`` put in; output name -> expression."""
+    def adopt(self, formula: Formula, inputs: Mapping[str, Expr]) -> dict[str, Expr]:
+        """Add the locals of ``formula``, nothing evaluated; output name -> expression.
+
+        ``inputs`` replaces inputs by port name; those that it does not name stay inputs.
+        """
+        known: dict[Expr, Expr] = {signal(name): value for name, value in inputs.items()}
         memo: dict[Expr, Expr] = {}
         for symbol, value in formula.locals:
             known[symbol] = self.define(symbol.name, substituted(value, known, memo))

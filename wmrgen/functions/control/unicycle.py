@@ -147,8 +147,7 @@ def commands(
         "vy": subtract(times(expression(ref.s), v), times(expression(ref.x), omega)),
         "omega": omega,
     }
-    known = {signal(name): names.define(f"{name}_driving", value) for name, value in twist.items()}
-    values = names.adopt(f, {**known})
+    values = names.adopt(f, {name: names.define(f"{name}_driving", value) for name, value in twist.items()})
     outputs = [(port, values[port.name]) for port, _ in f.outputs]
     return tuple(p for p in f.inputs if p.name not in twist), outputs
 

@@ -19,7 +19,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.motion.eigen import smallest_eigenvector
 from wmrgen.functions.motion.icr import centre_ports
-from wmrgen.functions.motion.paths import over, path
+from wmrgen.functions.motion.paths import path
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -34,6 +34,7 @@ from wmrgen.symbolic import (
     expression,
     maximum,
     number,
+    over,
     root,
     select,
     square,

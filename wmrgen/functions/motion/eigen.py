@@ -14,7 +14,6 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.exact.number import Exact
-from wmrgen.functions.motion.paths import over
 from wmrgen.kinematics.records import Locals
 from wmrgen.symbolic import (
     Expr,
@@ -23,6 +22,7 @@ from wmrgen.symbolic import (
     maximum,
     minimum,
     number,
+    over,
     root,
     select,
     square,

@@ -13,23 +13,21 @@ Homogeneous coordinates stay finite (Kelly 4.2.1): a twist turns the body about 
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import cos, sin
 
 import numpy as np
-import sympy
 
-from wmrgen.errors import NotDerivableError
-from wmrgen.functions.motion.paths import FARTHEST, SLOWEST, include, over, path
-from wmrgen.functions.registry import function
+from wmrgen.functions.motion.paths import FARTHEST, SLOWEST, TWIST, path
+from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import inverse
 from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.mobility.records import Array, Mobility
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import add, maximum, number, root, signal, square, subtract, times
+from wmrgen.ports import Port, Role, output
+from wmrgen.symbolic import absolute, add, maximum, over, root, signal, square, subtract, times
 
 POINT = (
     Port("point.x", Role.COMMAND, "m", "a point of the body, robot frame"),
@@ -37,46 +35,40 @@ POINT = (
 )
 
 
-def centre_ports(
-    role: Role = Role.COMMAND, unit: str = "m/s", weight: str = "rad/s"
-) -> tuple[Port, Port, Port]:
+def centre_ports(unit: str = "m/s", weight: str = "rad/s") -> tuple[Port, Port, Port]:
     """icr.x, icr.y, icr.w."""
+    text = "homogeneous: the centre of rotation is (icr.x, icr.y) / icr.w, robot frame"
     return (
+        Port("icr.x", Role.COMMAND, unit, text),
+        Port("icr.y", Role.COMMAND, unit, text),
         Port(
-            "icr.x", role, unit, "homogeneous: the centre of rotation is (icr.x, icr.y) / icr.w, robot frame"
+            "icr.w", Role.COMMAND, weight, "homogeneous weight of the centre; 0: at infinity, a translation"
         ),
-        Port(
-            "icr.y", role, unit, "homogeneous: the centre of rotation is (icr.x, icr.y) / icr.w, robot frame"
-        ),
-        Port("icr.w", role, weight, "homogeneous weight of the centre; 0: at infinity, a translation"),
     )
 
 
 @function("Kelly 4.2.1.1; Tzafestas (2.43)")
-def icr(robot: Robot, _: Mobility) -> Formula:
+def icr(_: Robot, __: Mobility) -> Formula:
     """Twist and a point of the body to the ICR, the curvature of P and the velocity and radius of the point."""
-    del robot
     names = Locals()
-    vx, vy, omega = (signal(n) for n in ("vx", "vy", "omega"))
+    vx, vy, omega = (signal(n) for n in TWIST)
     facts = path((vx, vy, omega), names)
     a = names.define("point_x_rate", subtract(vx, omega * signal("point.y")))
     b = names.define("point_y_rate", add(vy, omega * signal("point.x")))
-    rate = names.define("rate", maximum(sympy.Abs(omega, evaluate=False), number(SLOWEST)))
+    rate = names.define("rate", maximum(absolute(omega), SLOWEST))
     speed = names.define("point_speed", root(add(square(a), square(b))))
-    turning = names.define("point_turning", maximum(rate, over(speed, number(FARTHEST))))
-    centre = zip(centre_ports(), (times(-1, vy), vx, omega), strict=True)
+    turning = names.define("point_turning", maximum(rate, over(speed, FARTHEST)))
     outputs = (
-        *centre,
-        (Port("turns", Role.COMMAND, "", "1 counter-clockwise, -1 clockwise, 0 translation"), facts["turns"]),
-        (Port("radius", Role.COMMAND, "m", "distance of P from the centre, at most 1e9"), facts["radius"]),
-        (Port("curvature", Role.COMMAND, "1/m", "yaw rate over speed of P, at most 1e9 in size"), facts["curvature"]),
-        (Port("point.vx", Role.COMMAND, "m/s", "velocity of the point, robot frame"), a),
-        (Port("point.vy", Role.COMMAND, "m/s", "velocity of the point, robot frame"), b),
-        (Port("point.radius", Role.COMMAND, "m", "distance of the point from the centre, at most 1e9"),
-         over(speed, turning)),
+        *zip(centre_ports(), (times(-1, vy), vx, omega), strict=True),
+        (output("turns", "", "1 counter-clockwise, -1 clockwise, 0 translation"), facts["turns"]),
+        (output("radius", "m", "distance of P from the centre, at most 1e9"), facts["radius"]),
+        (output("curvature", "1/m", "yaw rate over speed of P, at most 1e9 in size"), facts["curvature"]),
+        (output("point.vx", "m/s", "velocity of the point, robot frame"), a),
+        (output("point.vy", "m/s", "velocity of the point, robot frame"), b),
+        (output("point.radius", "m", "distance of the point from the centre, at most 1e9"), over(speed, turning)),
     )  # fmt: skip
     text = "instantaneous centre of rotation of a twist; radius and velocity of a point of the body"
-    return Formula("icr", (*twist_ports(), *POINT), tuple(names.items), tuple(outputs), text)
+    return Formula("icr", (*twist_ports(), *POINT), tuple(names.items), outputs, text)
 
 
 @function("Kelly 4.2.1.2 (Jeantaud), 4.2.2.1.1")
@@ -85,18 +77,17 @@ def steer_to(robot: Robot, mobility: Mobility) -> Formula:
 
     Each wheel takes the nearer of its two branches, as in ``inverse``; fixed wheels pull the centre to their axle.
     """
-    if not any(w.kind.steers for w in robot.wheels):
-        raise NotDerivableError(f"{robot.name} has no steer_to: none of its wheels is steered")
-    names = Locals()
-    x, y, w = centre_ports()
-    formula = inverse(robot, mobility)
-    turned = {"vx": signal("icr.y"), "vy": times(-1, signal("icr.x")), "omega": signal("icr.w")}
-    found = include(formula, turned, names)
     steers = {f"{w.name}.steer" for w in robot.wheels if w.kind.steers}
-    outputs = tuple((p, found[p.name]) for p, _ in formula.outputs if p.name in steers)
-    inputs = (x, y, w, *(p for p in formula.inputs if p.name in steers or p.role is Role.GEOMETRY))
-    text = "centre of rotation to steering angles; a point has icr.w = 1, a direction of infinity icr.w = 0"
-    return Formula("steer_to", inputs, tuple(names.items), outputs, text)
+    if not steers:
+        raise underivable(robot, "steer_to", "none of its wheels is steered")
+    names, formula = Locals(), inverse(robot, mobility)
+    twist = {"vx": signal("icr.y"), "vy": times(-1, signal("icr.x")), "omega": signal("icr.w")}
+    commands = names.adopt(formula, twist)
+    return Formula(
+        "steer_to", (*centre_ports(), *(p for p in formula.inputs if p.name in steers or p.role is Role.GEOMETRY)),
+        tuple(names.items), tuple((p, commands[p.name]) for p, _ in formula.outputs if p.name in steers),
+        "centre of rotation to steering angles; a point has icr.w = 1, a direction of infinity icr.w = 0",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +98,6 @@ class SteeringCheck:
     """
 
     rank: int
-    singular_values: tuple[float, ...]
     odd: tuple[str, ...]
 
     @property
@@ -120,32 +110,31 @@ def check_steering(robot: Robot, steer: Mapping[str, float]) -> SteeringCheck:
     """``steer``: joint angle [rad] by wheel name, 0 where not given."""
     wheels = [w for w in robot.wheels if w.kind.constrains]
     rows = np.array([_row(w, steer) for w in wheels]).reshape(-1, 3)
-    rank, singular = _rank(rows)
+    rank = _rank(rows)
     odd = [
         w.name
         for i, w in enumerate(wheels)
-        if rank == 3 and w.kind.steers and _rank(np.delete(rows, i, axis=0))[0] == 2
+        if rank == 3 and w.kind.steers and _rank(np.delete(rows, i, axis=0)) == 2
     ]
-    return SteeringCheck(rank, singular, tuple(odd))
+    return SteeringCheck(rank, tuple(odd))
 
 
-def _rank(rows: Array) -> tuple[int, tuple[float, ...]]:
-    return numeric_rank(unit_rows(rows)) if len(rows) else (0, ())
+def _rank(rows: Array) -> int:
+    return numeric_rank(unit_rows(rows))[0]
 
 
 def axle_distances(robot: Robot, steer: Mapping[str, float], point: tuple[float, float]) -> dict[str, float]:
     """How far the axle line of each fixed or steered wheel passes from a point of the robot frame [m]."""
-    found = {}
+    distances = {}
     for w in robot.wheels:
         if w.kind.constrains:
             b, a, k = _row(w, steer)  # (-s, c, x c + y s)
-            found[w.name] = abs(a * point[0] - b * point[1] - k)
-    return found
+            distances[w.name] = abs(a * point[0] - b * point[1] - k)
+    return distances
 
 
 def _row(w: Wheel, steer: Mapping[str, float]) -> list[float]:
     """Sliding row of the pivot: [-s, c, x c + y s]."""
-    ch, sh, x, y = (float(v) for v in (w.nominal.ch, w.nominal.sh, w.nominal.x, w.nominal.y))
     angle = steer.get(w.name, 0.0) if w.kind.steers else 0.0
-    c, s = ch * cos(angle) - sh * sin(angle), sh * cos(angle) + ch * sin(angle)
-    return [-s, c, x * c + y * s]
+    e = complex(w.nominal.ch, w.nominal.sh) * cmath.rect(1, angle)
+    return [-e.imag, e.real, float(w.nominal.x) * e.real + float(w.nominal.y) * e.imag]

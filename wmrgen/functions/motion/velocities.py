@@ -12,13 +12,14 @@ which is a rigid body's velocity (Kelly Box 4.2, (4.39), (4.62)); Q is zero wher
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.constraints import View, heading, symbolic_view, working_view
+from wmrgen.constraints import View, arm, heading, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.functions.motion.paths import include, named
+from wmrgen.functions.motion.paths import TWIST, named
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.dynamics import RATES
 from wmrgen.kinematics.forward import forward
@@ -27,13 +28,14 @@ from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, matrix, signal, subtract, times
+from wmrgen.ports import Port, Role, output
+from wmrgen.symbolic import Expr, expression, matrix, rotated, rotated_back, signal
 
-TWIST = ("vx", "vy", "omega")
+ZERO, ONE = Poly({}), Poly.of(1)
 
 
 def _turn(names: Locals) -> tuple[Expr, Expr]:
+    """Cosine and sine of the heading."""
     theta = signal("theta")
     return names.define("cos_theta", sympy.cos(theta)), names.define("sin_theta", sympy.sin(theta))
 
@@ -42,16 +44,16 @@ def _turn(names: Locals) -> tuple[Expr, Expr]:
 def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
     """theta, world velocity and present steering to every joint's command."""
     names = Locals()
-    c, s = _turn(names)
     a, b, omega = (signal(p.name) for p in RATES)
-    vx = names.define("vx_robot", add(times(c, a), times(s, b)))
-    vy = names.define("vy_robot", subtract(times(c, b), times(s, a)))
+    vx, vy = rotated_back(*_turn(names), a, b)
+    twist = {"vx": names.define("vx_robot", vx), "vy": names.define("vy_robot", vy), "omega": omega}
     formula = inverse(robot, mobility)
-    found = include(formula, {"vx": vx, "vy": vy, "omega": omega}, names)
-    inputs = (POSE[2], *RATES, *(p for p in formula.inputs if p.name not in TWIST))
-    outputs = tuple((port, found[port.name]) for port, _ in formula.outputs)
-    text = "velocity of P in the world frame to joint commands"
-    return Formula("inverse_world", inputs, tuple(names.items), outputs, text, calls=tuple(names.calls))
+    commands = names.adopt(formula, twist)
+    return Formula(
+        "inverse_world", (POSE[2], *RATES, *(p for p in formula.inputs if p.name not in TWIST)),
+        tuple(names.items), tuple((port, commands[port.name]) for port, _ in formula.outputs),
+        "velocity of P in the world frame to joint commands", calls=tuple(names.calls),
+    )  # fmt: skip
 
 
 @function("Siegwart (3.9), (3.10); Tzafestas (2.37d), (2.83); Konstantinov (5)")
@@ -60,19 +62,14 @@ def forward_world(robot: Robot, _: Mobility) -> Formula:
     names = Locals()
     c, s = _turn(names)
     formula = forward(robot)
-    found = include(formula, {}, names)
-    vx, vy, omega = named(found, TWIST, "robot", names)
-    outputs = (
-        (RATES[0], subtract(times(c, vx), times(s, vy))),
-        (RATES[1], add(times(s, vx), times(c, vy))),
-        (RATES[2], omega),
-        *((port, found[port.name]) for port, _ in formula.outputs if port.name == "slip"),
-    )
-    text = "sensed joint rates to the velocity of P in the world frame, least squares"
-    return Formula("forward_world", (POSE[2], *formula.inputs), tuple(names.items), outputs, text)
-
-
-ZERO, ONE = Poly({}), Poly.of(1)
+    values = names.adopt(formula, {})
+    vx, vy, omega = named(values, "robot", names)
+    slip = tuple((port, values[port.name]) for port, _ in formula.outputs if port.name == "slip")
+    return Formula(
+        "forward_world", (POSE[2], *formula.inputs), tuple(names.items),
+        (*zip(RATES, (*rotated(c, s, vx, vy), omega), strict=True), *slip),
+        "sensed joint rates to the velocity of P in the world frame, least squares",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,78 +91,59 @@ def contact_points(robot: Robot, view: View = working_view) -> tuple[ContactPoin
     points = []
     for w in robot.wheels:
         g = view(w)
-        c, s = heading(w, g)
-        ax, ay = g.d * c - g.o * s, g.d * s + g.o * c
+        ax, ay = arm(g, *heading(w, g))
         swing = (-ay, ax) if w.turns else (ZERO, ZERO)
         points.append(ContactPoint(w, ((ONE, ZERO, -(g.y + ay)), (ZERO, ONE, g.x + ax)), swing))
     return tuple(points)
 
 
-def matrices(robot: Robot, view: View) -> tuple[list[Row], list[list[Poly]]]:
-    """H (2N x 3) and Q (2N x steering joints): rows x, y of each wheel, columns of Q in wheel order."""
-    points = contact_points(robot, view)
-    turning = [p.wheel.index for p in points if p.wheel.turns]
-    H = [row for p in points for row in p.rows]
-    Q = [
-        [value if k == p.wheel.index else ZERO for k in turning]
-        for p in points
-        for value in p.swing
-    ]  # fmt: skip
-    return H, Q
-
-
 def twist_matrix(robot: Robot) -> sympy.Matrix:
-    """H, 2N x 3, every named parameter a symbol."""
-    return matrix(matrices(robot, symbolic_view)[0], 3)
+    """H, 2N x 3: rows x, y of each wheel, every named parameter a symbol."""
+    return matrix([row for p in contact_points(robot, symbolic_view) for row in p.rows], 3)
 
 
 def steering_matrix(robot: Robot) -> sympy.Matrix:
-    """Q, 2N x M for M wheels that turn, every named parameter a symbol."""
-    return matrix(matrices(robot, symbolic_view)[1], sum(w.turns for w in robot.wheels))
+    """Q, 2N x M for the M wheels that turn, in wheel order; every named parameter a symbol."""
+    turning = [w for w in robot.wheels if w.turns]
+    points = contact_points(robot, symbolic_view)
+    rows = [[entry if w is p.wheel else ZERO for w in turning] for p in points for entry in p.swing]
+    return matrix(rows, len(turning))
 
 
-def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Expr, Expr]]:
+def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Poly, Poly]]:
     """(x, y) velocity of every contact in the robot frame, named."""
     twist: Row = (given("vx"), given("vy"), given("omega"))
     result = []
     for p in points:
         rate = given(f"{p.wheel.name}.steer_rate") if p.swings else ZERO
         a, b = (dot(row, twist) + k * rate for row, k in zip(p.rows, p.swing, strict=True))
-        result.append((names.define(f"{p.wheel.name}_x", a), names.define(f"{p.wheel.name}_y", b)))
+        result.append((names.poly(f"{p.wheel.name}_x", a), names.poly(f"{p.wheel.name}_y", b)))
     return result
 
 
-def point_inputs(
-    robot: Robot, points: tuple[ContactPoint, ...], theta: bool, headings: bool
-) -> tuple[Port, ...]:
-    """Twist, the steering angles that matter, the rates of contacts that swing."""
-    ports = [*twist_ports()]
-    if theta:
-        ports.append(POSE[2])
+def _joints(points: tuple[ContactPoint, ...], headings: bool) -> Iterator[Port]:
+    """Angle and rate of the joints that swing a contact; with ``headings`` the angles of all that turn."""
     for p in points:
         if p.swings or (headings and p.wheel.turns):
-            ports.append(joint_port(p.wheel, "steer", Role.STATE))
+            yield joint_port(p.wheel, "steer", Role.STATE)
         if p.swings:
-            ports.append(joint_port(p.wheel, "steer_rate", Role.COMMAND))
-    return (*ports, *tunable_ports(robot))
-
-
-def point_port(w: Wheel, name: str, text: str) -> Port:
-    """A component [m/s] of the velocity of a contact."""
-    return Port(f"{w.name}.{name}", Role.COMMAND, "m/s", text)
+            yield joint_port(p.wheel, "steer_rate", Role.COMMAND)
 
 
 @function("Kelly (4.39), (4.40), Box 4.2, (4.62)")
 def contact_velocity(robot: Robot, _: Mobility) -> Formula:
     """Twist, steering angles and steering rates to the velocity of every contact point, robot frame."""
     names, points = Locals(), contact_points(robot)
-    outputs = []
-    for p, (a, b) in zip(points, velocities(points, names), strict=True):
-        outputs.append((point_port(p.wheel, "vx", "velocity of the contact point, robot frame"), a))
-        outputs.append((point_port(p.wheel, "vy", "velocity of the contact point, robot frame"), b))
-    inputs = point_inputs(robot, points, theta=False, headings=False)
-    text = "velocity of every contact point in the robot frame: H xi + Q steer_rate"
-    return Formula("contact_velocity", inputs, tuple(names.items), tuple(outputs), text)
+    text = "velocity of the contact point, robot frame"
+    outputs = tuple(
+        (output(f"{p.wheel.name}.{component}", "m/s", text), expression(value))
+        for p, velocity in zip(points, velocities(points, names), strict=True)
+        for component, value in zip(("vx", "vy"), velocity, strict=True)
+    )
+    return Formula(
+        "contact_velocity", (*twist_ports(), *_joints(points, headings=False), *tunable_ports(robot)),
+        tuple(names.items), outputs, "velocity of every contact point in the robot frame: H xi + Q steer_rate",
+    )  # fmt: skip
 
 
 @function("Konstantinov (1)-(3), (2) corrected; Tzafestas (2.71)")
@@ -175,29 +153,24 @@ def projections(robot: Robot, _: Mobility) -> Formula:
     ``along`` = e . v (lambda_i), ``across`` = n . v (mu_i); for a Swedish-90 wheel the rim and the roller speed.
     """
     names, points = Locals(), contact_points(robot)
-    c = names.define("cos_theta", sympy.cos(signal("theta")))
-    s = names.define("sin_theta", sympy.sin(signal("theta")))
+    c, s = _turn(names)
     outputs: list[tuple[Port, Expr]] = []
-    for p, (a, b) in zip(points, velocities(points, names), strict=True):
+    for p, (vx, vy) in zip(points, velocities(points, names), strict=True):
         w = p.wheel
+        parts: list[tuple[str, str, Expr]] = []
         if w.kind.directed:
-            g = working_view(w)
-            ex, ey = heading(w, g)
-            vx, vy = Poly.gen("local", f"{w.name}_x"), Poly.gen("local", f"{w.name}_y")
-            outputs += [
-                (
-                    point_port(w, "along", "contact velocity along the rolling direction e"),
-                    expression(ex * vx + ey * vy),
-                ),
-                (
-                    point_port(w, "across", "contact velocity along the lateral n"),
-                    expression(ex * vy - ey * vx),
-                ),
+            ex, ey = heading(w, working_view(w))
+            parts += [
+                ("along", "the rolling direction e", expression(ex * vx + ey * vy)),
+                ("across", "the lateral n", expression(ex * vy - ey * vx)),
             ]
+        a, b = rotated(c, s, expression(vx), expression(vy))
+        parts += [("x_rate", "world x", a), ("y_rate", "world y", b)]
         outputs += [
-            (point_port(w, "x_rate", "contact velocity along world x"), subtract(times(c, a), times(s, b))),
-            (point_port(w, "y_rate", "contact velocity along world y"), add(times(s, a), times(c, b))),
+            (output(f"{w.name}.{name}", "m/s", f"contact velocity along {direction}"), value)
+            for name, direction, value in parts
         ]
-    inputs = point_inputs(robot, points, theta=True, headings=True)
-    text = "contact velocities along and across each wheel, and in the world"
-    return Formula("projections", inputs, tuple(names.items), tuple(outputs), text)
+    return Formula(
+        "projections", (*twist_ports(), POSE[2], *_joints(points, headings=True), *tunable_ports(robot)),
+        tuple(names.items), tuple(outputs), "contact velocities along and across each wheel, and in the world",
+    )  # fmt: skip

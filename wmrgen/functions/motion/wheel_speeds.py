@@ -27,7 +27,6 @@ from wmrgen.exact.evaluate import circle, fix
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
-from wmrgen.functions.motion.paths import over
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -44,6 +43,7 @@ from wmrgen.symbolic import (
     matrix,
     maximum,
     number,
+    over,
     root,
     signal,
     times,

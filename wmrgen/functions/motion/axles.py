@@ -4,44 +4,52 @@ Among the motions that the fixed wheels allow, the one that slides least for the
 squared lateral velocities of the steered wheels is smallest for a given sum of squared velocities of all wheels
 with an axle. It does not depend on the frame or the unit of length, and a centre at infinity (crab steering) is a
 motion like any other. With one axle line of fixed wheels it is the smaller principal axis of a 2 x 2 matrix,
-without fixed wheels the smallest eigenvector of a 3 x 3 one.
+without fixed wheels the smallest eigenvector of a 3 x 3 one, G, in closed form and defined for every input.
+
+The smallest eigenvalue of G is q + 2 p cos(phi + 2 pi / 3) with q = tr G / 3, p**2 = tr (G - q I)**2 / 6 and
+cos 3 phi = det(G - q I) / 2 p**3. Its cosine loses half the digits where two eigenvalues meet, which Newton steps on
+the characteristic polynomial give back. The adjugate of G - lambda I is then a multiple of the eigenvector's square;
+its largest column is the eigenvector.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 import sympy
 
-from wmrgen.constraints import heading, working_view
-from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
+from wmrgen.constraints import along, heading, working_view
+from wmrgen.exact.determinant import adjugate
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.functions.motion.eigen import smallest_eigenvector
 from wmrgen.functions.motion.icr import centre_ports
-from wmrgen.functions.motion.paths import path
-from wmrgen.functions.registry import function
+from wmrgen.functions.motion.paths import path, sign
+from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.basis import null_columns
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     absolute,
     add,
     angle_of,
     expression,
+    kept_between,
     maximum,
-    number,
     over,
     root,
     select,
     square,
+    subtract,
     times,
 )
 
-FLOOR = Exact(Fraction(1, 10**9))  # [m] wheels this near to each other stand on one point
+NEAR = sympy.Rational(1, 10**9)  # [m] wheels this near to each other stand on one point
+NEWTON_STEPS = 2
+FLOOR = sympy.Rational(1, 10**12)  # a slope or an eigenvector's square below is no information
+Twist = tuple[Expr, Expr, Expr]
 
 
 @function("Kelly 4.2.1.2 (Jeantaud); Siegwart 3.3.1; Tzafestas (2.48)")
@@ -50,7 +58,7 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     steered = [w for w in robot.wheels if w.kind.steers]
     rank = mobility.rank_C1f.value
-    _derivable(robot, steered, rank)
+    _require_icr(robot, steered, rank)
     names = Locals()
     with_axle = [*fixed, *steered]
     if rank == 0:
@@ -58,28 +66,25 @@ def axles(robot: Robot, mobility: Mobility) -> Formula:
     elif rank == 1:
         twist = _two(fixed[0], steered, with_axle, names)
     else:
-        picked = [mobility.basis_rows[k] for k in range(2)]
-        column = null_columns(picked)[0]
+        column = null_columns([mobility.basis_rows[k] for k in range(2)])[0]
         turned = {g.name for p in column for g in p.generators if g.kind in ("cos", "sin")}
         if turned - {w.name for w in steered}:
-            raise NotDerivableError(
-                f"{robot.name} has no axles function: its coupled castors leave a motion that depends on their angle"
+            raise underivable(
+                robot, "axles function", "its coupled castors leave a motion that depends on their angle"
             )
         twist = _one(column, with_axle, names)
     return _formula(robot, twist, steered, len(with_axle), names)
 
 
-def _derivable(robot: Robot, steered: list[Wheel], rank: int) -> None:
+def _require_icr(robot: Robot, steered: list[Wheel], rank: int) -> None:
     places = {(float(w.nominal.x), float(w.nominal.y)) for w in steered}
     if rank == 3:
-        raise NotDerivableError(
-            f"{robot.name} has no axles function: its fixed wheels allow no motion at all"
-        )
+        raise underivable(robot, "axles function", "its fixed wheels allow no motion at all")
     if rank < 2 and len(places) + rank < 2:
-        raise NotDerivableError(
-            f"{robot.name} has no axles function: its axles do not determine an ICR; "
-            "two axle lines do, of steered wheels or of a fixed and a steered one"
-        )
+        raise underivable(
+            robot, "axles function",
+            "its axles do not determine an ICR; two axle lines do, of steered wheels or of a fixed and a steered one",
+        )  # fmt: skip
 
 
 def _mean(values: list[Poly]) -> Poly:
@@ -90,41 +95,40 @@ def _reach(wheels: list[Wheel], x: Poly, y: Poly, names: Locals) -> Expr:
     """RMS distance of the wheels from (x, y) [m], above zero."""
     views = [working_view(w) for w in wheels]
     total = _mean([(g.x - x) ** 2 + (g.y - y) ** 2 for g in views])
-    return names.define("spread", maximum(root(expression(total)), number(FLOOR)))
+    return names.define("spread", maximum(root(expression(total)), NEAR))
 
 
-def _lateral(w: Wheel, x: Poly, y: Poly) -> tuple[Poly, Poly, Poly]:
+def _lateral(w: Wheel, x: Poly, y: Poly) -> Row:
     """(-s, c, k): lateral velocity of the pivot for a motion given at (x, y)."""
     g = working_view(w)
     c, s = heading(w, g)
     return -s, c, (g.x - x) * c + (g.y - y) * s
 
 
-def _three(steered: list[Wheel], names: Locals) -> tuple[Expr, Expr, Expr]:
+def _three(steered: list[Wheel], names: Locals) -> Row:
     """No fixed wheels: the smallest eigenvector, about the centroid of the steered wheels."""
-    x, y = (_mean([getattr(working_view(w), k) for w in steered]) for k in "xy")
+    x, y = _mean([working_view(w).x for w in steered]), _mean([working_view(w).y for w in steered])
     spread = _reach(steered, x, y, names)
     rows = []
     for w in steered:
         a, b, k = (expression(p) for p in _lateral(w, x, y))
-        rows.append(tuple(names.define(f"{w.name}_n{i}", v) for i, v in enumerate((a, b, over(k, spread)))))
-    first = heading(steered[0], working_view(steered[0]))
-    straight = (expression(first[0]), expression(first[1]), sympy.S.Zero)
-    a, b, k = smallest_eigenvector(rows, straight, names)
+        rows.append([names.poly(f"{w.name}_n{i}", v) for i, v in enumerate((a, b, over(k, spread)))])
+    c, s = heading(steered[0], working_view(steered[0]))
+    a, b, k = smallest_eigenvector(rows, (expression(c), expression(s), sympy.S.Zero), names)
     omega = names.define("omega_fit", over(k, spread))
     return _at_origin(a, b, omega, x, y, names)
 
 
-def _two(fixed: Wheel, steered: list[Wheel], every: list[Wheel], names: Locals) -> tuple[Expr, Expr, Expr]:
+def _two(fixed: Wheel, steered: list[Wheel], with_axle: list[Wheel], names: Locals) -> Row:
     """One axle line: along the fixed wheels' rolling direction and about a point (x, y) of their axle.
 
     The point is the foot of the wheels' mean, so that the two motions do not mix.
     """
     g = working_view(fixed)
     ex, ey = g.ch, g.sh
-    far = _mean([ex * (working_view(w).y - g.y) - ey * (working_view(w).x - g.x) for w in every])
+    far = _mean([ex * (working_view(w).y - g.y) - ey * (working_view(w).x - g.x) for w in with_axle])
     x, y = g.x - ey * far, g.y + ex * far
-    spread = _reach(every, x, y, names)
+    spread = _reach(with_axle, x, y, names)
     straight, turning = [], []
     for w in steered:
         a, b, k = _lateral(w, x, y)
@@ -140,57 +144,118 @@ def _two(fixed: Wheel, steered: list[Wheel], every: list[Wheel], names: Locals) 
     return _at_origin(times(expression(ex), ahead), times(expression(ey), ahead), omega, x, y, names)
 
 
-def _one(column: Row, every: list[Wheel], names: Locals) -> tuple[Expr, Expr, Expr]:
+def _one(column: Row, with_axle: list[Wheel], names: Locals) -> Row:
     """Two axle lines of fixed wheels: the motion is known, scaled to unit RMS velocity of the wheels."""
-    views = [working_view(w) for w in every]
+    views = [working_view(w) for w in with_axle]
     a, b, k = column
     size = _mean([(a - k * g.y) ** 2 + (b + k * g.x) ** 2 for g in views])
-    scale = names.define("size", maximum(root(expression(size)), number(FLOOR)))
-    vx, vy, omega = (
-        names.define(f"{n}_axles", over(expression(p), scale))
-        for n, p in zip(("vx", "vy", "omega"), column, strict=True)
-    )
-    return vx, vy, omega
+    scale = names.define("size", maximum(root(expression(size)), NEAR))
+    vx, vy, omega = (over(expression(p), scale) for p in column)
+    return names.poly("vx_axles", vx), names.poly("vy_axles", vy), names.poly("omega_axles", omega)
 
 
-def _at_origin(a: Expr, b: Expr, omega: Expr, x: Poly, y: Poly, names: Locals) -> tuple[Expr, Expr, Expr]:
+def _at_origin(a: Expr, b: Expr, omega: Expr, x: Poly, y: Poly, names: Locals) -> Row:
     """The twist of P from the velocity (a, b) at (x, y), with omega >= 0."""
-    sign = names.define("sign", select(omega, sympy.S.Zero, sympy.S.NegativeOne, sympy.S.One))
-    vx = names.define("vx_axles", times(sign, add(a, times(omega, expression(y)))))
-    vy = names.define("vy_axles", times(sign, add(b, times(-1, omega, expression(x)))))
-    return vx, vy, names.define("omega_axles", times(sign, omega))
+    way = names.define("sign", sign(omega))
+    vx = names.poly("vx_axles", times(way, add(a, times(omega, expression(y)))))
+    vy = names.poly("vy_axles", times(way, add(b, times(-1, omega, expression(x)))))
+    return vx, vy, names.poly("omega_axles", times(way, omega))
 
 
-def _formula(
-    robot: Robot, twist: tuple[Expr, Expr, Expr], steered: list[Wheel], count: int, names: Locals
-) -> Formula:
-    vx, vy, omega = twist
-    facts = path(twist, names)
-    xi: Row = (Poly.gen("local", "vx_axles"), Poly.gen("local", "vy_axles"), Poly.gen("local", "omega_axles"))
+def _formula(robot: Robot, twist: Row, steered: list[Wheel], count: int, names: Locals) -> Formula:
+    vx, vy, omega = (expression(p) for p in twist)
+    facts = path((vx, vy, omega), names)
     errors: list[tuple[Port, Expr]] = []
     slides: list[Expr] = []
     text = "turn that the wheel needs so that its axle meets the ICR"
     for w in steered:
         g = working_view(w)
         c, s = heading(w, g)
-        along = names.define(f"{w.name}_along", dot((c, s, g.x * s - g.y * c), xi))
-        across = names.define(f"{w.name}_across", dot((-s, c, g.x * c + g.y * s), xi))
+        ahead = names.define(f"{w.name}_along", dot(along((c, s), g), twist))
+        across = names.define(f"{w.name}_across", dot(along((-s, c), g), twist))
         slides.append(across)
-        swing = angle_of(select(along, sympy.S.Zero, times(-1, across), across), absolute(along))
-        errors.append((Port(f"{w.name}.error", Role.COMMAND, "rad", text), swing))
-    lateral = (
+        swing = angle_of(select(ahead, sympy.S.Zero, times(-1, across), across), absolute(ahead))
+        errors.append((output(f"{w.name}.error", "rad", text), swing))
+    mismatch = (
         root(times(sympy.Rational(1, count), add(*(square(v) for v in slides)))) if slides else sympy.S.Zero
     )
-    forward = select(vx, sympy.S.Zero, sympy.S.NegativeOne, sympy.S.One)
     outputs = (
         *zip(centre_ports(unit="", weight="1/m"), (times(-1, vy), vx, omega), strict=True),
-        (Port("radius", Role.COMMAND, "m", "distance of P from the ICR, at most 1e9"), facts["radius"]),
-        (Port("curvature", Role.COMMAND, "1/m", "of P driving forward, positive to the left, at most 1e9 in size"),
-         times(forward, facts["curvature"])),
-        (Port("mismatch", Role.COMMAND, "rad", "RMS lateral over RMS velocity of the wheels: 0 where all axles meet"),
-         lateral),
+        (output("radius", "m", "distance of P from the ICR, at most 1e9"), facts["radius"]),
+        (output("curvature", "1/m", "of P driving forward, positive to the left, at most 1e9 in size"),
+         times(sign(vx), facts["curvature"])),
+        (output("mismatch", "rad", "RMS lateral over RMS velocity of the wheels: 0 where all axles meet"), mismatch),
         *errors,
     )  # fmt: skip
     inputs = (*(joint_port(w, "steer", Role.STATE) for w in steered), *tunable_ports(robot))
     text = "ICR that the axles point at, least squares; homogeneous, of unit RMS wheel velocity"
     return Formula("axles", inputs, tuple(names.items), outputs, text)
+
+
+def smallest_eigenvector(rows: Sequence[Sequence[Poly]], fallback: Twist, names: Locals) -> Twist:
+    """The unit vector v with the least sum of (row . v)**2; ``fallback`` where the rows are all parallel."""
+    share = sympy.Rational(1, len(rows))
+    sums = [[expression(Poly.sum(r[i] * r[j] for r in rows)) for j in range(3)] for i in range(3)]
+    gram = _symmetric([[times(share, entry) for entry in row] for row in sums], "g", names)
+    eigenvalue = _smallest_eigenvalue(gram, names)
+    for i in range(3):
+        gram[i][i] = names.poly(f"m{i}{i}", subtract(expression(gram[i][i]), eigenvalue))
+    column = _largest_column(_symmetric(adjugate(gram), "k", names), names)
+    size = names.define("vector_size", root(add(*(square(v) for v in column))))
+    kept = names.define("vector_kept", maximum(size, FLOOR))
+    a, b, c = (
+        names.define(f"vector{i}", select(FLOOR, size, over(v, kept), f))
+        for i, (v, f) in enumerate(zip(column, fallback, strict=True))
+    )
+    return a, b, c
+
+
+def _symmetric(m: Sequence[Sequence[Expr | Poly]], name: str, names: Locals) -> list[list[Poly]]:
+    """A symmetric 3 x 3 matrix, the entries of its upper half named."""
+    upper = {(i, j): names.poly(f"{name}{i}{j}", m[i][j]) for i in range(3) for j in range(i, 3)}
+    return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+
+
+def _smallest_eigenvalue(gram: list[list[Poly]], names: Locals) -> Expr:
+    """The smallest eigenvalue, between 0 and a third of the trace."""
+    adj = _symmetric(adjugate(gram), "adj", names)
+    trace = names.define("trace", gram[0][0] + gram[1][1] + gram[2][2])
+    second = names.define("second", adj[0][0] + adj[1][1] + adj[2][2])
+    third = names.define("third", Poly.sum(p * q for p, q in zip(gram[0], adj[0], strict=True)))
+    mean = names.define("mean", times(sympy.Rational(1, 3), trace))
+    value = kept_between(sympy.S.Zero, _cosine_root(trace, second, third, mean, names), mean)
+    value = names.define("eigenvalue0", value)
+    for k in range(NEWTON_STEPS):
+        rest = add(third, times(value, subtract(times(value, subtract(trace, value)), second)))
+        slope = add(second, times(value, subtract(times(3, value), times(2, trace))))
+        step = over(rest, maximum(slope, FLOOR))
+        value = names.define(f"eigenvalue{k + 1}", kept_between(sympy.S.Zero, add(value, step), mean))
+    return value
+
+
+def _cosine_root(trace: Expr, second: Expr, third: Expr, mean: Expr, names: Locals) -> Expr:
+    """q + 2 p cos(phi + 2 pi / 3) from the invariants: p**2 = (tr**2 - 3 second) / 9, and with x = lambda - q
+
+    det(G - q I) = third - q second + 2 q**3.
+    """
+    zero, one = sympy.S.Zero, sympy.S.One
+    spread = times(sympy.Rational(1, 9), subtract(square(trace), times(3, second)))
+    p = names.define("half_range", root(maximum(spread, zero)))
+    cube = maximum(times(2, p, p, p), FLOOR)
+    shifted = add(third, times(mean, subtract(times(2, mean, mean), second)))
+    ratio = names.define("ratio", kept_between(sympy.S.NegativeOne, over(shifted, cube), one))
+    height = root(maximum(subtract(one, square(ratio)), zero))
+    angle = add(times(sympy.Rational(1, 3), angle_of(height, ratio)), times(sympy.Rational(2, 3), sympy.pi))
+    return add(mean, times(2, p, sympy.cos(names.define("angle", angle))))
+
+
+def _largest_column(k: list[list[Poly]], names: Locals) -> list[Expr]:
+    """The column of a positive semidefinite matrix with the largest diagonal entry."""
+    one, two, three = (expression(k[i][i]) for i in range(3))
+    best = names.define("k_best", maximum(one, two))
+    column = []
+    for i, row in enumerate(k):
+        a, b, c = (expression(p) for p in row)
+        value = select(best, three, c, select(one, two, b, a))
+        column.append(names.define(f"column{i}", value))
+    return column

@@ -20,7 +20,7 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.constraints import along, heading, working_view
-from wmrgen.exact.determinant import adjugate
+from wmrgen.exact.linalg import adjugate
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.motion.icr import centre_ports
 from wmrgen.functions.motion.paths import path, sign

@@ -10,20 +10,18 @@ def main() -> None:
     """Run the command line; exits with its code."""
     # A short run makes few cycles and many objects: collecting often costs a tenth of it.
     gc.set_threshold(200_000, 20, 20)
-    from wmrgen.cli.console import close, prepare
+    from wmrgen.cli import console
 
-    prepare()
-    from wmrgen.cli.outcome import Stopped, heed_signals, stopped
-
-    heed_signals()
+    console.prepare()
+    console.heed_signals()
     try:
         from wmrgen.cli.app import app
 
         app()
-    except Stopped as stop:
-        sys.exit(stopped(stop))
+    except console.Stopped as stop:
+        sys.exit(console.stopped(stop))
     finally:
-        close()
+        console.close()
         gc.freeze()  # the process ends here: spare it a last search for cycles through all of sympy
 
 

@@ -12,7 +12,7 @@ import pytest
 from tests.laws.common import derived
 from tests.oracle import oracle
 from tests.oracle.harness import twist_of
-from wmrgen.cli.evaluate import _compute
+from wmrgen.cli.evaluate import computed
 from wmrgen.exact.number import Exact
 
 Layout = dict[str, Any]
@@ -78,7 +78,7 @@ def test_smallest_least_squares_twist(name: str, backend: str, accuracy: float) 
     function = next(f for f in derivation.raw_module.functions if f.name == "forward")
     known = cases(layout)
     given = [{p.name: Exact.of(Fraction(case[p.name])) for p in function.inputs} for case in known]
-    for case, result in zip(known, _compute(derivation, function, given, backend), strict=True):
+    for case, result in zip(known, computed(derivation, function, given, backend), strict=True):
         twist, residual, found = oracle.forward(layout, case)
         assert found <= rank
         rows, values = oracle.known_rows(layout, case)

@@ -65,7 +65,12 @@ def test_check_without_the_library(
     write_tree(tmp_path / "generated" / "textbook", {"textbook.c": b"the library"})
     (tmp_path / "generated" / "pair" / "pair.c").unlink()
     done = wmrgen_cli("check")
-    assert done.code == 4 and "wmrgen[textbook]" in done.err and "pair.c: missing" in done.out
+    assert (
+        done.code == 4
+        and "wmrgen[textbook]" in done.err
+        and "pip install ./textbook" in done.err
+        and "pair.c: missing" in done.out
+    )
 
 
 @pytest.mark.slow

@@ -1,7 +1,8 @@
-"""Printing: the only module that does. Results go to stdout, everything else to stderr.
+"""What a command says, and how it ends: the only module that prints.
 
-Colour (by Rich) only on a terminal. Output is UTF-8 whatever the locale, and control characters that come
-from a robot file are shown as escapes.
+Results go to stdout, everything else to stderr. Colour (by Rich) only on a terminal. Output is UTF-8 whatever the
+locale, and control characters that come from a robot file are shown as escapes. An error ends a command with its exit
+code and in words, a signal with that of shells.
 """
 
 from __future__ import annotations
@@ -11,15 +12,20 @@ import io
 import json
 import math
 import os
+import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from types import FrameType
 from typing import BinaryIO, TextIO, cast
 
-from wmrgen.errors import EnvironmentFailure
+from wmrgen import __version__
+from wmrgen.errors import EnvironmentFailure, UsageError, WmrgenError
 
 PATIENCE = 1.0  # seconds after which a progress line appears
 _PIPE = 141  # the exit code of a process that SIGPIPE ended
+_BUG = 70  # exit code of an internal error, as in sysexits.h
+_WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "the terminal was closed"}
 
 
 class _Stream(io.TextIOWrapper):
@@ -163,3 +169,67 @@ def _line(stream: TextIO, text: str, style: str) -> None:
 def _clean(text: str) -> str:
     """``text`` with everything but printable characters and line ends shown as escapes."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+
+
+# ---- how a command ends
+
+
+class Stopped(BaseException):
+    """A signal asks the process to end: what is staged is removed, what was started is stopped."""
+
+    def __init__(self, name: str, number: int) -> None:
+        super().__init__(name)
+        self.name, self.number = name, number
+
+
+def heed_signals() -> None:
+    """End by `Stopped` at signals that ask for an end, but for those that the caller ignores."""
+    for name in _WORDS:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
+
+
+def _stop(number: int, _: FrameType | None) -> None:
+    signal.signal(number, signal.SIG_DFL)  # a second one ends the process at once
+    raise Stopped(signal.Signals(number).name, number)
+
+
+def stopped(stop: Stopped) -> int:
+    """The exit code after a signal, as shells have it."""
+    failure(_WORDS[stop.name])
+    return 128 + stop.number
+
+
+def outcome(work: Callable[[], int]) -> int:
+    """The exit code of ``work``; an error is told in words, one of ours in one line."""
+    try:
+        return work()
+    except WmrgenError as error:
+        failure(str(error))
+        return error.exit_code
+    except OverflowError:
+        failure("a result is beyond the range of a double: give smaller values")
+        return UsageError.exit_code
+    except KeyboardInterrupt:
+        return stopped(Stopped("SIGINT", 2))
+    except Stopped as stop:
+        return stopped(stop)
+    except (Exception, RecursionError) as error:
+        failure(_bug(error))
+        return _BUG
+
+
+def _bug(error: BaseException) -> str:
+    """One line about an error that is ours; the stack trace goes to a file."""
+    import traceback
+
+    from wmrgen.artifacts import write_log
+
+    what = f"{type(error).__name__}: {error}".splitlines()[0][:200]
+    text = f"this is a bug in wmrgen {__version__}: {what}"
+    try:
+        log = write_log(f"wmrgen {__version__}\n" + "".join(traceback.format_exception(error)))
+    except OSError:
+        return text
+    return f"{text} (details in {log})"

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, cast
 
 import wmrgen
 from wmrgen.backends.registry import EXACT_WORD, Entry, known_words, of_word
 from wmrgen.cli import console
-from wmrgen.cli.gains import warn
-from wmrgen.cli.loading import noted
-from wmrgen.cli.values import Case, from_file, from_words
+from wmrgen.cli.loading import noted, warn_of_gains
+from wmrgen.cli.values import Case, from_file, from_words, note_zeros
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.ir.kernels.choice import DEFAULT, Choice
+from wmrgen.ir.kernels.choice import DEFAULT, Choice, choice
 
 if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
@@ -36,31 +36,32 @@ class Modules(Protocol):
         """Cut for C."""
 
 
-def run(
-    path: Path,
-    name: str,
-    words: Sequence[str],
-    *,
+def evaluate(
+    robot: Path,
+    function: str,
+    values: Sequence[str] | None,
     backend: str,
-    choice: Choice,
+    scalar: str,
+    math: str | None,
+    target: str,
     cases: str | None,
     as_json: bool,
 ) -> int:
-    """Evaluate one case from the words, or every case of a file."""
-    if cases is not None and words:
+    """Evaluate one case from the words ``values``, or every case of the file ``cases``."""
+    chosen = choice(scalar, math, target)
+    if cases is not None and values:
         raise UsageError("give NAME=VALUE words or --cases, not both")
-    if backend != EXACT_WORD:
-        _entry(backend)  # which says what there is
+    _entry(backend)  # which says what there is
     with console.progress() as step:
-        step(f"deriving {path}")
-        derivation = _source(path, name)
-        function = derivation.raw_module.function(name)
-        ports = function.inputs
-        given = [from_words(words, ports)] if cases is None else from_file(cases, ports)
-        step(f"computing {name} with {backend}")
-        complete = [_completed(function, case) for case in given]
-        results = _compute(derivation, function, complete, backend, choice)
-    _say_zeros(function, given)
+        step(f"deriving {robot}")
+        modules = _modules(robot, function)
+        written = modules.raw_module.function(function)
+        given = (
+            [from_words(values or (), written.inputs)] if cases is None else from_file(cases, written.inputs)
+        )
+        step(f"computing {function} with {backend}")
+        results = computed(modules, written, [_completed(written, case) for case in given], backend, chosen)
+    note_zeros([port for port in written.inputs if port.default is None], given)
     if cases is not None:
         console.data(results)
     elif as_json:
@@ -70,27 +71,21 @@ def run(
     return 0
 
 
-def _source(path: Path, name: str) -> Modules:
+def _modules(path: Path, name: str) -> Modules:
     """The function of a robot; of the library where ``path`` is the word textbook and no such file is there."""
     if path == Path("textbook") and not path.is_file():
         from wmrgen.cli.textbook import installed
 
         return cast(Modules, installed().library(name))
-    robot = noted(wmrgen.load(path))
-    if name == "goto_pose" and robot.gains:
-        warn(robot)
-    return wmrgen.derive(robot, [known(robot.name, name)])
-
-
-def known(robot: str, name: str) -> str:
-    """The name, when a function has it."""
     from wmrgen.functions.registry import has_function, names
 
+    robot = noted(wmrgen.load(path))
+    if name == "goto_pose":
+        warn_of_gains(robot)
     if not has_function(name):
-        raise UsageError(
-            f"{robot} has no function {name!r}; functions that a robot may have: {' '.join(names())}"
-        )
-    return name
+        every = " ".join(names())
+        raise UsageError(f"{robot.name} has no function {name!r}; functions that a robot may have: {every}")
+    return wmrgen.derive(robot, [name])
 
 
 def _completed(function: Function, case: Case) -> dict[str, Exact]:
@@ -98,52 +93,55 @@ def _completed(function: Function, case: Case) -> dict[str, Exact]:
     return {p.name: case.get(p.name, ZERO if p.default is None else p.default) for p in function.inputs}
 
 
-def _say_zeros(function: Function, cases: Sequence[Case]) -> None:
-    zeros = [p.name for p in function.inputs if p.default is None and any(p.name not in c for c in cases)]
-    if zeros:
-        console.note(f"not given, taken as 0: {' '.join(zeros)}")
-
-
-def _compute(
-    derivation: Modules,
+def computed(
+    modules: Modules,
     function: Function,
-    cases: Sequence[dict[str, Exact]],
+    cases: Sequence[Mapping[str, Exact]],
     backend: str,
     choice: Choice = DEFAULT,
 ) -> list[dict[str, float]]:
-    if backend == EXACT_WORD:
+    """Outputs of ``function`` for each case, as the backend that the command line calls ``backend`` computes them."""
+    entry = _entry(backend)
+    if entry is None:
         from wmrgen.ir.interpret import EXACT, evaluate_module
 
-        module = derivation.raw_module
+        module = modules.raw_module
         return [_doubles(evaluate_module(module, function.name, case, EXACT)) for case in cases]
-    entry = _entry(backend)
-    module = getattr(derivation, entry.source)
-    has = [f.name for f in module.functions]
+    module = getattr(modules, entry.source)
     # A backend may give the residual in a function of its own, so that who does not need it does not pay.
     parts = [f.name for f in module.functions if (f.variant_of or f.name) == function.name]
     if not parts:
-        raise UsageError(
-            f"{backend} has no function {function.name!r} of {module.name}; it has: {' '.join(has)}"
-        )
+        has = " ".join(f.name for f in module.functions)
+        raise UsageError(f"{backend} has no function {function.name!r} of {module.name}; it has: {has}")
     doubles = [_doubles(case) for case in cases]
     results: list[dict[str, float]] = [{} for _ in cases]
     for part in parts:
-        found = entry.evaluate(module, part, doubles, choice.words())
-        for result, more in zip(results, found, strict=True):
+        for result, more in zip(results, entry.evaluate(module, part, doubles, choice.words()), strict=True):
             result.update(more)
+    _note_overflow(results, entry, choice)
     order = [port.name for port in function.outputs]
     return [{name: result[name] for name in order if name in result} for result in results]
 
 
-def _entry(word: str) -> Entry:
-    """The backend that the command line calls ``word``."""
+def _note_overflow(results: Sequence[Mapping[str, float]], entry: Entry, choice: Choice) -> None:
+    """Say which outputs are no finite numbers: JSON has null for them."""
+    names = dict.fromkeys(name for result in results for name in result if not isfinite(result[name]))
+    if names:
+        why = ""
+        if "scalar" in entry.options and choice.scalar == "float":
+            why = " (the numbers of float end at 3.4e38; --scalar double goes further)"
+        console.note(f"not finite, null in JSON: {' '.join(names)}{why}")
+
+
+def _entry(word: str) -> Entry | None:
+    """The backend that the command line calls ``word``; None is exact arithmetic. UsageError where there is none."""
     entry = of_word(word)
-    if entry is None:
+    if entry is None and word != EXACT_WORD:
         raise UsageError(f"there is no backend {word!r}; there are: {' '.join(known_words())}")
     return entry
 
 
-def _doubles(values: dict[str, Exact]) -> dict[str, float]:
+def _doubles(values: Mapping[str, Exact]) -> dict[str, float]:
     """Each value rounded to the nearest double."""
     try:
         return {name: float(value) for name, value in values.items()}

@@ -22,6 +22,15 @@ def noted(robot: Robot) -> Robot:
     return robot
 
 
+def warn_of_gains(robot: Robot) -> None:
+    """Say which gains of a robot's file do not stabilise, or not from everywhere."""
+    if robot.gains:
+        from wmrgen.functions.control.gains import warnings
+
+        for text in warnings(robot):
+            console.note(f"{robot.name}: warning: {text}")
+
+
 @contextmanager
 def derived(path: Path, functions: Sequence[str] | None = None) -> Iterator[Derivation]:
     """The model of a robot file with some functions; what is computed inside the context counts as progress."""

@@ -8,13 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import wmrgen
+from wmrgen import compiler
+from wmrgen.backends.c99.eva import alarms, command, harness
+from wmrgen.bounds.domain import Range, wanted
+from wmrgen.bounds.partition import cases
+from wmrgen.bounds.precision import SINGLE
+from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound, data, functions
+from wmrgen.bounds.text import described
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted
 from wmrgen.errors import NotDerivableError
 
 if TYPE_CHECKING:
-    from wmrgen.bounds.domain import Range
-    from wmrgen.bounds.robot import Bounds, FunctionBound, OutputBound
     from wmrgen.ir.nodes import Function
     from wmrgen.robot import Derivation
 
@@ -23,89 +28,75 @@ _FINER = 5  # how often Eva gets the inputs in smaller parts
 _INSTALL = "Debian, Ubuntu: apt-get install frama-c-base"
 
 
-def run(path: Path, *, as_json: bool) -> int:
+def prove(robot: Path, as_json: bool) -> int:
     """Our own analysis, then Frama-C Eva where it is installed. NotDerivableError where something is not proved."""
-    from wmrgen.bounds.robot import data
-
     with console.progress() as step:
-        step(f"deriving {path}")
-        robot = noted(wmrgen.load(path))
-        derivation = wmrgen.derive(robot)
-        step(f"bounding {robot.name}")
-        found = derivation.bounds
-        if found.missing:
-            raise NotDerivableError(_needed(robot.name, found))
-        told = eva(derivation, found, step)
+        step(f"deriving {robot}")
+        derivation = wmrgen.derive(noted(wmrgen.load(robot)))
+        name = derivation.robot.name
+        step(f"bounding {name}")
+        bounds = derivation.bounds
+        if bounds.missing:
+            raise NotDerivableError(
+                f"{name}: nothing can be proved without limits of {' and '.join(bounds.missing)}. Write in the robot "
+                f"file, with the values of your robot [m/s, rad/s]:\n  {wanted(bounds.missing)}"
+            )
+        verdict = eva(derivation, bounds, step)
     if as_json:
-        console.data({"name": robot.name, **data(found), "eva": told})
+        console.data({"name": name, **data(bounds), "eva": verdict})
     else:
-        _show(robot.name, found, told)
-    open_ = [f"{f.name}: {text}" for f in found.functions for text in f.alarms] + list(told.get("alarms", []))
-    if open_:
-        raise NotDerivableError(f"{robot.name}: not proved:\n  " + "\n  ".join(open_))
+        _show(name, bounds, verdict)
+    unproved = [f"{f.name}: {text}" for f in bounds.functions for text in f.alarms] + list(
+        verdict.get("alarms", [])
+    )
+    if unproved:
+        raise NotDerivableError(f"{name}: not proved:\n  " + "\n  ".join(unproved))
     return 0
 
 
-def _needed(name: str, found: Bounds) -> str:
-    from wmrgen.bounds.domain import wanted
-
-    return (
-        f"{name}: nothing can be proved without limits of {' and '.join(found.missing)}. Write in the robot file, "
-        f"with the values of your robot [m/s, rad/s]:\n  {wanted(found.missing)}"
-    )
-
-
 def eva(
-    derivation: Derivation, found: Bounds, step: Callable[[str], None] = lambda _: None
+    derivation: Derivation, bounds: Bounds, step: Callable[[str], None] = lambda _: None
 ) -> dict[str, Any]:
     """What Eva says: its alarms (none is good); why it was not run. ``step`` is told what is looked at."""
-    from wmrgen.backends.c99.eva import alarms, command, harness
-    from wmrgen.bounds.partition import cases
-    from wmrgen.bounds.precision import SINGLE
-    from wmrgen.bounds.robot import functions
-    from wmrgen.compiler import find_tool, run_tool
-
-    tool = find_tool(_TOOL)
+    tool = compiler.find_tool(_TOOL)
     if tool is None:
         return {"run": False, "reason": f"{_TOOL} is not on the PATH ({_INSTALL})"}
-    ranges = {f.name: f.inputs for f in found.functions if not f.unknown}
+    ranges = {f.name: f.inputs for f in bounds.functions if not f.unknown}
     chosen = [f for f in functions(derivation.c_module) if f.name in ranges]
 
-    def left(of: Sequence[Function], finer: int) -> tuple[str, ...]:
+    def alarms_of(of: Sequence[Function], finer: int) -> tuple[str, ...]:
         """Alarms of some functions. Smaller parts help only with sines that are known on them."""
         parts = {f.name: cases(f, ranges[f.name], SINGLE, finer) for f in of}
         files = harness(derivation.c_module, parts, waves=finer > 0)
         count = sum(map(len, parts.values()))
         what = f"{of[0].name}, {count} part{'s' * (count > 1)}" if len(of) == 1 else "all functions"
         step(f"running {_TOOL} on {derivation.robot.name}: {what}")
-        return alarms(run_tool(command(tool, derivation.robot.name, finer > 0), files))
+        return alarms(compiler.run_tool(command(tool, derivation.robot.name, finer > 0), files))
 
-    open_ = left(chosen, 0)
-    if open_:
-        open_ = tuple(text for f in chosen for text in _persistent(partial(left, [f])))
-    return {"run": True, "alarms": list(open_)}
+    raised = alarms_of(chosen, 0)
+    if raised:
+        raised = tuple(text for f in chosen for text in _persistent(partial(alarms_of, [f])))
+    return {"run": True, "alarms": list(raised)}
 
 
-def _persistent(left: Callable[[int], tuple[str, ...]]) -> tuple[str, ...]:
+def _persistent(alarms_with: Callable[[int], tuple[str, ...]]) -> tuple[str, ...]:
     """The alarms that remain however small the parts are."""
-    found: tuple[str, ...] = ()
+    raised: tuple[str, ...] = ()
     for finer in range(_FINER):
-        found = left(finer)
-        if not found:
+        raised = alarms_with(finer)
+        if not raised:
             break
-    return found
+    return raised
 
 
-def _show(name: str, found: Bounds, eva: Mapping[str, Any]) -> None:
-    from wmrgen.bounds.text import described
-
-    limits = ", ".join(_limit(n, r) for n, r in found.declared.items())
-    console.result(f"{name}: float, {described(found.library)}")
+def _show(name: str, bounds: Bounds, eva: Mapping[str, Any]) -> None:
+    limits = ", ".join(_limit(n, r) for n, r in bounds.declared.items())
+    console.result(f"{name}: float, {described(bounds.library)}")
     console.result(f"  limits: {limits}")
-    if found.assumed:
-        console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in found.assumed.items())}")
-    for f in found.functions:
-        _function(f, found.declared)
+    if bounds.assumed:
+        console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in bounds.assumed.items())}")
+    for f in bounds.functions:
+        _function(f, bounds.declared)
     if eva["run"]:
         count = len(eva["alarms"])
         console.result(
@@ -121,9 +112,6 @@ def _limit(name: str, r: tuple[float, float]) -> str:
 
 
 def _function(f: FunctionBound, declared: Mapping[str, Range]) -> None:
-    from wmrgen.bounds.domain import wanted
-    from wmrgen.bounds.robot import SINGULAR
-
     if f.unknown:
         console.result(f"{f.name}: not looked at, no range for {', '.join(f.unknown)}", "bold")
         console.result(f"  needs {wanted(f.unknown)}")

@@ -1,4 +1,4 @@
-"""The way to the textbook library, a package of its own beside this one: `wmrgen textbook`, `wmrgen eval textbook`."""
+"""``wmrgen textbook``, and the way to the library that it writes: a package of its own beside this one."""
 
 from __future__ import annotations
 
@@ -33,9 +33,14 @@ def installed() -> Library:
         if error.name not in ("textbook", "textbook.command"):
             raise
         raise EnvironmentFailure(
-            "the textbook library is not installed: it is a package of its own. Install wmrgen[textbook], or run "
-            "wmrgen from a checkout"
+            "the textbook library is not installed: it is a package of its own. Install wmrgen[textbook], or from a "
+            "checkout: pip install ./textbook; or run wmrgen from a checkout"
         ) from error
+
+
+def textbook(out: Path) -> int:
+    """Write the library and the errata."""
+    return installed().run(out)
 
 
 def differing(out: Path) -> list[Difference]:

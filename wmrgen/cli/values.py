@@ -1,4 +1,4 @@
-"""Input values of ``wmrgen eval``: NAME=VALUE words or a JSON file, in the number grammar of robot files."""
+"""Input values of commands: NAME=VALUE words or a JSON file, in the number grammar of robot files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
+from wmrgen.cli import console
 from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.exact.number import Exact
 from wmrgen.layout.expressions import evaluate
@@ -16,6 +18,9 @@ from wmrgen.reading import read_at_most, read_stream
 from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.numbers import Kind, Scope
 from wmrgen.spec.text import Scalar, suggestion
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
 
 MAX_BYTES = 16 << 20  # of a file of cases: some 100,000 of them
 _KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}
@@ -46,6 +51,26 @@ def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
             raise UsageError(f"{port.name} is given twice")
         case[port.name] = _number(text, port, "")
     return case
+
+
+def spelled(words: Iterable[str], robot: Robot, joint: str, ports: Sequence[Port] = ()) -> list[str]:
+    """``left=4`` is ``left.spin=4``: a bare wheel name stands for its ``joint``, or for the only one in ``ports``."""
+    wheels = {w.name for w in robot.wheels}
+    result = []
+    for word in words:
+        name, equals, value = word.partition("=")
+        name = name.strip()
+        own = [p.name for p in ports if p.name.startswith(f"{name}.")]
+        full = own[0] if len(own) == 1 else f"{name}.{joint}"
+        result.append(f"{full}={value}" if equals and name in wheels else word)
+    return result
+
+
+def note_zeros(ports: Iterable[Port], cases: Sequence[Case]) -> None:
+    """Say which of ``ports`` some case leaves out: they are taken as 0."""
+    names = [port.name for port in ports if any(port.name not in case for case in cases)]
+    if names:
+        console.note(f"not given, taken as 0: {' '.join(names)}")
 
 
 def from_file(file: str, ports: Sequence[Port]) -> list[Case]:

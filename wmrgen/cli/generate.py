@@ -1,0 +1,140 @@
+"""``wmrgen derive``: robot files in, folders of generated files out. ``wmrgen check``: are those of today?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import wmrgen
+from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
+from wmrgen.cli import console
+from wmrgen.cli.loading import noted, warn_of_gains
+from wmrgen.errors import StaleError, UsageError, WmrgenError
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Robot
+    from wmrgen.robot import Derivation
+
+_WHY = {
+    "missing": "missing",
+    "differs": "not what the robot file gives today",
+    "not produced": "no robot file produces it",
+}
+
+
+def derive(
+    robots: Sequence[Path],
+    out: Path,
+    as_json: bool,
+    scalar: str,
+    math: str | None,
+    target: str,
+    fuzz: bool,
+) -> int:
+    """Derive every robot, then write every robot, then print."""
+    from wmrgen.emit import MODEL, artifacts
+    from wmrgen.ir.kernels.choice import choice
+
+    chosen = choice(scalar, math, target)
+    results: list[tuple[Derivation, dict[str, bytes]]] = []
+    with console.progress() as step:
+        for robot in _load_all(robots):
+            step(f"deriving {robot.name} ({len(results) + 1} of {len(robots)})")
+            noted(robot)
+            warn_of_gains(robot)
+            derivation = wmrgen.derive(robot)
+            for singularity in derivation.mobility.singularities:
+                if singularity.everywhere:
+                    console.note(f"{robot.name}: warning: {singularity.meaning}")
+            results.append((derivation, artifacts(derivation, chosen, fuzz)))
+    written = [write_tree(out / d.robot.name, files, chosen.words()) for d, files in results]
+    if as_json:
+        models = [files[MODEL].decode().rstrip("\n") for _, files in results]
+        console.result(models[0] if len(models) == 1 else "[\n" + ",\n".join(models) + "\n]")
+        return 0
+    for (derivation, _), changes in zip(results, written, strict=True):
+        _summary(derivation, changes, out)
+    return 0
+
+
+def _load_all(paths: Sequence[Path]) -> list[Robot]:
+    """All robots, before any is derived: a bad file must leave nothing behind. Names are unique."""
+    robots = [wmrgen.load(path) for path in paths]
+    seen: dict[str, Path] = {}
+    for robot, path in zip(robots, paths, strict=True):
+        if robot.name in seen:
+            raise UsageError(f"{path} and {seen[robot.name]} both describe a robot called {robot.name}")
+        seen[robot.name] = path
+    return robots
+
+
+def _summary(derivation: Derivation, written: Written, out: Path) -> None:
+    m, name = derivation.mobility, derivation.robot.name
+    kind = "degenerate" if m.robot_type is None else f"type ({m.robot_type[0]}, {m.robot_type[1]})"
+    console.result(
+        f"{name}: {kind}, mobility {m.degree_of_mobility}, "
+        f"steerability {m.degree_of_steerability}, maneuverability {m.degree_of_maneuverability}",
+        "bold",
+    )
+    if m.reasons:
+        console.result(f"  {m.reasons[0].splitlines()[0]}")
+    files = written.changed + written.unchanged
+    state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
+    console.result(f"  {(out / name).as_posix()}/ ({state}): {' '.join(sorted(files))}")
+    for file in written.removed:
+        console.note(f"{name}: removed {file}, which is no longer produced")
+
+
+def check(robots: Sequence[Path] | None, out: Path) -> int:
+    """Compare byte for byte; without ``robots``, every robots/*.yaml, and nothing else may stand under ``out``."""
+    paths = robots or sorted(Path("robots").glob("*.yaml"))
+    if not paths:
+        raise UsageError("no robot file given, and no robots/*.yaml here")
+    stale: list[Difference] = []
+    names: set[str] = set()
+    code = 0
+    with console.progress() as step:
+        for number, path in enumerate(paths, 1):
+            step(f"checking {path} ({number} of {len(paths)})")
+            try:
+                name, files = _differing(path, out)
+            except WmrgenError as error:
+                console.failure(str(error))
+                code = code or error.exit_code
+                continue
+            names.add(name)
+            stale += files
+    if not robots and not code:
+        from wmrgen.cli.textbook import ERRATA, FOLDER, differing
+
+        try:
+            stale += differing(out)
+        except WmrgenError as error:  # the folder is here, the library is not
+            console.failure(str(error))
+            code = error.exit_code
+        stale += [Difference(p, "not produced") for p in _strangers(out, {*names, FOLDER, ERRATA})]
+    for difference in stale:
+        console.result(f"{difference.path.as_posix()}: {_WHY[difference.why]}")
+    if stale:
+        console.note("run `wmrgen derive` on the robot files (make generate), or remove what has none")
+    elif not code:
+        count = f"{len(paths)} robot{'s' * (len(paths) != 1)}"
+        console.result(f"{count}: everything under {out.as_posix()}/ is up to date")
+    return code or (StaleError.exit_code if stale else 0)
+
+
+def _differing(path: Path, out: Path) -> tuple[str, list[Difference]]:
+    """The name of a robot, and which files of its folder are not what its file gives today."""
+    from wmrgen.emit import artifacts
+    from wmrgen.ir.kernels.choice import noted as noted_choice
+
+    robot = wmrgen.load(path)
+    folder = out / robot.name
+    choice = noted_choice(made_with(folder))
+    return robot.name, differences(folder, artifacts(wmrgen.derive(robot), choice), choice.words())
+
+
+def _strangers(out: Path, names: set[str]) -> list[Path]:
+    """What stands under ``out`` and belongs to no robot."""
+    return [p for p in sorted(out.iterdir()) if p.name not in names] if out.is_dir() else []

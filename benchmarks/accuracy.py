@@ -22,8 +22,7 @@ from benchmarks.magnitudes import magnitudes, ulps
 from benchmarks.singularity import HEADING, NEAR, SPEED, TARGETS, nearby
 from wmrgen.backends.c99 import evaluate
 from wmrgen.exact.number import Exact
-from wmrgen.ir.arithmetic import Arithmetic, Number
-from wmrgen.ir.interpret import evaluate_nodes
+from wmrgen.ir.interpret import Arithmetic, Number, evaluate_nodes
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Role
 from wmrgen.ir.rounding import nearest_float32
@@ -62,7 +61,7 @@ REFERENCE = Arithmetic(
         Op.MIN: lambda a, b: a if a < b else b, Op.MAX: lambda a, b: b if a < b else a,
         Op.SIN: mpmath.sin, Op.COS: mpmath.cos, Op.ATAN: mpmath.atan, Op.ATAN2: _atan2, Op.RINT: mpmath.nint,
         Op.FLIP: lambda a, n: -a if int(n) % 2 else a, Op.SELECT: lambda a, b, x, y: x if a < b else y,
-    },
+    }.__getitem__,
 )  # fmt: skip
 
 

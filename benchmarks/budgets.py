@@ -19,9 +19,9 @@ from benchmarks.emulator.fleet import Fleet, answers
 from benchmarks.emulator.inputs import cases, nominal
 from benchmarks.emulator.zig import FLAGS, M4F, version
 from wmrgen.artifacts import BUDGET, write_file
-from wmrgen.ir.arithmetic import FLOAT32
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
+from wmrgen.ir.interpret import FLOAT32
 from wmrgen.ir.nodes import Module
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.ir.many_points import values_of
+from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Node, Op
 
 Array = NDArray[np.float64]
@@ -19,7 +19,8 @@ def magnitudes(function: Function, cases: Sequence[Mapping[str, float]]) -> list
     for p in function.inputs:
         default = None if p.default is None else float(p.default)
         given[p.name] = np.array([case.get(p.name, default) for case in cases], dtype=np.float64)
-    values = values_of(function, given, np.float64)
+    with np.errstate(all="ignore"):
+        values = values_of(function, given, np.float64)
     sizes: list[Array] = []
     with np.errstate(all="ignore"):
         for node, value in zip(function.nodes, values, strict=True):

@@ -15,8 +15,9 @@ from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import Meta, Unit, unit
 from wmrgen.backends.c99.functions import Step
 from wmrgen.backends.c99.text import Struct
-from wmrgen.ir.arithmetic import Arithmetic
+from wmrgen.ir.interpret import Arithmetic
 from wmrgen.ir.nodes import Module
+from wmrgen.ir.ops import OPERATIONS
 
 EVERY, LAYOUTS, STUBS = "every.c", "layouts.c", "stubs.c"
 # What the float build may take from <math.h>, and how many arguments each has.
@@ -29,8 +30,7 @@ Sources = Callable[[Module], tuple[str, str]]
 
 def answers(arithmetic: Arithmetic) -> Libm:
     """libm's functions as ``arithmetic`` has them."""
-    named = {f"{op.value}f": function for op, function in arithmetic.apply.items()}
-    return {name: named[name] for name in LIBM if name in named}
+    return {name: arithmetic.of(OPERATIONS[name.removesuffix("f")]) for name in LIBM}
 
 
 def default_sources(module: Module) -> tuple[str, str]:

@@ -10,10 +10,10 @@ import pytest
 
 from benchmarks.kernels import remez, stated, verify
 from wmrgen.exact.number import Exact
-from wmrgen.ir.arithmetic import FLOAT32
-from wmrgen.ir.interpret import evaluate
-from wmrgen.ir.kernels import constants, expand, integer
+from wmrgen.ir.interpret import FLOAT32, evaluate
+from wmrgen.ir.kernels import constants, expand
 from wmrgen.ir.kernels.choice import HOST, M0, M4F
+from wmrgen.ir.ops import integer
 from wmrgen.ir.rounding import nearest_float32, to_float32
 
 EVERYDAY = 499  # one float in so many

@@ -11,7 +11,8 @@ from wmrgen.backends.registry import Entry, Facts, Files, Place
 from wmrgen.backends.words import reserved
 from wmrgen.exact.number import Exact
 from wmrgen.ir.inline import complete, inlined
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.nodes import Function, Module
+from wmrgen.ir.ops import Choice, Op
 from wmrgen.ir.rounding import to_float64
 
 ENTRY = Entry(
@@ -37,17 +38,22 @@ def _literal(value: Exact) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
+FORMS = {
+    Op.ABS: "math.abs({0})",
+    Op.SQRT: "math.sqrt({0})",
+    Op.SIN: "math.sin({0})",
+    Op.COS: "math.cos({0})",
+    Op.ATAN: "math.atan({0})",
+    Op.ATAN2: "math.atan({0}, {1})",
+    Op.RINT: "math.floor({0} + 0.5)",
+    Op.MIN: "math.min({0}, {1})",
+    Op.MAX: "math.max({0}, {1})",
+    Op.SELECT: Choice("choose({0} < {1}, {2}, {3})"),
+    Op.FLIP: Choice("choose(({1}) % 2 == 1, -({0}), {0})"),
+}
 STYLE = Style(
     literal=_literal,
-    calls={
-        Op.ABS: "math.abs({0})", Op.SQRT: "math.sqrt({0})", Op.SIN: "math.sin({0})", Op.COS: "math.cos({0})",
-        Op.ATAN: "math.atan({0})", Op.ATAN2: "math.atan({0}, {1})", Op.RINT: "math.floor({0} + 0.5)",
-        Op.MIN: "math.min({0}, {1})", Op.MAX: "math.max({0}, {1})",
-    },
-    choices={
-        Op.SELECT: "choose({0} < {1}, {2}, {3})",
-        Op.FLIP: "choose(({1}) % 2 == 1, -({0}), {0})",
-    },
+    form=FORMS.__getitem__,
     declare="  local {0} = {1}",
     temporary="t{0}",
 )  # fmt: skip

@@ -57,13 +57,13 @@ def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.nd
         return np.where(a[0] < a[1], a[0], a[1])
     if node.op is Op.MAX:
         return np.where(a[1] < a[0], a[0], a[1])
-    if node.op == "rint":
+    if node.op is Op.RINT:
         return np.rint(a[0])
-    if node.op == "flip":
+    if node.op is Op.FLIP:
         return np.where(a[1] % 2 == 1, -a[0], a[0])
-    if node.op in LIBRARY:
-        return _faithful(EXACT[node.op.value](*(x.astype(np.float64) for x in a)), choice)
-    return np.asarray(EXACT[node.op.value](*a))
+    if node.op.name in LIBRARY:
+        return _faithful(EXACT[node.op.name](*(x.astype(np.float64) for x in a)), choice)
+    return np.asarray(EXACT[node.op.name](*a))
 
 
 def _faithful(wide: np.ndarray, choice: np.ndarray | None) -> np.ndarray:
@@ -84,11 +84,11 @@ def decided(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
     """A node of exact arguments ``b``, decided as the float arguments ``a`` decide."""
     if node.op is Op.SELECT:
         return np.where(a[0] < a[1], b[2], b[3])
-    if node.op == "rint":
+    if node.op is Op.RINT:
         return np.rint(a[0]).astype(np.float64)
-    if node.op == "flip":
+    if node.op is Op.FLIP:
         return np.where(a[1] % 2 == 1, -b[0], b[0])
-    return np.asarray(EXACT[node.op.value](*b))
+    return np.asarray(EXACT[node.op.name](*b))
 
 
 def lengths(function: Function, found: Run, result: int) -> np.ndarray:
@@ -106,7 +106,7 @@ def lengths(function: Function, found: Run, result: int) -> np.ndarray:
 
 def choices(function: Function) -> dict[str, tuple[float, float]]:
     """Inputs that choose, for each result of the library, between the two floats around what is exact."""
-    return {f"{CHOICE}{i}": (-1.0, 1.0) for i, n in enumerate(function.nodes) if n.op in LIBRARY}
+    return {f"{CHOICE}{i}": (-1.0, 1.0) for i, n in enumerate(function.nodes) if n.op.name in LIBRARY}
 
 
 def draw(ranges: Ranges, count: int, seed: int) -> dict[str, np.ndarray]:

@@ -51,7 +51,7 @@ def _noise(node: Node, value: np.ndarray) -> np.ndarray | None:
         return np.full(len(value), abs(float(to_float32(node.value)) - to_float64(node.value)))
     if node.op in _ROUNDED:
         return SINGLE.half_ulp(np.abs(value))
-    return 2 * LIBM.ulps(node.op) * SINGLE.half_ulp(np.abs(value)) if node.op in LIBRARY else None
+    return 2 * LIBM.ulps(node.op) * SINGLE.half_ulp(np.abs(value)) if node.op.name in LIBRARY else None
 
 
 def _uses(function: Function, i: int, node: Node) -> list[set[int]]:

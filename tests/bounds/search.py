@@ -14,7 +14,6 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.bounds.observe import CHOICE, Ranges, bred, choices, draw, lengths, nudged, run
-from wmrgen.bounds.lemmas import LEMMAS
 from wmrgen.bounds.lengths import lengths as vectors
 from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.robot import FunctionBound
@@ -141,7 +140,7 @@ def worst(
 def possible(function: Function, points: Points) -> np.ndarray:
     """Results x points: the error that the analysis allows there."""
     exact = {n: (v.astype(np.float64), v.astype(np.float64)) for n, v in points.items()}
-    walk = Walk(function, exact, SINGLE, LIBM).run(LEMMAS)
+    walk = Walk(function, exact, SINGLE, LIBM).run()
     return walk.errors(function.results).plain
 
 

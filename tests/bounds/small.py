@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from wmrgen.bounds.boxes import boxed
-from wmrgen.bounds.lemmas import LEMMAS
 from wmrgen.bounds.precision import LIBM, SINGLE, Library
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
@@ -47,7 +46,7 @@ def root(b: Builder, x: int) -> int:
 
 def walked(function: Function, ranges: Mapping[str, tuple[float, float]], library: Library = LIBM) -> Walk:
     """The walk through a function over one box."""
-    return Walk(function, boxed(ranges, [], 1), SINGLE, library).run(LEMMAS)
+    return Walk(function, boxed(ranges, [], 1), SINGLE, library).run()
 
 
 # Control, a range of vx that is good, one that is bad, what is wrong there.

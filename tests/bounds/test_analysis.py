@@ -9,9 +9,9 @@ import pytest
 
 from tests.bounds.gallery import proved
 from tests.bounds.small import BAD, function, guarded
-from wmrgen.bounds import interval as iv
 from wmrgen.bounds.boxes import analysed
 from wmrgen.bounds.precision import DOUBLE, LIBM, SINGLE
+from wmrgen.ir import interval as iv
 
 COUNT = 400
 BINARY = {"plus": np.add, "minus": np.subtract, "times": np.multiply}

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from wmrgen.bounds import interval
+from wmrgen.ir import interval
 
 OPERATIONS = {
     "plus": (interval.plus, lambda a, b: a + b),

@@ -11,7 +11,6 @@ from tests.bounds.gallery import proved
 from tests.bounds.observe import draw
 from tests.bounds.small import OUT
 from wmrgen.bounds.boxes import boxed
-from wmrgen.bounds.lemmas import LEMMAS
 from wmrgen.bounds.linear import errors_one_by_one
 from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.walk import Walk
@@ -25,7 +24,7 @@ def test_it_is_no_less_than_the_analysis_at_points_and_near_it(name: str) -> Non
     for f, b in proved(name).pairs:
         if f.name == "forward":
             points = {n: (v.astype(float), v.astype(float)) for n, v in draw(b.inputs, 400, 4).items()}
-            at_points = Walk(f, points, SINGLE, LIBM).run(LEMMAS).errors(f.results).plain
+            at_points = Walk(f, points, SINGLE, LIBM).run().errors(f.results).plain
             angles = {n: points[n] if n.endswith("steer") else _whole(b.inputs[n], 400) for n in points}
             known = errors_one_by_one(f, angles, SINGLE, LIBM, ())
             for k, error in zip(f.results, at_points, strict=True):
@@ -43,7 +42,7 @@ def test_what_cancels_is_seen_to_cancel() -> None:
     known = _known(lambda b, x, a, c: b.sub(b.mul(x, b.sin(a)), b.mul(x, b.add(b.sin(a), c))))
     ranges = {"x": (-1.0, 1.0), "a": (0.0, 1.0), "c": (0.0, 1e-3)}
     f = _function(lambda b, x, a, c: b.sub(b.mul(x, b.sin(a)), b.mul(x, b.add(b.sin(a), c))))
-    plain = Walk(f, boxed(ranges, [], 1), SINGLE, LIBM).run(LEMMAS).errors(f.results).plain
+    plain = Walk(f, boxed(ranges, [], 1), SINGLE, LIBM).run().errors(f.results).plain
     assert known and known[f.results[0]][0] < 0.8 * plain[0, 0]
 
 

@@ -19,8 +19,7 @@ from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import Meta, unit
 from wmrgen.backends.c99.evaluate import Call, answer, calls, driver, request
 from wmrgen.compiler import compile_program, run_program
-from wmrgen.ir.arithmetic import FLOAT32, FLOAT64, Arithmetic
-from wmrgen.ir.interpret import evaluate_module
+from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Module, Op
@@ -51,7 +50,7 @@ def libm(scalar: str) -> Libm:
     seen: set[tuple[Op, tuple[float, ...]]] = set()
 
     def call(op: Op, arity: int) -> Callable[..., float]:
-        function = getattr(_LIBM, op.value + suffix)
+        function = getattr(_LIBM, op.name + suffix)
         function.restype, function.argtypes = kind, [kind] * arity
 
         def through(*args: float) -> float:
@@ -62,7 +61,7 @@ def libm(scalar: str) -> Libm:
 
     own = {Op.SIN: call(Op.SIN, 1), Op.COS: call(Op.COS, 1), Op.ATAN: call(Op.ATAN, 1)}
     own[Op.ATAN2] = call(Op.ATAN2, 2)
-    return Libm(Arithmetic(f"libm {scalar}", base.enter, {**base.apply, **own}), seen)
+    return Libm(Arithmetic(f"libm {scalar}", base.enter, lambda op: own.get(op) or base.of(op)), seen)
 
 
 def ulps32(op: Op, args: tuple[float, ...], value: float) -> float:

@@ -19,7 +19,7 @@ from wmrgen.compiler import compile_program, run_program
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels.choice import INLINE, LIBM, M4F
-from wmrgen.ir.nodes import ARITY, Function, Module, Node, Op, Port, Role
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 NO_LEAKS = {"ASAN_OPTIONS": "detect_leaks=0"}
@@ -81,8 +81,8 @@ def test_libm_is_within_two_ulp(robots: tuple[Program, Path]) -> None:
     assert program.cases
     seen = sorted(program.libm.seen, key=repr)
     assert seen
-    apply = libm("float").arithmetic.apply
-    worst = max(ulps32(op, args, apply[op](*args)) for op, args in seen)
+    of = libm("float").arithmetic.of
+    worst = max(ulps32(op, args, of(op)(*args)) for op, args in seen)
     assert worst <= 2.0
 
 
@@ -142,7 +142,7 @@ def _random_function(source: random.Random, name: str) -> Function:
         # Mostly recent nodes, so that deep expressions arise.
         pick = [
             source.randrange(max(0, len(nodes) - source.choice((3, 6, 50))), len(nodes))
-            for _ in range(ARITY[op])
+            for _ in range(op.arity)
         ]
         nodes.append(Node(op, tuple(pick)))
     outputs = tuple(Port(f"q{k}", Role.STATE, "m") for k in range(6))
@@ -160,5 +160,4 @@ def test_grouping_of_random_expressions(compiler: str, tmp_path: Path) -> None:
 
 
 def test_the_interpreter_reaches_the_same_libm() -> None:
-    apply = libm("float").arithmetic.apply
-    assert apply[Op.SIN](0.5) == ctypes.c_float(math.sin(0.5)).value
+    assert libm("float").arithmetic.of(Op.SIN)(0.5) == ctypes.c_float(math.sin(0.5)).value

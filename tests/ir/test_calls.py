@@ -11,10 +11,9 @@ from wmrgen import derive, load
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import Meta
 from wmrgen.exact.number import Exact
-from wmrgen.ir.arithmetic import EXACT, FLOAT32
 from wmrgen.ir.build import Builder
 from wmrgen.ir.calls import by_name, called, inlined, inlined_calls, with_places
-from wmrgen.ir.interpret import evaluate
+from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate
 from wmrgen.ir.kernels import expand, with_kernels
 from wmrgen.ir.kernels.choice import INLINE, LIBM, TARGETS
 from wmrgen.ir.nodes import Function, Module, Op

@@ -9,9 +9,8 @@ from fractions import Fraction
 import pytest
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.arithmetic import EXACT, FLOAT32, FLOAT64
 from wmrgen.ir.build import Builder
-from wmrgen.ir.interpret import evaluate
+from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.nodes import Function, Module, Op
@@ -44,7 +43,7 @@ def test_rounding_and_sign(scalar: str, target: str) -> None:
 
 def test_fused_multiply_add_is_rounded_once() -> None:
     source = random.Random(1)
-    fma = FLOAT32.apply[Op.FMA]
+    fma = FLOAT32.of(Op.FMA)
     for k in range(3000):
         a, b = (nearest_float32(source.uniform(-4, 4)) for _ in range(2))
         c = nearest_float32(-a * b * (1 + source.choice((0, 1e-7, 1e-3, 1.0)) * source.uniform(-1, 1)))
@@ -57,6 +56,6 @@ def test_fused_multiply_add_is_rounded_once() -> None:
 
 
 def test_exact_rounding_ties_to_even() -> None:
-    rint, flip = EXACT.apply[Op.RINT], EXACT.apply[Op.FLIP]
+    rint, flip = EXACT.of(Op.RINT), EXACT.of(Op.FLIP)
     assert [rint(Exact(Fraction(k, 2))) for k in (-3, -1, 1, 3, 5)] == [Exact(k) for k in (-2, 0, 0, 2, 2)]
     assert [flip(Exact(5), Exact(n)) for n in (-1, 0, 1, 2)] == [Exact(-5), Exact(5), Exact(-5), Exact(5)]

@@ -12,8 +12,7 @@ from tests.conftest import ROOT
 from wmrgen import load
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.ir.arithmetic import FLOAT64
-from wmrgen.ir.interpret import evaluate
+from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Op
 from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics import rigid

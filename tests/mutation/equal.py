@@ -19,7 +19,8 @@ import numpy as np
 from tests.mutation.mutants import LITERAL, Mutant
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Role
-from wmrgen.selftest.rounding_bounds import UNITS, Bounded, bounds, outputs
+from wmrgen.ir.ops.analysis import Bounded
+from wmrgen.selftest.rounding_bounds import UNITS, bounds, outputs
 from wmrgen.selftest.vectors import contract, prepared_of
 
 Array = Any

@@ -82,7 +82,7 @@ def _calls_libm(module: Module, step: Step, target: str) -> bool:
     function = expand(module, "float", DEFAULT.math, target).function(
         step.name.removeprefix(f"{module.name}_")
     )
-    return any(f"{node.op.value}f" in set(LIBM) - {"sqrtf"} for node in function.nodes)
+    return any(f"{node.op.name}f" in set(LIBM) - {"sqrtf"} for node in function.nodes)
 
 
 def _check(module: Module, step: Step, target: str, count: int) -> str:

@@ -15,7 +15,7 @@ from benchmarks.figures import BEGIN, END, PAGE
 from benchmarks.jobs import JOBS, Job, derivations
 from benchmarks.processor import GENERATORS, Bench, inputs
 from tests.tools import need
-from wmrgen.ir.arithmetic import FLOAT32
+from wmrgen.ir.interpret import FLOAT32
 from wmrgen.ir.kernels.choice import MATHS
 
 RETURN = 1  # the instruction that returns, which the limits leave out

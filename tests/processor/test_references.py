@@ -19,8 +19,7 @@ from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.processor import inputs as every_input
 from benchmarks.processor import references
 from wmrgen.backends.c99.functions import Step
-from wmrgen.ir.arithmetic import FLOAT32, FLOAT64
-from wmrgen.ir.interpret import evaluate_module
+from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
 
 FLAGS_OF = {"libm": (), "inline": ("-DREFERENCE_INLINE",)}
 KINDS = ["inline", pytest.param("libm", marks=pytest.mark.slow)]

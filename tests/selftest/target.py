@@ -10,7 +10,7 @@ from benchmarks.emulator.machine import Machine
 from benchmarks.emulator.zig import DATA, Target, compile_objects, link
 from tests.c.harness import libm
 from tests.selftest.every import EVERY, write
-from wmrgen.ir.nodes import ARITY, Op
+from wmrgen.ir.nodes import Op
 
 STUBS = "stubs.c"
 
@@ -24,12 +24,8 @@ def _stub(name: str, arity: int) -> str:
 def on_target(target: Target, robots: Sequence[str], folder: Path) -> dict[str, int]:
     """What the self-test of each robot returns."""
     write(folder, robots, checks=True)
-    apply = libm("float").arithmetic.apply
-    traps = {
-        f"{op.value}f": (ARITY[op], apply[op])
-        for op in Op
-        if op in apply and op.value in ("sin", "cos", "atan", "atan2", "sqrt")
-    }
+    of = libm("float").arithmetic.of
+    traps = {f"{op}f": (op.arity, of(op)) for op in (Op.SIN, Op.COS, Op.ATAN, Op.ATAN2, Op.SQRT)}
     (folder / STUBS).write_text("".join(_stub(name, arity) for name, (arity, _) in traps.items()))
     objects = compile_objects(folder, (EVERY, STUBS), target)
     machine = Machine(

@@ -11,27 +11,27 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.nodes import Function, Node
+from wmrgen.ir.ops import Choice, Op
 
 _LONGEST = 44  # characters of an expression printed in place
 _LONGEST_ARM = 56  # the same where it is computed only if it is chosen
 _CHOICE, _SUM, _PRODUCT, _UNARY, _ATOM = range(5)
-_INFIX = {Op.ADD: ("+", _SUM), Op.SUB: ("-", _SUM), Op.MUL: ("*", _PRODUCT), Op.DIV: ("/", _PRODUCT)}
+_BINDING = {"+": _SUM, "-": _SUM, "*": _PRODUCT, "/": _PRODUCT}
 
 
 @dataclass(frozen=True, slots=True)
 class Style:
     """How a language writes what is not infix arithmetic.
 
-    ``literal`` prints a constant as an atom (negative ones in parentheses). ``calls`` and ``choices`` are
-    formats over the arguments by position; a choice always gets a statement of its own.
+    ``literal`` prints a constant as an atom (negative ones in parentheses). ``form`` is the format of an operation
+    over the arguments by position; a `Choice` always gets a statement of its own.
     ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name. ``grouped``: no
     reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``declare`` has the type as ``{2}``.
     """
 
     literal: Callable[[Exact], str]
-    calls: Mapping[Op, str]
-    choices: Mapping[Op, str]
+    form: Callable[[Op], str]
     declare: str
     temporary: str
     grouped: bool = False
@@ -71,14 +71,15 @@ def _uses(function: Function, style: Style) -> list[int]:
     for index in function.results:
         uses[index] += 1
     for node in function.nodes:
-        form = style.choices.get(node.op, "")
+        form = style.form(node.op) if node.op.exact and not node.op.infix else ""
         for position, argument in enumerate(node.args):
-            uses[argument] += max(1, form.count(f"{{{position}}}"))
+            times = form.count(f"{{{position}}}") if isinstance(form, Choice) else 1
+            uses[argument] += max(1, times)
     return uses
 
 
 def _infix(op: Op, left: _Text, right: _Text, grouped: bool) -> _Text:
-    sign, binding = _INFIX[op]
+    sign, binding = op.infix, _BINDING[op.infix]
     if grouped and left.binding != binding:
         left = _Text(left.within(_ATOM), _ATOM)
     if grouped:
@@ -89,16 +90,15 @@ def _infix(op: Op, left: _Text, right: _Text, grouped: bool) -> _Text:
 
 
 def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
-    if node.op in _INFIX:
+    if node.op.infix and len(args) == 1:
+        return _Text(node.op.infix + args[0].within(_ATOM), _UNARY)
+    if node.op.infix:
         return _infix(node.op, args[0], args[1], style.grouped)
-    if node.op is Op.NEG:
-        return _Text("-" + args[0].within(_ATOM), _UNARY)
-    texts = [argument.text for argument in args]
-    if node.op in style.choices:
-        if style.grouped:
-            texts = [argument.within(_UNARY) for argument in args]
-        return _Text(style.choices[node.op].format(*texts), _CHOICE)
-    return _Text(style.calls[node.op].format(*texts), _ATOM)
+    form = style.form(node.op)
+    if not isinstance(form, Choice):
+        return _Text(form.format(*(argument.text for argument in args)), _ATOM)
+    texts = [argument.within(_UNARY) if style.grouped else argument.text for argument in args]
+    return _Text(form.format(*texts), _CHOICE)
 
 
 class _Printer:

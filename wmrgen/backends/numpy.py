@@ -18,8 +18,8 @@ from wmrgen.backends.expression import Style, body
 from wmrgen.backends.registry import Facts
 from wmrgen.exact.number import Exact
 from wmrgen.ir.inline import complete, inlined
-from wmrgen.ir.many_points import APPLY
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.interpret import values_of
+from wmrgen.ir.nodes import Function, Module
 from wmrgen.ir.rounding import to_float64
 from wmrgen.render import render
 
@@ -31,15 +31,7 @@ def _literal(value: Exact) -> str:
 
 _STYLE = Style(
     literal=_literal,
-    calls={
-        Op.ABS: "np.abs({0})", Op.SQRT: "np.sqrt({0})", Op.SIN: "np.sin({0})", Op.COS: "np.cos({0})",
-        Op.ATAN: "np.arctan({0})", Op.ATAN2: "np.arctan2({0}, {1})", Op.RINT: "np.rint({0})",
-        Op.MIN: "np.minimum({0}, {1})", Op.MAX: "np.maximum({0}, {1})",
-    },
-    choices={
-        Op.SELECT: "np.where({0} < {1}, {2}, {3})",
-        Op.FLIP: "np.where(np.mod({1}, 2) == 1, np.negative({0}), {0})",
-    },
+    form=lambda op: op.numpy,
     declare="{0} = {1}",
     temporary="_t{0}",  # no port or parameter begins with an underscore
 )  # fmt: skip
@@ -120,14 +112,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
 def _columns(function: Function, given: Mapping[str, Any]) -> dict[str, Any]:
     """Every output of ``function`` for arrays by contract name, in the shape they broadcast to."""
     arrays = {name: np.asarray(value, dtype=np.float64) for name, value in given.items()}
-    values: list[Any] = []
-    for node in function.nodes:
-        if node.value is not None:
-            values.append(np.float64(to_float64(node.value)))
-        elif node.op is Op.INPUT:
-            values.append(arrays[node.name or ""])
-        else:
-            values.append(APPLY[node.op](*(values[a] for a in node.args)))
+    values = values_of(function, arrays, np.float64)
     shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     return {
         port.name: np.broadcast_to(values[r], shape).copy()[()]

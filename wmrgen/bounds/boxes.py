@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.bounds.domain import Range
-from wmrgen.bounds.interval import Interval
-from wmrgen.bounds.lemmas import LEMMAS
 from wmrgen.bounds.linear import errors_one_by_one
 from wmrgen.bounds.precision import Format, Library
 from wmrgen.bounds.walk import Walk
+from wmrgen.ir.interval import Interval
 from wmrgen.ir.nodes import Function, Op
 
 # Parts of each of so many angles; of more, a grid that one can afford is too coarse to help.
@@ -59,7 +58,7 @@ def analysed(
     upper = {}
     if any(len(lo) > 1 for lo, _ in boxes.values()):
         upper = errors_one_by_one(function, boxes, form, library, twice)
-    walk = Walk(function, boxes, form, library, twice, upper).run(LEMMAS)
+    walk = Walk(function, boxes, form, library, twice, upper).run()
     errors = walk.errors(function.results)
     claims = []
     for row, k in enumerate(function.results):

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from wmrgen.bounds.interval import Array, Interval, magnitude, plus
+from wmrgen.ir.interval import Array, Interval, magnitude, plus
 from wmrgen.ir.nodes import Node, Op
 
 Monomial: TypeAlias = tuple[int, ...]  # one node or two, in order

@@ -6,17 +6,18 @@ multiplied by a value of at most s h on the way has no slope beyond s: `Length` 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 
 from wmrgen.bounds.forms import Forms
-from wmrgen.bounds.interval import Interval, magnitude
-from wmrgen.bounds.precision import Format
-from wmrgen.bounds.shapes import extremum, scaled, terms_below_root
+from wmrgen.bounds.shapes import extremum, scaled, size_of, terms_below_root
+from wmrgen.ir import interval as iv
+from wmrgen.ir.interval import Array, magnitude
 from wmrgen.ir.nodes import Node, Op
+from wmrgen.ir.ops.analysis import Noise, Partial, Value, Walk
 
 Share = tuple[float, float]  # (s, a): a value is at most s h + a
 
@@ -26,6 +27,7 @@ MOVED = 1.05  # while rounding errors grow from nothing to what they are, values
 _UNDERFLOW = 2.0**-150  # what a square of floats may lose
 _LEAST = 50.0  # times what a length loses by that: divisors are kept above
 _ROOM = 1 + 1e-5  # the roundings of a length
+_SHORTENED = 1.1  # of a quotient by a length that underflow may shorten, on the way from no rounding to all
 
 
 @dataclass(slots=True)
@@ -102,17 +104,14 @@ def _below(nodes: Sequence[Node], i: int) -> tuple[tuple[float, int], ...] | Non
     return None
 
 
-class Known(Protocol):
-    """What a walk knows of the nodes so far: their ranges, and which are multiples of each other."""
-
-    @property
-    def nodes(self) -> Sequence[Node]: ...
-
-    @property
-    def ranges(self) -> Sequence[Interval]: ...
+class Known(Walk, Protocol):
+    """What a walk knows besides: which nodes are multiples of each other, how far they count, what is near zero."""
 
     forms: Forms
-    form: Format
+    effective: Mapping[int, tuple[float, float]]
+    singular: set[int]
+
+    def measured(self, j: int) -> Length: ...
 
 
 def share(w: Known, length: Length, i: int) -> Share | None:
@@ -168,3 +167,86 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
         return None
     join = sum if node.op in (Op.ADD, Op.SUB) else max
     return join(s for s, _ in both) * _ROOM, join(a for _, a in both) * _ROOM
+
+
+# ---- what lemmas ask for
+
+
+def quotient_by_length(w: Known, i: int, a: int, b: int) -> Value:
+    """n / d with d no smaller than the length h of a vector: d(n / d) is at most (|dn| + |n / d| |dd|) / h."""
+    length, below = w.measured(i), w.ranges[b]
+    least = below[0]
+    reach = magnitude(w.ranges[a]) / least
+    ratio = share(w, length, a)
+    if ratio is not None:
+        reach = np.minimum(
+            reach, (ratio[0] + (ratio[0] * lost(length.parts) + ratio[1]) / least) * _SHORTENED
+        )
+    value = -reach, reach
+    ends = w.effective.get(i, (-np.inf, np.inf))
+    most = np.minimum(reach, max(map(abs, ends)))
+    if len(length.parts) == 1 and np.isfinite(most).all():
+        # Where a limit that the quotient meets does not take its place, |n| is no larger than the limit times h.
+        limit = float(most.max()) * length.parts[0][0] * _ROOM
+        length.facts += [fact for k in _alike(w, a) for fact in facts(w.nodes, k, limit)]
+        length.shares.clear()
+    partials = (
+        Partial(a, value, length=i, steep=np.full(w.boxes, MOVED)),
+        Partial(b, value, length=i, steep=most * MOVED),
+    )
+    return Value(value, partials, Noise(w.rounded(value, i).size + w.form.tiny))
+
+
+def _alike(w: Known, k: int) -> list[int]:
+    """Node ``k``, and those of which it is one or the other where they are opposite."""
+    node = w.nodes[k]
+    if node.op is Op.SELECT:
+        x, y = node.args[2:]
+        if w.forms.list[x].proportional(w.forms.list[y]) == -1:
+            return [k, x, y]
+    return [k]
+
+
+def root_of_squares(w: Known, i: int, a: int) -> Value | None:
+    """The root of a sum of squares moves by no more than the length of the errors of what is squared."""
+    terms = terms_below_root(w.nodes, a)
+    if not all(t.squared for t in terms):
+        return None
+    factors = np.array([[float(t.factor)] for t in terms])
+    bases = [t.base for t in terms]
+    longest = np.sqrt(sum(f * magnitude(w.ranges[k]) ** 2 for f, k in zip(factors, bases, strict=True)))
+    value = iv.meet(iv.root(w.ranges[a]), (np.zeros(w.boxes), longest * _ROOM + w.form.tiny**0.5))
+    errors = w.errors(bases)
+    moved = np.sqrt((factors * errors.plain**2).sum(axis=0)) * iv.GROW
+    over = {j: np.sqrt((factors * o**2).sum(axis=0)) * iv.GROW for j, o in errors.over.items()}
+    # A term passes this many roundings on its way into the sum, each a relative error of the sum at most.
+    own = max(t.roundings for t in terms) * w.form.unit / 2 * _ROOM * value[1]
+    rounded = w.rounded(value, i).size + own + np.sqrt(2 * len(terms) * w.form.tiny)
+    noise = Noise(rounded + moved, over, frozenset[int]().union(*errors.divisions))
+    widened = iv.widened(value, rounded)
+    return Value((np.maximum(widened[0], 0.0), widened[1]), (), noise, widen=False)
+
+
+def branch(w: Known, i: int, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
+    """(low, high, distance from zero) of a branch of node ``i``, given small <= large there up to their errors."""
+    interval, away = w.ranges[value], w.away[value]
+    far = np.full(w.boxes, np.inf)
+    if value in (small, large):
+        slack = w.errors([small, large]).total.sum(axis=0)
+        if value == large:
+            interval = iv.meet(interval, (w.ranges[small][0] - slack, far))
+        else:
+            interval = iv.meet(interval, (-far, w.ranges[large][1] + slack))
+    size = size_of(w.nodes, large, value)
+    if size is not None:
+        scale, squared = size
+        # At most sixteen roundings separate the size from the value that it is the size of.
+        least = np.maximum(w.ranges[small][0] - 16 * w.form.tiny, 0.0) / scale
+        least = (np.sqrt(least) if squared else least) * (1 - 32 * w.form.unit)
+        exact = least - 2 * w.errors([value]).total[0]
+        if np.any((exact < least / 2) & (away < least)):
+            # What the guard keeps from zero in floats may be zero without rounding: the formula is singular there.
+            w.singular.add(i)
+            exact = least
+        away = np.maximum(away, exact)
+    return interval[0], interval[1], np.maximum(away, iv.smallest(interval))

@@ -13,11 +13,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmrgen.bounds.interval import GROW, Array, Interval, magnitude
-from wmrgen.bounds.lemmas import LEMMAS
 from wmrgen.bounds.precision import Format, Library
 from wmrgen.bounds.shapes import terms_below_root
 from wmrgen.bounds.walk import Walk
+from wmrgen.ir.interval import GROW, Array, Interval, magnitude
 from wmrgen.ir.nodes import Function, Node, Op, Role
 
 _FREE, _LINEAR, _OTHER = 0, 1, 2
@@ -50,7 +49,7 @@ def errors_one_by_one(
             values = np.zeros((count, boxes))
             values[rates.index(name)] = magnitude((lo, hi))
             alone[name] = values.ravel(), values.ravel()
-    walk = Walk(function, alone, replace(form, relative=True), library, twice).run(LEMMAS, max(roots) + 1)
+    walk = Walk(function, alone, replace(form, relative=True), library, twice).run(max(roots) + 1)
     if walk.lengths:
         return {}
     ordered = sorted(roots)

@@ -6,18 +6,15 @@ in parts it can: each part is halved along the inputs of what it cannot show, un
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wmrgen.bounds import interval as iv
 from wmrgen.bounds.domain import Range
-from wmrgen.bounds.interval import Array, Interval
 from wmrgen.bounds.precision import Format, constant
+from wmrgen.ir import interval as iv
+from wmrgen.ir.interval import Interval
 from wmrgen.ir.nodes import Function, Node, Op
-
-Bools = NDArray[np.bool_]
 
 MOST = 512
 _DEPTH = 24
@@ -85,7 +82,7 @@ def _first_alarm(function: Function, parts: list[dict[str, Range]], form: Format
             elif node.op is Op.DIV:
                 value = _quotient(function.nodes, values, node, form)
             else:
-                value = _value(node, [values[k] for k in node.args], form, len(parts))
+                value = _value(node, values, form, len(parts))
             values.append(value)
             bad = ~(iv.magnitude(value) <= form.largest * _LARGE)
             where = node.args[1] if node.op is Op.DIV else i
@@ -93,70 +90,26 @@ def _first_alarm(function: Function, parts: list[dict[str, Range]], form: Format
     return [int(i) for i in first]
 
 
-def _value(node: Node, args: list[Interval], form: Format, count: int) -> Interval:
+def _value(node: Node, values: Sequence[Interval], form: Format, count: int) -> Interval:
     if node.value is not None:
         lo, hi, _, _ = constant(node.value, form.name)
         return np.full(count, lo), np.full(count, hi)
-    if node.op in (Op.MIN, Op.MAX):  # no rounding
-        return _apply(node.op.value, args)
-    squared = node.op is Op.MUL and node.args[0] == node.args[1]
-    return _widened(iv.square(args[0]) if squared else _apply(node.op.value, args), form)
+    op, args = node.meaning
+    assert op.interval is not None
+    value = op.interval(*(values[k] for k in args))
+    return _widened(value, form) if op.rounds else value
 
 
-def _quotient(nodes: Sequence[Node], values: list[Interval], node: Node, form: Format) -> Interval:
+def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node, form: Format) -> Interval:
     """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
     a, b = node.args
     guard = nodes[b]
     if guard.op is not Op.SELECT:
-        return _widened(_apply("div", [values[a], values[b]]), form)
+        return _widened(iv.quotient(values[a], values[b]), form)
     small, large, x, y = (values[k] for k in guard.args)
-    first, second = (_apply("div", [values[a], branch]) for branch in (x, y))
-    always, never = small[1] < large[0], small[0] >= large[1]
-    return _widened(_either(always, never, first, second), form)
-
-
-def _either(always: Bools, never: Bools, first: Interval, second: Interval) -> Interval:
-    """``first`` where always, ``second`` where never, else what holds both."""
-    lo, hi = iv.hull(first, second)
-    return (
-        np.where(always, first[0], np.where(never, second[0], lo)),
-        np.where(always, first[1], np.where(never, second[1], hi)),
-    )
+    first, second = (iv.quotient(values[a], branch) for branch in (x, y))
+    return _widened(iv.chosen(small, large, first, second), form)
 
 
 def _widened(value: Interval, form: Format) -> Interval:
     return iv.widened(value, iv.magnitude(value) * (_ROOM - 1) + form.tiny)
-
-
-def _apply(op: str, args: list[Interval]) -> Interval:
-    if op == "div":
-        below = args[1]
-        value = iv.times(args[0], iv.reciprocal(below))
-        bad = (below[0] <= 0) & (below[1] >= 0)
-        return np.where(bad, -np.inf, value[0]), np.where(bad, np.inf, value[1])
-    if op == "select":
-        small, large, x, y = args
-        always, never = small[1] < large[0], small[0] >= large[1]
-        return _either(always, never, x, y)
-    if op in ("min", "max"):
-        choose = np.minimum if op == "min" else np.maximum
-        return choose(args[0][0], args[1][0]), choose(args[0][1], args[1][1])
-    return _PLAIN[op](*args)
-
-
-def _atan(x: Interval) -> Interval:
-    return np.arctan(x[0]), np.arctan(x[1])
-
-
-def _flip(x: Interval, _: Interval) -> Interval:
-    return iv.hull(x, iv.negative(x))
-
-
-def _whole(x: Interval) -> tuple[Array, Array]:
-    return np.rint(x[0]), np.rint(x[1])
-
-
-_PLAIN: dict[str, Callable[..., Interval]] = {
-    "add": iv.plus, "sub": iv.minus, "mul": iv.times, "neg": iv.negative, "abs": iv.absolute, "sqrt": iv.root,
-    "sin": iv.sine, "cos": iv.cosine, "atan": _atan, "atan2": iv.arctangent, "rint": _whole, "flip": _flip,
-}  # fmt: skip

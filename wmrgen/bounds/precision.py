@@ -9,8 +9,8 @@ from functools import cache
 
 import numpy as np
 
-from wmrgen.bounds.interval import Array
 from wmrgen.exact.number import Exact
+from wmrgen.ir.interval import Array
 from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
 from wmrgen.ir.kernels.constants import Worst, worst
 from wmrgen.ir.nodes import Op
@@ -83,14 +83,14 @@ class Library:
     slope: float = math.inf
 
     def ulps(self, op: Op) -> float:
-        return self.table()[op.value]
+        return self.table().get(op.name, op.ulps)
 
     def table(self) -> dict[str, float]:
         """Operation -> units in the last place."""
         return {"sin": self.sin, "cos": self.cos, "atan": self.atan, "atan2": self.atan2}
 
 
-LIBM = Library("libm", 1.0, 1.0, 1.0, 2.0, 1.0)
+LIBM = Library("libm", Op.SIN.ulps, Op.COS.ulps, Op.ATAN.ulps, Op.ATAN2.ulps, 1.0)
 
 
 def _kernel(errors: Worst) -> Library:

@@ -111,7 +111,7 @@ def _function(function: Function, where: Domain, outcomes: Outcomes) -> Function
     )
     if function.name == "inverse":
         where.commanded.update({o.name: (o.low, o.high) for o in outputs})
-    alarms = tuple(dict.fromkeys(f"{function.nodes[i].op.value}: {what}" for i, what in outcome.alarms))
+    alarms = tuple(dict.fromkeys(f"{function.nodes[i].op}: {what}" for i, what in outcome.alarms))
     return FunctionBound(function.name, ranges, outputs, alarms)
 
 

@@ -13,23 +13,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.bounds import interval as iv
-from wmrgen.bounds.interval import Array, Interval
-
-
-@dataclass(frozen=True, slots=True)
-class Partial:
-    """The derivative of a node in its argument ``arg``: within ``by``; 1 or -1 of sums.
-
-    ``like``: it is ``times`` node ``like``. ``steep``: it is at most this over the length of node ``length``.
-    """
-
-    arg: int
-    by: Interval | int
-    like: int | None = None
-    times: float = 1.0
-    length: int | None = None
-    steep: Array | None = None
+from wmrgen.ir import interval as iv
+from wmrgen.ir.interval import Array, Interval
+from wmrgen.ir.ops.analysis import Partial
 
 
 class Divisions(Protocol):

@@ -5,7 +5,7 @@ result (library functions: as many units as are assumed of them; constants: thei
 noise t d, 0 <= t <= 1: t = 1 is the float program, t = 0 the exact formula. By the mean value theorem an output
 differs by at most sum_i |d_i| sup |dv/dd_i|, and intervals bound the derivatives over every t and every input of the
 box, from the outputs back (`Walk.errors`). A comparison is taken as the float program decides it, a rounding to a whole
-number likewise. What each operation does to ranges and derivatives stands in `wmrgen.bounds.lemmas`.
+number likewise. What each operation does to ranges and derivatives stands in its record, `wmrgen.ir.ops`.
 
 Where a vector may vanish, derivatives are bounded in terms of its length h (`wmrgen.bounds.lengths`): errors are
 claimed where h is 64 times its own error or more, so that h changes by at most 1/64 while t runs from 0 to 1.
@@ -13,51 +13,27 @@ claimed where h is 64 times its own error or more, so that h changes by at most 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.bounds import interval as iv
-from wmrgen.bounds.forms import Forms
-from wmrgen.bounds.interval import GROW, Array, Interval
+from wmrgen.bounds import lengths as by_length
+from wmrgen.bounds.forms import Forms, combined
 from wmrgen.bounds.lengths import MOVED, SHORT, SMALL_ANGLE, Length, lengths
 from wmrgen.bounds.lengths import share as share_of
-from wmrgen.bounds.precision import Format, Library
-from wmrgen.bounds.shapes import contracted, effective
-from wmrgen.bounds.slopes import Partial, Slope
-from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.bounds.precision import Format, Library, constant
+from wmrgen.bounds.shapes import contracted, effective, extremum
+from wmrgen.bounds.slopes import Slope
+from wmrgen.exact.number import Exact
+from wmrgen.ir import interval as iv
+from wmrgen.ir.interval import GROW, Array, Interval
+from wmrgen.ir.nodes import Function, Op
+from wmrgen.ir.ops.analysis import Noise, Partial, Value
 
+_SINGULAR = 1e-6  # of its largest value: a divisor below that may as well be zero
 _TURN = SMALL_ANGLE / (SMALL_ANGLE - 1) * (1 + 1e-4)
-
-
-@dataclass(frozen=True, slots=True)
-class Noise:
-    """The rounding of a node: at most ``size`` plus, by length, ``over`` / h.
-
-    ``divisions``: see `Errors`.
-    """
-
-    size: Array
-    over: Mapping[int, Array] = field(default_factory=dict)
-    divisions: frozenset[int] = frozenset()
-
-
-@dataclass(frozen=True, slots=True)
-class Value:
-    """What a lemma says of a result; ``away``: a lower bound of its absolute value.
-
-    ``widen``: whether the noise is a rounding that ``range`` does not hold yet. ``decided``: how far the exact argument
-    may be from that by which the float program decides.
-    """
-
-    range: Interval
-    partials: tuple[Partial, ...] = ()
-    noise: Noise | None = None
-    away: Array | None = None
-    widen: bool = True
-    decided: Array | float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +76,7 @@ class Walk:
         self.upper = upper or {}
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
         self.lengths: dict[int, Length] = lengths(self.nodes)
-        self.effective = effective(self.nodes, function.results)
+        self.effective: Mapping[int, tuple[float, float]] = effective(self.nodes, function.results)
         self.contracted = contracted(self.nodes)
         self.forms = Forms(self.nodes, self.boxes, 16 * library.ulps(Op.SIN) * form.unit)
         self.ranges: list[Interval] = []
@@ -114,11 +90,16 @@ class Walk:
         self.alarms: list[tuple[int, str, NDArray[np.bool_]]] = []
         self.singular: set[int] = set()  # divisions by what comes close to zero, and guards against it
 
-    def run(self, lemmas: Mapping[Op, Lemma], count: int | None = None) -> Walk:
-        """The walk by one lemma per operation, of the first ``count`` nodes alone if that is given."""
+    def run(self, count: int | None = None) -> Walk:
+        """The walk by the lemmas of the operations, of the first ``count`` nodes alone if that is given."""
         with np.errstate(all="ignore"):
             for i, node in enumerate(self.nodes[:count]):
-                self._record(i, lemmas[node.op](self, i, node))
+                op, args = node.meaning
+                if op.lemma is None:
+                    raise ValueError(
+                        f"nothing is said of the bounds of {op}: its record needs interval and slopes"
+                    )
+                self._record(i, op.lemma(self, i, *args))
         return self
 
     def _record(self, i: int, value: Value) -> None:
@@ -150,12 +131,36 @@ class Walk:
         if np.any(where):
             self.alarms.append((i, what, where))
 
-    def rounded(self, value: Interval, i: int | None = None, times: float = 1.0) -> Noise:
-        """The error of a rounding of results in ``value``, as far as they count (`effective`)."""
+    def rounded(self, value: Interval, i: int) -> Noise:
+        """The error of a rounding of results of node ``i`` in ``value``, as far as they count (`effective`)."""
         size = iv.magnitude(value)
         if i in self.effective:
             size = np.minimum(size, max(map(abs, self.effective[i])))
-        return Noise(self.form.half_ulp(size) * times)
+        return Noise(self.form.half_ulp(size) * (2.0 if i in self.twice else 1.0))
+
+    def constant(self, value: Exact) -> tuple[float, float, float, bool]:
+        """See `wmrgen.bounds.precision.constant`."""
+        return constant(value, self.form.name)
+
+    def decided(self, k: int) -> Array:
+        """How far node ``k`` may be off where the float program decides by it."""
+        return np.asarray(self.claimed(self.errors((k,)))[0])
+
+    def cancelled(self, a: int, b: int, sign: int, value: Interval) -> Interval:
+        """a + b or a - b, within ``value``: terms that both have count together."""
+        if not self.forms.overlap(a, b):
+            return value
+        form = combined(self.forms.list[a], self.forms.list[b], sign)
+        return value if form is None else iv.meet(value, self.forms.range(form, self.ranges))
+
+    def near_zero(self, i: int, divisor: int) -> None:
+        """Notes the division ``i`` where its divisor comes close to zero."""
+        if np.any(self.away[divisor] < _SINGULAR * iv.magnitude(self.ranges[divisor]).max()):
+            self.singular.add(i)
+
+    def extremum(self, i: int) -> tuple[Op, int, int] | None:
+        """See `wmrgen.bounds.shapes.extremum`."""
+        return extremum(self.nodes, self.nodes[i])
 
     def library_noise(self, op: Op, value: Interval) -> Noise:
         """The error of a library function whose results lie in ``value``."""
@@ -181,6 +186,23 @@ class Walk:
         squares = [(f * e) ** 2 for (f, _), e in zip(length.parts, errors.total, strict=True)]
         length.rho = float(np.sqrt(sum(squares)).max()) * GROW + SHORT
         return length
+
+    def direction(self, i: int) -> Array:
+        """How far an error across the vector of node ``i`` turns it, times its length."""
+        self.measured(i)
+        return np.full(self.boxes, MOVED)
+
+    def quotient_by_length(self, i: int, a: int, b: int) -> Value:
+        """See `wmrgen.bounds.lengths`."""
+        return by_length.quotient_by_length(self, i, a, b)
+
+    def root_of_squares(self, i: int, a: int) -> Value | None:
+        """See `wmrgen.bounds.lengths`; None where node ``a`` is no sum of squares."""
+        return by_length.root_of_squares(self, i, a)
+
+    def branch(self, i: int, small: int, large: int, value: int) -> tuple[Array, Array, Array]:
+        """See `wmrgen.bounds.lengths`."""
+        return by_length.branch(self, i, small, large, value)
 
     # ---- errors
 
@@ -245,6 +267,3 @@ class Walk:
 
 def _product(size: Array, noise: Array) -> Array:
     return np.where((noise != 0) & (size != 0), size * noise, 0.0)
-
-
-Lemma = Callable[[Walk, int, Node], Value]

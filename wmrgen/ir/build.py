@@ -9,29 +9,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 
-from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.nodes import Function, Node, Op, Port
 from wmrgen.ir.prune import prune
 
 MINUS_ONE = -ONE
-_COMMUTATIVE = (Op.ADD, Op.MUL, Op.MIN, Op.MAX)
 Key = tuple[Op, tuple[int, ...], Exact | None, str | None]
 
 
 class Builder:
     """Makes nodes and hands out their ids; `function` cuts out what some results need."""
 
-    __slots__ = ("_index", "_rules", "nodes")
+    __slots__ = ("_index", "nodes")
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
         self._index: dict[Key, int] = {}
-        self._rules: dict[Op, Callable[..., int]] = {
-            Op.ADD: self.add, Op.SUB: self.sub, Op.MUL: self.mul, Op.DIV: self.div, Op.NEG: self.neg,
-            Op.ABS: self.abs, Op.MIN: self.min, Op.MAX: self.max, Op.SQRT: self.sqrt, Op.SIN: self.sin,
-            Op.COS: self.cos, Op.ATAN: self.atan, Op.ATAN2: self.atan2, Op.RINT: self.rint, Op.FLIP: self.flip,
-            Op.SELECT: self.select,
-        }  # fmt: skip
 
     # ---- leaves
 
@@ -186,36 +179,27 @@ class Builder:
         value = self.value(a)
         if value is not None and value.sign < 0:
             raise ValueError("square root of a negative constant")
-        root = None if value is None else exact_sqrt(value)
-        return self._node(Op.SQRT, (a,)) if root is None else self.const(root)
+        return self._plain(Op.SQRT, a)
 
     def sin(self, a: int) -> int:
         """sin(a), a in radians."""
-        value, inner = self.value(a), self._positive(a)
-        if value is not None and not value:
-            return a
-        return self._node(Op.SIN, (a,)) if inner is None else self.neg(self.sin(inner))
+        return self._plain(Op.SIN, a)
 
     def cos(self, a: int) -> int:
         """cos(a), a in radians."""
-        value, inner = self.value(a), self._positive(a)
-        if value is not None and not value:
-            return self.const(ONE)
-        return self._node(Op.COS, (a,)) if inner is None else self.cos(inner)
+        return self._plain(Op.COS, a)
 
     def atan(self, a: int) -> int:
         """The arctangent of a, in radians."""
-        value, inner = self.value(a), self._positive(a)
-        if value is not None and not value:
-            return a
-        return self._node(Op.ATAN, (a,)) if inner is None else self.neg(self.atan(inner))
+        return self._plain(Op.ATAN, a)
+
+    def atan2(self, y: int, x: int) -> int:
+        """atan2(y, x) in radians; atan2(0, 0) = 0."""
+        return self._plain(Op.ATAN2, y, x)
 
     def rint(self, a: int) -> int:
         """The whole number nearest to a, ties to even."""
-        value, inner = self.value(a), self._positive(a)
-        if value is not None and value.is_rational:
-            return self.const(round(value.parts[0]))
-        return self._node(Op.RINT, (a,)) if inner is None else self.neg(self.rint(inner))
+        return self._plain(Op.RINT, a)
 
     def flip(self, a: int, n: int) -> int:
         """a where the whole number n is even, else -a."""
@@ -224,12 +208,17 @@ class Builder:
             return self.neg(a) if value.parts[0] % 2 else a
         return self._node(Op.FLIP, (a, n)) if inner is None else self.flip(a, inner)
 
-    def atan2(self, y: int, x: int) -> int:
-        """atan2(y, x) in radians; atan2(0, 0) = 0."""
-        p, q = self.value(y), self.value(x)
-        if p is not None and q is not None and not p and q.sign >= 0:
-            return self.const(ZERO)
-        return self._node(Op.ATAN2, (y, x))
+    def _plain(self, op: Op, *args: int) -> int:
+        """Constants folded, the sign of the argument of an odd or even function taken out of it."""
+        values = [x for a in args if (x := self.value(a)) is not None]
+        folded = op.fold(*values) if len(values) == len(args) and op.fold is not None else None
+        if folded is not None:
+            return self.const(folded)
+        inner = self._positive(args[0]) if op.parity else None
+        if inner is not None:
+            result = self._plain(op, inner)
+            return self.neg(result) if op.parity < 0 else result
+        return self._node(op, tuple(sorted(args)) if op.commutative else args)
 
     # ---- helpers
 
@@ -261,14 +250,14 @@ class Builder:
         return self.mul(half, a) if n % 2 else half
 
     def apply(self, op: Op, args: Sequence[int]) -> int:
-        """Operation ``op`` (neither CONST nor INPUT) through its simplifying rule."""
-        return self._rules[op](*args)
+        """Operation ``op`` over the field through its simplifying rule."""
+        return _RULES[op](self, *args) if op in _RULES else self._plain(op, *args)
 
     def copy(self, node: Node, args: Sequence[int]) -> int:
         """``node`` of another function over ``args``, ids of this builder."""
-        if node.op in self._rules:
-            return self.apply(node.op, args)
-        return self._node(node.op, tuple(args), node.value, node.name)
+        if node.op.exact is None:
+            return self._node(node.op, tuple(args), node.value, node.name)
+        return self.apply(node.op, args)
 
     def call(self, kernel: str, args: Sequence[int]) -> int:
         """A call of a kernel, see `wmrgen.ir.calls`."""
@@ -280,9 +269,9 @@ class Builder:
 
     def again(self, node: Node, args: Sequence[int]) -> int:
         """``node`` of another function over ``args``, as `make` makes it."""
-        if node.op in self._rules and args:
-            return self.make(node.op, args)
-        return self._node(node.op, tuple(args), node.value, node.name)
+        if node.op.exact is None:
+            return self._node(node.op, tuple(args), node.value, node.name)
+        return self.make(node.op, args)
 
     def make(self, op: Op, args: Sequence[int]) -> int:
         """Operation ``op`` as it stands: shared, but simplified only over a constant or a negation.
@@ -291,7 +280,7 @@ class Builder:
         """
         if any(self.nodes[arg].op in (Op.CONST, Op.NEG) for arg in args):
             return self.apply(op, args)
-        return self._node(op, tuple(sorted(args)) if op in _COMMUTATIVE else tuple(args))
+        return self._node(op, tuple(sorted(args)) if op.commutative else tuple(args))
 
     def value(self, a: int) -> Exact | None:
         """The constant that node ``a`` is, else None."""
@@ -377,3 +366,11 @@ class Builder:
             return self.const(-value) if value.sign < 0 else None
         inner = self._negated(a)
         return inner if inner is not None else self._positive_product(a)
+
+
+# The operations that are more than `Builder._plain` of what their record says.
+_RULES: dict[Op, Callable[..., int]] = {
+    Op.ADD: Builder.add, Op.SUB: Builder.sub, Op.MUL: Builder.mul, Op.DIV: Builder.div, Op.NEG: Builder.neg,
+    Op.ABS: Builder.abs, Op.MIN: Builder.min, Op.MAX: Builder.max, Op.SELECT: Builder.select,
+    Op.SQRT: Builder.sqrt, Op.FLIP: Builder.flip,
+}  # fmt: skip

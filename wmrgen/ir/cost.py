@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import astuple, dataclass
 
-from wmrgen.ir.nodes import Function, Op
+from wmrgen.ir.nodes import Function
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,15 +52,4 @@ class Cost:
 
 def count(function: Function) -> Cost:
     """The operations in the list of ``function``; unused nodes count too."""
-    ops = Counter(node.op for node in function.nodes)
-    return Cost(
-        additions=ops[Op.ADD] + ops[Op.SUB],
-        multiplications=ops[Op.MUL],
-        divisions=ops[Op.DIV],
-        roots=ops[Op.SQRT],
-        sines=ops[Op.SIN] + ops[Op.COS],
-        arctangents=ops[Op.ATAN] + ops[Op.ATAN2],
-        comparisons=ops[Op.SELECT] + ops[Op.MIN] + ops[Op.MAX],
-        signs=ops[Op.NEG] + ops[Op.ABS] + ops[Op.FLIP],
-        roundings=ops[Op.RINT],
-    )
+    return Cost(**Counter(node.op.cost for node in function.nodes if node.op.cost))

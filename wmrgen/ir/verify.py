@@ -1,25 +1,30 @@
 """Exact checks that a pass changed no output.
 
-Both functions are evaluated over the field at pseudo-random rational points. A square root, sine,
-cosine or arctangent is replaced by an opaque rational function of its exact arguments, the same
-before and after, so that equality stays a matter of exact numbers. Opaque sines are odd, opaque
-cosines even, opaque arctangents odd, roots in the field and values at zero true; no pass uses any other property.
-Comparisons are made on the exact values.
+Both functions are evaluated over the field at pseudo-random rational points. What an operation's record calls opaque, a
+square root, sine, cosine or arctangent, is replaced by an arbitrary rational function of its exact arguments, the same
+before and after, so that equality stays a matter of exact numbers. It is odd or even where the operation is, and true
+where builders fold constants; no pass uses any other property. Comparisons are made on the exact values.
+
+A check that stays quick on large functions computes modulo a prime: unequal exact values have equal residues with
+probability about 2**-61.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
-from wmrgen.exact.number import ONE, Exact, exact_sqrt
-from wmrgen.ir.arithmetic import EXACT, Arithmetic
-from wmrgen.ir.interpret import evaluate
+from wmrgen.exact.number import Exact
+from wmrgen.ir.interpret import EXACT, Arithmetic, Number, evaluate
 from wmrgen.ir.nodes import Function, Module, Op
-from wmrgen.ir.residues import RESIDUES, Residue
 
 _MODULUS = 2**61 - 1
+PRIME = 2**61 - 465  # = 23 modulo 24: 2 and 3 are squares, so that all of Q(√2, √3) embeds
+_ROOT2 = pow(2, (PRIME + 1) // 4, PRIME)
+_ROOT3 = pow(3, (PRIME + 1) // 4, PRIME)
+_ROOTS = (1, _ROOT2, _ROOT3, _ROOT2 * _ROOT3 % PRIME)
 
 
 class PassError(AssertionError):
@@ -35,51 +40,101 @@ def mix(*numbers: int) -> int:
     return state
 
 
-def _digest(value: Exact) -> tuple[int, ...]:
-    return (*value.num, value.den)
+# ---- residues
 
 
-def _opaque(salt: int) -> Callable[..., Exact]:
-    """A rational number in [1/64, 4) decided by the arguments."""
-    return lambda *args: Exact(Fraction(mix(salt, *(n for a in args for n in _digest(a))) % 255 + 1, 64))
+class Residue:
+    """``r`` modulo PRIME, and about how large the number is, which decides comparisons only."""
+
+    __slots__ = ("r", "size")
+
+    def __init__(self, r: int, size: float) -> None:
+        self.r, self.size = r, size
+
+    def __bool__(self) -> bool:
+        return self.r != 0
+
+    @property
+    def sign(self) -> int:
+        return 0 if not self.r else 1 if self.size > 0 else -1
+
+    def rational(self) -> int:
+        """The whole number that it is, where it is one."""
+        return self.r if self.size > 0 else -(-self.r % PRIME)
+
+    def __add__(self, other: Residue) -> Residue:
+        return Residue((self.r + other.r) % PRIME, self.size + other.size)
+
+    def __sub__(self, other: Residue) -> Residue:
+        return Residue((self.r - other.r) % PRIME, self.size - other.size)
+
+    def __mul__(self, other: Residue) -> Residue:
+        return Residue(self.r * other.r % PRIME, self.size * other.size)
+
+    def __truediv__(self, other: Residue) -> Residue:
+        size = self.size / other.size if other.size else 0.0
+        return Residue(self.r * pow(other.r, -1, PRIME) % PRIME, size)
+
+    def __neg__(self) -> Residue:
+        return Residue(-self.r % PRIME, -self.size)
+
+    def __abs__(self) -> Residue:
+        return -self if self.r and self.size < 0 else self
+
+    def __lt__(self, other: Residue) -> bool:
+        return self.r != other.r and self.size < other.size
 
 
-_SQRT, _SIN, _COS, _ATAN2, _ATAN = (_opaque(salt) for salt in (1, 2, 3, 4, 5))
+def _residue(value: Number | Residue) -> Residue:
+    if isinstance(value, Residue):  # an output of prepare()
+        return value
+    e = Exact.of(Fraction(value)) if isinstance(value, float) else Exact.of(value)
+    numerator = sum(n * root for n, root in zip(e.num, _ROOTS, strict=True) if n)
+    return Residue(numerator * pow(e.den, -1, PRIME) % PRIME, float(e))
 
 
-def _sqrt(a: Exact) -> Exact:
-    root = exact_sqrt(a)  # as the builder folds constants
-    return _SQRT(a) if root is None else root
+# ---- opaque functions
 
 
-def _sin(a: Exact) -> Exact:
-    return a if not a else _SIN(a) if a.sign > 0 else -_SIN(-a)
+def _arbitrary(op: Op, enter: Callable[[Any], Any], folds: bool) -> Callable[..., Any]:
+    """A number in [1/64, 4) that the arguments decide, with the properties of ``op`` that builders use."""
+    salt = mix(*op.name.encode())
+
+    def value(*args: Any) -> Any:
+        known = op.fold(*args) if folds and op.fold is not None else None
+        if known is not None:
+            return enter(known)
+        if op.parity < 0 and not args[0]:
+            return enter(0)
+        if op.parity and args[0].sign < 0:
+            return value(-args[0]) if op.parity > 0 else -value(-args[0])
+        return enter(Fraction(mix(salt, *(n for a in args for n in _digest(a))) % 255 + 1, 64))
+
+    return value
 
 
-def _atan(a: Exact) -> Exact:
-    return a if not a else _ATAN(a) if a.sign > 0 else -_ATAN(-a)
+def _digest(value: Exact | Residue) -> tuple[int, ...]:
+    return (value.r,) if isinstance(value, Residue) else (*value.num, value.den)
 
 
-def _cos(a: Exact) -> Exact:
-    return _COS(abs(a)) if a else ONE
+@cache
+def _over_the_field(op: Op) -> Callable[..., Any]:
+    return _arbitrary(op, EXACT.enter, True) if op.opaque else EXACT.of(op)
 
 
-def _atan2(y: Exact, x: Exact) -> Exact:
-    return y if not y and x.sign >= 0 else _ATAN2(y, x)
+@cache
+def _modulo_the_prime(op: Op) -> Callable[..., Any]:
+    if op.opaque or not op.modular:
+        return _arbitrary(op, _residue, op.modular)
+    assert op.exact is not None
+    return op.exact
 
 
-OPAQUE = Arithmetic(
-    "opaque",
-    EXACT.enter,
-    {
-        **EXACT.apply,
-        Op.SQRT: _sqrt,
-        Op.SIN: _sin,
-        Op.COS: _cos,
-        Op.ATAN: _atan,
-        Op.ATAN2: _atan2,
-    },
-)
+OPAQUE = Arithmetic("opaque", EXACT.enter, _over_the_field)
+RESIDUES = Arithmetic("residues", _residue, _modulo_the_prime)
+
+
+# ---- checks
 
 
 def points(function: Function, count: int) -> list[dict[str, Exact]]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.ir.many_points import values_of
+from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Op, Port
 from wmrgen.ir.prune import prune
 from wmrgen.ir.rounding import to_float64
@@ -31,6 +31,7 @@ def near_thresholds(
     if not len(rows) or not any(n.op in (Op.SELECT, Op.MIN, Op.MAX, Op.RINT) for n in function.nodes):
         return
 
+    @np.errstate(all="ignore")
     def at(points: Array, run: Function) -> list[Array]:
         columns = {port.name: points[:, k] for k, port in enumerate(ports)}
         return values_of(run, {**given, **columns}, np.float64)

@@ -17,10 +17,11 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.nodes import Function, Module, Port, Role
+from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 from wmrgen.ir.site import NO_SITE, Site
 from wmrgen.selftest.points import BRANCH, TWIST, Grid, Point, points
-from wmrgen.selftest.rounding_bounds import UNITS, Array, Bounded, bounds, outputs, rounding_of
+from wmrgen.selftest.rounding_bounds import UNITS, Array, bounds, outputs, rounding_of
 from wmrgen.selftest.thresholds import near_thresholds
 
 _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything

@@ -6,8 +6,7 @@ import random
 from pathlib import Path
 
 from wmrgen import derive, load
-from wmrgen.ir.arithmetic import FLOAT32, FLOAT64, Arithmetic
-from wmrgen.ir.interpret import evaluate_module
+from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.robot import Derivation
 
 CORNERS = {"fl": (1, 1), "fr": (1, -1), "bl": (-1, 1), "br": (-1, -1)}

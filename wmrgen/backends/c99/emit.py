@@ -10,17 +10,17 @@ from typing import Any
 from wmrgen.backends.c99.checked import checked
 from wmrgen.backends.c99.functions import Kernel, Step, prepare_steps, printed_kernels, results_of, step
 from wmrgen.backends.c99.selftest import selftest
-from wmrgen.backends.c99.style import BITS, INTEGER, LIBM
 from wmrgen.backends.c99.text import Struct, comment_lines
 from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
-from wmrgen.ir.kernels import integer, rounds, with_kernels
+from wmrgen.ir.kernels import rounds, with_kernels
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0
 from wmrgen.ir.kernels.constants import worst
 from wmrgen.ir.nodes import Function, Module, Op, Port
+from wmrgen.ir.ops import integer
 from wmrgen.render import render
 
 
@@ -98,8 +98,7 @@ def _unit(module: Module, meta: Meta) -> Unit:
 def _includes(made: Unit) -> dict[str, bool]:
     return {
         "<float.h>": made.rounds,
-        "<math.h>": not made.ops.isdisjoint({Op.ISQRT, *LIBM}),
-        "<stdint.h>": not made.ops.isdisjoint({*BITS, *INTEGER}),
+        **{header: any(header in op.includes for op in made.ops) for header in ("<math.h>", "<stdint.h>")},
     }
 
 
@@ -139,6 +138,7 @@ def sources(module: Module, meta: Meta) -> tuple[str, str]:
 
 def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
     """Header, source, and the digest that stands in both; ``made`` are the C functions of ``module``."""
+    needs = {op.name for op in made.ops}
     context: dict[str, object] = {
         "robot": made.robot,
         "scalar": made.scalar,
@@ -152,8 +152,8 @@ def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
         "kernels_for": "_".join((meta.target, meta.scalar, meta.math)).upper(),
         "includes": [name for name, needed in _includes(made).items() if needed],
         "rounds": made.rounds,
-        "integer": None if made.ops.isdisjoint(INTEGER) else integer,
-        "needs": {op.value for op in made.ops},
+        "integer": integer if needs & INTEGER else None,
+        "needs": needs,
     }
     # The digest of both files stands in both: any two that were not written together refuse to compile.
     draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]
@@ -172,6 +172,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     return {name: text.encode("ascii") for name, text in files.items()}
 
 
+INTEGER = {"isin", "icos", "iatan", "imul", "idiv", "isqrt"}  # see templates/c99/integer.c.j2
 LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
 _WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
 

@@ -20,7 +20,7 @@ from wmrgen.backends.registry import Place
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import Kernels, with_places
 from wmrgen.ir.calls import by_name as kernels_by_name
-from wmrgen.ir.many_points import values_of
+from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
 from wmrgen.ir.site import NO_SITE
@@ -41,6 +41,7 @@ def _inputs(function: Function) -> dict[str, Array]:
     return {port.name: rows[:, k].astype(np.float32) for k, port in enumerate(ports)}
 
 
+@np.errstate(all="ignore")
 def nominal(module: Module) -> dict[str, Array]:
     """Tunable parameters, and what prepare() makes of them."""
     ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
@@ -54,6 +55,7 @@ def nominal(module: Module) -> dict[str, Array]:
     return known
 
 
+@np.errstate(all="ignore")
 def names_of(raw: Function, known: Mapping[str, Array]) -> Names:
     """The values of the intermediate results of a formula as it was lowered."""
     if not raw.named:
@@ -62,6 +64,7 @@ def names_of(raw: Function, known: Mapping[str, Array]) -> Names:
     return {name: values[k] for name, k in raw.named}
 
 
+@np.errstate(all="ignore")
 def labels(
     function: Function, names: Names, known: Mapping[str, Array], kernels: Kernels = NO_KERNELS
 ) -> tuple[tuple[str, int], ...]:

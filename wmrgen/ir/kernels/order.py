@@ -7,7 +7,7 @@ the register that keeps it. Inputs are read again instead.
 from __future__ import annotations
 
 from wmrgen.ir.nodes import Function, Op
-from wmrgen.ir.passes.schedule import LIBRARY, calls_first, schedule
+from wmrgen.ir.passes.schedule import calls_first, schedule
 
 _FREE = (Op.CONST, Op.INPUT)
 _STATEMENTS = (Op.SELECT, Op.MIN, Op.MAX)  # other values that are used once are printed where they are used
@@ -36,7 +36,7 @@ def kept_across(function: Function) -> int:
     for i in range(len(nodes) - 1, -1, -1):
         if len(users[i]) == 1 and nodes[i].op not in _STATEMENTS:
             place[i] = place[users[i][0]]
-    calls = [place[i] for i, node in enumerate(nodes) if node.op in LIBRARY]
+    calls = [place[i] for i, node in enumerate(nodes) if node.op.ulps]
     return sum(
         node.op not in _FREE and any(place[i] < k < max(place[u] for u in users[i]) for k in calls)
         for i, node in enumerate(nodes)

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.kernels import constants as c
 from wmrgen.ir.kernels.fuse import fuse
-from wmrgen.ir.kernels.integer import SOFT
 from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ports import Port, Role
 
 _TWO = Exact(2)
 VECTOR = ("x", "y")
+SOFT = {Op.MUL: Op.IMUL, Op.DIV: Op.IDIV, Op.SQRT: Op.ISQRT}  # the same values from fewer instructions
 
 
 @dataclass(frozen=True, slots=True)

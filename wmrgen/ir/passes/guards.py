@@ -6,23 +6,12 @@ What a `select` has compared is used for the branch that it chooses.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from fractions import Fraction
-from math import isqrt
+from dataclasses import dataclass
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Node, Op
-
-
-@dataclass(frozen=True, slots=True)
-class Fact:
-    """lo <= value <= hi (None: no bound), |value| >= away, and value != 0 where ``nonzero``."""
-
-    lo: Exact | None = None
-    hi: Exact | None = None
-    away: Exact = ZERO
-    nonzero: bool = False
+from wmrgen.ir.ops.analysis import Fact
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,151 +28,29 @@ class Finding:
 
 
 def findings(function: Function) -> tuple[Finding, ...]:
-    """Every division and square root of ``function`` that is not shown to be defined."""
+    """Every operation of ``function`` that is not shown to be defined: divisions and square roots, say."""
     known = geometry_only(function)
     fact = facts(function)
-    found: list[Finding] = []
-    for i, node in enumerate(function.nodes):
-        if node.op is Op.DIV and not fact[node.args[1]].nonzero:
-            found.append(Finding(function.name, i, "the divisor may be zero", known[node.args[1]]))
-        if node.op is Op.SQRT and not _at_least_zero(fact[node.args[0]]):
-            found.append(
-                Finding(function.name, i, "the root's argument may be negative", known[node.args[0]])
-            )
-    return tuple(found)
+    return tuple(
+        Finding(function.name, i, node.op.needs[2], known[node.args[node.op.needs[0]]])
+        for i, node in enumerate(function.nodes)
+        if node.op.needs and not getattr(fact[node.args[node.op.needs[0]]], node.op.needs[1])
+    )
 
 
 def facts(function: Function) -> list[Fact]:
     """A fact for every node, in list order."""
     known: list[Fact] = []
     for node in function.nodes:
-        known.append(_fact(function.nodes, known, node))
+        if node.value is not None:
+            known.append(Fact.between(node.value, node.value))
+            continue
+        op, args = node.meaning
+        below = [known[arg] for arg in args]
+        if op is Op.SELECT:
+            below[2:] = (_chosen(function.nodes, known, node, branch) for branch in (2, 3))
+        known.append(op.fact(*below))
     return known
-
-
-def _interval(lo: Exact | None, hi: Exact | None, away: Exact = ZERO, nonzero: bool = False) -> Fact:
-    """A fact whose bound away from zero takes the interval into account."""
-    if lo is not None and lo > away:
-        away = lo
-    if hi is not None and -hi > away:
-        away = -hi
-    return Fact(lo, hi, away, nonzero or bool(away))
-
-
-def _at_least_zero(fact: Fact) -> bool:
-    return fact.lo is not None and fact.lo >= 0
-
-
-def _least(a: Exact | None, b: Exact | None) -> Exact | None:
-    """The smaller bound; None is no bound."""
-    return None if a is None or b is None else min(a, b)
-
-
-def _greatest(a: Exact | None, b: Exact | None) -> Exact | None:
-    return None if a is None or b is None else max(a, b)
-
-
-def _plus(a: Exact | None, b: Exact | None) -> Exact | None:
-    return None if a is None or b is None else a + b
-
-
-def _negative(a: Fact) -> Fact:
-    lo, hi = a.lo, a.hi
-    return Fact(None if hi is None else -hi, None if lo is None else -lo, a.away, a.nonzero)
-
-
-def _sum(a: Fact, b: Fact) -> Fact:
-    fact = _interval(_plus(a.lo, b.lo), _plus(a.hi, b.hi))
-    one_sided = _at_least_zero(a) and _at_least_zero(b)
-    return replace(fact, nonzero=fact.nonzero or (one_sided and (a.nonzero or b.nonzero)))
-
-
-def _product(a: Fact, b: Fact, square: bool) -> Fact:
-    """A product counts as non-zero where it is bounded away from zero: floats underflow."""
-    away = a.away * b.away
-    if square:
-        ends = [bound * bound for bound in (a.lo, a.hi) if bound is not None]
-        return _interval(away, max(ends) if len(ends) == 2 else None, away)
-    if _at_least_zero(a) and _at_least_zero(b):
-        both = a.hi is not None and b.hi is not None
-        hi = a.hi * b.hi if both and a.hi is not None and b.hi is not None else None
-        return _interval((a.lo or ZERO) * (b.lo or ZERO), hi, away)
-    if a.lo is None or a.hi is None or b.lo is None or b.hi is None:
-        return _interval(None, None, away)
-    corners = (a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi)
-    return _interval(min(corners), max(corners), away)
-
-
-def _root(a: Fact) -> Fact:
-    if a.lo is None or a.lo <= 0:
-        return Fact(ZERO, None, ZERO, a.nonzero and _at_least_zero(a))
-    q = a.lo.rational()
-    scale = 10**40
-    below = Exact(Fraction(max(isqrt(q.numerator * scale * scale // q.denominator) - 1, 0), scale))
-    return _interval(below, None, nonzero=True)
-
-
-def _absolute(a: Fact) -> Fact:
-    bounded = a.lo is not None and a.hi is not None
-    hi = max(-a.lo, a.hi) if bounded and a.lo is not None and a.hi is not None else None
-    return _interval(a.away, hi, a.away, a.nonzero)
-
-
-def _whole(a: Fact) -> Fact:
-    half = Exact(Fraction(1, 2))
-    return Fact(None if a.lo is None else a.lo - half, None if a.hi is None else a.hi + half)
-
-
-def _fact(nodes: tuple[Node, ...], known: list[Fact], node: Node) -> Fact:
-    args = [known[arg] for arg in node.args]
-    match node.op:
-        case Op.CONST:
-            return _interval(node.value, node.value)
-        case Op.ADD:
-            return _sum(args[0], args[1])
-        case Op.SUB:
-            return _sum(args[0], _negative(args[1]))
-        case Op.NEG:
-            return _negative(args[0])
-        case Op.MUL:
-            return _product(args[0], args[1], node.args[0] == node.args[1])
-        case Op.DIV:
-            positive = _at_least_zero(args[0]) and _at_least_zero(args[1])
-            return Fact(ZERO if positive else None)
-        case Op.ABS:
-            return _absolute(args[0])
-        case Op.SQRT:
-            return _root(args[0])
-        case Op.SIN | Op.COS:
-            return Fact(-ONE, ONE)
-        case Op.ATAN:
-            return Fact(Exact(-2), Exact(2))
-        case Op.ATAN2:
-            return Fact(Exact(-4), Exact(4))
-        case Op.RINT:
-            return _whole(args[0])
-        case Op.FLIP:
-            return _either(args[0], _negative(args[0]))
-        case Op.MIN:
-            return _negative(_larger(_negative(args[0]), _negative(args[1])))
-        case Op.MAX:
-            return _larger(args[0], args[1])
-        case Op.SELECT:
-            return _either(_chosen(nodes, known, node, 2), _chosen(nodes, known, node, 3))
-        case _:
-            return Fact()
-
-
-def _larger(a: Fact, b: Fact) -> Fact:
-    los = [lo for lo in (a.lo, b.lo) if lo is not None]
-    fact = _interval(max(los) if los else None, _greatest(a.hi, b.hi), min(a.away, b.away))
-    positive = (_at_least_zero(a) and a.nonzero) or (_at_least_zero(b) and b.nonzero)
-    return replace(fact, nonzero=fact.nonzero or positive or (a.nonzero and b.nonzero))
-
-
-def _either(a: Fact, b: Fact) -> Fact:
-    away = min(a.away, b.away)
-    return Fact(_least(a.lo, b.lo), _greatest(a.hi, b.hi), away, a.nonzero and b.nonzero)
 
 
 def _chosen(nodes: tuple[Node, ...], known: list[Fact], node: Node, branch: int) -> Fact:
@@ -193,16 +60,16 @@ def _chosen(nodes: tuple[Node, ...], known: list[Fact], node: Node, branch: int)
     fact, below, above = known[value], known[small], known[large]
     if value == large and below.lo is not None:  # value > small or value >= small
         lo = below.lo if fact.lo is None else max(fact.lo, below.lo)
-        return _interval(lo, fact.hi, fact.away, fact.nonzero or (strict and below.lo >= 0))
+        return Fact.between(lo, fact.hi, fact.away, fact.nonzero or (strict and below.lo >= 0))
     if value == small and above.hi is not None:
         hi = above.hi if fact.hi is None else min(fact.hi, above.hi)
-        return _interval(fact.lo, hi, fact.away, fact.nonzero or (strict and above.hi <= 0))
+        return Fact.between(fact.lo, hi, fact.away, fact.nonzero or (strict and above.hi <= 0))
     if below.lo is not None and below.lo >= 0:  # |value| is known through its size or its square
         bound = _size_bound(nodes, large, value, below.lo)
         if bound is not None and (strict or bound):
-            return _interval(fact.lo, fact.hi, max(fact.away, bound), nonzero=True)
+            return Fact.between(fact.lo, fact.hi, max(fact.away, bound), nonzero=True)
         if strict and _grows(nodes, value, large):
-            return _interval(fact.lo, fact.hi, fact.away, nonzero=True)
+            return Fact.between(fact.lo, fact.hi, fact.away, nonzero=True)
     return fact
 
 

@@ -11,8 +11,6 @@ from dataclasses import replace
 
 from wmrgen.ir.nodes import Function, Node, Op
 
-LIBRARY = frozenset({Op.SIN, Op.COS, Op.ATAN, Op.ATAN2})
-
 
 def schedule(function: Function) -> Function:
     """``function`` with its nodes in a new order; unneeded ones are left out."""
@@ -41,7 +39,7 @@ def schedule(function: Function) -> Function:
 def calls_first(function: Function) -> Function:
     """What library functions need, and they themselves, before the rest: few values then live across a call."""
     nodes = function.nodes
-    first = bytearray(node.op in LIBRARY for node in nodes)
+    first = bytearray(node.op.ulps > 0 for node in nodes)
     for i in range(len(nodes) - 1, -1, -1):
         if first[i]:
             for arg in nodes[i].args:

@@ -9,10 +9,7 @@ from __future__ import annotations
 
 import struct
 
-from wmrgen.ir.nodes import Op
 from wmrgen.ir.rounding import nearest_float32
-
-SOFT = {Op.MUL: Op.IMUL, Op.DIV: Op.IDIV, Op.SQRT: Op.ISQRT}  # the same values from fewer instructions
 
 TURN = 2734261102  # 2**34 / (2 pi)
 # sin(pi/2 u) = u (c1 - c3 s + ...), s = u**2 <= 1, in units of 2**-31

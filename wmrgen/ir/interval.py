@@ -93,6 +93,31 @@ def reciprocal(b: Interval) -> Interval:
     return np.where(bad, -np.inf, lo), np.where(bad, np.inf, hi)
 
 
+def quotient(a: Interval, b: Interval) -> Interval:
+    """a/b; everything where ``b`` holds 0."""
+    value = times(a, reciprocal(b))
+    bad = (b[0] <= 0) & (b[1] >= 0)
+    return np.where(bad, -np.inf, value[0]), np.where(bad, np.inf, value[1])
+
+
+def smaller(a: Interval, b: Interval) -> Interval:
+    return np.minimum(a[0], b[0]), np.minimum(a[1], b[1])
+
+
+def larger(a: Interval, b: Interval) -> Interval:
+    return np.maximum(a[0], b[0]), np.maximum(a[1], b[1])
+
+
+def chosen(small: Interval, large: Interval, first: Interval, second: Interval) -> Interval:
+    """``first`` where small < large everywhere, ``second`` where nowhere, else what holds both."""
+    always, never = small[1] < large[0], small[0] >= large[1]
+    lo, hi = hull(first, second)
+    return (
+        np.where(always, first[0], np.where(never, second[0], lo)),
+        np.where(always, first[1], np.where(never, second[1], hi)),
+    )
+
+
 def root(a: Interval) -> Interval:
     """Square root of the part that is not negative."""
     lo, hi = outward(np.sqrt(np.maximum(a[0], 0.0)), np.sqrt(np.maximum(a[1], 0.0)))
@@ -121,6 +146,16 @@ def sine(a: Interval) -> Interval:
 
 def cosine(a: Interval) -> Interval:
     return _wave(a, np.cos, 0.0)
+
+
+def slope_angle(a: Interval) -> Interval:
+    """The arctangent of a slope."""
+    return widened((np.arctan(a[0]), np.arctan(a[1])), np.full_like(a[0], _WIDE))
+
+
+def whole(a: Interval) -> Interval:
+    """The nearest whole numbers."""
+    return np.rint(a[0]), np.rint(a[1])
 
 
 def arctangent(y: Interval, x: Interval) -> Interval:

@@ -1,0 +1,189 @@
+"""What analyses hand to the rules of an operation, and what these give back.
+
+Three analyses ask: `wmrgen.ir.passes.guards`, without limits, in exact numbers (`Fact`); `wmrgen.selftest`, at many
+points at once (`Bounded`); `wmrgen.bounds`, over boxes of inputs (`Value`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.ir import interval as iv
+from wmrgen.ir.interval import Array, Interval
+
+# ---- facts: exact, without limits
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """lo <= value <= hi (None: no bound), |value| >= away, and value != 0 where ``nonzero``."""
+
+    lo: Exact | None = None
+    hi: Exact | None = None
+    away: Exact = ZERO
+    nonzero: bool = False
+
+    @classmethod
+    def between(cls, lo: Exact | None, hi: Exact | None, away: Exact = ZERO, nonzero: bool = False) -> Fact:
+        """A fact whose bound away from zero takes the interval into account."""
+        if lo is not None and lo > away:
+            away = lo
+        if hi is not None and -hi > away:
+            away = -hi
+        return cls(lo, hi, away, nonzero or bool(away))
+
+    @property
+    def at_least_zero(self) -> bool:
+        return self.lo is not None and self.lo >= 0
+
+    def __neg__(self) -> Fact:
+        lo, hi = self.lo, self.hi
+        return Fact(None if hi is None else -hi, None if lo is None else -lo, self.away, self.nonzero)
+
+    def __or__(self, other: Fact) -> Fact:
+        """Of a value that is one or the other."""
+        lo = None if self.lo is None or other.lo is None else min(self.lo, other.lo)
+        hi = None if self.hi is None or other.hi is None else max(self.hi, other.hi)
+        return Fact(lo, hi, min(self.away, other.away), self.nonzero and other.nonzero)
+
+
+# ---- running error bounds: many points at once
+
+
+@dataclass(frozen=True, slots=True)
+class Bounded:
+    """``value`` per point; ``error``: two rows, of code in the target's arithmetic and of ``value`` itself.
+
+    ``taken``: for choices, +1 and -1 where the outcome is sure, else 0, in the rows of ``error``.
+    """
+
+    value: Array
+    error: Array
+    taken: Array | None = None
+
+
+def rounded(value: Array, error: Array, unit: Array) -> Bounded:
+    """One rounding on top of ``error``; none where exact operands give a number that every type holds."""
+    exact = (error == 0) & (value.astype(np.float32) == value)
+    return Bounded(value, np.where(exact, 0.0, error + unit * (np.abs(value) + error)))
+
+
+# ---- lemmas: boxes of inputs
+
+
+@dataclass(frozen=True, slots=True)
+class Partial:
+    """The derivative of a node in its argument ``arg``: within ``by``; 1 or -1 of sums.
+
+    ``like``: it is ``times`` node ``like``. ``steep``: it is at most this over the length of node ``length``.
+    """
+
+    arg: int
+    by: Interval | int
+    like: int | None = None
+    times: float = 1.0
+    length: int | None = None
+    steep: Array | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """The rounding of a node: at most ``size`` plus, by length, ``over`` / h.
+
+    ``divisions``: see `wmrgen.bounds.walk.Errors`.
+    """
+
+    size: Array
+    over: Mapping[int, Array] = field(default_factory=dict)
+    divisions: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """What a lemma says of a result, for arguments anywhere in their ranges.
+
+    ``range``: where the exact result lies; ``partials``: how much it moves with each argument; ``noise``: how far the
+    float result is from the exact one of the same arguments; ``away``: a lower bound of its absolute value.
+    ``widen``: whether the noise is a rounding that ``range`` does not hold yet. ``decided``: how far the exact argument
+    may be from that by which the float program decides.
+    """
+
+    range: Interval
+    partials: tuple[Partial, ...] = ()
+    noise: Noise | None = None
+    away: Array | None = None
+    widen: bool = True
+    decided: Array | float = 0.0
+
+
+class Walk(Protocol):
+    """What lemmas ask of a walk over boxes (`wmrgen.bounds.walk.Walk`), of node ``i`` and those before it."""
+
+    @property
+    def nodes(self) -> Sequence[Any]: ...
+    @property
+    def inputs(self) -> Mapping[str, Interval]: ...
+    @property
+    def boxes(self) -> int: ...
+    @property
+    def form(self) -> Any: ...
+    @property
+    def library(self) -> Any: ...
+    @property
+    def ranges(self) -> Sequence[Interval]: ...
+    @property
+    def away(self) -> Sequence[Array]: ...
+    @property
+    def noisy(self) -> Sequence[bool]: ...
+    @property
+    def lengths(self) -> Collection[int]: ...
+
+    def alarm(self, i: int, what: str, where: Any) -> None: ...
+    def rounded(self, value: Interval, i: int) -> Noise: ...
+    def library_noise(self, op: Any, value: Interval) -> Noise: ...
+    def errors(self, roots: Sequence[int]) -> Any: ...
+    def constant(self, value: Exact) -> tuple[float, float, float, bool]: ...
+    def decided(self, k: int) -> Array: ...
+    def cancelled(self, a: int, b: int, sign: int, value: Interval) -> Interval: ...
+    def near_zero(self, i: int, divisor: int) -> None: ...
+    def quotient_by_length(self, i: int, a: int, b: int) -> Value: ...
+    def direction(self, i: int) -> Array: ...
+    def root_of_squares(self, i: int, a: int) -> Value | None: ...
+    def extremum(self, i: int) -> tuple[Any, int, int] | None: ...
+    def branch(self, i: int, small: int, large: int, value: int) -> tuple[Array, Array, Array]: ...
+
+
+# ---- what follows from intervals and derivatives
+
+
+def by_slopes(op: Any) -> Callable[..., Value]:
+    """The lemma of an operation that is smooth enough: derivatives in intervals, one rounding."""
+
+    def lemma(w: Walk, i: int, *args: int) -> Value:
+        ranges = [w.ranges[k] for k in args]
+        value = op.interval(*ranges)
+        partials = (Partial(k, slope) for k, slope in zip(args, op.slopes(*ranges), strict=True))
+        noise = w.rounded(value, i) if op.rounds and not op.ulps else None
+        return Value(value, tuple(partials), w.library_noise(op, value) if op.ulps else noise)
+
+    return lemma
+
+
+def from_slopes(op: Any) -> Callable[..., Bounded]:
+    """The running error of such an operation, by the mean value theorem."""
+
+    def running(unit: Array, *args: Bounded) -> Bounded:
+        value = op.many(*(a.value for a in args))
+        slopes = op.slopes(*(iv.outward(a.value - a.error, a.value + a.error) for a in args))
+        moved = (iv.magnitude(s) * a.error for s, a in zip(slopes, args, strict=True))
+        error = np.sum(list(moved), axis=0)
+        if op.ulps:
+            return Bounded(value, error + 2 * op.ulps * unit * np.abs(value))
+        return rounded(value, error, unit) if op.rounds else Bounded(value, error)
+
+    return running

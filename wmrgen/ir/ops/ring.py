@@ -1,0 +1,173 @@
+"""Constants, inputs, sums, products and their like; calls of kernels."""
+
+from __future__ import annotations
+
+import operator
+from fractions import Fraction
+from math import copysign, isfinite, nextafter
+from struct import pack, unpack
+
+import numpy as np
+
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.ir import interval as iv
+from wmrgen.ir.interval import Array, Interval
+from wmrgen.ir.ops.analysis import Bounded, Fact, Noise, Partial, Value, Walk, rounded
+from wmrgen.ir.ops.record import Op
+from wmrgen.ir.rounding import nearest_float32, to_float64
+
+# ---- constants and inputs
+
+
+def _constant(w: Walk, i: int) -> Value:
+    """A constant is off by its own rounding."""
+    lo, hi, error, _ = w.constant(w.nodes[i].value)
+    value = np.full(w.boxes, lo), np.full(w.boxes, hi)
+    return Value(value, noise=Noise(np.full(w.boxes, error)) if error else None)
+
+
+Op.CONST = Op("const", 0, lemma=_constant)
+Op.INPUT = Op("input", 0, lemma=lambda w, i: Value(w.inputs[w.nodes[i].name or ""]))
+Op.CALL = Op("call", 0)
+Op.RESULT = Op("result", 1)
+
+
+# ---- sums
+
+
+def _sum_fact(a: Fact, b: Fact) -> Fact:
+    lo = None if a.lo is None or b.lo is None else a.lo + b.lo
+    hi = None if a.hi is None or b.hi is None else a.hi + b.hi
+    one_sided = a.at_least_zero and b.at_least_zero
+    return Fact.between(lo, hi, nonzero=one_sided and (a.nonzero or b.nonzero))
+
+
+def _sum(w: Walk, i: int, a: int, b: int) -> Value:
+    """d(a + b) = da + db, one rounding; terms that both have count together."""
+    value = w.cancelled(a, b, 1, iv.plus(w.ranges[a], w.ranges[b]))
+    return Value(value, (Partial(a, 1), Partial(b, 1)), w.rounded(value, i))
+
+
+def _difference(w: Walk, i: int, a: int, b: int) -> Value:
+    value = w.cancelled(a, b, -1, iv.minus(w.ranges[a], w.ranges[b]))
+    return Value(value, (Partial(a, 1), Partial(b, -1)), w.rounded(value, i))
+
+
+Op.ADD = Op(
+    "add", 2, operator.add, rounds=True, many=np.add, commutative=True, cost="additions",
+    infix="+", casadi="OP_ADD",
+    fact=_sum_fact, interval=iv.plus, lemma=_sum,
+    running=lambda unit, a, b: rounded(a.value + b.value, a.error + b.error, unit),
+)  # fmt: skip
+Op.SUB = Op(
+    "sub", 2, operator.sub, rounds=True, many=np.subtract, cost="additions",
+    infix="-", casadi="OP_SUB",
+    fact=lambda a, b: _sum_fact(a, -b), interval=iv.minus, lemma=_difference,
+    running=lambda unit, a, b: rounded(a.value - b.value, a.error + b.error, unit),
+)  # fmt: skip
+Op.NEG = Op(
+    "neg", 1, operator.neg, many=np.negative, parity=-1, cost="signs",
+    infix="-", casadi="OP_NEG",
+    fact=operator.neg, interval=iv.negative,
+    lemma=lambda w, i, a: Value(iv.negative(w.ranges[a]), (Partial(a, -1),), away=w.away[a]),
+    running=lambda unit, a: Bounded(-a.value, a.error),
+)  # fmt: skip
+
+
+# ---- products
+
+
+def _product_fact(a: Fact, b: Fact) -> Fact:
+    """A product counts as non-zero where it is bounded away from zero: floats underflow."""
+    away = a.away * b.away
+    if a.at_least_zero and b.at_least_zero:
+        hi = None if a.hi is None or b.hi is None else a.hi * b.hi
+        return Fact.between((a.lo or ZERO) * (b.lo or ZERO), hi, away)
+    if a.lo is None or a.hi is None or b.lo is None or b.hi is None:
+        return Fact.between(None, None, away)
+    corners = (a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi)
+    return Fact.between(min(corners), max(corners), away)
+
+
+def _square_fact(a: Fact) -> Fact:
+    ends = [bound * bound for bound in (a.lo, a.hi) if bound is not None]
+    return Fact.between(a.away * a.away, max(ends) if len(ends) == 2 else None, a.away * a.away)
+
+
+def _product(w: Walk, i: int, a: int, b: int) -> Value:
+    """d(a b) = b da + a db."""
+    x, y = w.ranges[a], w.ranges[b]
+    return _multiplied(w, i, a, b, iv.times(x, y), (Partial(a, y, like=b), Partial(b, x, like=a)))
+
+
+def _square(w: Walk, i: int, a: int) -> Value:
+    x = w.ranges[a]
+    return _multiplied(w, i, a, a, iv.square(x), (Partial(a, (2 * x[0], 2 * x[1]), like=a, times=2.0),))
+
+
+def _multiplied(w: Walk, i: int, a: int, b: int, value: Interval, partials: tuple[Partial, ...]) -> Value:
+    """One rounding; none where one factor is a power of two."""
+    exact = _exact_factor(w, a) or _exact_factor(w, b)
+    size = np.zeros(w.boxes) if exact else w.rounded(value, i).size
+    return Value(value, partials, Noise(size + w.form.tiny), w.away[a] * w.away[b] * (1 - 1e-15))
+
+
+def _exact_factor(w: Walk, k: int) -> bool:
+    """Whether products with node ``k`` are exact: a power of two, a whole number of at most two."""
+    node = w.nodes[k]
+    if node.value is not None:
+        _, _, error, power = w.constant(node.value)
+        return power and not error
+    return node.op is Op.RINT and bool(np.all(iv.magnitude(w.ranges[k]) <= 2.0))
+
+
+def _product_error(unit: Array, a: Bounded, b: Bounded) -> Bounded:
+    error = np.abs(a.value) * b.error + np.abs(b.value) * a.error + a.error * b.error
+    return rounded(a.value * b.value, error, unit)
+
+
+def _square_error(unit: Array, a: Bounded) -> Bounded:
+    return rounded(a.value * a.value, (2 * np.abs(a.value) + a.error) * a.error, unit)
+
+
+Op.MUL = Op(
+    "mul", 2, operator.mul, rounds=True, many=np.multiply, commutative=True, cost="multiplications",
+    infix="*", casadi="OP_MUL",
+    fact=_product_fact, interval=iv.times, lemma=_product, running=_product_error,
+)  # fmt: skip
+Op.SQUARE = Op(
+    "square", 1, lambda a: a * a, rounds=True,
+    fact=_square_fact, interval=iv.square, lemma=_square, running=_square_error,
+)  # fmt: skip
+Op.IMUL = Op(
+    "imul", 2, float32=Op.MUL.float32, many=np.multiply, c="wmrgen_mul({0}, {1})", includes=("<stdint.h>",)
+)
+
+
+# ---- fused multiply-add
+
+
+def _fused64(a: float, b: float, c: float) -> float:
+    if not (isfinite(a) and isfinite(b) and isfinite(c)):
+        return a * b + c
+    exact = Fraction(a) * Fraction(b) + Fraction(c)
+    return to_float64(Exact(exact)) if exact else a * b + c
+
+
+def _fused32(a: float, b: float, c: float) -> float:
+    """The product of two float32 is a double; the sum is rounded to odd, so the second rounding is the only one."""
+    product = a * b
+    total = product + c
+    if not isfinite(total):
+        return nearest_float32(total)
+    back = total - product
+    lost = (product - (total - back)) + (c - back)
+    if lost and not unpack("<Q", pack("<d", total))[0] & 1:
+        total = nextafter(total, copysign(float("inf"), lost))
+    return nearest_float32(total)
+
+
+Op.FMA = Op(
+    "fma", 3, lambda a, b, c: a * b + c, _fused64, _fused32, many=lambda a, b, c: a * b + c,
+    c="fma{f}({0}, {1}, {2})", includes=("<math.h>",),
+)  # fmt: skip

@@ -1,0 +1,172 @@
+"""Sines, cosines and arctangents."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.ir import interval as iv
+from wmrgen.ir.interval import Array, Interval
+from wmrgen.ir.ops import integer
+from wmrgen.ir.ops.analysis import Bounded, Fact, Noise, Partial, Value, Walk
+from wmrgen.ir.ops.record import Op
+
+# Of the tables of self-tests: what code may be off, more than our kernels and any libm in use need.
+CIRCLE = 4.0  # units of rounding, of sines and cosines
+LIBRARY = 6.0  # ulp, of arctangents
+_BITS = 240  # working precision of exact functions: 60 digits and a margin
+
+
+def _bits(q: Fraction) -> int:
+    """Bits that hold q to 60 digits and, however large it is, its remainder modulo pi."""
+    return _BITS + max(0, abs(q.numerator).bit_length() - q.denominator.bit_length())
+
+
+def _exactly(name: str, a: Exact) -> Exact:
+    """A function of mpmath, good to 60 digits."""
+    from mpmath import libmp  # a slow import that only exact sines need
+
+    q = a.rational()
+    bits = _bits(q)
+    x = libmp.from_rational(q.numerator, q.denominator, bits)
+    return _dyadic(libmp.to_rational(getattr(libmp, name)(x, bits)))
+
+
+def _dyadic(quotient: tuple[int, int]) -> Exact:
+    return Exact(Fraction(int(quotient[0]), int(quotient[1])))
+
+
+# ---- sine and cosine
+
+
+def _wave(op: Op, value: Interval, steep: Interval, w: Walk, i: int, a: int) -> Value:
+    reach = w.library.reach
+    w.alarm(i, f"its argument may exceed {reach:g} rad", iv.magnitude(w.ranges[a]) > reach)
+    return Value(value, (Partial(a, steep),), w.library_noise(op, value))
+
+
+def _sine(w: Walk, i: int, a: int) -> Value:
+    """d sin x = cos x dx."""
+    x = w.ranges[a]
+    return _wave(Op.SIN, iv.sine(x), iv.cosine(x), w, i, a)
+
+
+def _cosine(w: Walk, i: int, a: int) -> Value:
+    """d cos x = -sin x dx."""
+    x = w.ranges[a]
+    return _wave(Op.COS, iv.cosine(x), iv.negative(iv.sine(x)), w, i, a)
+
+
+def _wave_error(unit: Array, a: Bounded, value: Array, slope: Array) -> Bounded:
+    error = np.minimum(np.abs(slope) * a.error + a.error**2 / 2, 2.0)
+    known = (a.value == 0) & (a.error == 0)
+    return Bounded(value, np.where(known, 0.0, error + CIRCLE * unit))
+
+
+Op.SIN = Op(
+    "sin", 1, lambda a: _exactly("mpf_sin", a) if a else ZERO,
+    lambda a: math.sin(a) if math.isfinite(a) else math.nan, rounds=True, many=np.sin,
+    opaque=True, parity=-1, fold=lambda a: None if a else ZERO, cost="sines", ulps=1.0,
+    c="sin{f}({0})", includes=("<math.h>",), numpy="np.sin({0})", casadi="OP_SIN",
+    fact=lambda a: Fact(-ONE, ONE), interval=iv.sine, lemma=_sine,
+    running=lambda unit, a: _wave_error(unit, a, np.sin(a.value), np.cos(a.value)),
+)  # fmt: skip
+Op.COS = Op(
+    "cos", 1, lambda a: _exactly("mpf_cos", a) if a else ONE,
+    lambda a: math.cos(a) if math.isfinite(a) else math.nan, rounds=True, many=np.cos,
+    opaque=True, parity=1, fold=lambda a: None if a else ONE, cost="sines", ulps=1.0,
+    c="cos{f}({0})", includes=("<math.h>",), numpy="np.cos({0})", casadi="OP_COS",
+    fact=lambda a: Fact(-ONE, ONE), interval=iv.cosine, lemma=_cosine,
+    running=lambda unit, a: _wave_error(unit, a, np.cos(a.value), np.sin(a.value)),
+)  # fmt: skip
+Op.ISIN = Op("isin", 1, float32=integer.sine, many=np.sin, c="wmrgen_sin({0})", includes=("<stdint.h>",))
+Op.ICOS = Op("icos", 1, float32=integer.cosine, many=np.cos, c="wmrgen_cos({0})", includes=("<stdint.h>",))
+
+
+# ---- arctangent of a slope
+
+
+def _slope(w: Walk, i: int, a: int) -> Value:
+    """d atan x = dx / (1 + x x)."""
+    x = w.ranges[a]
+    if a not in w.lengths:  # the slope of a line is at most 1
+        most = w.library.slope
+        w.alarm(i, f"its argument may exceed {most:g}", iv.magnitude(x) > most)
+    value, square = iv.slope_angle(x), iv.square(x)
+    steep = iv.reciprocal((1 + square[0], 1 + square[1]))
+    return Value(value, (Partial(a, steep),), w.library_noise(Op.ATAN, value))
+
+
+def _slope_error(unit: Array, a: Bounded) -> Bounded:
+    value = np.arctan(a.value)
+    return Bounded(value, a.error + 2 * LIBRARY * unit * np.abs(value))
+
+
+Op.ATAN = Op(
+    "atan", 1, lambda a: _exactly("mpf_atan", a) if a else ZERO, math.atan, rounds=True, many=np.arctan,
+    opaque=True, parity=-1, fold=lambda a: None if a else ZERO, cost="arctangents", ulps=1.0,
+    c="atan{f}({0})", includes=("<math.h>",), numpy="np.arctan({0})", casadi="OP_ATAN",
+    fact=lambda a: Fact(Exact(-2), Exact(2)), interval=iv.slope_angle, lemma=_slope, running=_slope_error,
+)  # fmt: skip
+Op.IATAN = Op(
+    "iatan", 1, float32=integer.arctangent, many=np.arctan, c="wmrgen_atan({0})", includes=("<stdint.h>",)
+)
+
+
+# ---- direction of a vector
+
+
+def _exact_direction(y: Exact, x: Exact) -> Exact:
+    from mpmath import libmp
+
+    if not y and x.sign >= 0:
+        return ZERO
+    p, q = (libmp.from_rational(v.numerator, v.denominator, _BITS) for v in (y.rational(), x.rational()))
+    return _dyadic(libmp.to_rational(libmp.mpf_atan2(p, q, _BITS)))
+
+
+def _direction(w: Walk, i: int, b: int, a: int) -> Value:
+    """The error of a vector of length h turns it by at most that over h."""
+    steep = w.direction(i)
+    y, x = w.ranges[b], w.ranges[a]
+    value = iv.arctangent(y, x)
+    noise = w.library_noise(Op.ATAN2, value)
+    wraps = x[0] < 0 if w.nodes[a].op is Op.ABS else x[0] <= 0  # a zero that is no size may be -0
+    if np.any(wraps):  # a full turn off is no error of the angle, but one of the number
+        value = iv.hull(value, (np.full(w.boxes, -np.pi - 1e-9), np.full(w.boxes, np.pi + 1e-9)))
+        noise = Noise(noise.size + 2 * np.pi)
+    return Value(value, tuple(Partial(k, value, length=i, steep=steep) for k in (b, a)), noise)
+
+
+def _direction_error(unit: Array, y: Bounded, x: Bounded) -> Bounded:
+    value = np.arctan2(y.value + 0.0, x.value + 0.0)  # the formula knows one zero
+    radius = np.hypot(x.value, y.value)
+    shift = np.hypot(x.error, y.error)
+    first = np.abs(x.value) * y.error + np.abs(y.value) * x.error
+    error = np.where(shift < radius / 64, 1.05 * first / np.maximum(radius**2, 1e-300), np.pi)
+    error = np.where((shift == 0) & (radius == 0), 0.0, error)
+    behind = (x.value - x.error < 0) | np.signbit(x.value)  # a libm counts -0 as negative
+    cut = behind & (np.abs(y.value) <= y.error)  # the sign of y decides between +pi and -pi
+    return Bounded(value, np.where(cut, 2 * np.pi, error) + 2 * LIBRARY * unit * np.abs(value))
+
+
+def _casadi_direction(ca: Any, y: Any, x: Any) -> Any:
+    """atan2(y, x), 0 with derivative 0 where x*x + y*y is 0 in float64 (both below 1e-162)."""
+    binary = ca.SX.binary
+    square = binary(ca.OP_ADD, binary(ca.OP_MUL, x, x), binary(ca.OP_MUL, y, y))
+    away = binary(ca.OP_LT, ca.SX(0.0), square)
+    safe = binary(ca.OP_ADD, x, ca.SX.unary(ca.OP_NOT, away))
+    return binary(ca.OP_MUL, binary(ca.OP_ATAN2, y, safe), away)
+
+
+Op.ATAN2 = Op(
+    "atan2", 2, _exact_direction, math.atan2, rounds=True, many=np.arctan2,
+    opaque=True, fold=lambda y, x: ZERO if not y and x.sign >= 0 else None, cost="arctangents", ulps=2.0,
+    c="atan2{f}({0}, {1})", includes=("<math.h>",), numpy="np.arctan2({0}, {1})", casadi=_casadi_direction,
+    fact=lambda y, x: Fact(Exact(-4), Exact(4)), interval=iv.arctangent, lemma=_direction,
+    running=_direction_error,
+)  # fmt: skip

@@ -2,39 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from math import atan2, hypot, pi, remainder
 
 from wmrgen.errors import RobotFileError
-from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
+from wmrgen.exact.evaluate import cos_sin, number, parameters_in, substituted
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
-from wmrgen.layout.expressions import PI, to_poly
-from wmrgen.layout.extras import Extras
-from wmrgen.layout.records import Geometry, Interval, Parameter, Robot, Wheel
-from wmrgen.layout.snap import snap
-from wmrgen.spec.records import Limit, Quantity, RobotSpec, WheelSpec
-from wmrgen.spec.records import Parameter as ParameterSpec
+from wmrgen.layout.expressions import PI, Scope, snap, to_poly
+from wmrgen.layout.records import Geometry, Interval, Length, Parameter, Point, Robot, Trailer, Virtual, Wheel
+from wmrgen.spec.records import Limit, ParameterSpec, Quantity, RobotSpec, TrailerSpec, VirtualSpec, WheelSpec
 from wmrgen.wheels import WHEEL_TYPES
 
 HALF_PI = PI.scale(Fraction(1, 2))
-Values = Mapping[str, Poly]
 
 
 def build(spec: RobotSpec) -> Robot:
     """The exact layout of a robot file. RobotFileError where a value makes no sense."""
-    parameters, values = _parameters(spec)
+    parameters = _parameters(spec)
+    scope = Scope(
+        {p.name: p.value for p in parameters}, {p.name: p.working for p in parameters if not p.tunable}
+    )
     tunable = frozenset(p.name for p in parameters if parameters_in(p.working))
-    known = {p.name: p.working for p in parameters if not p.tunable}
     notes: list[str] = []
     wheels = tuple(
-        _wheel(i, w, values, known, tunable if spec.snap else None, notes) for i, w in enumerate(spec.wheels)
+        _wheel(i, w, _Angles(w.name, scope, tunable if spec.snap else None, notes))
+        for i, w in enumerate(spec.wheels)
     )
-    _check_names(spec, parameters)
-    extras = Extras(spec, values, known)
+    _check_names(spec)
+    cg = spec.cg
     robot = Robot(
         name=spec.name,
         description=spec.description,
@@ -44,39 +43,39 @@ def build(spec: RobotSpec) -> Robot:
         steer_group=groups(spec, "steer"),
         spin_group=groups(spec, "spin"),
         couplings=tuple((c.joint, c.wheels) for c in spec.couplings),
-        limits=_limits(spec.limits, values, known),
+        limits=_limits(spec.limits, scope),
         notes=tuple(notes),
-        virtual=extras.virtual(wheels),
-        trailers=extras.trailers(),
+        virtual=tuple(_virtual(v, wheels, scope) for v in spec.virtual),
+        trailers=tuple(_trailer(t, scope) for t in spec.trailers),
         slip=spec.slip,
-        cg=extras.point(),
-        gains=extras.gains(),
+        cg=None if cg is None else Point(scope.length(cg.x), scope.length(cg.y), scope.length(cg.z)),
+        gains={name: scope.length(quantity) for name, quantity in spec.gains},
         functions=tuple(f.name for f in spec.functions),
     )
     refuse_unmodelled(spec, robot)
     return common_limits(spec, robot)
 
 
-def _parameters(spec: RobotSpec) -> tuple[tuple[Parameter, ...], dict[str, Poly]]:
-    """Parameters, each after those it uses, and their nominal values."""
+def _parameters(spec: RobotSpec) -> tuple[Parameter, ...]:
+    """Parameters, each after those it uses."""
     values: dict[str, Poly] = {}
     working: dict[str, Poly] = {}
-    found: list[Parameter] = []
+    parameters = []
     for p in spec.parameters:
         symbolic = to_poly(p.value, values)
         values[p.name] = substituted(symbolic, values)
-        own = substituted(symbolic, working)
+        working[p.name] = substituted(symbolic, working)
         if p.tunable:
-            _check_independent(p, own)
-            own = Poly.gen("param", p.name)
-        working[p.name] = own
-        found.append(Parameter(p.name, symbolic, values[p.name], own, number(symbolic, values), p.tunable))
-    return tuple(found), values
+            _check_independent(p, working[p.name])
+            working[p.name] = Poly.gen("param", p.name)
+        nominal = number(symbolic, values)
+        parameters.append(Parameter(p.name, symbolic, values[p.name], working[p.name], nominal, p.tunable))
+    return tuple(parameters)
 
 
-def _check_independent(p: ParameterSpec, own: Poly) -> None:
+def _check_independent(p: ParameterSpec, working: Poly) -> None:
     """A tunable parameter is an input: another one cannot decide its value."""
-    names = sorted(parameters_in(own))
+    names = sorted(parameters_in(working))
     if names:
         raise RobotFileError(
             f"parameter {p.name} is tunable and computed from {names[0]}, which is tunable too", p.value.mark,
@@ -85,36 +84,35 @@ def _check_independent(p: ParameterSpec, own: Poly) -> None:
         )  # fmt: skip
 
 
-class _Reader:
-    """Reads the quantities of one wheel; snaps angles and keeps the notes."""
+@dataclass(frozen=True, slots=True)
+class _Angles:
+    """The angles of one wheel, snapped unless ``tunable`` is None; ``notes`` collects what snapping did."""
 
-    def __init__(self, name: str, values: Values, tunable: frozenset[str] | None) -> None:
-        self.name, self.values, self.tunable = name, values, tunable
-        self.notes: list[str] = []
-
-    def plain(self, quantity: Quantity | None) -> Poly:
-        """The quantity as written; 0 when left out."""
-        return Poly.of(0) if quantity is None else to_poly(quantity, self.values)
+    name: str
+    scope: Scope
+    tunable: frozenset[str] | None
+    notes: list[str]
 
     def snapped(self, angle: Poly, key: str) -> Poly:
         """The angle, or the multiple of pi/12 that it stands for."""
         if self.tunable is None:
             return angle
-        angle, note = snap(angle, self.values, self.tunable, f"{self.name}.{key}")
-        self.notes += [note] if note else []
+        angle, note = snap(angle, self.scope.values, self.tunable, f"{self.name}.{key}")
+        self.notes.extend([note] if note else [])
         return angle
 
     def placement(self, w: WheelSpec) -> tuple[Poly, Poly, Poly, Poly]:
         """x, y, alpha and alpha as written. Where x and y are given, nothing goes through the angle."""
+        scope = self.scope
         if w.x is not None and w.y is not None:
-            x, y = self.plain(w.x), self.plain(w.y)
-            at_origin = not number(x, self.values) and not number(y, self.values)
-            alpha = Poly.of(0) if at_origin else Poly.gen("atan2", "", y, x)
+            x, y = scope.poly(w.x), scope.poly(w.y)
+            at_origin = not scope.number(x) and not scope.number(y)
+            alpha = Poly({}) if at_origin else Poly.gen("atan2", "", y, x)
             return x, y, alpha, alpha
-        written = self.plain(w.alpha)
+        written = scope.poly(w.alpha)
         alpha = self.snapped(written, "alpha")
         c, s = cos_sin(alpha)
-        return self.plain(w.l) * c, self.plain(w.l) * s, alpha, written
+        return scope.poly(w.l) * c, scope.poly(w.l) * s, alpha, written
 
     def heading(self, w: WheelSpec, alpha: Poly, written: Poly) -> Poly:
         """The zero heading alpha + beta - pi/2.
@@ -123,11 +121,11 @@ class _Reader:
         the snapped angles.
         """
         if w.heading is not None:
-            return self.snapped(self.plain(w.heading), "heading")
+            return self.snapped(self.scope.poly(w.heading), "heading")
         if w.beta is None:
-            return Poly.of(0)
+            return Poly({})
         what = "heading (alpha + beta - pi/2)"
-        beta = self.plain(w.beta)
+        beta = self.scope.poly(w.beta)
         raw = written + beta - HALF_PI
         heading = self.snapped(raw, what)
         if heading == raw:
@@ -135,35 +133,25 @@ class _Reader:
         return heading
 
 
-def _wheel(
-    index: int, w: WheelSpec, values: Values, known: Values, tunable: frozenset[str] | None, notes: list[str]
-) -> Wheel:
-    """One wheel. ``tunable`` is None when snapping is off."""
-    read = _Reader(w.name, values, tunable)
-    x, y, alpha, written = read.placement(w)
-    heading = read.heading(w, alpha, written)
-    gamma = read.snapped(read.plain(w.gamma), "gamma")
-    notes += read.notes
-    lengths = (read.plain(q) for q in (w.r, w.d, w.offset_y, w.r_sw))
-    symbolic = Geometry(x, y, *cos_sin(heading), *cos_sin(gamma), *lengths)
-    nominal = Geometry(*(number(getattr(symbolic, f.name), values) for f in fields(Geometry)))
+def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
+    scope = angles.scope
+    px, py, alpha, written = angles.placement(w)
+    heading = angles.heading(w, alpha, written)
+    gamma = angles.snapped(scope.poly(w.gamma), "gamma")
+    lengths = (scope.poly(q) for q in (w.r, w.d, w.offset_y, w.r_sw))
+    symbolic = Geometry(px, py, *cos_sin(heading), *cos_sin(gamma), *lengths)
+    views = [scope.views(getattr(symbolic, f.name)) for f in fields(Geometry)]
+    nominal = Geometry(*(view.nominal for view in views))
     _check(w, nominal)
-    return _display(
-        Wheel(
-            index=index, name=w.name, type=w.type, symbolic=symbolic,
-            working=Geometry(*(fix(getattr(symbolic, f.name), known) for f in fields(Geometry))),
-            nominal=nominal, l=0.0, alpha=float(number(alpha, values)), beta=0.0,
-            gamma=float(number(gamma, values)), heading=float(number(heading, values)),
-            actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, values, known),
-        )
+    x, y, shown = float(nominal.x), float(nominal.y), float(scope.number(heading))
+    direction = float(scope.number(alpha)) or atan2(y, x)
+    return Wheel(
+        index=index, name=w.name, type=w.type,
+        symbolic=symbolic, working=Geometry(*(view.working for view in views)), nominal=nominal,
+        l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
+        gamma=float(scope.number(gamma)), heading=shown,
+        actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, scope),
     )  # fmt: skip
-
-
-def _display(wheel: Wheel) -> Wheel:
-    x, y = float(wheel.nominal.x), float(wheel.nominal.y)
-    alpha = wheel.alpha if wheel.alpha else atan2(y, x)
-    beta = remainder(wheel.heading + pi / 2 - alpha, 2 * pi)
-    return replace(wheel, l=hypot(x, y), alpha=alpha, beta=beta)
 
 
 def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
@@ -181,36 +169,64 @@ def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
             raise RobotFileError(problem, quantity.mark, check.why, check.instead)
 
 
-def _check_names(spec: RobotSpec, parameters: tuple[Parameter, ...]) -> None:
-    joints = {f"{w.name}_{joint}" for w in spec.wheels for joint in ("spin", "steer", "steer_rate")}
-    joints |= {f"{v.name}_{joint}" for v in spec.virtual for joint in ("steer", "steer_rate", "speed")}
-    joints |= {f"{t.name}_{what}" for t in spec.trailers for what in ("theta", "theta_rate", "x", "y")}
-    wheels = {w.name for w in spec.wheels} | {v.name for v in spec.virtual} | {t.name for t in spec.trailers}
-    for p, read in zip(parameters, spec.parameters, strict=True):
-        if p.name in joints or p.name in wheels:
-            raise RobotFileError(f"parameter {p.name} has the name of a joint or wheel", read.value.mark)
+def _check_names(spec: RobotSpec) -> None:
+    """A parameter is an input of the generated code, as joints are."""
+    parts = (
+        (spec.wheels, ("", "_spin", "_steer", "_steer_rate")),
+        (spec.virtual, ("", "_steer", "_steer_rate", "_speed")),
+        (spec.trailers, ("", "_theta", "_theta_rate", "_x", "_y")),
+    )
+    names = {f"{part.name}{ending}" for group, endings in parts for part in group for ending in endings}
+    for p in spec.parameters:
+        if p.name in names:
+            raise RobotFileError(f"parameter {p.name} has the name of a joint or wheel", p.value.mark)
 
 
-def _limits(limits: tuple[Limit, ...], values: Values, known: Values) -> dict[str, Interval]:
+def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
-    result = {}
+    intervals = {}
     for limit in limits:
-        high, low = (_limit(limit, end, values, known) for end in (limit.high, limit.low))
+        high, low = (_limit(limit.name, end, scope) for end in (limit.high, limit.low))
         if low > high:
             raise RobotFileError(
                 f"limit {limit.name}: {limit.low.text} is above {limit.high.text}", limit.low.mark
             )
-        result[limit.name] = Interval(low, high)
-    return result
+        intervals[limit.name] = Interval(low, high)
+    return intervals
 
 
-def _limit(limit: Limit, end: Quantity, values: Values, known: Values) -> Exact:
-    symbolic = to_poly(end, values)
-    names = sorted(parameters_in(substituted(symbolic, known)))
+def _limit(name: str, end: Quantity, scope: Scope) -> Exact:
+    symbolic = scope.poly(end)
+    names = sorted(parameters_in(substituted(symbolic, scope.constants)))
     if names:
         raise RobotFileError(
-            f"limit {limit.name}: {end.text} depends on the tunable parameter {names[0]}", end.mark,
+            f"limit {name}: {end.text} depends on the tunable parameter {names[0]}", end.mark,
             "Limits are constants of the generated code and of its proved bounds.",
             f"Write a number, or delete tunable: true of {names[0]}.",
         )  # fmt: skip
-    return number(symbolic, values)
+    return scope.number(symbolic)
+
+
+def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:
+    """A virtual wheel, in the middle of the real ones where no place is given."""
+    members = [w for w in wheels if w.name in v.wheels]
+
+    def place(axis: str, quantity: Quantity | None) -> Length:
+        if quantity is not None:
+            return scope.length(quantity)
+        total = Poly.sum(getattr(w.symbolic, axis) for w in members)
+        return scope.views(total.scale(Fraction(1, len(members))))
+
+    return Virtual(v.name, v.role, v.wheels, place("x", v.x), place("y", v.y), v.mark)
+
+
+def _trailer(t: TrailerSpec, scope: Scope) -> Trailer:
+    """A trailer. RobotFileError for a length that is not positive."""
+    length = scope.length(t.length)
+    if length.nominal.sign <= 0:
+        raise RobotFileError(
+            f"{t.name}: trailer length = {t.length.text} is not positive", t.length.mark,
+            "A trailer turns about its axle by the lever arm `length`; without one it cannot follow.",
+            "Write the distance from the trailer's coupling back to its axle.",
+        )  # fmt: skip
+    return Trailer(t.name, length, scope.length(t.hitch), t.mark)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from wmrgen.errors import NotDerivableError, RobotFileError
-from wmrgen.layout.records import Interval, Robot
+from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.spec.records import RobotSpec
 
 _LIMITED = {"steer": ("steer", "steer_rate"), "spin": ("spin",)}
@@ -30,11 +30,10 @@ def refuse_unmodelled(spec: RobotSpec, robot: Robot) -> None:
     A steered wheel chooses its angle freely, at a rate of its own; a castor's angle and rate follow from the motion.
     """
     for coupling in spec.couplings:
-        wheels = [robot.wheel(name) for name in coupling.wheels]
-        group = robot.steer_group if coupling.joint == "steer" else robot.spin_group
-        every = [w for w in robot.wheels if any(group[w.index] == group[k.index] for k in wheels)]
-        steered = [w for w in every if w.kind.steers]
-        castors = [w for w in every if w.kind.swivels]
+        sets = robot.together(coupling.joint, robot.wheels)
+        members = next(s for s in sets if robot.wheel(coupling.wheels[0]) in s)
+        steered = [w for w in members if w.kind.steers]
+        castors = [w for w in members if w.kind.swivels]
         offset = [w for w in steered if w.nominal.o]
         joint = coupling.joint
         if steered and castors:
@@ -63,31 +62,28 @@ def common_limits(spec: RobotSpec, robot: Robot) -> Robot:
     """
     wheels = list(robot.wheels)
     for joint, quantity, members in _coupled(robot):
-        own = [robot.limit(wheels[k], quantity) for k in members]
-        known = [limit for limit in own if limit is not None]
-        if not known:
+        limits = [limit for w in members if (limit := robot.limit(w, quantity))]
+        if not limits:
             continue
-        common = Interval(max(limit.low for limit in known), min(limit.high for limit in known))
+        common = Interval(max(limit.low for limit in limits), min(limit.high for limit in limits))
         if common.low > common.high:
-            raise _nothing(spec, joint, quantity, [wheels[k].name for k in members])
-        for k, limit in zip(members, own, strict=True):
-            if limit != common:
+            mark = next(
+                c.mark for c in spec.couplings if c.joint == joint and robot.wheel(c.wheels[0]) in members
+            )
+            raise RobotFileError(
+                f"the {quantity} limits of {' and '.join(w.name for w in members)} have no value in common", mark,
+                "Coupled wheels turn as one.", "Write limits that overlap.",
+            )  # fmt: skip
+        for w in members:
+            if robot.limit(w, quantity) != common:
+                k = w.index
                 wheels[k] = replace(wheels[k], limits={**wheels[k].limits, quantity: common})
     return replace(robot, wheels=tuple(wheels))
 
 
-def _coupled(robot: Robot) -> Iterator[tuple[str, str, list[int]]]:
-    """Every limited quantity of every coupled group, with the joint that is coupled."""
-    for joint, group in (("steer", robot.steer_group), ("spin", robot.spin_group)):
-        for leader in sorted(set(group)):
-            members = [k for k, g in enumerate(group) if g == leader]
+def _coupled(robot: Robot) -> Iterator[tuple[str, str, list[Wheel]]]:
+    """Every limited quantity of every set of coupled wheels, with the joint that is coupled."""
+    for joint, quantities in _LIMITED.items():
+        for members in robot.together(joint, robot.wheels):
             if len(members) > 1:
-                yield from ((joint, quantity, members) for quantity in _LIMITED[joint])
-
-
-def _nothing(spec: RobotSpec, joint: str, quantity: str, names: Sequence[str]) -> RobotFileError:
-    mark = next(c.mark for c in spec.couplings if c.joint == joint and c.wheels[0] in names)
-    return RobotFileError(
-        f"the {quantity} limits of {' and '.join(names)} have no value in common", mark,
-        "Coupled wheels turn as one.", "Write limits that overlap.",
-    )  # fmt: skip
+                yield from ((joint, quantity, members) for quantity in quantities)

@@ -1,102 +1,174 @@
-"""Expression trees of the robot file to exact polynomials in the parameters."""
+"""Expression trees of the robot file to exact polynomials in the parameters; angles that were meant to be special.
+
+An unsnapped 1.57 turns a differential drive into a robot that cannot move. Within 1e-3 rad of a multiple of pi/12 an
+angle is taken as that multiple, and a note says so; a little farther away a note says that it was kept.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
 
 from wmrgen.errors import Mark, RobotFileError
-from wmrgen.exact.evaluate import cos_sin, number, sqrt_poly
+from wmrgen.exact.evaluate import (
+    angle_value,
+    cos_sin,
+    fix,
+    number,
+    parameters_in,
+    pi_multiple,
+    pi_rational,
+    sqrt_poly,
+)
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
+from wmrgen.layout.records import Length
 from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity
 
 PI = Poly.gen("pi")
+TOLERANCE = Fraction(1, 1000)
+SUSPICIOUS = Fraction(1, 200)  # nearer than this, but not snapped: 3.14 for pi
+_SAME = Fraction(1, 10**35)
+_ELSE = "Change the expression or the parameters that it takes."
+
+
+@dataclass(frozen=True, slots=True)
+class Scope:
+    """The parameters that quantities are made of: ``values``, nominal, of all; ``constants``, of those not tunable."""
+
+    values: Mapping[str, Poly]
+    constants: Mapping[str, Poly]
+
+    def poly(self, quantity: Quantity | None) -> Poly:
+        """The quantity as a polynomial in its parameters; 0 where it is not given.
+
+        RobotFileError at its place for what has no value at the nominal parameters, such as a division by zero.
+        """
+        return Poly({}) if quantity is None else to_poly(quantity, self.values)
+
+    def number(self, symbolic: Poly) -> Exact:
+        """What the polynomial is worth at the nominal parameters."""
+        return number(symbolic, self.values)
+
+    def views(self, symbolic: Poly) -> Length:
+        """The polynomial in its three views."""
+        return Length(symbolic, fix(symbolic, self.constants), self.number(symbolic))
+
+    def length(self, quantity: Quantity | None) -> Length:
+        """The quantity in its three views."""
+        return self.views(self.poly(quantity))
 
 
 def to_poly(quantity: Quantity, values: Mapping[str, Poly]) -> Poly:
-    """The quantity as a polynomial in its parameters. ``values`` decide signs and zeros.
-
-    RobotFileError at the quantity's place for a division by zero or the root of a negative number.
-    """
-    return _convert(quantity.expr, values, quantity.mark)
-
-
-def _convert(expr: Expr, values: Mapping[str, Poly], mark: Mark) -> Poly:
-    match expr:
-        case Num(value):
-            return Poly.of(value)
-        case Pi():
-            return PI
-        case Param(name):
-            return Poly.gen("param", name)
-        case Neg(arg):
-            return -_convert(arg, values, mark)
-        case Binary(op, left, right):
-            return _binary(op, _convert(left, values, mark), right, values, mark)
-        case Call(function, args):
-            return _call(function, [_convert(a, values, mark) for a in args], values, mark)
-    raise TypeError(f"not an expression: {expr!r}")
-
-
-def _binary(op: str, left: Poly, right: Expr, values: Mapping[str, Poly], mark: Mark) -> Poly:
-    if op == "**":
-        exponent = _convert(right, values, mark).constant
-        power = int(exponent.parts[0]) if exponent is not None else 0
-        if power < 0:
-            _nonzero(left, values, mark)
-        return left**power
-    b = _convert(right, values, mark)
-    match op:
-        case "+":
-            return left + b
-        case "-":
-            return left - b
-        case "*":
-            return left * b
-        case "/":
-            _nonzero(b, values, mark)
-            return left * b.inverse()
-    raise ValueError(op)
-
-
-def _call(function: str, args: list[Poly], values: Mapping[str, Poly], mark: Mark) -> Poly:
-    match function:
-        case "sqrt":
-            if number(args[0], values).sign < 0:
-                raise RobotFileError(
-                    "square root of a negative number",
-                    mark,
-                    "What stands under the root is negative at the nominal parameters.",
-                    "Change the expression or the parameters that it takes.",
-                )
-            return sqrt_poly(args[0])
-        case "sin":
-            return cos_sin(args[0])[1]
-        case "cos":
-            return cos_sin(args[0])[0]
-        case "tan":
-            c, s = cos_sin(args[0])
-            _nonzero(c, values, mark)
-            return s * c.inverse()
-        case "atan2":
-            if not number(args[0], values) and not number(args[1], values):
-                raise RobotFileError(
-                    "atan2(0, 0) has no value", mark, "", "Give a direction other than zero."
-                )
-            return Poly.gen("atan2", "", *args)
-    raise ValueError(function)
-
-
-def _nonzero(divisor: Poly, values: Mapping[str, Poly], mark: Mark) -> None:
-    if not number(divisor, values):
-        raise RobotFileError(
-            "division by zero",
-            mark,
-            "The divisor is zero at the nominal parameters.",
-            "Change the expression or the parameters that it takes.",
-        )
+    """The quantity as a polynomial in its parameters. ``values`` decide signs and zeros."""
+    return _Conversion(values, quantity.mark).poly(quantity.expr)
 
 
 def evaluate(quantity: Quantity, values: Mapping[str, Poly]) -> Exact:
     """The number that the quantity is worth at the nominal parameters."""
     return number(to_poly(quantity, values), values)
+
+
+@dataclass(frozen=True, slots=True)
+class _Conversion:
+    """The conversion of one quantity, which stands at ``mark``."""
+
+    values: Mapping[str, Poly]
+    mark: Mark
+
+    def poly(self, expr: Expr) -> Poly:
+        match expr:
+            case Num(value):
+                return Poly.of(value)
+            case Pi():
+                return PI
+            case Param(name):
+                return Poly.gen("param", name)
+            case Neg(arg):
+                return -self.poly(arg)
+            case Binary("**", base, Num(power)):
+                left = self.poly(base)
+                return (left if power >= 0 else self._divisor(left)) ** int(power)
+            case Binary(op, first, second):
+                return self._binary(op, self.poly(first), self.poly(second))
+            case Call(function, args):
+                return self._call(function, [self.poly(a) for a in args])
+        raise TypeError(f"not an expression: {expr!r}")
+
+    def _binary(self, op: str, left: Poly, right: Poly) -> Poly:
+        match op:
+            case "+":
+                return left + right
+            case "-":
+                return left - right
+            case "*":
+                return left * right
+            case "/":
+                return left * self._divisor(right).inverse()
+        raise ValueError(op)
+
+    def _call(self, function: str, args: list[Poly]) -> Poly:
+        match function:
+            case "sqrt":
+                if number(args[0], self.values).sign < 0:
+                    raise RobotFileError(
+                        "square root of a negative number", self.mark,
+                        "What stands under the root is negative at the nominal parameters.", _ELSE,
+                    )  # fmt: skip
+                return sqrt_poly(args[0])
+            case "sin":
+                return cos_sin(args[0])[1]
+            case "cos":
+                return cos_sin(args[0])[0]
+            case "tan":
+                c, s = cos_sin(args[0])
+                return s * self._divisor(c).inverse()
+            case "atan2":
+                if not any(number(a, self.values) for a in args):
+                    raise RobotFileError(
+                        "atan2(0, 0) has no value", self.mark, "", "Give a direction other than zero."
+                    )
+                return Poly.gen("atan2", "", *args)
+        raise ValueError(function)
+
+    def _divisor(self, poly: Poly) -> Poly:
+        if not number(poly, self.values):
+            raise RobotFileError(
+                "division by zero", self.mark, "The divisor is zero at the nominal parameters.", _ELSE
+            )
+        return poly
+
+
+def snap(
+    angle: Poly, values: Mapping[str, Poly], tunable: frozenset[str], what: str
+) -> tuple[Poly, str | None]:
+    """The angle, or the multiple of pi/12 it stands for, and the note that says so.
+
+    An angle that depends on a tunable parameter is left alone: it is an input.
+    """
+    if parameters_in(angle) & tunable:
+        return angle, None
+    exact = pi_multiple(angle_value(angle, values))
+    if exact is not None and (12 * exact).denominator == 1:
+        return angle, None
+    value = number(angle, values).rational()
+    step = pi_rational() / 12
+    k = round(value / step)
+    error = abs(value - k * step)
+    if error >= SUSPICIOUS:
+        return angle, None
+    if error >= TOLERANCE:
+        note = f"{what}: {float(value):.12g} rad is {float(error):.2g} rad from {_text(k)}, kept as written"
+        return angle, note
+    note = f"{what}: {float(value):.12g} rad taken as {_text(k)} ({float(error):.2g} rad away)"
+    return PI.scale(Fraction(k, 12)), None if error < _SAME else note
+
+
+def _text(k: int) -> str:
+    """k pi/12 in words a reader would write: pi/2, -3*pi/4, 0."""
+    f = Fraction(k, 12)
+    if not f:
+        return "0"
+    head = {1: "pi", -1: "-pi"}.get(f.numerator, f"{f.numerator}*pi")
+    return head if f.denominator == 1 else f"{head}/{f.denominator}"

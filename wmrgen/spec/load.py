@@ -16,7 +16,7 @@ from wmrgen.spec.numbers import Kind, Scope, facts_of, parameters_in, plain_numb
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.records import (
     FunctionSpec,
-    Parameter,
+    ParameterSpec,
     PointSpec,
     Quantity,
     RobotSpec,
@@ -119,7 +119,7 @@ def _free_text(table: Table, key: str) -> str:
     return text
 
 
-def _parameters(node: Node | None, scope: Scope) -> tuple[tuple[Parameter, ...], Scope]:
+def _parameters(node: Node | None, scope: Scope) -> tuple[tuple[ParameterSpec, ...], Scope]:
     """Parameters, each after those it uses, and the scope that knows them."""
     if node is None:
         return (), scope
@@ -142,7 +142,7 @@ def _parameters(node: Node | None, scope: Scope) -> tuple[tuple[Parameter, ...],
         facts = facts_of(expr, has_unit, scope, nodes[name])
         scope = replace(scope, facts={**scope.facts, name: facts})
         quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
-        found.append(Parameter(name, quantity, tunable[name]))
+        found.append(ParameterSpec(name, quantity, tunable[name]))
     return tuple(found), scope
 
 

@@ -64,7 +64,7 @@ class Quantity:
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class ParameterSpec:
     name: str
     value: Quantity
     tunable: bool
@@ -162,7 +162,7 @@ class RobotSpec:
     description: str
     source: str
     snap: bool
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[ParameterSpec, ...]
     wheels: tuple[WheelSpec, ...]
     couplings: tuple[Coupling, ...]
     limits: tuple[Limit, ...]

@@ -14,7 +14,7 @@ xi = (vx, vy, omega) in the robot frame [m/s, m/s, rad/s]. Rows are in m/s.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from wmrgen.exact.number import Exact
@@ -77,6 +77,11 @@ def nominal_view(wheel: Wheel) -> Geometry[Poly]:
     """Numbers only."""
     g = wheel.nominal
     return Geometry(*(Poly.of(v) for v in (g.x, g.y, g.ch, g.sh, g.cg, g.sg, g.r, g.d, g.o, g.r_sw)))
+
+
+def seen(robot: Robot, view: View) -> Robot:
+    """The robot with one view of its geometry as the working one."""
+    return replace(robot, wheels=tuple(replace(w, working=view(w)) for w in robot.wheels))
 
 
 def steer_gens(wheel: Wheel) -> tuple[Poly, Poly]:

@@ -1,8 +1,11 @@
-"""Names and decimals as LaTeX: single letters where texts have them, Greek for joints, bodies as an index."""
+"""Names and numbers as LaTeX: single letters where texts have them, Greek for joints, bodies as an index."""
 
 from __future__ import annotations
 
 import re
+from fractions import Fraction
+
+from wmrgen.exact.number import Exact
 
 TWIST = ("vx", "vy", "omega")
 _GREEK = frozenset(
@@ -13,6 +16,8 @@ _JOINTS = {
     "steer": r"\psi", "steer_rate": r"\dot{\psi}", "steer_acceleration": r"\ddot{\psi}",
 }  # fmt: skip
 _COMPONENT = re.compile(r"([a-z])([xyz])")  # vx
+_ROOTS = ("", r"\sqrt{2}", r"\sqrt{3}", r"\sqrt{6}")
+_READABLE = (2, 3, 4, 6, 7, 8, 9, 11, 12)  # denominators
 _NUMBERED = re.compile(r"([a-z]+)(\d+)")  # eta1, m12
 
 
@@ -25,6 +30,45 @@ def decimal(value: float) -> str:
     """Six significant digits in LaTeX."""
     digits, e, exponent = f"{value + 0.0:.6g}".partition("e")
     return rf"{digits}\cdot 10^{{{int(exponent)}}}" if e else digits
+
+
+def magnitude(value: Exact) -> tuple[str, str, bool]:
+    """|value| above and below the line, 1 as nothing; and whether a sum stands above."""
+    value = abs(value)
+    parts = [(p, root) for p, root in zip(value.parts, _ROOTS, strict=True) if p]
+    if len(parts) == 1:
+        p, root = parts[0]
+        short = _fraction(abs(p), bool(root))
+        if short:
+            above, below = short
+            return ("" if above == "1" else above) + root, below, False
+    elif value.den < 1000 and max(abs(n) for n in value.num) < 1000:
+        pairs = zip(value.num, _ROOTS, strict=True)
+        signed = [f"{n:+}{root}" if abs(n) != 1 or not root else f"{n:+}"[0] + root for n, root in pairs if n]
+        return "".join(signed).removeprefix("+"), "" if value.den == 1 else str(value.den), True
+    shown = decimal(float(value))
+    return "" if shown == "1" else shown, "", False
+
+
+def _fraction(f: Fraction, root: bool) -> tuple[str, str] | None:
+    """Numerator and denominator, or an exact decimal and "", or None when neither is short."""
+    if f.denominator == 1:
+        return (str(f.numerator), "") if f.numerator < 10**7 else None
+    if f.denominator in _READABLE and f.numerator < (2 if f.denominator in (2, 4, 8) and not root else 100):
+        return str(f.numerator), str(f.denominator)
+    exact = terminating(f)
+    if exact is not None:
+        return exact, ""
+    return (str(f.numerator), str(f.denominator)) if max(f.numerator, f.denominator) < 10**4 else None
+
+
+def terminating(f: Fraction) -> str | None:
+    """``0.165`` when at most eight decimals say all, else None."""
+    scaled = f * 10**8
+    if scaled.denominator != 1 or len(str(scaled.numerator).rstrip("0")) > 7:
+        return None
+    whole, rest = divmod(scaled.numerator, 10**8)
+    return f"{whole}.{rest:08d}".rstrip("0").rstrip(".")
 
 
 def wheel(name: str) -> str:

@@ -101,6 +101,14 @@ class Text(StrPrinter):  # type: ignore[misc]
     _print_Quantity = _print_Parameter = _print_Input = _print_Local = _print_Symbol
 
 
+def size(expr: Expr, memo: dict[Expr, int] | None = None) -> int:
+    """How many nodes the expression has, written out."""
+    sizes = {} if memo is None else memo
+    if expr not in sizes:
+        sizes[expr] = 1 + sum(size(a, sizes) for a in expr.args)
+    return sizes[expr]
+
+
 def exact(expr: Expr) -> str:
     """Python syntax over identifiers, every number as it is."""
     return str(sympy.sstr(expr))

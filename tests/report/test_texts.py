@@ -11,8 +11,7 @@ import pytest
 import wmrgen
 from tests.oracle.harness import robot_text
 from tests.seeds import layouts
-from wmrgen.backends.report.analysis import analysis
-from wmrgen.backends.report.subject import subject
+from wmrgen.backends.report.mobility import integrability
 from wmrgen.backends.report.texts import citations
 
 SEEDS = Path(__file__).parents[1] / "seeds" / "cases.json"
@@ -65,7 +64,7 @@ def test_frobenius_is_printed(case: str, words: str | None, tmp_path: Path) -> N
     layout, _ = layouts.of(CASES[case], "polar")
     path = tmp_path / "robot.yaml"
     path.write_text(robot_text(layout, polar=True), encoding="utf-8")
-    page = " ".join(analysis(subject(wmrgen.derive(wmrgen.load(path)))))
+    page = " ".join(integrability(wmrgen.derive(wmrgen.load(path))))
     if words is None:
         assert "Frobenius" not in page
     else:

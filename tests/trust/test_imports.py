@@ -30,7 +30,7 @@ ROOMS = (
     " backends/wheels backends/drawing backends/report emit cli __main__"
 ).split()
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
-MAY_IMPORT_SYMPY = ("ir/verify", "backends/report/expr")  # of spec, ir, backends and cli
+MAY_IMPORT_SYMPY = ("ir/verify", "backends/report/latex")  # of spec, ir, backends and cli
 
 
 def sources(package: Path = ROOT / "wmrgen") -> dict[str, str]:

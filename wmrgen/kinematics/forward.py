@@ -70,7 +70,8 @@ def constant_normal(contacts: list[Contact], components: list[Component]) -> boo
     )
 
 
-def _rows(contacts: list[Contact], components: list[Component]) -> list[Measured]:
+def measured_rows(contacts: list[Contact], components: list[Component]) -> list[Measured]:
+    """Every known row over the twist, with what it measures [m/s]."""
     one, zero = Poly.of(1), Poly({})
     rows: list[Measured] = []
     for c in contacts:
@@ -86,13 +87,13 @@ def _constant(
     unit: Fraction,
 ) -> tuple[Twist, Expr]:
     """xi = (H^T H)^+ H^T z with everything but z known now."""
-    rows = _rows(contacts, components)
+    rows = measured_rows(contacts, components)
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
     numbers = _numbers([r for r, _ in rows], nominal, unit)
     if _expands(rows):
         return _step_by_step(rows, numbers, names)
-    twist = _solved(*_normal(rows), numbers)
+    twist = _solved(*normal_equations(rows), numbers)
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
         if all(_negligible(p) for p in direct):
@@ -102,7 +103,7 @@ def _constant(
     return _fitted(rows, twist, names)
 
 
-def _normal(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
+def normal_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
     """H^T H and H^T z."""
     normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
     return normal, [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
@@ -129,7 +130,7 @@ def _expands(rows: list[Measured]) -> bool:
     """
     size = sum(max(len(p.terms) for p in r) ** 2 for r, _ in rows)
     if size <= MOST_TERMS:
-        normal, moment = _normal(rows)
+        normal, moment = normal_equations(rows)
         size = max(len(p.terms) for row in normal for p in row) ** 2 * max(len(p.terms) for p in moment)
     return size > MOST_TERMS
 
@@ -144,7 +145,7 @@ def _step_by_step(rows: list[Measured], numbers: list[list[Exact]], names: Local
         ((short(f"row{i}_x", r[0]), short(f"row{i}_y", r[1]), short(f"row{i}_w", r[2])), z)
         for i, (r, z) in enumerate(rows)
     ]
-    normal, moment = _normal(named)
+    normal, moment = normal_equations(named)
     upper = {(i, j): short(f"n{i}{j}", normal[i][j]) for i in range(3) for j in range(i, 3)}
     symmetric = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
     twist = _solved(symmetric, [short(f"b{i}", p) for i, p in enumerate(moment)], numbers)

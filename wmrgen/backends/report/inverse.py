@@ -1,4 +1,4 @@
-"""Section 6: from a twist to every joint."""
+"""Section 6: from a twist to every joint; of steered wheels, where each points, also when limits leave little room."""
 
 from __future__ import annotations
 
@@ -6,100 +6,180 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
-from wmrgen.backends.report.markdown import aligned, listed, math
-from wmrgen.backends.report.steering import alike, partners, steering
-from wmrgen.backends.report.subject import CAP, Subject, cut_note
-from wmrgen.backends.report.tex import broken, poly, summands, terms_of
-from wmrgen.backends.report.wheelrows import TWIST
-from wmrgen.constraints import driving_row, sliding_row, working_view
+from wmrgen.backends.report.latex import broken, latex
+from wmrgen.backends.report.markdown import CAP, aligned, cut_note, grouped, in_degrees, listed, math
+from wmrgen.backends.report.rows import TWIST
+from wmrgen.constraints import along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.project import Projection, project
+from wmrgen.kinematics.steer import NARROW
 
 if TYPE_CHECKING:
-    from wmrgen.layout.records import Wheel
+    from wmrgen.layout.records import Robot, Wheel
+    from wmrgen.robot import Derivation
 
 ONE, ZERO = Poly.of(1), Poly({})
 
 
-def inverse(s: Subject) -> list[str]:
+def inverse(d: Derivation) -> list[str]:
     """Section 6."""
-    wheels = [w for w in s.letters.wheels[:CAP] if w.has_spin]
-    projection = project(s.letters, s.mobility)
+    robot = seen(d.robot, symbolic_view)
+    projection = project(robot, d.mobility)
+    twist = _driven(projection)
+    wheels = [w for w in robot.wheels[:CAP] if w.has_spin]
     blocks = [
         "## 6 Inverse kinematics",
         "Given the twist ξ, what must every joint do? Each wheel answers with its own rows of section 2.",
         *_projection(projection),
     ]
-    twist = _driven(projection)
     if not wheels:
         return [*blocks, "There is no joint to command."]
-    plain_wheels = [w for w in wheels if not w.turns]
+    unsteered = [w for w in wheels if not w.turns]
     castors = [w for w in wheels if w.kind.swivels]
     steered = [w for w in wheels if w.kind.steers]
-    if plain_wheels:
+    if unsteered:
         blocks += ["The rolling equation of a wheel that does not steer, solved for its rate:"]
-        blocks += aligned(f"{_rate(w)} &= {_sum(_spin(w, twist))}" for w in plain_wheels)
+        blocks += aligned(_spin(w, twist) for w in unsteered)
     if castors:
         blocks += ["A castor follows: its rolling row gives the wheel rate, its sliding row the swivel rate."]
-        blocks += aligned(line for w in castors for line in _castor(w, twist))
+        blocks += aligned(line for w in castors for line in (_spin(w, twist), _swivel(w, twist)))
     if steered:
-        blocks += steering(s, steered, twist)
-    return [*blocks, *_coupled(s, twist), *cut_note(s), *_slip(s, projection, twist)]
+        blocks += _steering(robot, steered, twist)
+    return [*blocks, *_coupled(robot, twist), *cut_note(robot.wheels), *_slip(robot, projection, twist)]
 
 
-def _sum(p: Poly) -> str:
-    return broken(summands(terms_of(p)))
-
-
-def _rate(w: Wheel, joint: str = "spin") -> str:
-    return notation.port(f"{w.name}.{joint}")
-
-
-def _spin(w: Wheel, twist: Row) -> Poly:
+def _spin(w: Wheel, twist: Row) -> str:
     g = working_view(w)
-    return dot(driving_row(w, g), twist) * g.rolling_radius.inverse()
+    spin = dot(driving_row(w, g), twist) * g.rolling_radius.inverse()
+    return f"{notation.port(f'{w.name}.spin')} &= {broken(spin)}"
 
 
-def _castor(w: Wheel, twist: Row) -> list[str]:
+def _swivel(w: Wheel, twist: Row) -> str:
     g = working_view(w)
-    slide = dot(sliding_row(w, g).row, twist) * g.d.inverse()
-    return [f"{_rate(w)} &= {_sum(_spin(w, twist))}", f"{_rate(w, 'steer_rate')} &= {_sum(-slide)}"]
+    rate = -(dot(sliding_row(w, g).row, twist) * g.d.inverse())
+    return f"{notation.port(f'{w.name}.steer_rate')} &= {broken(rate)}"
 
 
 def _driven(projection: Projection) -> Row:
     """The twist that is driven; components that the projection changed carry a star."""
-    parts = [
+    vx, vy, omega = (
         p if p == q or not p else Poly.gen("input", f"{n}_driven")
         for p, q, n in zip(projection.twist, TWIST, notation.TWIST, strict=True)
-    ]
-    return parts[0], parts[1], parts[2]
+    )
+    return vx, vy, omega
 
 
 def _projection(projection: Projection) -> list[str]:
     """The nearest admissible twist, where it is not the commanded one."""
     if projection.twist == TWIST:
         return []
-    changed = [
-        f"{notation.port(n)}^{{*}} &= {_sum(p)}"
-        for p, q, n in zip(projection.twist, TWIST, notation.TWIST, strict=True)
-        if p != q
-    ]
+    parts = zip(projection.twist, TWIST, notation.TWIST, strict=True)
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
-        *aligned(changed),
+        *aligned(f"{notation.port(n)}^{{*}} &= {broken(p)}" for p, q, n in parts if p != q),
     ]
 
 
-def _coupled(s: Subject, twist: Row) -> list[str]:
+def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
+    """One general solution, each wheel's pivot velocity to put into it, and what limits change."""
+    shift = r"-o\,\omega" if any(w.nominal.o for w in wheels) else ""
+    limited = [w for w in wheels if robot.limit(w, "steer")]
+    shared = [w for w in limited if not _alike(_partners(robot, w), twist)]
+    narrow = [
+        w for w in limited
+        if w not in shared and (limit := robot.limit(w, "steer")) and limit.high - limit.low <= NARROW
+    ]  # fmt: skip
+    wide = [w for w in limited if w not in shared and w not in narrow]
+    zero = "where h is the wheel's heading at ψ = 0."
+    velocities = grouped((_velocity(w, twist), notation.wheel(w.name)) for w in wheels)
+    return [
+        "A steered wheel has to point along the velocity (a, b) of its pivot. Seen from the wheel as it stands, "
+        "at angle ψ, that velocity has a component u along the wheel and w across it:",
+        *aligned([
+            r"a &= v_x - y\,\omega, & b &= v_y + x\,\omega",
+            r"u &= a\cos(h+\psi) + b\sin(h+\psi), & w &= b\cos(h+\psi) - a\sin(h+\psi)",
+        ]),
+        *([zero] if len(narrow) == len(wheels) else _nearer(zero, shift)),
+        "The pivots' velocities:",
+        *aligned(f"{text} && ({', '.join(who)})" for text, who in velocities.items()),
+        *(_wide(_ranges(robot, wide)) if wide else []),
+        *(_narrow(_ranges(robot, narrow), shift) if narrow else []),
+        *([f"Steering is limited: {_ranges(robot, shared)}. A common angle outside is cut there."] if shared else []),
+    ]  # fmt: skip
+
+
+def _nearer(zero: str, shift: str) -> list[str]:
+    return [
+        f"{zero} Two headings roll, half a turn apart. The nearer one is at most 90° away; it is reached by "
+        "driving backwards when u < 0:",
+        *math(
+            r"\Delta = \mathrm{atan2}\left(\pm w, |u|\right), \qquad \psi^{+} = \psi + \Delta, \qquad",
+            rf"\dot{{\varphi}} = \frac{{\pm\sqrt{{a^2+b^2}}{shift}}}{{r}},",
+            r"\qquad \pm = \begin{cases} - & u < 0 \\ + & u \ge 0 \end{cases}",
+        ),
+        "With a = b = 0 the pivot is the ICR and any heading rolls: atan2(0, 0) = 0 holds the present one.",
+    ]
+
+
+def _velocity(w: Wheel, twist: Row) -> str:
+    """The components of the pivot's velocity, aligned."""
+    g = working_view(w)
+    a, b = dot(along((ONE, ZERO), g), twist), dot(along((ZERO, ONE), g), twist)
+    return f"a &= {latex(a)}, & b &= {latex(b)}"
+
+
+def _partners(robot: Robot, w: Wheel) -> list[Wheel]:
+    """The wheels that turn with it, itself among them."""
+    group = robot.steer_group
+    return [v for v in robot.wheels if group[v.index] == group[w.index]]
+
+
+def _alike(wheels: list[Wheel], twist: Row) -> bool:
+    """One velocity and one zero heading: each single solution is the common one."""
+    return len({(_velocity(w, twist), w.nominal.ch, w.nominal.sh) for w in wheels}) == 1
+
+
+def _wide(ranges: str) -> list[str]:
+    return [
+        f"Steering is limited: {ranges}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken "
+        "if that is inside; if neither is, the limit nearest to it. The rate then is that of the pivot's velocity "
+        "along the wheel so turned, u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root."
+    ]
+
+
+def _narrow(ranges: str, shift: str) -> list[str]:
+    return [
+        f"Steering is limited to less than a quarter turn: {ranges}. At most one of the two headings "
+        "that roll lies inside, and the wheel takes the angle inside at which it slides least. Seen from the "
+        "middle m of the limits, which are 2ρ apart, the velocity is p along the wheel and q across it:",
+        *aligned([
+            r"p &= a\cos(h+m) + b\sin(h+m), & q &= b\cos(h+m) - a\sin(h+m)",
+            r"t &= \min\left(\max\left(\frac{q}{p}, -\tan\rho\right), \tan\rho\right), & "
+            r"\psi^{+} &= m + \arctan t, & "
+            rf"\dot{{\varphi}} &= \frac{{1}}{{r}}\left(\frac{{p + q\,t}}{{\sqrt{{1+t^2}}}}{shift}\right)",
+        ]),
+        "With p = q = 0 the present angle is held. Below Δ = ψ⁺ − ψ.",
+    ]  # fmt: skip
+
+
+def _ranges(robot: Robot, wheels: list[Wheel]) -> str:
+    """The steering limits of wheels, equal ones together."""
+    limits = [(robot.limit(w, "steer"), w.name) for w in wheels]
+    texts = grouped((f"{in_degrees(r.low)} ≤ ψ ≤ {in_degrees(r.high)}", name) for r, name in limits if r)
+    return "; ".join(f"{text} for {listed(who)}" for text, who in texts.items())
+
+
+def _coupled(robot: Robot, twist: Row) -> list[str]:
     """What couplings change."""
     blocks, same = [], []
-    for joint, members in s.robot.couplings:
+    for joint, members in robot.couplings:
+        wheels = [robot.wheel(n) for n in members]
         if joint == "spin":
             blocks += [
                 f"{listed(members)} turn at one speed: they share the least-squares rate Σ r·(r φ̇) / Σ r² of the "
-                f"single solutions above.{_way(s, members)}"
+                f"single solutions above.{_way(robot, wheels)}"
             ]
-        elif alike([s.letters.wheel(n) for n in members], twist):
+        elif _alike(wheels, twist):
             same.append(listed(members))
         else:
             blocks += [
@@ -112,56 +192,51 @@ def _coupled(s: Subject, twist: Row) -> list[str]:
     return blocks
 
 
-def _way(s: Subject, members: tuple[str, ...]) -> str:
+def _way(robot: Robot, wheels: list[Wheel]) -> str:
     """How a steered wheel among wheels with one speed picks its heading."""
-    steered = [n for n in members if s.letters.wheel(n).kind.steers]
-    if (
-        not steered
-        or s.robot.steer_group[s.robot.wheel(members[0]).index]
-        == s.robot.steer_group[s.robot.wheel(members[-1]).index]
-    ):
+    steered = [w.name for w in wheels if w.kind.steers]
+    if not steered or robot.steer_group[wheels[0].index] == robot.steer_group[wheels[-1].index]:
         return ""
     return f" Of its two headings {listed(steered)} takes the one that rolls the way the others do."
 
 
-def _slip(s: Subject, projection: Projection, twist: Row) -> list[str]:
-    unlike = _unlike(s, twist)
-    said = _forbidden(projection, bool(unlike))
+def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
+    unlike = _unlike(robot, twist)
+    blocks = _forbidden(projection, bool(unlike))
     if unlike:
-        said += [
+        blocks += [
             f"A common rate need not suit all wheels of a coupling. Of {'; of '.join(map(listed, unlike))} the mean "
             "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d β̇ against its sideways "
             "speed, is added under the root."
         ]
-    held = [w.name for w in s.letters.wheels if w.kind.steers and _held(s, w, twist)]
-    if not held:
-        return said
-    return [
-        *said,
-        "A steered wheel that a limit or a coupling keeps from its heading slides as well, at w cos Δ − u sin Δ. "
-        f"The mean square of these speeds over {listed(held)} is added under the root.",
+    # Wheels whose command may differ from the heading that rolls.
+    held = [
+        w.name
+        for w in robot.wheels
+        if w.kind.steers and (robot.limit(w, "steer") or not _alike(_partners(robot, w), twist))
     ]
+    if held:
+        blocks += [
+            "A steered wheel that a limit or a coupling keeps from its heading slides as well, at w cos Δ − u sin Δ. "
+            f"The mean square of these speeds over {listed(held)} is added under the root."
+        ]
+    return blocks
 
 
-def _held(s: Subject, w: Wheel, twist: Row) -> bool:
-    """True when the wheel's command may differ from the heading that rolls."""
-    return s.robot.limit(w, "steer") is not None or not alike(partners(s, w), twist)
-
-
-def _unlike(s: Subject, twist: Row) -> list[list[str]]:
+def _unlike(robot: Robot, twist: Row) -> list[list[str]]:
     """Coupled wheels whose common spin or swivel rate may leave something to sliding (see `turned_unlike`)."""
-    castors = s.letters.together("steer", (w for w in s.letters.wheels if w.kind.swivels))
-    spun = s.letters.together("spin", (w for w in s.letters.wheels if w.has_spin))
+    castors = robot.together("steer", (w for w in robot.wheels if w.kind.swivels))
     spun = [
         wheels
-        for wheels in spun
+        for wheels in robot.together("spin", (w for w in robot.wheels if w.has_spin))
         if any(w.turns for w in wheels)
-        and not (all(w in partners(s, wheels[0]) for w in wheels) and alike(wheels, twist))
+        and not (all(w in _partners(robot, wheels[0]) for w in wheels) and _alike(wheels, twist))
     ]
     return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
 
 
 def _forbidden(projection: Projection, coupled: bool) -> list[str]:
+    """What the admissible twist leaves of the commanded one."""
     forms = [p for p in projection.residuals if p]
     if not forms and coupled:
         return []
@@ -171,12 +246,10 @@ def _forbidden(projection: Projection, coupled: bool) -> list[str]:
     if projection.twist == TWIST:
         words += "; nothing is projected away here, the wheels follow as well as they can"
     if len(forms) == 1:
-        return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{poly(forms[0])}\right|")]
-    squares = Counter(rf"\left({poly(p)}\right)^2" for p in forms)
+        return [f"{words}:", *math(rf"\mathrm{{slip}} = \left|{latex(forms[0])}\right|")]
+    squares = Counter(rf"\left({latex(p)}\right)^2" for p in forms)
     parts = [text if n == 1 else rf"{n}\,{text}" for text, n in squares.items()]
-    shown = " + ".join([*parts[:4], *([r"\cdots"] if len(parts) > 4 else [])])
-    weight = "" if projection.weight == 1 else rf"{poly(Poly.of(projection.weight))}\left[ {shown} \right]"
-    return [
-        f"{words}, root mean square over the wheels:",
-        *math(rf"\mathrm{{slip}} = \sqrt{{{weight or shown}}}"),
-    ]
+    mean = " + ".join([*parts[:4], *([r"\cdots"] if len(parts) > 4 else [])])
+    if projection.weight != 1:
+        mean = rf"{latex(Poly.of(projection.weight))}\left[ {mean} \right]"
+    return [f"{words}, root mean square over the wheels:", *math(rf"\mathrm{{slip}} = \sqrt{{{mean}}}")]

@@ -1,4 +1,4 @@
-"""Markdown that GitHub renders: escaping of free text, tables, math fences.
+"""Markdown that GitHub renders: escaping of free text, tables, math fences, names and numbers in words and cells.
 
 A page is a list of blocks, which `page` parts by blank lines: a heading, a paragraph, a list, a table, a formula.
 """
@@ -7,7 +7,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from math import degrees
+from typing import TYPE_CHECKING, SupportsFloat
 
+from wmrgen.exact.number import Exact
+from wmrgen.notation import terminating
+
+if TYPE_CHECKING:
+    from wmrgen.layout.records import Wheel
+
+CAP = 16  # wheels whose equations are written out
 _ENTITY = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "$": "&#36;"}
 _LOW = str.maketrans("12", "₁₂")
 _INDEX = re.compile(r"\b(delta|rank C1|C1|J1|J2)(\\_)?(m|s|M|f)?\b")
@@ -39,6 +48,11 @@ def _symbol(match: re.Match[str]) -> str:
     return f"{head[:-1]}<sub>{head[-1]}{index}</sub>" if index else head.translate(_LOW)
 
 
+def capitalised(text: str) -> str:
+    """A finding as a sentence of its own."""
+    return sentence(text[:1].upper() + text[1:]).removesuffix(".") + "."
+
+
 def code(name: str) -> str:
     """An identifier."""
     return f"`{name}`"
@@ -52,6 +66,25 @@ def listed(names: Sequence[str]) -> str:
 def conjoined(parts: Sequence[str]) -> str:
     """a, b and c"""
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
+
+
+def some(wheels: Sequence[Wheel]) -> str:
+    """The names of wheels, of many the first ones."""
+    return listed([w.name for w in wheels[:CAP]]) + (" and others" if len(wheels) > CAP else "")
+
+
+def cut_note(wheels: Sequence[Wheel]) -> list[str]:
+    """Says that the equations of some of the wheels were left out, where they were."""
+    more = len(wheels) - CAP
+    return [f"({more} more wheels follow the same pattern; they stand in `model.json`.)"] if more > 0 else []
+
+
+def grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    """Each text once, with the names of all wheels that have it."""
+    names: dict[str, list[str]] = {}
+    for text, name in pairs:
+        names.setdefault(text, []).append(name)
+    return names
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], align: str) -> list[str]:
@@ -73,5 +106,25 @@ def math(*blocks: str) -> list[str]:
 
 def aligned(lines: Iterable[str]) -> list[str]:
     """Formulas one below the other, aligned at their &."""
-    body = " \\\\\n".join(lines)
-    return math("\\begin{aligned}", body, "\\end{aligned}")
+    return math("\\begin{aligned}", " \\\\\n".join(lines), "\\end{aligned}")
+
+
+def rounded(value: float) -> str:
+    """Six significant digits, dust of 1e-12 gone."""
+    return f"{round(value, 12) + 0.0:.6g}".replace("-", "−")
+
+
+def in_degrees(angle: SupportsFloat) -> str:
+    """An angle [rad] in degrees."""
+    return f"{round(degrees(float(angle)), 9) + 0.0:.6g}°".replace("-", "−")
+
+
+def plain(value: Exact) -> str:
+    """A number: exact when short, else six significant digits."""
+    sign = "−" if value.sign < 0 else ""
+    if value.is_rational:
+        f = abs(value.parts[0])
+        exact = str(f.numerator) if f.denominator == 1 and f.numerator < 10**7 else terminating(f)
+        if exact is not None:
+            return sign + exact
+    return f"{float(value):.6g}".replace("-", "−")

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from wmrgen.backends.report.markdown import listed, table
-from wmrgen.backends.report.numbers import plain
-from wmrgen.backends.report.subject import Subject
+from wmrgen.backends.report.markdown import listed, plain, table
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.evaluate import cos_sin
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
+
+if TYPE_CHECKING:
+    from wmrgen.robot import Derivation
 
 _ROUNDING = 1e-9
 Letters = dict[str, Exact]
@@ -33,23 +35,22 @@ class Citation:
     wheels: tuple[str, ...] = ()
 
 
-def texts(s: Subject) -> list[str]:
+def texts(d: Derivation) -> list[str]:
     """Section 10."""
-    cited = citations(s.robot)
     blocks = ["## 10 In the textbooks"]
-    if not cited:
-        return [
-            *blocks,
-            "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
-            "2, with the numbers given there.",
-        ]
-    blocks += ["The rows of this robot are those of"]
     rows = []
-    for c in cited:
+    for c in citations(d.robot):
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
         order = f"; wheels in the order {listed(c.wheels)}" if c.wheels else ""
         rows.append([c.equation, c.what, letters + order])
-    return blocks + table(["equation", "what it gives", "with"], rows, "l")
+    if rows:
+        head = ["equation", "what it gives", "with"]
+        return [*blocks, "The rows of this robot are those of", *table(head, rows, "l")]
+    return [
+        *blocks,
+        "No text among the five that wmrgen reproduces writes this layout out; its rows are those of section "
+        "2, with the numbers given there.",
+    ]
 
 
 def citations(robot: Robot) -> list[Citation]:

@@ -9,7 +9,7 @@ import sympy
 
 from wmrgen.functions.system import System, rate_port
 from wmrgen.ports import Port
-from wmrgen.printing import Latex, Reader, Text, Writer, exact
+from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
 from wmrgen.symbolic import Expr, signal
 
 LONGEST = 4000  # nodes of an expression that is still written out
@@ -58,7 +58,7 @@ def sheet_of(form: str, system: System) -> Sheet:
 
 def tidy(expr: Expr) -> Expr:
     """The expression with signs and numbers gathered, and sin/cos as tan. Left as it stands where it is long."""
-    return _tidied(expr, {}) if _size(expr, {}) <= LONGEST else expr
+    return _tidied(expr, {}) if size(expr) <= LONGEST else expr
 
 
 def _tidied(expr: Expr, memo: dict[Expr, Expr]) -> Expr:
@@ -81,15 +81,8 @@ def _tangent(product: Expr) -> Expr:
     return product
 
 
-def _size(expr: Expr, memo: dict[Expr, int]) -> int:
-    """How many nodes the expression has, written out."""
-    if expr not in memo:
-        memo[expr] = 1 + sum(_size(a, memo) for a in expr.args)
-    return memo[expr]
-
-
 def _written(printer: Writer, expr: Expr) -> str:
-    return printer(expr) if _size(expr, {}) <= LONGEST else "(too long to write out; it stands in the code)"
+    return printer(expr) if size(expr) <= LONGEST else "(too long to write out; it stands in the code)"
 
 
 def lines(sheet: Sheet) -> list[str]:

@@ -1,0 +1,299 @@
+"""Exact polynomials, and formulas of the program (sympy), as LaTeX sums of terms: a term is a number and factors.
+
+Sums collect what multiplies the same velocity and pull common factors out. Numbers are exact where they are short:
+fractions, roots and decimals; the rest is rounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import sympy
+
+from wmrgen import notation
+from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt
+from wmrgen.exact.poly import Gen, Poly
+from wmrgen.symbolic import Expr, Parameter
+
+WIDE = 80  # characters of a line before a sum is broken
+Ports = Mapping[str, str]  # name of a symbol -> contract name
+_LEADS = {"vx": 0, "vy": 1, "omega": 2, "vx_driven": 0, "vy_driven": 1, "omega_driven": 2}
+_TWIST = {notation.port(n) for n in _LEADS}
+_SPACE = "\\;"
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """base**power. ``rank``: parameters 0, functions 1, velocities 2 (collected). ``order``: within a rank."""
+
+    base: str
+    power: int
+    rank: int
+    order: tuple[int, str]
+    compound: bool = False  # the base is a sum
+
+    def shown(self) -> str:
+        """The factor with a positive power."""
+        n = abs(self.power)
+        base = rf"\left({self.base}\right)" if self.compound else self.base
+        if n == 1:
+            return base
+        for f in (r"\cos", r"\sin"):
+            if base.startswith(f) and not base.startswith(f + "("):
+                return f"{f}^{{{n}}}{base.removeprefix(f)}"
+        return f"{{{base}}}^{{{n}}}"
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """number * product of factors"""
+
+    number: Exact
+    factors: tuple[Factor, ...]
+
+
+def latex(value: Poly | Expr, ports: Ports | None = None) -> str:
+    """A polynomial or a formula on one line."""
+    return total(terms(value, ports))
+
+
+def broken(value: Poly | Expr, ports: Ports | None = None) -> str:
+    """A polynomial or a formula, on several lines where it is long."""
+    return wrapped(summands(terms(value, ports)))
+
+
+def matrix(rows: Iterable[Iterable[Poly | str]]) -> str:
+    """A bracketed matrix of polynomials or finished entries."""
+    entries = [[latex(e) if isinstance(e, Poly) else e for e in row] for row in rows]
+    end = " \\\\[4pt]\n" if any("\\frac" in entry for row in entries for entry in row) else " \\\\\n"
+    body = end.join(" & ".join(row) for row in entries)
+    return f"\\begin{{bmatrix}}\n{body}\n\\end{{bmatrix}}"
+
+
+def width(text: str) -> int:
+    """Roughly how many characters a reader sees."""
+    count, skip = 0, False
+    for i, ch in enumerate(text):
+        if ch == "\\":
+            skip = True
+            count += text[i + 1 : i + 2].isalpha()
+        elif skip and not ch.isalpha():
+            skip = False
+        if not skip and ch not in "{}^_ \\,":
+            count += 1
+    return count
+
+
+# From polynomials and formulas to terms.
+
+
+def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
+    """The summands of a polynomial, or of a formula whose symbols have these contract names."""
+    if isinstance(value, Poly):
+        return [Term(c, tuple(_generator(g, e) for g, e in m)) for m, c in value.terms.items()]
+    summed: list[Term] = []
+    for arg in sympy.Add.make_args(value):
+        number, factors, inner = ONE, [], None
+        for factor in sympy.Mul.make_args(arg):
+            own = _number(factor)
+            if own is not None:
+                number = number * own
+            elif isinstance(factor, sympy.Add) and inner is None:
+                inner = factor
+            else:
+                factors.append(_factor(factor, ports or {}))
+        if inner is None:
+            summed.append(Term(number, tuple(factors)))
+        else:
+            summed += [Term(t.number * number, (*t.factors, *factors)) for t in terms(inner, ports)]
+    return [t for t in summed if t.number]
+
+
+def _generator(gen: Gen, power: int) -> Factor:
+    match gen.kind:
+        case "param":
+            return Factor(notation.parameter(gen.name), power, 0, (0, gen.name))
+        case "pi":
+            return Factor(r"\pi", power, 0, (0, ""))
+        case "cos" | "sin":
+            angle = notation.port(f"{gen.name}.steer")
+            return Factor(rf"\{gen.kind}{angle}", power, 1, (0, gen.name + gen.kind))
+        case "input" | "local":
+            late = 3 if gen.name.endswith(".spin") else 4  # joints in file order, spins before steering rates
+            return Factor(notation.port(gen.name), power, 2, (_LEADS.get(gen.name, late), ""))
+        case "inv":
+            return Factor(latex(gen.args[0]), -power, 0, (1, gen.key), True)
+        case "sqrt":
+            return Factor(rf"\sqrt{{{latex(gen.args[0])}}}", power, 0, (1, gen.key))
+    arguments = ", ".join(latex(a) for a in gen.args)
+    head = r"\mathrm{atan2}" if gen.kind == "atan2" else "\\" + gen.kind.removesuffix("f")
+    return Factor(rf"{head}\left({arguments}\right)", power, 1, (1, gen.key))
+
+
+def _factor(expr: Expr, ports: Ports) -> Factor:
+    base, power = (expr.base, expr.exp) if isinstance(expr, sympy.Pow) else (expr, sympy.S.One)
+    if power.is_Rational and power.q == 2:
+        return Factor(rf"\sqrt{{{latex(base, ports)}}}", int(power.p), 2, (8, ""))
+    n = int(power)
+    if isinstance(base, Parameter):
+        return Factor(notation.parameter(base.name), n, 0, (0, base.name))
+    if isinstance(base, sympy.Symbol):
+        port = ports.get(base.name, base.name.removesuffix("_fit"))
+        order = list(ports).index(base.name) if base.name in ports else -1
+        return Factor(notation.port(port), n, 2, (_LEADS.get(port, 3 + order), ""))
+    if base is sympy.pi:
+        return Factor(r"\pi", n, 0, (0, "pi"))
+    if isinstance(base, sympy.Abs):
+        return Factor(rf"\left|{latex(base.args[0], ports)}\right|", n, 2, (8, ""))
+    if isinstance(base, sympy.cos | sympy.sin):
+        head, angle = rf"\{base.func.__name__}", base.args[0]
+        named = isinstance(angle, sympy.Symbol)
+        shown = (
+            notation.port(ports.get(angle.name, angle.name))
+            if named
+            else rf"\left({latex(angle, ports)}\right)"
+        )
+        return Factor(head + shown, n, 1, (0, head))
+    if isinstance(base, sympy.atan2):
+        y, x = (latex(a, ports) for a in base.args)
+        return Factor(rf"\mathrm{{atan2}}\left({y},\, {x}\right)", n, 1, (8, ""))
+    return Factor(latex(base, ports), n, 0, (2, ""), True)
+
+
+def _number(expr: Expr) -> Exact | None:
+    """A number of the field; None for anything else."""
+    if isinstance(expr, sympy.Rational):
+        return Exact(Fraction(int(expr.p), int(expr.q)))
+    if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and expr.exp == sympy.S.Half:
+        return exact_sqrt(Fraction(int(expr.base.p), int(expr.base.q)))
+    if not isinstance(expr, sympy.Add | sympy.Mul) or expr.free_symbols:
+        return None
+    value = ZERO if isinstance(expr, sympy.Add) else ONE
+    for arg in expr.args:
+        part = _number(arg)
+        if part is None:
+            return None
+        value = value + part if isinstance(expr, sympy.Add) else value * part
+    return value
+
+
+# From terms to LaTeX.
+
+
+def total(terms: Sequence[Term]) -> str:
+    """The sum of terms."""
+    return "".join(pieces(terms)).removeprefix("+").strip() or "0"
+
+
+def wrapped(parts: Sequence[str], limit: int = WIDE) -> str:
+    """Signed summands on one line, or on several inside ``aligned``: each further line begins with a sign."""
+    texts, used = [""], 0
+    for part in parts:
+        size = width(part)
+        if used and used + size > limit:
+            texts.append("")
+            used = 0
+        texts[-1] += part
+        used += size
+    texts[0] = texts[0].removeprefix("+")
+    return "\\\\\n&\\qquad ".join(texts) or "0"
+
+
+def pieces(terms: Sequence[Term]) -> list[str]:
+    """The signed summands of a sum, each beginning with + or -."""
+    if len(terms) < 2:
+        return [_product(t.number, t.factors) for t in terms]
+    number, common, rest = _pulled_out(terms)
+    if common or number != 1:
+        return [_product(number, common, total(rest))]
+    groups: dict[str, list[Term]] = {}
+    for t in sorted(terms, key=_key):
+        groups.setdefault(_lead(t), []).append(t)
+    signed: list[str] = []
+    for lead, members in groups.items():
+        if not lead or len(members) == 1:
+            signed += [_product(t.number, t.factors) for t in members]
+            continue
+        rest = [Term(t.number, tuple(f for f in t.factors if f.base != lead)) for t in members]
+        inside = pieces(rest)
+        one = inside[0] if len(inside) == 1 else rf"+\left({total(rest)}\right)"
+        signed.append(f"{one}{lead}" if one.endswith(")") else f"{one}{_SPACE}{lead}")
+    two_joints = len(signed) == 2 and not any(lead in _TWIST for lead in groups)
+    if two_joints or not any(groups):
+        return sorted(signed, key=lambda piece: piece.startswith("-"))
+    return signed
+
+
+def summands(terms: Sequence[Term]) -> list[str]:
+    """Like ``pieces``, for a formula that may be broken: a long sum in brackets stays a list."""
+    parts = pieces(terms)
+    if len(parts) != 1 or len(terms) < 2 or width(parts[0]) <= WIDE:
+        return parts
+    number, common, rest = _pulled_out(terms)
+    inside = pieces(rest)
+    if len(inside) < 2:
+        return parts
+    head = _product(number, common)
+    head = head[:1] if head in ("+1", "-1") else head
+    return [rf"{head}\Bigl({inside[0].removeprefix('+')}", *inside[1:-1], rf"{inside[-1]}\Bigr)"]
+
+
+def _lead(t: Term) -> str:
+    return next((f.base for f in t.factors if f.rank == 2 and f.power == 1), "")
+
+
+def _key(t: Term) -> tuple[object, ...]:
+    leads = tuple(f.order for f in t.factors if f.rank == 2)
+    plain = not any(f.rank == 1 for f in t.factors)
+    return leads or ((9, ""),), plain, tuple((f.rank, *f.order) for f in t.factors)
+
+
+def _pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[Term]]:
+    """The number and the factors that all terms share, and the terms without them."""
+    shared = []
+    for f in terms[0].factors:
+        powers = [next((g.power for g in t.factors if g.base == f.base), 0) for t in terms]
+        if all(p > 0 for p in powers) or all(p < 0 for p in powers):
+            shared.append(replace(f, power=min(powers, key=abs)))
+    taken = {f.base: f.power for f in shared}
+    # The common magnitude; negative when all terms are and nothing is collected.
+    first = abs(terms[0].number)
+    negative = all(t.number.sign < 0 for t in terms) and not any(map(_lead, terms))
+    number = (-ONE if negative else ONE) * (first if all(abs(t.number) == first for t in terms) else ONE)
+    rest = []
+    for t in terms:
+        reduced = (replace(f, power=f.power - taken.get(f.base, 0)) for f in t.factors)
+        rest.append(Term(t.number / number, tuple(f for f in reduced if f.power)))
+    return number, tuple(shared), rest
+
+
+def _product(number: Exact, factors: Iterable[Factor], inner: str = "") -> str:
+    """One signed summand; ``inner`` is a sum that is multiplied with it."""
+    sign = "-" if number.sign < 0 else "+"
+    ordered = sorted(factors, key=lambda f: (f.rank, f.order))
+    head, divisor, is_sum = notation.magnitude(number)
+    above = [f.shown() for f in ordered if f.power > 0 and f.rank < 2]
+    leads = "".join(f"{_SPACE}{f.shown()}" for f in ordered if f.power > 0 and f.rank == 2)
+    below = [f for f in ordered if f.power < 0]
+    bottom = [divisor] if divisor else []
+    if len(below) == 1 and not bottom and below[0].power == -1:
+        bottom = [below[0].base]
+    else:
+        bottom += [f.shown() for f in below]
+    if inner and bottom and not (above or leads or head):
+        return rf"{sign}\frac{{{inner}}}{{{_times(bottom)}}}"
+    leads += rf"\left({inner}\right)" if inner else ""
+    if is_sum and (above if bottom else above or leads):
+        head = rf"\left({head}\right)"
+    top = _times([head, *above] if head else above)
+    if bottom:
+        if not top and leads and not inner:
+            return rf"{sign}\frac{{{leads.removeprefix(_SPACE)}}}{{{_times(bottom)}}}"
+        return rf"{sign}\frac{{{top or '1'}}}{{{_times(bottom)}}}{leads}"
+    return sign + (f"{top}{leads}" if top else leads.removeprefix(_SPACE) or "1")
+
+
+def _times(parts: Sequence[str]) -> str:
+    return r"\,".join(parts)

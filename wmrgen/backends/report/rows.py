@@ -142,12 +142,12 @@ def matrices(d: Derivation) -> list[str]:
     if letters.rolling:
         blocks += _shown("J_1", letters.rolling, numbers.rolling)
         blocks += _diagonal([latex(-dict(r.rates)[r.wheel.index, "spin"]) for r in letters.rolling])
-    for kind, index, own, same in (
-        ("fixed", "1f", letters.sliding_fixed, numbers.sliding_fixed),
-        ("steered", "1s", letters.sliding_steered, numbers.sliding_steered),
+    for absent, index, own, same in (
+        ("There is no fixed wheel", "1f", letters.sliding_fixed, numbers.sliding_fixed),
+        ("There is no steered wheel", "1s", letters.sliding_steered, numbers.sliding_steered),
     ):
-        absent = f"There is no {kind} wheel, so C<sub>{index}</sub> has no rows."
-        blocks += _shown(f"C_{{{index}}}", own, same) if own else [absent]
+        empty = f"{absent}, so C<sub>{index}</sub> has no rows."
+        blocks += _shown(f"C_{{{index}}}", own, same) if own else [empty]
     return blocks + _pfaffian(d)
 
 

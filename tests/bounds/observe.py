@@ -16,7 +16,7 @@ Ranges = Mapping[str, tuple[float, float]]
 EXACT = {
     "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
     "sqrt": np.sqrt, "min": np.minimum, "max": np.maximum, "sin": np.sin, "cos": np.cos, "atan": np.arctan,
-    "atan2": np.arctan2,
+    "atan2": np.arctan2, "clamp": lambda a, m: np.clip(a, -m, m),
 }  # fmt: skip
 CHOICE = "library "  # and the number of a node: the input that chooses what the library gives there
 LIBRARY = ("sin", "cos", "atan", "atan2")  # as inexact as proofs allow them to be
@@ -61,6 +61,10 @@ def _single(node: Node, a: list[np.ndarray], choice: np.ndarray | None) -> np.nd
         return np.rint(a[0])
     if node.op is Op.FLIP:
         return np.where(a[1] % 2 == 1, -a[0], a[0])
+    if node.op is Op.AT_LEAST:
+        return np.where(np.abs(a[0]) < a[1], np.copysign(a[1], a[0]), a[0])
+    if node.op is Op.WITH_SIGN_OF:
+        return np.where(a[1] < 0, -a[0], a[0])
     if node.op.name in LIBRARY:
         return _faithful(EXACT[node.op.name](*(x.astype(np.float64) for x in a)), choice)
     return np.asarray(EXACT[node.op.name](*a))
@@ -88,6 +92,10 @@ def decided(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
         return np.rint(a[0]).astype(np.float64)
     if node.op is Op.FLIP:
         return np.where(a[1] % 2 == 1, -b[0], b[0])
+    if node.op is Op.AT_LEAST:
+        return np.where(a[0] < 0, np.minimum(b[0], -b[1]), np.maximum(b[0], b[1]))
+    if node.op is Op.WITH_SIGN_OF:
+        return np.where(a[1] < 0, -b[0], b[0])
     return np.asarray(EXACT[node.op.name](*b))
 
 

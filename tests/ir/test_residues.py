@@ -22,6 +22,8 @@ def test_operations_agree_with_exact_ones(op: Op) -> None:
         numbers = [Exact(Fraction(rng.randrange(-60, 61), rng.randrange(1, 9))) for _ in range(op.arity)]
         if op is Op.FLIP:
             numbers[1] = Exact(rng.randrange(-5, 6))
+        if op in (Op.CLAMP, Op.AT_LEAST):
+            numbers[1] = abs(numbers[1]) + 1
         if op is Op.DIV and not numbers[1]:
             continue
         exact = EXACT.of(op)(*numbers)

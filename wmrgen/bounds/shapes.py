@@ -140,6 +140,9 @@ def effective(nodes: Sequence[Node], results: Collection[int]) -> dict[int, tupl
     ranges: dict[int, tuple[float, float]] = {}
     for i in range(len(nodes) - 1, -1, -1):
         limit, product = extremum(nodes, nodes[i]), scaled(nodes, nodes[i])
+        if nodes[i].op is Op.CLAMP and uses[nodes[i].args[0]] == 1:
+            most = float(nodes[nodes[i].args[1]].value or float("inf"))
+            ranges[nodes[i].args[0]] = -most, most
         if product is not None and i in ranges and uses[product[1]] == 1 and product[0]:
             ends = sorted(end / float(product[0]) for end in ranges[i])
             ranges[product[1]] = ends[0], ends[1]

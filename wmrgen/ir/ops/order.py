@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -152,7 +153,7 @@ Op.SELECT = Op(
 )  # fmt: skip
 
 
-# ---- limits on sizes, in the C of some processors
+# ---- limits on sizes, and signs
 
 
 def _clamped(a: float, m: float) -> float:
@@ -161,17 +162,97 @@ def _clamped(a: float, m: float) -> float:
     return math.copysign(m, a) if abs(a) > m else a
 
 
+def _clamped_range(x: Interval, m: Interval) -> Interval:
+    return np.clip(x[0], -m[1], m[1]), np.clip(x[1], -m[1], m[1])
+
+
+def _clamp(w: Walk, i: int, a: int, m: int) -> Value:
+    """clamp(a, m) moves with one of the two, and no further than it."""
+    x, limit = w.ranges[a], w.ranges[m]
+    inside, outside = _taken(iv.absolute(x), limit), _taken(limit, iv.absolute(x))
+    away = np.minimum(w.away[a], limit[0])
+    return _one_of_two(w, _clamped_range(x, limit), away, {a: inside, m: (-outside[1], outside[1])})
+
+
+def _clamp_error(unit: Array, a: Bounded, m: Bounded) -> Bounded:
+    return _extreme_error(Bounded(np.abs(a.value), a.error), m, np.clip(a.value, -m.value, m.value))
+
+
+def _casadi_clamp(ca: Any, a: Any, m: Any) -> Any:
+    return ca.SX.binary(ca.OP_FMAX, ca.SX.unary(ca.OP_NEG, m), ca.SX.binary(ca.OP_FMIN, m, a))
+
+
 Op.CLAMP = Op(
-    "clamp", 2, float64=_clamped, many=lambda a, m: np.clip(a, -m, m),
-    c="wmrgen_clamp({0}, {1})", includes=("<stdint.h>",),
+    "clamp", 2, lambda a, m: m if m < a else -m if a < -m else a, _clamped,
+    many=lambda a, m: np.clip(a, -m, m), cost="comparisons",
+    c="wmrgen_clamp({0}, {1})", includes=("<stdint.h>",), numpy="np.clip({0}, -{1}, {1})", casadi=_casadi_clamp,
+    fact=lambda a, m: replace(m | -m, away=min(a.away, m.away), nonzero=a.nonzero),
+    interval=_clamped_range, lemma=_clamp, running=_clamp_error,
 )  # fmt: skip
-Op.AT_LEAST = Op(
-    "at_least", 2, float64=lambda a, m: math.copysign(m, a) if abs(a) < m else a,
-    many=lambda a, m: np.where(np.abs(a) < m, np.copysign(m, a), a),
-    c="wmrgen_at_least({0}, {1})", includes=("<stdint.h>",),
-)  # fmt: skip
+
+
+def _signed_range(x: Interval, sign: Interval) -> Interval:
+    return iv.hull(x, iv.negative(x))
+
+
+def _with_sign(w: Walk, i: int, a: int, b: int) -> Value:
+    """a or -a, decided as the float program decides it."""
+    x, sign = w.ranges[a], w.ranges[b]
+    steep = np.where(sign[0] > 0, 1.0, -1.0), np.where(sign[1] < 0, -1.0, 1.0)
+    return Value(iv.times(x, steep), (Partial(a, steep),), away=w.away[a])
+
+
+def _with_sign_error(unit: Array, a: Bounded, b: Bounded) -> Bounded:
+    zero = Bounded(np.zeros_like(b.value), np.zeros_like(b.error))
+    return _choice_error(unit, b, zero, Bounded(-a.value, a.error), a)
+
+
+def _casadi_with_sign(ca: Any, a: Any, b: Any) -> Any:
+    return _casadi_choice(ca, b, ca.SX(0.0), ca.SX.unary(ca.OP_NEG, a), a)
+
+
 Op.WITH_SIGN_OF = Op(
-    "with_sign_of", 2, float64=lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
-    many=lambda a, b: np.where(np.signbit(b), -a, a),
+    "with_sign_of", 2, lambda a, b: -a if b.sign < 0 else a,
+    lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
+    many=lambda a, b: np.where(np.signbit(b), -a, a), cost="signs",
     c="wmrgen_with_sign_of({0}, {1})", includes=("<stdint.h>",),
+    numpy=Choice("np.where(np.signbit({1}), np.negative({0}), {0})"), casadi=_casadi_with_sign,
+    fact=lambda a, b: a | -a, interval=_signed_range, lemma=_with_sign, running=_with_sign_error,
+)  # fmt: skip
+
+
+def _at_least_range(x: Interval, m: Interval) -> Interval:
+    """It grows with x, and jumps from -m to m at 0."""
+    lo = np.where(x[0] > m[1], x[0], -np.maximum(-x[0], m[1]))
+    return lo, np.where(x[1] < -m[1], x[1], np.maximum(x[1], m[1]))
+
+
+def _at_least(w: Walk, i: int, a: int, m: int) -> Value:
+    """at_least(a, m) moves with one of the two, and no further than it; the float program decides the sign."""
+    x, least = w.ranges[a], w.ranges[m]
+    lo = np.where(x[0] > least[1], x[0], np.where(x[0] > 0, least[0], np.minimum(x[0], -least[1])))
+    hi = np.where(x[1] < -least[1], x[1], np.where(x[1] < 0, -least[0], np.maximum(x[1], least[1])))
+    inside, outside = _taken(iv.absolute(x), least), _taken(least, iv.absolute(x))
+    away = np.maximum(w.away[a], least[0])
+    return _one_of_two(w, (lo, hi), away, {a: outside, m: (-inside[1], inside[1])})
+
+
+def _at_least_error(unit: Array, a: Bounded, m: Bounded) -> Bounded:
+    size = Bounded(np.abs(a.value), a.error)
+    kept = _extreme_error(size, m, np.maximum(size.value, m.value))
+    return replace(_with_sign_error(unit, kept, a), taken=kept.taken)
+
+
+def _casadi_at_least(ca: Any, a: Any, m: Any) -> Any:
+    return _casadi_choice(ca, ca.SX.unary(ca.OP_FABS, a), m, _casadi_with_sign(ca, m, a), a)
+
+
+Op.AT_LEAST = Op(
+    "at_least", 2, lambda a, m: (-m if a.sign < 0 else m) if abs(a) < m else a,
+    lambda a, m: math.copysign(m, a) if abs(a) < m else a,
+    many=lambda a, m: np.where(np.abs(a) < m, np.copysign(m, a), a), cost="comparisons",
+    c="wmrgen_at_least({0}, {1})", includes=("<stdint.h>",),
+    numpy=Choice("np.where(np.abs({0}) < {1}, np.copysign({1}, {0}), {0})"), casadi=_casadi_at_least,
+    fact=lambda a, m: replace(a | m | -m, away=m.away, nonzero=True),
+    interval=_at_least_range, lemma=_at_least, running=_at_least_error,
 )  # fmt: skip

@@ -115,6 +115,8 @@ def _multiplied(w: Walk, i: int, a: int, b: int, value: Interval, partials: tupl
 def _exact_factor(w: Walk, k: int) -> bool:
     """Whether products with node ``k`` are exact: a power of two, a whole number of at most two."""
     node = w.nodes[k]
+    if node.op is Op.WITH_SIGN_OF:
+        return _exact_factor(w, node.args[0])
     if node.value is not None:
         _, _, error, power = w.constant(node.value)
         return power and not error

@@ -19,17 +19,17 @@ import numpy as np
 import sympy
 
 from wmrgen.constraints import nominal_view, rolling_row, working_view
-from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import Exact
+from wmrgen.exact.evaluate import number as nominal_number
+from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import inverse
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.records import Array, Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -37,6 +37,8 @@ from wmrgen.symbolic import (
     expression,
     number,
     root,
+    rotated,
+    rotated_back,
     select,
     signal,
     square,
@@ -45,6 +47,8 @@ from wmrgen.symbolic import (
 )
 
 _SMALL = 1e-9
+AT_GOAL = sympy.Rational(1, 10**9)  # [m]: nearer counts as there: directions mean nothing, it stands
+BORDER = sympy.Rational(1, 10**6)  # [rad]: so near a border of the angles counts as on it
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,70 +60,47 @@ class Reference:
     c: Poly
     s: Poly
 
-    def seen(self, x: Expr, y: Expr, names: Locals, prefix: str) -> tuple[Expr, Expr]:
-        """A point of the robot frame seen from Q along its direction."""
-        dx, dy = subtract(x, expression(self.x)), subtract(y, expression(self.y))
-        return self.turned(dx, dy, names, prefix)
-
     def turned(self, dx: Expr, dy: Expr, names: Locals, prefix: str) -> tuple[Expr, Expr]:
         """A vector of the robot frame in components along and across the direction of Q."""
-        c, s = expression(self.c), expression(self.s)
-        along = names.define(f"{prefix}_ahead", add(times(c, dx), times(s, dy)))
-        aside = names.define(f"{prefix}_left", subtract(times(c, dy), times(s, dx)))
-        return along, aside
+        along, across = rotated_back(expression(self.c), expression(self.s), dx, dy)
+        return names.define(f"{prefix}_ahead", along), names.define(f"{prefix}_left", across)
 
 
-def reference(robot: Robot, mobility: Mobility, function: str) -> Reference:
+def reference(robot: Robot, mobility: Mobility, name: str) -> Reference:
     """The centre of the fixed axle and its rolling direction, P and x where no wheel is fixed.
 
     A skid-steer robot slides as it turns; its reference is the centre of its fixed wheels. NotDerivableError
-    where the robot cannot drive (v, 0, omega).
+    where the robot cannot drive (v, 0, omega), as the function ``name`` has to.
     """
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
-    found = _centre(fixed) if fixed else Reference(Poly({}), Poly({}), Poly.of(1), Poly({}))
-    if _drives(robot, mobility) or _skids(robot, mobility, fixed):
-        return found
+    ref = _centre(fixed) if fixed else Reference(Poly({}), Poly({}), Poly.of(1), Poly({}))
+    if _drives(robot, mobility, ref) or _skids(robot, mobility, fixed):
+        return ref
     why = "the axles of its wheels do not let it turn and drive straight at will"
     if not mobility.degenerate and not fixed:
         why = "its coupled wheels do not let it turn"
-    raise NotDerivableError(
-        f"{robot.name} has no {function}: it would need to drive (v, 0, omega), but {why}"
-    )
+    raise underivable(robot, name, f"it would need to drive (v, 0, omega), but {why}")
 
 
 def _centre(fixed: list[Wheel]) -> Reference:
-    """The mean of the fixed wheels; their direction, taken forward."""
+    """The mean of the fixed wheels; their direction, taken forward (exactly sideways: to the left)."""
     share = Fraction(1, len(fixed))
     views = [working_view(w) for w in fixed]
     x, y = (Poly.sum(p).scale(share) for p in ([g.x for g in views], [g.y for g in views]))
-    backwards = _backwards(fixed[0].nominal.ch, fixed[0].nominal.sh)
-    c, s = (-p if backwards else p for p in (views[0].ch, views[0].sh))
-    return Reference(x, y, c, s)
+    c, s = fixed[0].nominal.ch, fixed[0].nominal.sh
+    way = -1 if c.sign < 0 or (not c and s.sign < 0) else 1
+    return Reference(x, y, views[0].ch.scale(way), views[0].sh.scale(way))
 
 
-def _backwards(c: Exact, s: Exact) -> bool:
-    """True for a direction that points to the rear (exactly sideways: to the right)."""
-    return c.sign < 0 or (not c and s.sign < 0)
-
-
-def _nominal(robot: Robot) -> Array:
-    """(x, y, c, s) with the tunable parameters at their nominal values."""
-    fixed = [w.nominal for w in robot.wheels if w.kind.fixed_axle]
-    if not fixed:
-        return np.array([0.0, 0.0, 1.0, 0.0])
-    sign = -1.0 if _backwards(fixed[0].ch, fixed[0].sh) else 1.0
-    x, y = (sum(float(v) for v in vs) / len(fixed) for vs in ([g.x for g in fixed], [g.y for g in fixed]))
-    return np.array([x, y, sign * float(fixed[0].ch), sign * float(fixed[0].sh)])
-
-
-def _drives(robot: Robot, mobility: Mobility) -> bool:
+def _drives(robot: Robot, mobility: Mobility, ref: Reference) -> bool:
     """True when both unit motions of Q lie in the (linear) set of admissible twists."""
-    picked = mobility.admissible
-    if not picked.linear or not len(picked.basis):
+    admissible = mobility.admissible
+    if not admissible.linear or not len(admissible.basis):
         return False
-    x, y, c, s = _nominal(robot)
+    nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters}
+    x, y, c, s = (float(nominal_number(p, nominal)) for p in (ref.x, ref.y, ref.c, ref.s))
     wanted = np.array([[c, s, 0.0], [y, -x, 1.0]])
-    basis = np.linalg.qr(np.asarray(picked.basis, float).T)[0]
+    basis = np.linalg.qr(np.asarray(admissible.basis, float).T)[0]
     return bool(np.abs(wanted.T - basis @ (basis.T @ wanted.T)).max() < _SMALL * max(1.0, abs(x), abs(y)))
 
 
@@ -130,7 +111,7 @@ def _skids(robot: Robot, mobility: Mobility, fixed: list[Wheel]) -> bool:
     lead = fixed[0].nominal
     parallel = all(not (lead.ch * w.nominal.sh - lead.sh * w.nominal.ch) for w in fixed)
     rows = [rolling_row(w, nominal_view(w)).row for w in fixed if "spin" in w.actuated]
-    values = np.array([[float(v) if (v := p.constant) is not None else 0.0 for p in row] for row in rows])
+    values = np.array([[float(p.constant or ZERO) for p in row] for row in rows])
     return parallel and len(values) > 1 and int(np.linalg.matrix_rank(values, _SMALL)) >= 2
 
 
@@ -152,16 +133,19 @@ def commands(
     return tuple(p for p in f.inputs if p.name not in twist), outputs
 
 
-AT_GOAL = number(Exact(Fraction(1, 10**9)))  # [m]: nearer counts as there: directions mean nothing, it stands
-BORDER = number(Exact(Fraction(1, 10**6)))  # [rad]: so near a border of the angles counts as on it
-
-_OUTPUTS = (
-    Port("v", Role.COMMAND, "m/s", "speed forward of the axle centre"),
-    Port("omega", Role.COMMAND, "rad/s", "yaw rate, counter-clockwise"),
-    Port("rho", Role.COMMAND, "m", "distance to the goal"),
-    Port("alpha", Role.COMMAND, "rad", "direction of the goal from the direction of driving"),
-    Port("beta", Role.COMMAND, "rad", "-theta - alpha"),
-    Port("direction", Role.COMMAND, "", "+1 forward, -1 backwards: keep it as the next input"),
+_GOTO_OUTPUTS = (
+    output("v", "m/s", "speed forward of the axle centre"),
+    output("omega", "rad/s", "yaw rate, counter-clockwise"),
+    output("rho", "m", "distance to the goal"),
+    output("alpha", "rad", "direction of the goal from the direction of driving"),
+    output("beta", "rad", "-theta - alpha"),
+    output("direction", "", "+1 forward, -1 backwards: keep it as the next input"),
+)
+_GOTO_INPUTS = (
+    Port("x", Role.STATE, "m", "position of P, goal frame"),
+    Port("y", Role.STATE, "m", "position of P, goal frame"),
+    Port("theta", Role.STATE, "rad", "heading, goal frame"),
+    Port("direction", Role.STATE, "", "+1 forward, -1 backwards, 0: as the goal lies ahead or behind"),
 )
 
 
@@ -176,34 +160,22 @@ def goto_pose(robot: Robot, mobility: Mobility) -> Formula:
     v = names.define("v_value", select(AT_GOAL, rho, times(way, k_rho, rho), sympy.S.Zero))
     omega = names.define("omega_value", add(times(k_alpha, alpha), times(k_beta, beta)))
     more, outputs = commands(robot, mobility, ref, v, omega, names)
-    inputs = (
-        *(Port(p.name, p.role, p.unit, f"{p.text}, goal frame") for p in _GOAL_FRAME),
-        Port("direction", Role.STATE, "", "+1 forward, -1 backwards, 0: as the goal lies ahead or behind"),
-        *more,
-    )
-    results = zip(_OUTPUTS, (v, omega, rho, alpha, beta, way), strict=True)
+    results = zip(_GOTO_OUTPUTS, (v, omega, rho, alpha, beta, way), strict=True)
     return Formula(
-        "goto_pose", inputs, tuple(names.items), (*outputs, *results),
+        "goto_pose", (*_GOTO_INPUTS, *more), tuple(names.items), (*outputs, *results),
         "pose relative to the goal to joint commands, polar feedback law (Siegwart (3.56)-(3.58))",
     )  # fmt: skip
-
-
-_GOAL_FRAME = (
-    Port("x", Role.STATE, "m", "position of P"),
-    Port("y", Role.STATE, "m", "position of P"),
-    Port("theta", Role.STATE, "rad", "heading"),
-)
 
 
 def _require_stable(robot: Robot) -> None:
     gains = nominal_gains(robot)
     verdict = judge(**gains)
     if not verdict.stable:
-        raise NotDerivableError(
-            f"{robot.name} has no goto_pose: gains {shown(gains)} do not stabilise it. Violated: "
+        raise underivable(
+            robot, "goto_pose", f"gains {shown(gains)} do not stabilise it. Violated: "
             f"{', '.join(verdict.violated)} (Siegwart (3.61)-(3.64)). Under gains: write others; without any, "
-            f"{shown(TEXTBOOK)} are taken."
-        )
+            f"{shown(TEXTBOOK)} are taken.",
+        )  # fmt: skip
 
 
 def _gain(robot: Robot, name: str) -> Expr:
@@ -219,18 +191,18 @@ def _polar(ref: Reference, names: Locals) -> tuple[Expr, Expr, Expr, Expr]:
     c, s = names.define("theta_cos", sympy.cos(theta)), names.define("theta_sin", sympy.sin(theta))
     if ref.x or ref.y:
         qx, qy = expression(ref.x), expression(ref.y)
-        x = add(x, subtract(times(c, qx), times(s, qy)), times(-1, qx))
-        y = add(y, add(times(s, qx), times(c, qy)), times(-1, qy))
+        dx, dy = rotated(c, s, qx, qy)
+        x, y = add(x, dx, times(-1, qx)), add(y, dy, times(-1, qy))
     px, py = ref.turned(x, y, names, "axle")
     ahead = names.define("goal_ahead", times(-1, add(times(c, px), times(s, py))))
     left = names.define("goal_left", subtract(times(s, px), times(c, py)))
     rho = names.define("rho_value", root(add(square(px), square(py))))
     way = names.define("direction_value", _direction(ahead, rho))
-    there = (names.define("alpha_raw", angle_of(times(way, left), times(way, ahead))),
-             names.define("beta_raw", angle_of(times(way, py), times(-1, way, px))))  # fmt: skip
+    raw = (names.define("alpha_raw", angle_of(times(way, left), times(way, ahead))),
+           names.define("beta_raw", angle_of(times(way, py), times(-1, way, px))))  # fmt: skip
     alpha, beta = (
-        names.define(name, select(AT_GOAL, rho, _half_open(raw), sympy.S.Zero))
-        for name, raw in zip(("alpha_value", "beta_value"), there, strict=True)
+        names.define(name, select(AT_GOAL, rho, _half_open(angle), sympy.S.Zero))
+        for name, angle in zip(("alpha_value", "beta_value"), raw, strict=True)
     )
     return rho, alpha, beta, way
 
@@ -247,16 +219,11 @@ def _direction(ahead: Expr, rho: Expr) -> Expr:
     return select(zero, wanted, one, select(wanted, zero, sympy.S.NegativeOne, bearing))
 
 
-INPUTS = (
+_PURSUIT_INPUTS = (
     Port("goal_x", Role.COMMAND, "m", "point to meet, robot frame"),
     Port("goal_y", Role.COMMAND, "m", "point to meet, robot frame"),
-    Port(
-        "v",
-        Role.COMMAND,
-        "m/s",
-        "speed forward of the axle centre; negative drives the same circle backwards",
-    ),
-)
+    Port("v", Role.COMMAND, "m/s", "speed forward of the axle centre; negative drives the same circle backwards"),
+)  # fmt: skip
 
 
 @function("Tzafestas (2.57)")
@@ -264,24 +231,24 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
     """A look-ahead point and a speed to every joint's command; straight on where the point is reached."""
     ref = reference(robot, mobility, "pursuit")
     names = Locals()
-    gx, gy = ref.seen(signal("goal_x"), signal("goal_y"), names, "goal")
+    dx, dy = (subtract(signal(n), expression(p)) for n, p in (("goal_x", ref.x), ("goal_y", ref.y)))
+    gx, gy = ref.turned(dx, dy, names, "goal")
     square_l = names.define("distance_squared", add(square(gx), square(gy)))
     far = times(AT_GOAL, AT_GOAL)
     divisor = names.define("divisor", select(far, square_l, square_l, sympy.S.One))
     bend = names.define("curvature_value", select(far, square_l, times(2, gy, 1 / divisor), sympy.S.Zero))
     omega = names.define("omega_value", times(signal("v"), bend))
     more, outputs = commands(robot, mobility, ref, signal("v"), omega, names)
-    results: list[tuple[Port, Expr]] = [
-        (Port("omega", Role.COMMAND, "rad/s", "yaw rate, counter-clockwise"), omega),
-        (Port("curvature", Role.COMMAND, "1/m", "of the circle of the axle centre, to the left"), bend),
+    outputs += [
+        (output("omega", "rad/s", "yaw rate, counter-clockwise"), omega),
+        (output("curvature", "1/m", "of the circle of the axle centre, to the left"), bend),
     ]
     base = wheelbase(robot, ref)
     if base is not None:
-        text = "steering angle of a wheel on the centre line, from straight ahead"
-        psi = angle_of(times(2, expression(base), gy), square_l)
-        results.append((Port("psi", Role.COMMAND, "rad", text), psi))
+        port = output("psi", "rad", "steering angle of a wheel on the centre line, from straight ahead")
+        outputs.append((port, angle_of(times(2, expression(base), gy), square_l)))
     return Formula(
-        "pursuit", (*INPUTS, *more), tuple(names.items), (*outputs, *results),
+        "pursuit", (*_PURSUIT_INPUTS, *more), tuple(names.items), tuple(outputs),
         "look-ahead point and speed to joint commands, pursuit (Tzafestas (2.57))",
     )  # fmt: skip
 
@@ -291,5 +258,5 @@ def wheelbase(robot: Robot, ref: Reference) -> Poly | None:
     if not any(w.kind.fixed_axle for w in robot.wheels):
         return None
     views = [working_view(w) for w in robot.wheels if w.kind.steers]
-    found = {(g.x - ref.x) * ref.c + (g.y - ref.y) * ref.s for g in views}
-    return found.pop() if len(found) == 1 else None
+    bases = {(g.x - ref.x) * ref.c + (g.y - ref.y) * ref.s for g in views}
+    return bases.pop() if len(bases) == 1 else None

@@ -13,6 +13,7 @@ margins are in m/s, turning measured as L omega.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 
 import sympy
 
@@ -22,11 +23,11 @@ from wmrgen.exact.evaluate import circle_point
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.unicycle import Reference, reference, wheelbase
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
-from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     absolute,
@@ -47,10 +48,16 @@ INPUTS = (
     Port("v", Role.COMMAND, "m/s", "wanted speed forward of the axle centre"),
     Port("omega", Role.COMMAND, "rad/s", "wanted yaw rate"),
 )
-_BOUNDS = (
-    Port("v_max", Role.COMMAND, "m/s", "inner bound of |v|; Reeds-Shepp: |v| = v_max, Dubins: v = v_max"),
-    Port("omega_max", Role.COMMAND, "rad/s", "inner bound of |omega| at v"),
-    Port("omega_max_exact", Role.COMMAND, "rad/s", "exact bound of |omega| at v; 0 where v is out of reach"),
+_OUTPUTS = (
+    output("v_max", "m/s", "inner bound of |v|; Reeds-Shepp: |v| = v_max, Dubins: v = v_max"),
+    output("omega_max", "rad/s", "inner bound of |omega| at v"),
+    output("omega_max_exact", "rad/s", "exact bound of |omega| at v; 0 where v is out of reach"),
+    output("exact.v", "m/s", "nearest that can be driven"),
+    output("exact.omega", "rad/s", "nearest that can be driven"),
+    output("inner.v", "m/s", "nearest in the inner set"),
+    output("inner.omega", "rad/s", "nearest in the inner set"),
+    output("exact.margin", "m/s", "slack of the tightest bound, negative outside"),
+    output("inner.margin", "m/s", "slack of the tightest bound, negative outside"),
 )
 
 
@@ -76,31 +83,22 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
     v_max = names.define("v_inner", times(car.top, car.cos))
     slope = names.define("slope", times(a, car.tan))
     rest = names.define("rest", root(maximum(subtract(square(car.top), square(v)), sympy.S.Zero)))
-    over = names.define("over_base", 1 / car.base)
-    outputs = [
-        *zip(_BOUNDS, (v_max, times(over, slope), times(over, minimum(slope, rest))), strict=True),
-        *_projections(car, (a, b), slope, v_max, over, names),
-    ]
+    over_base = names.define("over_base", 1 / car.base)
+    bounds = (v_max, times(over_base, slope), times(over_base, minimum(slope, rest)))
+    nearest = _nearest(car, (a, b), slope, v_max, over_base, names)
     exact = minimum(subtract(car.top, root(add(square(v), square(turn)))), subtract(slope, b))
     inner = minimum(subtract(v_max, a), subtract(slope, b))
-    outputs += [
-        (_port("exact.margin", "m/s", "slack of the tightest bound, negative outside"), exact),
-        (_port("inner.margin", "m/s", "slack of the tightest bound, negative outside"), inner),
-    ]
     return Formula(
-        "input_limits", (*INPUTS, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
+        "input_limits", (*INPUTS, *tunable_ports(robot)), tuple(names.items),
+        tuple(zip(_OUTPUTS, (*bounds, *nearest, exact, inner), strict=True)),
         "speed and yaw rate to what a car can drive (AA274 bounds)",
     )  # fmt: skip
 
 
-def _port(name: str, unit: str, text: str) -> Port:
-    return Port(name, Role.COMMAND, unit, text)
-
-
-def _projections(
-    car: _Car, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over: Expr, names: Locals
-) -> list[tuple[Port, Expr]]:
-    """The nearest points of both sets, in (v, L omega).
+def _nearest(
+    car: _Car, sizes: tuple[Expr, Expr], slope: Expr, v_max: Expr, over_base: Expr, names: Locals
+) -> tuple[Expr, Expr, Expr, Expr]:
+    """(v, omega) of the nearest points of the exact and of the inner set, in (v, L omega).
 
     Each set is four mirror images of its part with v, omega >= 0, a convex piece that the nearest point shares.
     Outside the wedge the nearest point lies on its ray; then the disk is met by scaling, the inner bound by clipping.
@@ -118,18 +116,12 @@ def _projections(
     def signed(port: str, size: Expr) -> Expr:
         return select(signal(port), sympy.S.Zero, times(-1, size), size)
 
-    return [
-        (_port("exact.v", "m/s", "nearest that can be driven"), signed("v", times(shrink, wedge_v))),
-        (
-            _port("exact.omega", "rad/s", "nearest that can be driven"),
-            signed("omega", times(over, shrink, wedge_turn)),
-        ),
-        (_port("inner.v", "m/s", "nearest in the inner set"), signed("v", clipped_v)),
-        (
-            _port("inner.omega", "rad/s", "nearest in the inner set"),
-            signed("omega", times(over, clipped_turn)),
-        ),
-    ]
+    return (
+        signed("v", times(shrink, wedge_v)),
+        signed("omega", times(over_base, shrink, wedge_turn)),
+        signed("v", clipped_v),
+        signed("omega", times(over_base, clipped_turn)),
+    )
 
 
 def _car(robot: Robot, ref: Reference, names: Locals) -> _Car:
@@ -138,23 +130,21 @@ def _car(robot: Robot, ref: Reference, names: Locals) -> _Car:
     steered = [w for w in robot.wheels if w.kind.steers]
     if base is None:
         raise _refusal(robot, "its bounds are those of a car: a fixed axle and wheels steered in one line")
-    bends = [_sharpest(robot, w, ref) for w in steered]
-    bend = bends[0]
-    for other in bends[1:]:
-        bend = bend if other == bend else minimum(bend, other)
-    bend = names.define("sharpest", bend)
+    bend = names.define("sharpest", _least([_sharpest(robot, w, ref) for w in steered]))
     length = names.define("wheelbase_size", absolute(expression(base)))
     tan = names.define("tan_zeta", times(length, bend))
     cos = names.define("cos_zeta", 1 / root(add(sympy.S.One, square(tan))))
-    tops = _tops(robot, steered, ref, bend)
-    top = tops[0]
-    for other in tops[1:]:
-        top = top if other == top else minimum(top, other)
+    top = _least(_tops(robot, steered, ref, bend))
     return _Car(length, tan, cos, names.define("sin_zeta", times(tan, cos)), names.define("u1_max", top))
 
 
+def _least(values: list[Expr]) -> Expr:
+    """The smallest; the same value twice counts once."""
+    return reduce(lambda least, value: least if value == least else minimum(least, value), values)
+
+
 def _refusal(robot: Robot, why: str) -> NotDerivableError:
-    return NotDerivableError(f"{robot.name} has no input_limits: {why}")
+    return underivable(robot, "input_limits", why)
 
 
 def _sharpest(robot: Robot, w: Wheel, ref: Reference) -> Expr:
@@ -195,26 +185,26 @@ def _tops(robot: Robot, steered: list[Wheel], ref: Reference, bend: Expr) -> lis
 
     A wheel beside the centre line runs up to 1 + |y| bend times as fast as one on it.
     """
-    found: list[Expr] = []
+    tops: list[Expr] = []
     if "vx" in robot.limits:
-        found.append(number(_symmetric(robot, "vx", robot.limits["vx"].low, robot.limits["vx"].high)))
+        tops.append(number(_symmetric(robot, "vx", robot.limits["vx"])))
     for w in steered:
         spin = robot.limit(w, "spin")
         if spin is None:
             continue
-        rim = working_view(w).r * Poly.of(_symmetric(robot, "spin", spin.low, spin.high))
+        rim = working_view(w).r * Poly.of(_symmetric(robot, "spin", spin))
         _, y = _place(w, ref)
         faster = add(sympy.S.One, times(absolute(y), bend))
-        found.append(times(expression(rim), 1 / faster))
-    if not found:
+        tops.append(times(expression(rim), 1 / faster))
+    if not tops:
         raise _refusal(
             robot, "no limit of speed is given; write limits: {vx: ...} or spin of the steered wheel"
         )
-    return found
+    return tops
 
 
-def _symmetric(robot: Robot, name: str, low: Exact, high: Exact) -> Exact:
-    top = min(high, -low)
+def _symmetric(robot: Robot, name: str, limit: Interval) -> Exact:
+    top = min(limit.high, -limit.low)
     if top.sign <= 0:
         raise _refusal(robot, f"limits of {name} leave no speed in one direction; Reeds-Shepp cars reverse")
     return top

@@ -15,21 +15,20 @@ whose pivot stands still holds its angle.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
+from functools import reduce
 
 import sympy
 
-from wmrgen.errors import NotDerivableError
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Row
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import joint_commands, moves_as_one, steered_groups
 from wmrgen.kinematics.line import Velocity, pivot
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import Target, seen_from, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, Port, Role
+from wmrgen.ports import Limits, Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     absolute,
@@ -37,9 +36,7 @@ from wmrgen.symbolic import (
     angle_of,
     expression,
     kept_between,
-    local,
     maximum,
-    minimum,
     number,
     root,
     select,
@@ -49,18 +46,9 @@ from wmrgen.symbolic import (
     times,
 )
 
-
-@dataclass(frozen=True, slots=True)
-class _Rate:
-    """A joint rate: what is asked of it, and what it may do (None: anything)."""
-
-    wheel: Wheel
-    joint: str
-    limit: Interval | None
-
-    @property
-    def name(self) -> str:
-        return f"{self.wheel.name}.{self.joint}"
+_ZERO = sympy.S.Zero
+_TIE = sympy.Rational(1, 10**4)  # rad: both ways lie as far outside the limits, whatever the rounding
+WAYS = ("forwards", "backwards")
 
 
 @function("ours; the texts have none")
@@ -72,71 +60,59 @@ def desaturate(robot: Robot, _: Mobility) -> Formula:
     rates = _rates(robot)
     names = Locals()
     load: Expr = sympy.S.One
-    for rate in rates:
-        if rate.limit is not None:
-            asked = signal(rate.name)
-            for bound in (rate.limit.high, rate.limit.low):
-                load = maximum(load, times(number(ONE / bound), asked))
+    for port, limit in rates:
+        for bound in (limit.high, limit.low) if limit is not None else ():
+            load = maximum(load, times(number(ONE / bound), signal(port.name)))
     scale = names.define("scale", 1 / names.define("load", load))
-    outputs = [(joint_port(r.wheel, r.joint, Role.COMMAND), _kept(r, scale)) for r in rates]
-    outputs.append(
-        (Port("scale", Role.COMMAND, "", "factor of all rates: 1 where every limit is kept"), scale)
-    )
-    inputs = tuple(joint_port(r.wheel, r.joint, Role.COMMAND) for r in rates)
-    text = "joint rates to joint rates inside the speed limits, all times one factor"
-    return Formula("desaturate", inputs, tuple(names.items), tuple(outputs), text)
+    outputs = [(port, _scaled(port, limit, scale)) for port, limit in rates]
+    outputs.append((output("scale", "", "factor of all rates: 1 where every limit is kept"), scale))
+    return Formula(
+        "desaturate", tuple(port for port, _ in rates), tuple(names.items), tuple(outputs),
+        "joint rates to joint rates inside the speed limits, all times one factor",
+    )  # fmt: skip
 
 
-def _kept(rate: _Rate, scale: Expr) -> Expr:
+def _scaled(port: Port, limit: Interval | None, scale: Expr) -> Expr:
     """The scaled rate; cut at the limit, which rounding may pass by one unit in the last place."""
-    scaled = times(scale, signal(rate.name))
-    if rate.limit is None:
-        return scaled
-    below = minimum(number(rate.limit.high), scaled)
-    return maximum(number(rate.limit.low), below)
+    scaled = times(scale, signal(port.name))
+    return scaled if limit is None else kept_between(number(limit.low), scaled, number(limit.high))
 
 
-def _rates(robot: Robot) -> list[_Rate]:
-    rates = [_Rate(w, "spin", robot.limit(w, "spin")) for w in robot.wheels if w.has_spin]
-    rates += [_Rate(w, "steer_rate", robot.limit(w, "steer_rate")) for w in robot.wheels if w.kind.swivels]
-    missing = [
-        r.wheel.name for r in rates if r.joint == "spin" and "spin" in r.wheel.actuated and not r.limit
-    ]
-    driven = [r for r in rates if r.joint == "spin" and "spin" in r.wheel.actuated]
+def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
+    """The joint rates that `inverse` commands, each with what it may do (None: anything)."""
+    driven = [w for w in robot.wheels if "spin" in w.actuated]
     if not driven:
-        raise NotDerivableError(f"{robot.name} has no desaturate: no wheel is driven")
+        raise underivable(robot, "desaturate", "no wheel is driven")
+    missing = [w.name for w in driven if robot.limit(w, "spin") is None]
     if missing:
-        raise NotDerivableError(
-            f"{robot.name} has no desaturate: {', '.join(missing)} {'has' if len(missing) == 1 else 'have'} no "
-            "limit of spin; write limits: {spin: 40} [rad/s] for the robot or for each wheel"
-        )
-    for rate in rates:
-        if rate.limit is not None and not (rate.limit.low.sign < 0 < rate.limit.high.sign):
-            raise NotDerivableError(
-                f"{robot.name} has no desaturate: the limits of {rate.name} leave no speed in one direction, "
-                "and no factor brings a rate of the other sign inside"
-            )
+        raise underivable(
+            robot, "desaturate", f"{', '.join(missing)} {'has' if len(missing) == 1 else 'have'} no limit of spin; "
+            "write limits: {spin: 40} [rad/s] for the robot or for each wheel",
+        )  # fmt: skip
+    joints = [(w, "spin") for w in robot.wheels if w.has_spin]
+    joints += [(w, "steer_rate") for w in robot.wheels if w.kind.swivels]
+    rates = [(joint_port(w, joint, Role.COMMAND), robot.limit(w, joint)) for w, joint in joints]
+    for port, limit in rates:
+        if limit is not None and not (limit.low.sign < 0 < limit.high.sign):
+            raise underivable(
+                robot, "desaturate", f"the limits of {port.name} leave no speed in one direction, "
+                "and no factor brings a rate of the other sign inside",
+            )  # fmt: skip
     return rates
-
-
-_ZERO = sympy.S.Zero
-_TIE = Exact(Fraction(1, 10**4))  # rad: both ways lie as far outside the limits, whatever the rounding
 
 
 @dataclass(frozen=True, slots=True)
 class _Unit:
-    """Wheels that one motor steers. ``swing``: to the nearer branch; ``rim``: the way that branch rolls.
+    """Wheels that one motor steers.
 
-    ``seen``: (u, v) per wheel; ``forwards``, ``backwards``: joint angle that rolls that way, limits aside.
+    ``seen``: per wheel the velocity (u, v) of its pivot along and across it. ``speed``: of the pivots. ``angles``:
+    the joint angle that rolls each of `WAYS`, on the full turn that leaves less of it outside ``limits``.
     """
 
     lead: Wheel
-    members: tuple[Wheel, ...]
     seen: dict[int, tuple[Expr, Expr]]
-    along: Expr
     speed: Expr
-    forwards: Expr
-    backwards: Expr
+    angles: dict[str, Expr]
     limits: Interval | None
 
 
@@ -144,11 +120,11 @@ class _Unit:
 def inverse_together(robot: Robot, mobility: Mobility) -> Formula:
     """As ``inverse``, with one decision for all modules. NotDerivableError where fewer than two steer."""
     count = len(steered_groups(robot))
-    if count < 2:
-        found = (
-            "no wheel is steered" if not count else "all steered wheels turn by one motor, so inverse does it"
-        )
-        raise NotDerivableError(f"{robot.name} has no inverse_together: {found}")
+    if not count:
+        raise underivable(robot, "inverse_together", "no wheel is steered")
+    if count == 1:
+        why = "all steered wheels turn by one motor, so inverse does it"
+        raise underivable(robot, "inverse_together", why)
     text = "twist of P in the robot frame to joint commands, all modules on the same branch"
     return joint_commands(robot, mobility, _steering, "inverse_together", text)
 
@@ -156,10 +132,10 @@ def inverse_together(robot: Robot, mobility: Mobility) -> Formula:
 def _steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
     units = [_unit(robot, members, twist, names) for members in steered_groups(robot)]
     direction = names.define("direction", _direction(units, names))
-    result: dict[int, Target] = {}
+    targets: dict[int, Target] = {}
     for unit in units:
-        result.update(_targets(unit, direction, names))
-    return result
+        targets |= _targets(unit, direction, names)
+    return targets
 
 
 def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Unit:
@@ -167,24 +143,22 @@ def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Uni
     velocities = {w.index: pivot(w, twist) for w in members}
     if moves_as_one(members, velocities):
         seen = dict.fromkeys(velocities, seen_from(lead, velocities[lead.index], names))
-        u, v = seen[lead.index]
-        own, speed = u, names.define(f"{lead.name}_speed", _length([velocities[lead.index]]))
-        swing = angle_of(select(u, _ZERO, times(-1, v), v), absolute(u))
+        rim, v = seen[lead.index]
+        speed = names.define(f"{lead.name}_speed", _length([velocities[lead.index]]))
+        swing = angle_of(select(rim, _ZERO, times(-1, v), v), absolute(rim))
     else:
         seen = {w.index: seen_from(w, velocities[w.index], names, lead) for w in members}
-        own, speed, swing = _common(lead, seen, velocities, names)
-    swing = names.define(f"{lead.name}_near", swing)
-    half = select(_ZERO, swing, subtract(swing, sympy.pi), add(swing, sympy.pi))
-    far = names.define(f"{lead.name}_far", select(_ZERO, speed, half, swing))
-    now = signal(f"{lead.name}.steer")
-
-    def define(way: str, low: Expr, high: Expr) -> Expr:
-        return names.define(f"{lead.name}_{way}", add(now, select(own, _ZERO, low, high)))
-
-    return _Unit(
-        lead, tuple(members), seen, add(*(u for u, _ in seen.values())), speed,
-        define("forwards", far, swing), define("backwards", swing, far), robot.limit(lead, "steer"),
-    )  # fmt: skip
+        rim, speed, swing = _common(lead, seen, velocities, names)
+    near = names.define(f"{lead.name}_near", swing)
+    opposite = select(_ZERO, near, subtract(near, sympy.pi), add(near, sympy.pi))
+    far = names.define(f"{lead.name}_far", select(_ZERO, speed, opposite, near))
+    now, limits = signal(f"{lead.name}.steer"), robot.limit(lead, "steer")
+    angles = {}
+    for way, low, high in zip(WAYS, (far, near), (near, far), strict=True):
+        angles[way] = names.define(f"{lead.name}_{way}", add(now, select(rim, _ZERO, low, high)))
+        if limits is not None:
+            angles[way] = _wrapped(angles[way], limits, names, f"{lead.name}_{way}")
+    return _Unit(lead, seen, speed, angles, limits)
 
 
 def _common(
@@ -205,66 +179,45 @@ def _length(velocities: list[Velocity]) -> Expr:
     return root(add(*(square(expression(p)) for velocity in velocities for p in velocity)))
 
 
-def _direction(units: list[_Unit], names: Locals) -> Expr:
-    """Negative: backwards. Steering limits first, then how the wheels stand."""
-    along = add(*(u.along for u in units))
-    limited = [u for u in units if u.limits is not None]
-    if not limited:
-        return along
-    over = {
-        way: names.define(f"over_{way}", _largest([_excess(u, getattr(u, way), names, way) for u in limited]))
-        for way in ("forwards", "backwards")
-    }
-    one = sympy.S.One
-    forwards, backwards = (add(over[way], number(_TIE)) for way in ("forwards", "backwards"))
-    backwards_better = select(backwards, over["forwards"], times(-1, one), along)
-    return select(forwards, over["backwards"], one, backwards_better)
-
-
-def _largest(values: list[Expr]) -> Expr:
-    found = values[0]
-    for value in values[1:]:
-        found = maximum(found, value)
-    return found
-
-
-def _excess(unit: _Unit, angle: Expr, names: Locals, way: str) -> Expr:
-    """How far the best full turn of ``angle`` lies outside the limits."""
-    return _outside(unit, _wrapped(unit, angle, names, way))
-
-
-def _outside(unit: _Unit, angle: Expr) -> Expr:
-    assert unit.limits is not None
-    low, high = number(unit.limits.low), number(unit.limits.high)
+def _outside(angle: Expr, limits: Interval) -> Expr:
+    """How far an angle lies outside its limits [rad]."""
+    low, high = number(limits.low), number(limits.high)
     return maximum(_ZERO, maximum(subtract(low, angle), subtract(angle, high)))
 
 
-def _wrapped(unit: _Unit, angle: Expr, names: Locals, way: str) -> Expr:
+def _wrapped(angle: Expr, limits: Interval, names: Locals, name: str) -> Expr:
     """``angle`` or, where that leaves less outside the limits, the same heading a full turn away."""
-    assert unit.limits is not None
-    low, high, turn = number(unit.limits.low), number(unit.limits.high), 2 * sympy.pi
-    key = f"{unit.lead.name}_{way}"
-    other = names.define(
-        f"{key}_turned",
-        select(high, angle, subtract(angle, turn), select(angle, low, add(angle, turn), angle)),
+    low, high, turn = number(limits.low), number(limits.high), 2 * sympy.pi
+    other = select(high, angle, subtract(angle, turn), select(angle, low, add(angle, turn), angle))
+    other = names.define(f"{name}_turned", other)
+    best = select(_outside(other, limits), _outside(angle, limits), other, angle)
+    return names.define(f"{name}_best", best)
+
+
+def _direction(units: list[_Unit], names: Locals) -> Expr:
+    """Negative: backwards. Steering limits first, then how the wheels stand."""
+    along = add(*(u for unit in units for u, _ in unit.seen.values()))
+    limited = [(u.angles, u.limits) for u in units if u.limits is not None]
+    if not limited:
+        return along
+    forwards, backwards = (
+        names.define(
+            f"over_{way}", reduce(maximum, [_outside(angles[way], limits) for angles, limits in limited])
+        )
+        for way in WAYS
     )
-    best = select(_outside(unit, other), _outside(unit, angle), other, angle)
-    return names.define(f"{key}_best", best)
+    backwards_better = select(add(backwards, _TIE), forwards, sympy.S.NegativeOne, along)
+    return select(add(forwards, _TIE), backwards, sympy.S.One, backwards_better)
 
 
 def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
-    alone = len(unit.seen) == 1 or len(set(unit.seen.values())) == 1
-    if unit.limits is None and alone:
-        steer = select(direction, _ZERO, unit.backwards, unit.forwards)
+    wanted = select(direction, _ZERO, unit.angles["backwards"], unit.angles["forwards"])
+    if unit.limits is None and len(set(unit.seen.values())) == 1:
         rim = select(direction, _ZERO, times(-1, unit.speed), unit.speed)
-        return dict.fromkeys(unit.seen, Target(steer, rim))
+        return dict.fromkeys(unit.seen, Target(wanted, rim))
+    if unit.limits is not None:
+        wanted = kept_between(number(unit.limits.low), wanted, number(unit.limits.high))
     key = unit.lead.name
-    if unit.limits is None:
-        wanted = select(direction, _ZERO, unit.backwards, unit.forwards)
-    else:
-        chosen = select(direction, _ZERO, local(f"{key}_backwards_best"), local(f"{key}_forwards_best"))
-        low, high = number(unit.limits.low), number(unit.limits.high)
-        wanted = kept_between(low, chosen, high)
     steer = names.define(f"{key}_target", wanted)
     turn = names.define(f"{key}_turn", subtract(steer, signal(f"{key}.steer")))
     return {i: turned(steer, turn, u, v) for i, (u, v) in unit.seen.items()}

@@ -8,28 +8,27 @@ With vA the velocity of a steered wheel's pivot and ' its derivative in the robo
 e and n point along and across the wheel at the angle that `inverse` commands. A lateral offset o needs the
 derivative of the steering rate, hence the second derivative of the twist: the inputs `vx_jerk`, `vy_jerk`,
 `omega_jerk` exist for such robots only. `spin` of such a wheel contains -o steer_rate, which `inverse` cannot
-know. A castor's rate obeys d steer_rate = -(n . vA + d omega) (Siegwart (3.18)); its derivative turns n with it."""
+know. A castor's rate obeys d steer_rate = -(n . vA + d omega) (Siegwart (3.18)); its derivative turns n with it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from fractions import Fraction
+from typing import NamedTuple
 
 import sympy
 
 from wmrgen.constraints import heading, rolling_row, working_view
-from wmrgen.exact.number import Exact
+from wmrgen.exact.evaluate import add_angles
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.inverse import Joints, inverse, spins
-from wmrgen.kinematics.line import pivot
+from wmrgen.kinematics.line import Velocity, pivot
 from wmrgen.kinematics.project import project
 from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.smallest import FLOOR
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
 RATES = (
@@ -42,6 +41,24 @@ JERKS = (
     Port("vy_jerk", Role.COMMAND, "m/s^3", "second derivative of vy"),
     Port("omega_jerk", Role.COMMAND, "rad/s^3", "second derivative of omega"),
 )
+AT_LIMIT = sympy.Rational(1, 10**6)  # rad: a command so near a limit is held by it
+SLOWEST = sympy.Rational(1, 10**6)  # m/s: a pivot as slow as this or slower counts as that fast
+Jet = tuple[Expr, Expr, Expr]  # a value with its first and second derivative
+
+
+class Motion(NamedTuple):
+    """The driven twist and its first and second derivative."""
+
+    twist: Row
+    rate: Row
+    jerk: Row
+
+
+class Turn(NamedTuple):
+    """Steering rate [rad/s] and its derivative [rad/s^2]."""
+
+    rate: Expr
+    acceleration: Expr
 
 
 @function("Kelly (4.31) in the plane; Siegwart (3.18)")
@@ -58,17 +75,15 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
         if not w.has_spin:
             continue
         outputs.append((joint_port(w, "spin", Role.COMMAND), speeds[w.index]))
-        outputs.append(
-            (_port(w, "spin_rate", "rad/s^2", "angular acceleration about the axle"), rates[w.index])
-        )
+        port = output(f"{w.name}.spin_rate", "rad/s^2", "angular acceleration about the axle")
+        outputs.append((port, rates[w.index]))
         if w.kind.steers:
             outputs.append((joint_port(w, "steer", Role.COMMAND), commands[f"{w.name}.steer"]))
         if w.turns:
-            turn = turns[w.index]
-            outputs.append((joint_port(w, "steer_rate", Role.COMMAND), turn.rate))
+            outputs.append((joint_port(w, "steer_rate", Role.COMMAND), turns[w.index].rate))
         if w.kind.swivels or _offset(w):
-            text = "derivative of the steering rate"
-            outputs.append((_port(w, "steer_acceleration", "rad/s^2", text), turn.acceleration))
+            port = output(f"{w.name}.steer_acceleration", "rad/s^2", "derivative of the steering rate")
+            outputs.append((port, turns[w.index].acceleration))
     twist, rest = first.inputs[:3], first.inputs[3:]
     jerks = JERKS if any(_offset(w) for w in robot.wheels) else ()
     return Formula(
@@ -77,13 +92,23 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
     )  # fmt: skip
 
 
-def _port(w: Wheel, joint: str, unit: str, text: str) -> Port:
-    return Port(f"{w.name}.{joint}", Role.COMMAND, unit, text)
-
-
 def _offset(w: Wheel) -> bool:
     """True for a steered wheel whose contact lies beside its steering axis."""
     return w.kind.steers and bool(working_view(w).o)
+
+
+def motion_of(driven: Row) -> Motion:
+    """The driven twist is linear in the commanded one with constant coefficients: so are its derivatives."""
+
+    def renamed(suffix: str) -> Row:
+        def value(gen: Gen) -> Poly | None:
+            commanded = gen.kind == "input" and gen.name in ("vx", "vy", "omega")
+            return Poly.gen("input", f"{gen.name}_{suffix}") if commanded else None
+
+        a, b, c = (p.substitute(value) for p in driven)
+        return a, b, c
+
+    return Motion(driven, renamed("rate"), renamed("jerk"))
 
 
 def _spins(
@@ -93,12 +118,10 @@ def _spins(
     now: dict[int, Joints] = {}
     rates: dict[int, Joints] = {}
     for w in robot.wheels:
-        if not w.has_spin:
-            continue
-        g = working_view(w)
-        radius = g.rolling_radius
-        rim, change = _rims(w, motion, turns, commands, names)
-        now[w.index], rates[w.index] = Joints(rim, radius), Joints(change, radius)
+        if w.has_spin:
+            radius = working_view(w).rolling_radius
+            rim, change = _rims(w, motion, turns, commands, names)
+            now[w.index], rates[w.index] = Joints(rim, radius), Joints(change, radius)
     speeds = spins(robot, now)
     offset = {robot.spin_group[w.index] for w in robot.wheels if _offset(w)}
     for w in robot.wheels:
@@ -115,63 +138,27 @@ def _rims(
     if not w.turns:
         row = rolling_row(w, g).row
         return expression(dot(row, motion.twist)), expression(dot(row, motion.rate))
+    e = heading(w, g) if w.kind.swivels else _commanded(w, commands[f"{w.name}.steer"], names)
+    (along, across), (change, _) = speeds_at(w, motion.twist, e), speeds_at(w, motion.rate, e)
     turn, o = turns[w.index], expression(g.o)
-    if w.kind.swivels:
-        (ahead, aside), (ahead1, _) = speeds_at(w, motion.twist), speeds_at(w, motion.rate)
-        along, across, change = expression(ahead), expression(aside), expression(ahead1)
-    else:
-        along, across, change = _at_target(w, motion, commands[f"{w.name}.steer"], names)
     omega, omega1 = expression(motion.twist[2]), expression(motion.rate[2])
-    rim = subtract(along, times(o, add(omega, turn.rate)))
-    swept = add(change, times(across, turn.rate))
+    rim = subtract(expression(along), times(o, add(omega, turn.rate)))
+    swept = add(expression(change), times(expression(across), turn.rate))
     return rim, subtract(swept, times(o, add(omega1, turn.acceleration)))
 
 
-def _at_target(w: Wheel, motion: Motion, target: Expr, names: Locals) -> tuple[Expr, Expr, Expr]:
-    """(e . vA, n . vA, e . vA') at the commanded angle."""
+def _commanded(w: Wheel, target: Expr, names: Locals) -> tuple[Poly, Poly]:
+    """(cos, sin) of the rolling direction at the commanded angle."""
     g = working_view(w)
     angle = names.define(f"{w.name}_commanded", target)
     c = names.poly(f"{w.name}_cosine", sympy.cos(angle))
-    s = names.poly(f"{w.name}_sine", sympy.sin(angle))
-    ex, ey = g.ch * c - g.sh * s, g.sh * c + g.ch * s
-    (a, b), (a1, b1) = pivot(w, motion.twist), pivot(w, motion.rate)
-    return expression(a * ex + b * ey), expression(b * ex - a * ey), expression(a1 * ex + b1 * ey)
+    return add_angles((g.ch, g.sh), (c, names.poly(f"{w.name}_sine", sympy.sin(angle))))
 
 
-AT_LIMIT = Exact(Fraction(1, 10**6))  # rad: a command so near a limit is held by it
-_TWIST = ("vx", "vy", "omega")
-Jet = tuple[Expr, Expr, Expr]
-
-
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """The driven twist and its first and second derivative."""
-
-    twist: Row
-    rate: Row
-    jerk: Row
-
-
-@dataclass(frozen=True, slots=True)
-class Turn:
-    """Steering rate [rad/s] and its derivative [rad/s^2]."""
-
-    rate: Expr
-    acceleration: Expr
-
-
-def motion_of(driven: Row) -> Motion:
-    """The driven twist is linear in the commanded one with constant coefficients: so are its derivatives."""
-
-    def renamed(row: Row, suffix: str) -> Row:
-        def value(gen: Gen) -> Poly | None:
-            known = gen.kind == "input" and gen.name in _TWIST
-            return Poly.gen("input", f"{gen.name}_{suffix}") if known else None
-
-        a, b, c = (p.substitute(value) for p in row)
-        return a, b, c
-
-    return Motion(driven, renamed(driven, "rate"), renamed(driven, "jerk"))
+def speeds_at(w: Wheel, twist: Row, e: tuple[Poly, Poly]) -> Velocity:
+    """(e . vA, n . vA): the pivot's velocity along and across the rolling direction e."""
+    (a, b), (c, s) = pivot(w, twist), e
+    return a * c + b * s, b * c - a * s
 
 
 def steered_turns(
@@ -181,54 +168,48 @@ def steered_turns(
     result: dict[int, Turn] = {}
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.steers)):
         lead = members[0]
-        seen = [_along_across(w, motion) for w in members]
-        alike = all(s == seen[0] for s in seen)
-        x, y = _jets(seen[0]) if alike else _doubled(seen)
+        seen = [tuple(speeds_at(w, row, (w.working.ch, w.working.sh)) for row in motion) for w in members]
+        pairs = [_jets(velocities) for velocities in seen]
+        alike = all(velocities == seen[0] for velocities in seen)
+        x, y = pairs[0] if alike else _doubled(pairs)
         turn = _angle_rates(x, y, lead.name, names, sympy.S.One if alike else sympy.S.Half)
         limits = robot.limit(lead, "steer")
         if limits is not None:
             turn = _held(names, lead, commands[f"{lead.name}.steer"], limits, turn)
-        result.update({w.index: turn for w in members})
+        result |= {w.index: turn for w in members}
     return result
 
 
-def _along_across(w: Wheel, motion: Motion) -> tuple[tuple[Poly, Poly], ...]:
-    """The pivot's velocity and its derivatives along and across the wheel's zero heading."""
-    g = working_view(w)
-    found = []
-    for row in (motion.twist, motion.rate, motion.jerk):
-        a, b = pivot(w, row)
-        found.append((a * g.ch + b * g.sh, b * g.ch - a * g.sh))
-    return tuple(found)
-
-
-def _jets(seen: tuple[tuple[Poly, Poly], ...]) -> tuple[Jet, Jet]:
-    u, u1, u2 = (expression(p) for p, _ in seen)
-    v, v1, v2 = (expression(p) for _, p in seen)
+def _jets(velocities: tuple[Velocity, ...]) -> tuple[Jet, Jet]:
+    u, u1, u2 = (expression(along) for along, _ in velocities)
+    v, v1, v2 = (expression(across) for _, across in velocities)
     return (u, u1, u2), (v, v1, v2)
 
 
-def _doubled(seen: list[tuple[tuple[Poly, Poly], ...]]) -> tuple[Jet, Jet]:
+def _doubled(pairs: list[tuple[Jet, Jet]]) -> tuple[Jet, Jet]:
     """(sum of u^2 - v^2, sum of 2 u v) with two derivatives: the double of the common angle (see `steer_group`)."""
-    x: list[list[Expr]] = [[], [], []]
-    y: list[list[Expr]] = [[], [], []]
-    for one in seen:
-        (u, u1, u2), (v, v1, v2) = _jets(one)
-        x[0].append(subtract(times(u, u), times(v, v)))
-        x[1].append(times(2, subtract(times(u, u1), times(v, v1))))
-        x[2].append(times(2, add(times(u1, u1), times(u, u2), times(-1, v1, v1), times(-1, v, v2))))
-        y[0].append(times(2, u, v))
-        y[1].append(times(2, add(times(u1, v), times(u, v1))))
-        y[2].append(times(2, add(times(u2, v), times(2, u1, v1), times(u, v2))))
-    return (add(*x[0]), add(*x[1]), add(*x[2])), (add(*y[0]), add(*y[1]), add(*y[2]))
+    differences = [tuple(map(subtract, _product(u, u), _product(v, v))) for u, v in pairs]
+    products = [_product(u, v) for u, v in pairs]
+    x, x1, x2 = (add(*terms) for terms in zip(*differences, strict=True))
+    y, y1, y2 = (times(2, add(*terms)) for terms in zip(*products, strict=True))
+    return (x, x1, x2), (y, y1, y2)
+
+
+def _product(a: Jet, b: Jet) -> Jet:
+    """Leibniz's rule."""
+    return (
+        times(a[0], b[0]),
+        add(times(a[1], b[0]), times(a[0], b[1])),
+        add(times(a[2], b[0]), times(2, a[1], b[1]), times(a[0], b[2])),
+    )
 
 
 def _angle_rates(x: Jet, y: Jet, name: str, names: Locals, share: Expr) -> Turn:
     """share times the first and second derivative of atan2(y, x); 0 where x and y are 0.
 
-    The divisor is kept above a floor: a speed of 1e-6 m/s.
+    The divisor is kept above a floor: a speed of `SLOWEST`, whose square x and y are where they are a double angle's.
     """
-    floor = number(FLOOR if share is sympy.S.One else FLOOR * FLOOR)
+    floor = SLOWEST**2 if share is sympy.S.One else SLOWEST**4
     over = names.define(f"{name}_over", 1 / maximum(add(times(x[0], x[0]), times(y[0], y[0])), floor))
     turning = names.define(f"{name}_turning", subtract(times(x[0], y[1]), times(y[0], x[1])))
     growing = names.define(f"{name}_growing", add(times(x[0], x[1]), times(y[0], y[1])))
@@ -241,41 +222,37 @@ def _angle_rates(x: Jet, y: Jet, name: str, names: Locals, share: Expr) -> Turn:
 def _held(names: Locals, lead: Wheel, command: Expr, limits: Interval, turn: Turn) -> Turn:
     """0 where the commanded angle is at a limit."""
     target = names.define(f"{lead.name}_aimed", command)
-    low, high = number(limits.low + AT_LIMIT), number(limits.high - AT_LIMIT)
-    rate, bent = (
+    low, high = number(limits.low) + AT_LIMIT, number(limits.high) - AT_LIMIT
+    rate, acceleration = (
         names.define(
-            f"{lead.name}_{k}", select(low, target, select(target, high, value, sympy.S.Zero), sympy.S.Zero)
+            f"{lead.name}_{name}",
+            select(low, target, select(target, high, value, sympy.S.Zero), sympy.S.Zero),
         )
-        for k, value in (("free", turn.rate), ("freebent", turn.acceleration))
+        for name, value in zip(("free", "freebent"), turn, strict=True)
     )
-    return Turn(rate, bent)
+    return Turn(rate, acceleration)
 
 
 def castor_turns(robot: Robot, motion: Motion, names: Locals) -> dict[int, Turn]:
     """Swivelling of castors; those turned by one motor share the least-squares rate."""
     result: dict[int, Turn] = {}
     for members in robot.together("steer", (w for w in robot.wheels if w.kind.swivels)):
-        lead = members[0].name
         offsets = [working_view(w).d for w in members]
-        total = Poly.sum(d * d for d in offsets).inverse()
-        slides = [_slide(w, motion.twist) for w in members]
-        rate = names.poly(
-            f"{lead}_rate", -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)
-        )
-        changes = [_slide(w, motion.rate) - speeds_at(w, motion.twist)[0] * rate for w in members]
-        bent = -(Poly.sum(d * s for d, s in zip(offsets, changes, strict=True)) * total)
-        turn = Turn(expression(rate), names.define(f"{lead}_bent", bent))
-        result.update({w.index: turn for w in members})
+        headings = [heading(w, working_view(w)) for w in members]
+        now = [speeds_at(w, motion.twist, e) for w, e in zip(members, headings, strict=True)]
+        then = [speeds_at(w, motion.rate, e) for w, e in zip(members, headings, strict=True)]
+        # n . vA + d omega and its derivative, in which n turns with the rate
+        slides = [v + d * motion.twist[2] for (_, v), d in zip(now, offsets, strict=True)]
+        rate = names.poly(f"{members[0].name}_rate", _shared(offsets, slides))
+        changes = [
+            v1 + d * motion.rate[2] - u * rate for (u, _), (_, v1), d in zip(now, then, offsets, strict=True)
+        ]
+        bent = names.define(f"{members[0].name}_bent", _shared(offsets, changes))
+        result |= {w.index: Turn(expression(rate), bent) for w in members}
     return result
 
 
-def _slide(w: Wheel, twist: Row) -> Poly:
-    """n . vA + d omega."""
-    return speeds_at(w, twist)[1] + working_view(w).d * twist[2]
-
-
-def speeds_at(w: Wheel, twist: Row) -> tuple[Poly, Poly]:
-    """(e . vA, n . vA) at the present angle."""
-    c, s = heading(w, working_view(w))
-    a, b = pivot(w, twist)
-    return a * c + b * s, b * c - a * s
+def _shared(offsets: list[Poly], slides: list[Poly]) -> Poly:
+    """The rate that leaves least of d rate + slide over all castors (Siegwart (3.18))."""
+    total = Poly.sum(d * d for d in offsets).inverse()
+    return -(Poly.sum(d * s for d, s in zip(offsets, slides, strict=True)) * total)

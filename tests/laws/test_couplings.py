@@ -241,3 +241,17 @@ def test_dynamics_of_coupled_castors(joint: str) -> None:
     exact = evaluate_module(model.derivation.raw_module, "dynamics", case, EXACT)
     found = model.call("dynamics", case)
     assert found == pytest.approx({k: float(v) for k, v in exact.items()}, rel=1e-12, abs=1e-12)
+
+
+def test_axles_of_coupled_castors_are_refused() -> None:
+    layout = {
+        "wheels": [
+            wheel("f", "fixed", 0.25, -0.8, heading=1.57),
+            wheel("g", "fixed", 0.3, 0.3),
+            wheel("a", "castor", 0.7, -0.4, d=0.04),
+            wheel("b", "castor", 0.2, 0.4, d=0.02),
+        ],
+        "couplings": [("steer", ["a", "b"])],
+    }
+    with pytest.raises(NotDerivableError, match="coupled castors"):
+        derived(layout).derivation.formula("axles")

@@ -15,6 +15,7 @@ from tests.laws.layouts import decimals
 from tests.laws.test_couplings import wheel
 from tests.oracle import oracle
 from tests.oracle.harness import named
+from wmrgen.errors import RobotFileError
 
 Layout = dict[str, Any]
 twists = st.tuples(decimals(-2, 2), decimals(-2, 2), decimals(-3, 3))
@@ -96,3 +97,27 @@ def test_a_lone_wheel_takes_the_nearer_stop() -> None:
     layout = robot([(0.3, 0.0, 0.0), (-0.3, 0.0, 0.0)], (-60, 120), coupled=False)
     for present in (0.0, 0.25, 1.0):
         check(layout, [[w] for w in layout["wheels"]], (math.cos(1.0647), math.sin(1.0647), 0.0), present)
+
+
+PAIR = [wheel("a", "steered", 0.3, 0.2), wheel("b", "steered", -0.3, 0.2)]
+
+
+def coupled(*limits: tuple[int, int]) -> Layout:
+    """Two steered wheels on one motor, each with its interval (low, width) [deg]."""
+    wheels = [w | {"limits": {"steer": interval}} for w, interval in zip(PAIR, limits, strict=True)]
+    return {"wheels": wheels, "couplings": [("steer", ["a", "b"])]}
+
+
+@pytest.mark.parametrize("limits", [((-90, 135), (-45, 135)), ((-45, 135), (-90, 135))])
+def test_coupled_wheels_keep_the_limits_of_all(limits: tuple[tuple[int, int], ...]) -> None:
+    model = derived(coupled(*limits))
+    for vy in (1.0, -1.0):
+        joints = model.call("inverse", {"vx": 0.1, "vy": vy})
+        assert joints["a.steer"] == joints["b.steer"] == pytest.approx(vy * math.pi / 4)
+        assert joints["slip"] > 0.5
+
+
+def test_coupled_wheels_without_a_common_angle_are_refused() -> None:
+    with pytest.raises(RobotFileError, match="steer limits of a and b have no value in common") as refusal:
+        derived(coupled((-45, 45), (10, 35)))
+    assert "equal: [a.steer, b.steer]" in str(refusal.value)

@@ -1,16 +1,21 @@
-"""Robots of which every length and angle is tunable: least squares step by step instead of written out."""
+"""Tunable lengths and angles give what the numbers give: all of them at once, and at every rank."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import wmrgen
 from tests.conftest import Outcome
+from wmrgen.exact.number import Exact
+from wmrgen.ir.interpret import EXACT, evaluate_module
+from wmrgen.robot import Derivation
 
 SECONDS = 10
 MECANUM = [
@@ -71,23 +76,47 @@ def test_every_angle_and_length_tunable(
         assert values == pytest.approx(wanted, rel=near, abs=near), backend
 
 
-def test_a_model_of_motion_that_is_too_long_is_refused(
-    tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
-) -> None:
-    """A following wheel whose velocity has hundreds of terms; what needs no model of motion is there."""
-    path = tmp_path / "robot.yaml"
-    path.write_text(
-        "wmrgen: 1\nname: robot\nsnap: false\nparameters:\n"
-        + "".join(f"  {n}: {{value: {v}, tunable: true}}\n" for n, v in (("a", 0.5), ("b", 0.55), ("c", 0.7)))
-        + "wheels:\n"
-        "  - {name: w0, type: steered, x: -0.18+sqrt(a**2+b**2), y: 0.17+sqrt(a**2+a**2), "
-        "heading: a/2, r: 0.1, offset_y: a/4}\n"
-        "  - {name: w1, type: steered, x: c/2, y: 0.1+sqrt(b**2+b**2), heading: 0-2*c, r: 0.1}\n"
-        "  - {name: w2, type: steered, x: 0.41, y: b+b/4, heading: pi/3-2*b, r: 0.1}\n",
-        encoding="utf-8",
+RANKS = {
+    "one fixed": "{name: a, type: fixed, x: 0, y: B, heading: 0, r: 0.05}",
+    "one omni": "{name: a, type: swedish, x: 0, y: -B/2, heading: 0, gamma: 0, r: 0.1}",
+    "two mecanum": (
+        "{name: a, type: swedish, x: B, y: B, heading: 0, gamma: 45 deg, r: 0.1}\n"
+        "  - {name: b, type: swedish, x: -B, y: -B, heading: 0, gamma: -45 deg, r: 0.1}"
+    ),
+    "no lever": (
+        "{name: a, type: fixed, x: 0, y: 0.2 - B, heading: 0, r: 0.1}\n"
+        "  - {name: b, type: fixed, x: 0, y: 0.2 - B, heading: 0, r: B}"
+    ),
+    "fixed and castor": (
+        "{name: a, type: fixed, x: B, y: 0.1, heading: 0, r: 0.1}\n"
+        "  - {name: c, type: castor, x: -B, y: 0, heading: 0, d: 0.05, r: 0.04, actuated: []}"
+    ),
+}
+
+
+def derived(folder: Path, wheels: str, parameters: str = "", more: str = "") -> Derivation:
+    path = folder / "robot.yaml"
+    path.write_text(f"wmrgen: 1\nname: robot\n{parameters}wheels:\n  - {wheels}\n{more}", encoding="utf-8")
+    return wmrgen.derive(wmrgen.load(path))
+
+
+def numbers(values: Mapping[str, Exact]) -> dict[str, float]:
+    return {name: float(value) for name, value in values.items()}
+
+
+@pytest.mark.parametrize("name", RANKS)
+def test_tunable_geometry_of_any_rank(name: str, tmp_path: Path) -> None:
+    """At its nominal value a tunable length gives what the number gives: the solution of least norm."""
+    tunable = derived(
+        tmp_path, RANKS[name].replace("B", "h"), "parameters: {h: {value: 0.2, tunable: true}}\n"
     )
-    begin = time.process_time()
-    assert wmrgen_cli("derive", path, "-o", tmp_path / "out").code == 0
-    done = wmrgen_cli("eval", path, "posture")
-    assert time.process_time() - begin < SECONDS
-    assert done.code == 3 and "the velocity of w" in done.err and "terms in the parameters" in done.err
+    plain = derived(tmp_path, RANKS[name].replace("B", "0.2"))
+    random = np.random.default_rng(5)
+    ports = [p.name for p in plain.formula("forward").inputs]
+    for _ in range(3):
+        given = {p: Exact(Fraction(int(random.integers(-50, 50)), 16)) for p in ports}
+        wanted = numbers(plain.evaluate("forward", given))
+        found = numbers(tunable.evaluate("forward", given | {"h": Exact(Fraction(1, 5))}))
+        assert found == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+        prepared = numbers(evaluate_module(tunable.c_module, "forward", given, EXACT))
+        assert prepared == pytest.approx({k: wanted[k] for k in prepared}, rel=1e-12, abs=1e-12)

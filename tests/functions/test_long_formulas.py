@@ -1,4 +1,4 @@
-"""Trains of trailers coupled off the axle, whose formulas double with each: an end within ten seconds."""
+"""Formulas that double with each part of the robot: they are derived, or refused in words, within ten seconds."""
 
 from __future__ import annotations
 
@@ -53,3 +53,25 @@ def test_brackets_of_trailers(trailers: int, tmp_path: Path, wmrgen_cli: Callabl
         assert found["growth_vector"] == {2: [2, 3, 5], 5: [2, 3, 5, 8]}[trailers]
     else:
         assert found["growth_vector"] == [] and "too many terms" in found["brackets"]
+
+
+def test_a_model_of_motion_that_is_too_long_is_refused(
+    tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
+) -> None:
+    """A following wheel whose velocity has hundreds of terms; what needs no model of motion is there."""
+    path = tmp_path / "robot.yaml"
+    path.write_text(
+        "wmrgen: 1\nname: robot\nsnap: false\nparameters:\n"
+        + "".join(f"  {n}: {{value: {v}, tunable: true}}\n" for n, v in (("a", 0.5), ("b", 0.55), ("c", 0.7)))
+        + "wheels:\n"
+        "  - {name: w0, type: steered, x: -0.18+sqrt(a**2+b**2), y: 0.17+sqrt(a**2+a**2), "
+        "heading: a/2, r: 0.1, offset_y: a/4}\n"
+        "  - {name: w1, type: steered, x: c/2, y: 0.1+sqrt(b**2+b**2), heading: 0-2*c, r: 0.1}\n"
+        "  - {name: w2, type: steered, x: 0.41, y: b+b/4, heading: pi/3-2*b, r: 0.1}\n",
+        encoding="utf-8",
+    )
+    begin = time.process_time()
+    assert wmrgen_cli("derive", path, "-o", tmp_path / "out").code == 0
+    done = wmrgen_cli("eval", path, "posture")
+    assert time.process_time() - begin < SECONDS
+    assert done.code == 3 and "the velocity of w" in done.err and "terms in the parameters" in done.err

@@ -51,14 +51,6 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("backend", ["exact", "casadi", "c"])
-def test_half_of_a_tunable_track(backend: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]) -> None:
-    file = written(tmp_path, PAIR.format("  track: {value: 0.4, tunable: true}\n  half: track/2\n"))
-    done = wmrgen_cli("eval", file, "inverse", "omega=1", "track=0.8", "--backend", backend, "--json")
-    found = json.loads(done.out)
-    assert found["right.spin"] == pytest.approx(4.0) and found["left.spin"] == pytest.approx(-4.0)
-
-
 @pytest.mark.parametrize("layout", [PAIR, MECANUM], ids=["pair", "four"])
 def test_a_tunable_gives_what_the_number_gives(
     layout: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]

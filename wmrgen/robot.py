@@ -28,8 +28,8 @@ from wmrgen.program import Program, asked, formula, program, standard
 from wmrgen.symbolic import Expr, matrix
 
 if TYPE_CHECKING:
-    from wmrgen.functions.structure.brackets import Growth
-    from wmrgen.functions.structure.frobenius import Integrability
+    from wmrgen.functions.models.frobenius import Integrability
+    from wmrgen.functions.models.vector_fields import Growth
     from wmrgen.functions.system import System
 
 
@@ -66,22 +66,24 @@ class Derivation:
         """Degrees, ranks and reasons. NotDerivableError for trailers or virtual wheels that the layout cannot have."""
         mobility = analyse(self.robot)
         if self.robot.trailers or self.robot.virtual:
-            from wmrgen.functions.trailers.feasible import check
+            from wmrgen.functions.models.virtual import check_virtual
+            from wmrgen.functions.trailers.trailer import check_trailers
 
-            check(self.robot, mobility)
+            check_virtual(self.robot, mobility)
+            check_trailers(self.robot, mobility)
         return mobility
 
     @cached_property
     def integrability(self) -> Integrability:
         """Frobenius's test of each constraint, of all together, and what they integrate to."""
-        from wmrgen.functions.structure.frobenius import integrability
+        from wmrgen.functions.models.frobenius import integrability
 
         return integrability(self.robot, self.mobility)
 
     @cached_property
     def growth(self) -> Growth:
         """Vector fields, Lie brackets and growth vector of the posture model, with trailers where there are some."""
-        from wmrgen.functions.structure.brackets import robot_growth
+        from wmrgen.functions.models.vector_fields import robot_growth
 
         return robot_growth(self.robot, self.mobility)
 

@@ -24,7 +24,7 @@ ROOMS = (
     "errors reading exact ports notation artifacts compiler render"
     " ir selftest backends backends/registry backends/c99 backends/casadi backends/numpy"
     " wheels spec layout constraints symbolic printing mobility kinematics"
-    " functions functions/models functions/trailers functions/structure functions/motion"
+    " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
     " program lower modules matrices bounds model_json robot __init__"
     " backends/wheels backends/drawing backends/report emit cli __main__"

@@ -90,7 +90,7 @@ def _facts(d: Derivation, shown: Shown) -> dict[str, Any]:
         "constraints": [
             {
                 "wheel": r.wheel, "kind": r.kind, "integrable": r.integrable, "value": shown(r.value),
-                "proof": r.proof_in(shown), "latex": r.latex,
+                "proof": r.proof(shown), "latex": r.latex,
             }
             for r in tests.rows
         ],

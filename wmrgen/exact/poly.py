@@ -185,22 +185,23 @@ class Poly:
         if self.constant is not None:
             return self
         summands: list[Poly] = []
-        cache: dict[Gen, Poly | None] = {}
-        for m, c in self.terms.items():
+        cache: dict[Gen, tuple[Poly | None, Exact | None]] = {}
+        for m, number in self.terms.items():
             kept: list[tuple[Gen, int]] = []
-            factor = Poly.of(c)
+            factor: Poly | None = None
             for g, e in m:
                 if g not in cache:
-                    cache[g] = value(g)
-                v = cache[g]
+                    v = value(g)
+                    cache[g] = v, None if v is None else v.constant
+                v, constant = cache[g]
                 if v is None:
                     kept.append((g, e))
+                elif constant is not None:
+                    number = number * constant**e
                 else:
-                    factor = factor * v**e
-            number = factor.constant
-            summands.append(
-                Poly({tuple(kept): ONE}) * factor if number is None else Poly({tuple(kept): number})
-            )
+                    factor = v**e if factor is None else factor * v**e
+            term = Poly({tuple(kept): number})
+            summands.append(term if factor is None else term * factor)
         return Poly.sum(summands)
 
     def __repr__(self) -> str:

@@ -120,18 +120,35 @@ def slip_port(text: str) -> Port:
 
 def tunable_ports(robot: Robot) -> tuple[Port, ...]:
     """The tunable parameters, in file order, with their nominal values."""
+    angles = _angles(robot) if robot.tunable else set()
     return tuple(
-        Port(p.name, Role.GEOMETRY, _unit(robot, p.name), "tunable parameter", p.nominal)
+        Port(p.name, Role.GEOMETRY, "rad" if p.name in angles else "m", "tunable parameter", p.nominal)
         for p in robot.tunable
     )
 
 
-def _unit(robot: Robot, name: str) -> str:
-    """rad for a parameter of which a wheel takes the sine, m for any other."""
-    polys = [getattr(w.working, f.name) for w in robot.wheels for f in fields(w.working)]
-    functions = {g for p in polys for g in p.generators if g.kind in ("cosf", "sinf")}
-    angles = {g.name for f in functions for a in f.args for g in a.generators if g.kind == "param"}
-    return "rad" if name in angles else "m"
+def parameter_ports(robot: Robot) -> tuple[Port, ...]:
+    """Every parameter as an input, with its nominal value."""
+    tunable = {port.name: port for port in tunable_ports(robot)}
+    angles = _angles(robot)
+    return tuple(
+        tunable.get(p.name)
+        or Port(p.name, Role.GEOMETRY, "rad" if p.name in angles else "m", "parameter", p.nominal)
+        for p in robot.parameters
+    )
+
+
+def _angles(robot: Robot) -> set[str]:
+    """Parameters of which a wheel takes the sine."""
+    views = [view for w in robot.wheels for view in (w.symbolic, w.working)]
+    functions = {
+        g
+        for view in views
+        for f in fields(view)
+        for g in getattr(view, f.name).generators
+        if g.kind in ("cosf", "sinf")
+    }
+    return {g.name for f in functions for a in f.args for g in a.generators if g.kind == "param"}
 
 
 def given(name: str) -> Poly:

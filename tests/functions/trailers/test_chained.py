@@ -33,9 +33,9 @@ from tests.functions.models.robots import (
 )
 from wmrgen.backends.c99 import evaluate as in_c
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.trailers import verify as verification
+from wmrgen.functions.trailers import chained_sheet
 from wmrgen.functions.trailers.chained import chained
-from wmrgen.functions.trailers.verify import verify
+from wmrgen.functions.trailers.chained_sheet import verify
 from wmrgen.robot import Derivation, derive
 
 FREE = {k: f"{{value: {v}, tunable: true}}" for k, v in (("base", "1.4"), ("b", "0.3"), ("a", "0.27"))}
@@ -200,7 +200,9 @@ def test_chain_identities_exactly_for_n_trailers(wheels: str, count: int) -> Non
 def test_verification_sees_a_wrong_formula(monkeypatch: pytest.MonkeyPatch) -> None:
     d = derived(CAR_REAR, "trailers: [{length: 0.9}]")
     other = derived(CAR_REAR, "trailers: [{length: 0.901}]")
-    monkeypatch.setattr(verification, "chained", lambda robot, mobility: chained(other.robot, other.mobility))
+    monkeypatch.setattr(
+        chained_sheet, "chained", lambda robot, mobility: chained(other.robot, other.mobility)
+    )
     found = verify(d.robot, d.mobility)
     assert not found.holds and "FAIL" in found.text
 

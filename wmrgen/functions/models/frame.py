@@ -1,27 +1,44 @@
-"""The steering coordinates of a robot and the twists that its wheels admit at them.
+"""The steering coordinates of a robot, the twists that its wheels admit at them, and what the other wheels do.
 
 xi = N(beta) eta: N spans the null space of C1 (Siegwart (3.36); Campion (1996)), beta are the angles of as many
-steered wheels, real or virtual, as decide where the ICR lies. All other wheels follow.
+steered wheels, real or virtual, as decide where the ICR lies. All other wheels follow: with one freedom of driving, the
+velocity of every point of the body has a direction that the coordinates fix, V = N_xy + N_omega z x A, and a wheel
+that follows points along it (the Ackermann condition), on the side that is nearest to its zero at straight steering.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 
-from wmrgen.constraints import View, sliding_row, symbolic_view, working_view
+from wmrgen.constraints import (
+    View,
+    along,
+    driving_row,
+    sliding_row,
+    steer_gens,
+    symbolic_view,
+    working_view,
+)
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.evaluate import fix, number
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly, Row, by_angle
+from wmrgen.exact.evaluate import sqrt_poly
+from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.functions.models.polynomials import (
+    angles_in,
+    by_steering,
+    cleaned,
+    generic,
+    nominal_at,
+    straight,
+)
+from wmrgen.kinematics.records import parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.basis import null_columns
 from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port
 
-# Points of the unit circle at which generic ranks are decided.
-_POINTS = ((4, 3, 5), (12, -5, 13), (15, 8, 17), (24, 7, 25), (35, -12, 37), (40, 9, 41))
-NEGLIGIBLE = 1e-12
+MOST_TERMS = 120  # a second for their square; twice as many take five
+ONE, ZERO = Poly.of(1), Poly({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +54,11 @@ class Frame:
     def view(self) -> View:
         """The geometry that all expressions are written in."""
         return symbolic_view if self.symbolic else working_view
+
+    @property
+    def geometry(self) -> tuple[Port, ...]:
+        """The parameters that stay symbols in this view."""
+        return parameter_ports(self.robot) if self.symbolic else tunable_ports(self.robot)
 
     def leader(self, wheel: Wheel) -> Wheel | None:
         """The coordinate that turns ``wheel`` directly: the wheel itself or the one it is coupled to."""
@@ -68,77 +90,115 @@ def frame(robot: Robot, mobility: Mobility, symbolic: bool, virtual: tuple[Wheel
     return Frame(robot, symbolic, tuple(cleaned(column) for column in columns), wheels)
 
 
-def fixed(row: Row, robot: Robot) -> Row:
-    """A row with the parameters that are not tunable at their values."""
-    return fix(row[0], robot.constants), fix(row[1], robot.constants), fix(row[2], robot.constants)
-
-
 def constant_rows(robot: Robot, mobility: Mobility) -> list[Row]:
     """The independent rows of C1 that no steered wheel gives, parameters as symbols where a wheel gives them."""
     steered = set(mobility.basis_wheels)
-    found = []
+    fixed_wheels = [w for w in robot.wheels if w.kind.fixed_axle]
+    rows = []
     for row in mobility.basis_rows:
-        if steered & angles_in(row):
-            continue
-        fixed_wheels = (w for w in robot.wheels if w.kind.fixed_axle)
-        source = next((w for w in fixed_wheels if sliding_row(w, working_view(w)).row == row), None)
-        found.append(row if source is None else sliding_row(source, symbolic_view(source)).row)
-    return found
+        if not steered & angles_in(row):
+            source = next((w for w in fixed_wheels if sliding_row(w, working_view(w)).row == row), None)
+            rows.append(row if source is None else sliding_row(source, symbolic_view(source)).row)
+    return rows
 
 
-def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
-    """Names of the wheels whose steering angle occurs."""
-    found: set[str] = set()
-    for p in polys:
-        for g in p.generators:
-            found |= {g.name} if g.kind in ("cos", "sin") else angles_in(g.args)
-    return found
+def velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly]:
+    """Velocity of the wheel's pivot under one column of N, robot frame [m/s per unit of eta].
+
+    NotDerivableError where it has too many terms for its square, which directions and rates need.
+    """
+    g = frame.view(wheel)
+    a, b, _ = cleaned((dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column), ZERO))
+    terms = len(a.terms) + len(b.terms)
+    if terms > MOST_TERMS:
+        raise NotDerivableError(
+            f"{frame.robot.name} has no model of motion that can be written out: the velocity of {wheel.name} has "
+            f"{terms} terms in the parameters, more than {MOST_TERMS}.\n"
+            "  Give numbers for some of the lengths and angles, or simpler expressions; inverse and forward do not "
+            "need it."
+        )
+    return a, b
 
 
-def cleaned(row: Row) -> Row:
-    """The row without terms that only rounding of its coefficients has left over."""
-    largest = max((abs(float(c)) for p in row for c in p.terms.values()), default=0.0)
-
-    def kept(p: Poly) -> Poly:
-        return Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest})
-
-    return kept(row[0]), kept(row[1]), kept(row[2])
-
-
-def clean(poly: Poly) -> Poly:
-    """The same for one polynomial."""
-    return cleaned((poly, Poly({}), Poly({})))[0]
+def side(frame: Frame, wheel: Wheel, velocity: tuple[Poly, Poly]) -> int:
+    """+1 where the wheel rolls forward under +eta with its heading nearest to its zero, else -1."""
+    g = wheel.nominal
+    for angles in (straight, generic(frame.robot), generic(frame.robot, 1)):
+        a, b = (nominal_at(p, frame.robot, angles) for p in velocity)
+        forward = a * float(g.ch) + b * float(g.sh)
+        if abs(forward) > 1e-9:
+            return 1 if forward > 0 else -1
+    return 1
 
 
-def nominal_at(poly: Poly, robot: Robot, angles: Callable[[str], tuple[Exact, Exact]]) -> float:
-    """The value at nominal parameters; ``angles`` gives (cos, sin) of a wheel's steering angle."""
+def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
+    """A row of ``wheel`` in the angle of the coordinate that turns it."""
+    lead = frame.leader(wheel)
+    if lead is None or lead.name == wheel.name:
+        return row
 
     def value(gen: Gen) -> Poly | None:
-        if gen.kind in ("cos", "sin"):
-            return Poly.of(angles(gen.name)[gen.kind == "sin"])
-        if gen.args:
-            return Poly.gen(gen.kind, gen.name, *(a.substitute(value) for a in gen.args))
-        return None
+        return Poly.gen(gen.kind, lead.name) if gen.kind in ("cos", "sin") else None
 
-    return float(number(poly.substitute(value), {p.name: p.value for p in robot.parameters}))
+    return row[0].substitute(value), row[1].substitute(value), row[2].substitute(value)
 
 
-def straight(_: str) -> tuple[Exact, Exact]:
-    """Every steering angle zero."""
-    return Exact(1), Exact(0)
+def direct(frame: Frame, wheel: Wheel) -> bool:
+    """True for a wheel whose heading is constant, its own state, or a coordinate."""
+    return not wheel.kind.steers or frame.leader(wheel) is not None
 
 
-def generic(robot: Robot, seed: int = 0) -> Callable[[str], tuple[Exact, Exact]]:
-    """Different angles for different wheels."""
-    names = [w.name for w in robot.wheels] + [v.name for v in robot.virtual]
+def rim_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
+    """Rim speed [m/s] per unit of each eta, steering rates aside."""
+    g = frame.view(wheel)
+    if direct(frame, wheel):
+        row = in_coordinates(frame, wheel, driving_row(wheel, g))
+        return tuple(dot(row, column) for column in frame.columns)
+    (column,) = frame.columns
+    a, b = velocity(frame, wheel, column)
+    speed = length(a * a + b * b)
+    return (speed.scale(side(frame, wheel, (a, b))) - g.o * column[2],)
 
-    def angle(name: str) -> tuple[Exact, Exact]:
-        c, s, h = _POINTS[(names.index(name) + seed) % len(_POINTS)]
-        return Exact(Fraction(c, h)), Exact(Fraction(s, h))
 
-    return angle
+def rate_row(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
+    """The wheel's steering rate per unit rate of each coordinate."""
+    lead = frame.leader(wheel)
+    if lead is not None:
+        return {lead.name: ONE}
+    (column,) = frame.columns
+    a, b = velocity(frame, wheel, column)
+    squared = (a * a + b * b).inverse()
+    rates = {
+        w.name: (a * by_steering(b, w.name) - b * by_steering(a, w.name)) * squared for w in frame.wheels
+    }
+    return {name: rate for name, rate in rates.items() if rate}
 
 
-def derivative(poly: Poly, name: str) -> Poly:
-    """d/d(steering angle of ``name``) of a polynomial in its cosine and sine."""
-    return by_angle(poly, Gen("cos", name), Gen("sin", name))
+def castor_rate(frame: Frame, wheel: Wheel, twist: Row) -> Poly:
+    """-(sliding row . xi) / d (Siegwart (3.18))."""
+    g = frame.view(wheel)
+    return -(dot(sliding_row(wheel, g).row, twist) * g.d.inverse())
+
+
+def heading_row(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
+    """(cos, sin) of the wheel's steering angle, times a positive factor."""
+    lead = frame.leader(wheel)
+    if lead is not None:
+        return steer_gens(lead)
+    (column,) = frame.columns
+    a, b = velocity(frame, wheel, column)
+    g, sign = frame.view(wheel), side(frame, wheel, (a, b))
+    return (a * g.ch + b * g.sh).scale(sign), (b * g.ch - a * g.sh).scale(sign)
+
+
+def length(squared: Poly) -> Poly:
+    """sqrt of a sum of squares; of one square of positive lengths, the length."""
+    root = sqrt_poly(squared)
+    if root.constant is not None or len(squared.terms) > 1:
+        return root
+    ((monomial, coefficient),) = squared.terms.items()
+    head = sqrt_poly(Poly.of(coefficient))
+    if any(e % 2 or g.kind != "param" for g, e in monomial):
+        return root
+    # |p| as sqrt(p**2), for a parameter of either sign.
+    return head * Poly.gen("sqrt", "", Poly({monomial: Poly.of(1).terms[()]}))

@@ -1,27 +1,37 @@
 """Which driven joints are the inputs of a model, and the twist that each of them gives.
 
 A driven joint measures the null-space coordinates: r spin + o steer_rate = e(beta) . eta. As many independent
-ones as the degree of mobility, put into E, give xi = N E^-1 (r spin + o steer_rate).
+ones as the degree of mobility, put into E, give xi = N E^-1 (r spin + o steer_rate). The inputs of a model are these
+joints and the steering rates; where too few joints are driven, null-space coordinates eta in place of the joints.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import adjugate, determinant
-from wmrgen.exact.poly import Poly
-from wmrgen.functions.models.followers import castor_rate, direct, rate_row, rim_row
-from wmrgen.functions.models.frame import Frame, generic, nominal_at
-from wmrgen.functions.models.virtual import as_wheel, driving
+from wmrgen.exact.poly import Poly, Row
+from wmrgen.functions.models.frame import ZERO, Frame, castor_rate, direct, frame, rate_row, rim_row
+from wmrgen.functions.models.polynomials import (
+    angles_in,
+    divided,
+    domain_of,
+    essential,
+    generic,
+    nominal_at,
+)
+from wmrgen.functions.models.virtual import as_wheel, driving, steering_frame
+from wmrgen.functions.system import Domain
 from wmrgen.kinematics.records import joint_port
-from wmrgen.layout.records import Wheel
+from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
+from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
 
-ZERO = Poly({})
+Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
 
 
 class UnderactuatedError(NotDerivableError):
@@ -33,41 +43,150 @@ class Drive:
     """A driven joint: scale * input + sum of offsets[name] * (rate of coordinate ``name``) = row . eta."""
 
     port: Port
-    row: tuple[Poly, ...]
+    row: Eta
     scale: Poly
     offsets: dict[str, Poly]
 
 
 @dataclass(frozen=True, slots=True)
-class Chosen:
-    """``drives``: independent, as many as there are columns of N. ``idle``: driven joints that must follow."""
+class Motion:
+    """How inputs move the body.
 
-    drives: tuple[Drive, ...]
-    idle: tuple[str, ...]
+    ``twists[k]``: the twist of P per unit of ``inputs[k]``, robot frame. ``etas[k] / divisor``: its coordinates
+    along the columns of N. The model holds where ``divisor`` is not zero.
+    """
+
+    frame: Frame
+    inputs: tuple[Port, ...]
+    etas: tuple[Eta, ...]
+    divisor: Poly
+    twists: tuple[Row, ...]
+    text: str
+
+    @property
+    def robot(self) -> Robot:
+        """The layout."""
+        return self.frame.robot
+
+    @property
+    def swivels(self) -> tuple[Wheel, ...]:
+        """Castors whose angle the motion depends on: states of the posture model."""
+        seen = angles_in(tuple(p for twist in self.twists for p in twist))
+        return tuple(w for w in self.robot.wheels if w.kind.swivels and w.name in seen)
+
+    @property
+    def domain(self) -> tuple[Domain, ...]:
+        """Where the inputs lose their grip on the motion."""
+        one = len(self.frame.columns) == 1
+        if self.divisor.constant is not None and one:
+            condition = Poly.sum(p * p for p in self.frame.columns[0])
+            text = "all entries of the null space vanish: axles fall into one line and rank C1 drops"
+        else:
+            condition = essential(self.divisor)
+            rates = {f"{w.name}.steer_rate" for w in self.frame.wheels}
+            drives = ", ".join(p.name for p in self.inputs if p.name not in rates)
+            lost = "stands still whatever the robot does" if one else "no longer determine the motion"
+            text = f"G is unbounded: {drives} {lost}"
+        return domain_of(condition, text, self.robot)
 
 
-def candidates(frame: Frame) -> list[Drive]:
+def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:
+    """The motion in driven speeds and steering rates. UnderactuatedError where too few joints are driven."""
+    frame = steering_frame(robot, mobility, symbolic)
+    drives, idle = _choose(frame)
+    etas, determinant = _solved(drives, tuple(w.name for w in frame.wheels))
+    inputs = (*(d.port for d in drives), *_steering_rates(frame))
+    note = f"; {', '.join(idle)} must follow" if idle else ""
+    text = f"posture model in {', '.join(p.name for p in inputs)}{note}"
+    return _motion(frame, inputs, etas, determinant, text)
+
+
+def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual: bool = False) -> Motion:
+    """The motion in null-space coordinates, as ``dynamics`` has it; ``virtual`` takes the virtual angles."""
+    coordinates = (steering_frame if virtual else frame)(robot, mobility, symbolic)
+    size = range(len(coordinates.columns))
+    ports = tuple(
+        Port(f"eta{k + 1}", Role.COMMAND, "", f"coordinate along column {k + 1} of the null space")
+        for k in size
+    )
+    inputs = (*ports, *_steering_rates(coordinates))
+    etas = [tuple(Poly.of(int(i == k)) for i in size) for k in range(len(inputs))]
+    return _motion(coordinates, inputs, etas, Poly.of(1), "posture model in null-space coordinates")
+
+
+def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:
+    """In driven speeds where the actuation allows it, else in null-space coordinates."""
+    try:
+        return posture_motion(robot, mobility, symbolic)
+    except UnderactuatedError as error:
+        motion = eta_motion(robot, mobility, symbolic, virtual=True)
+        return replace(motion, text=f"{motion.text}: {error}")
+
+
+def _steering_rates(frame: Frame) -> tuple[Port, ...]:
+    return tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in frame.wheels)
+
+
+def _motion(frame: Frame, inputs: tuple[Port, ...], etas: list[Eta], divisor: Poly, text: str) -> Motion:
+    twists = []
+    for eta in etas:
+        x, y, turn = (Poly.sum(c[i] * e for c, e in zip(frame.columns, eta, strict=True)) for i in range(3))
+        twists.append(divided((x, y, turn), divisor))
+    return Motion(frame, inputs, tuple(etas), divisor, tuple(twists), text)
+
+
+def _solved(drives: list[Drive], rates: tuple[str, ...]) -> tuple[list[Eta], Poly]:
+    """adj(E) times each input (drives, then steering rates): eta still to be divided by det E, and det E."""
+    matrix = [d.row for d in drives]
+    inverse, size = adjugate(matrix), range(len(matrix))
+    inputs = [[d.scale if i == k else ZERO for i in size] for k, d in enumerate(drives)]
+    inputs += [[d.offsets.get(name, ZERO) for d in drives] for name in rates]
+    etas = [tuple(Poly.sum(inverse[m][k] * u[k] for k in size if u[k]) for m in size) for u in inputs]
+    return etas, determinant(matrix)
+
+
+def _choose(frame: Frame) -> tuple[list[Drive], list[str]]:
+    """The independent joints of lowest index, as many as N has columns, and the names of the others.
+
+    UnderactuatedError, with what is missing, where there are too few.
+    """
+    drives: list[Drive] = []
+    rows: list[list[float]] = []
+    idle = []
+    for drive in _candidates(frame):
+        row = [nominal_at(p, frame.robot, generic(frame.robot)) for p in drive.row]
+        row += [0.0] * (3 - len(row))
+        if len(drives) < len(frame.columns) and _independent([*rows, row]):
+            drives.append(drive)
+            rows.append(row)
+        else:
+            idle.append(drive.port.name)
+    if len(drives) < len(frame.columns):
+        raise UnderactuatedError(_missing(frame, drives, idle))
+    return drives, idle
+
+
+def _candidates(frame: Frame) -> list[Drive]:
     """Virtual drives, then driven joints in the order of the file; coupled spins once."""
     robot = frame.robot
-    found = [_virtual(frame, as_wheel(robot, v)) for v in driving(robot)]
-    taken = {robot.spin_group[robot.wheel(name).index] for v in driving(robot) for name in v.wheels}
+    drives = [_virtual(frame, as_wheel(robot, v)) for v in driving(robot)]
+    geared = {robot.spin_group[robot.wheel(name).index] for v in driving(robot) for name in v.wheels}
     for w in robot.wheels:
-        if "spin" in w.actuated and robot.spin_group[w.index] not in taken:
-            taken.add(robot.spin_group[w.index])
+        if "spin" in w.actuated and robot.spin_group[w.index] not in geared:
+            geared.add(robot.spin_group[w.index])
             if direct(frame, w) or len(frame.columns) == 1:
-                found.append(_spin(frame, w))
+                drives.append(_spin(frame, w))
         if w.kind.swivels and "steer" in w.actuated:
-            found.append(_swivel(frame, w))
-    return found
+            drives.append(_swivel(frame, w))
+    return drives
 
 
 def _spin(frame: Frame, w: Wheel) -> Drive:
     g = frame.view(w)
-    radius = g.rolling_radius
     offsets = {}
     if w.kind.steers and g.o:
         offsets = {name: g.o * rate for name, rate in rate_row(frame, w).items()}
-    return Drive(joint_port(w, "spin", Role.COMMAND), rim_row(frame, w), radius, offsets)
+    return Drive(joint_port(w, "spin", Role.COMMAND), rim_row(frame, w), g.rolling_radius, offsets)
 
 
 def _swivel(frame: Frame, w: Wheel) -> Drive:
@@ -77,11 +196,9 @@ def _swivel(frame: Frame, w: Wheel) -> Drive:
 
 def _virtual(frame: Frame, w: Wheel) -> Drive:
     """The speed of the virtual wheel's place along the travel of its wheels [m/s]."""
-    row = rim_row(frame, _coincident(frame, w))
-    port = Port(
-        f"{w.name}.speed", Role.COMMAND, "m/s", f"speed of the virtual wheel {w.name}, positive forward"
-    )
-    return Drive(port, row, Poly.of(1), {})
+    text = f"speed of the virtual wheel {w.name}, positive forward"
+    port = Port(f"{w.name}.speed", Role.COMMAND, "m/s", text)
+    return Drive(port, rim_row(frame, _coincident(frame, w)), Poly.of(1), {})
 
 
 def _coincident(frame: Frame, w: Wheel) -> Wheel:
@@ -93,24 +210,6 @@ def _coincident(frame: Frame, w: Wheel) -> Wheel:
     return w
 
 
-def choose(frame: Frame) -> Chosen:
-    """The independent joints of lowest index. NotDerivableError, with what is missing, where there are too few."""
-    found: list[Drive] = []
-    table: list[list[float]] = []
-    idle = []
-    for drive in candidates(frame):
-        line = [nominal_at(p, frame.robot, generic(frame.robot)) for p in drive.row]
-        line += [0.0] * (3 - len(line))
-        if len(found) < len(frame.columns) and _independent([*table, line]):
-            found.append(drive)
-            table.append(line)
-        else:
-            idle.append(drive.port.name)
-    if len(found) < len(frame.columns):
-        raise UnderactuatedError(_missing(frame, found, idle))
-    return Chosen(tuple(found), tuple(idle))
-
-
 def _independent(rows: list[list[float]]) -> bool:
     sizes = [max(abs(v) for v in row) for row in rows]
     if min(sizes) < 1e-12:
@@ -119,27 +218,16 @@ def _independent(rows: list[list[float]]) -> bool:
     return numeric_rank(scaled)[0] == len(rows)
 
 
-def _missing(frame: Frame, found: list[Drive], idle: list[str]) -> str:
+def _missing(frame: Frame, drives: list[Drive], idle: list[str]) -> str:
     robot, need = frame.robot, len(frame.columns)
-    have = ", ".join(d.port.name for d in found) or "nothing"
-    beside = f"; {', '.join(idle)} adds nothing that is independent" if idle else ""
+    have = ", ".join(d.port.name for d in drives) or "nothing"
+    dependent = f"; {', '.join(idle)} adds nothing that is independent" if idle else ""
     free = [f"{w.name}.spin" for w in robot.wheels if w.has_spin and "spin" not in w.actuated]
     free += [f"{w.name}.steer_rate" for w in robot.wheels if w.kind.swivels and "steer" not in w.actuated]
-    missing = need - len(found)
+    missing = need - len(drives)
     advice = (
         f"actuate {missing} more of {', '.join(free)}"
         if free
         else f"{missing} more driven wheel{'s' if missing > 1 else ''} would be needed"
     )
-    return f"the driven joints move {len(found)} of {need} freedoms ({have}{beside}). Missing actuation: {advice}"
-
-
-def etas(chosen: Chosen, rates: tuple[str, ...]) -> tuple[list[tuple[Poly, ...]], Poly]:
-    """adj(E) times each input (drives, then steering rates): eta still to be divided by det E, and det E."""
-    matrix = [d.row for d in chosen.drives]
-    adj, det = adjugate(matrix), determinant(matrix)
-    size = range(len(matrix))
-    inputs = [[d.scale if i == k else ZERO for i in size] for k, d in enumerate(chosen.drives)]
-    inputs += [[d.offsets.get(name, ZERO) for d in chosen.drives] for name in rates]
-    found = [tuple(Poly.sum(adj[m][k] * u[k] for k in size if u[k]) for m in size) for u in inputs]
-    return found, det
+    return f"the driven joints move {len(drives)} of {need} freedoms ({have}{dependent}). Missing actuation: {advice}"

@@ -1,124 +1,55 @@
-"""The posture model xi_I' = R(theta)^T Sigma(beta) u in the speeds that drive the robot (Siegwart 3.4; Campion (1996)).
+"""The kinematic models of a robot as systems q' = G(q) u: posture, eta, configuration and zeta.
 
-Inputs are driven wheel speeds and the steering rates of the steering coordinates; where too few wheels are driven,
-null-space coordinates eta in place of the speeds. With a driven rear wheel the car of Tzafestas (2.55), with a
-driven front wheel that of (2.56a), the tricycle (2.46), the differential drive (2.37d), three omni wheels (2.74).
+**posture**: xi_I' = R(theta)^T Sigma(beta) u in the speeds that drive the robot (Siegwart 3.4; Campion, Bastin,
+d'Andrea-Novel (1996)), see `inputs`. With a driven rear wheel the car of Tzafestas (2.55), with a driven front wheel
+that of (2.56a), the tricycle (2.46), the differential drive (2.37d), three omni wheels (2.74). **eta**: the same in the
+coordinates of the null space, `dynamics`.
+
+**configuration**: rates of everything that turns or moves, q = (x, y, theta, steering coordinates, castor angles, wheel
+angles). Steered wheels that follow by the Ackermann condition have no state of their own: their angles are functions
+of the coordinates (`virtual_steering`).
+
+**zeta**: the reference of a car moves to the steered front wheel (Tzafestas (2.56b)). Point P of that wheel (real or
+virtual) moves along zeta = theta + heading + psi with its own speed v1:
+
+    xp' = v1 cos(zeta),  yp' = v1 sin(zeta),  theta' = v1 k(zeta - theta),  zeta' = u2 = theta' + v2
+
+with v2 = psi' and k = sin(psi)/D for a car; (xp, yp, zeta) is a unicycle. No division by cos(psi).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import sympy
 
-from wmrgen.exact.poly import Poly, Row
-from wmrgen.functions.models.followers import castor_rate
-from wmrgen.functions.models.fraction import divided, essential, never_zero
-from wmrgen.functions.models.frame import Frame, angles_in, clean, frame
-from wmrgen.functions.models.inputs import UnderactuatedError, choose, etas
+from wmrgen.constraints import along, heading
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.functions.models.frame import ZERO, Frame, castor_rate, direct, in_coordinates, rate_row, rim_row
+from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
+from wmrgen.functions.models.polynomials import clean, domain_of, essential, quotient
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system
-from wmrgen.functions.system import Domain, System
+from wmrgen.functions.system import System
 from wmrgen.kinematics.odometry import POSE
-from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
+from wmrgen.kinematics.records import Formula, joint_port
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
+from wmrgen.symbolic import Expr, expression, rotated, signal, substituted, subtract
 
-
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """How inputs move the body.
-
-    ``twists[k]``: the twist of P per unit of ``inputs[k]``, robot frame. ``etas[k] / divisor``: its coordinates
-    along the columns of N. The model holds where ``divisor`` is not zero.
-    """
-
-    frame: Frame
-    inputs: tuple[Port, ...]
-    etas: tuple[tuple[Poly, ...], ...]
-    divisor: Poly
-    twists: tuple[Row, ...]
-    text: str
-
-    @property
-    def robot(self) -> Robot:
-        """The layout."""
-        return self.frame.robot
-
-    @property
-    def swivels(self) -> tuple[Wheel, ...]:
-        """Castors whose angle the motion depends on: states of the posture model."""
-        seen = angles_in(tuple(p for twist in self.twists for p in twist))
-        return tuple(w for w in self.robot.wheels if w.kind.swivels and w.name in seen)
-
-    @property
-    def geometry(self) -> tuple[Port, ...]:
-        """Parameters that stay symbols."""
-        return geometry_ports(self.frame)
-
-    @property
-    def domain(self) -> tuple[Domain, ...]:
-        """Where the inputs lose their grip on the motion."""
-        if self.divisor.constant is not None and len(self.frame.columns) == 1:
-            condition = Poly.sum(p * p for p in self.frame.columns[0])
-            text = "all entries of the null space vanish: axles fall into one line and rank C1 drops"
-        else:
-            condition = essential(self.divisor)
-            names = ", ".join(p.name for p in self.inputs if not self._turns(p))
-            one = len(self.frame.columns) == 1
-            text = f"G is unbounded: {names} " + (
-                "stands still whatever the robot does" if one else "no longer determine the motion"
-            )
-        return () if never_zero(condition, self.robot) else (Domain(expression(condition), text),)
-
-    def _turns(self, port: Port) -> bool:
-        return port.name in {f"{w.name}.steer_rate" for w in self.frame.wheels}
-
-
-def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:
-    """The motion in driven speeds and steering rates."""
-    found = steering_frame(robot, mobility, symbolic)
-    chosen = choose(found)
-    rates = tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in found.wheels)
-    found_etas, determinant = etas(chosen, tuple(w.name for w in found.wheels))
-    inputs = (*(d.port for d in chosen.drives), *rates)
-    note = f"; {', '.join(chosen.idle)} must follow" if chosen.idle else ""
-    text = f"posture model in {', '.join(p.name for p in inputs)}{note}"
-    return _motion(found, inputs, found_etas, determinant, text)
-
-
-def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual: bool = False) -> Motion:
-    """The motion in null-space coordinates, as ``dynamics`` has it; ``virtual`` takes the virtual angles."""
-    found = steering_frame(robot, mobility, symbolic) if virtual else frame(robot, mobility, symbolic)
-    size = range(len(found.columns))
-    ports = tuple(
-        Port(f"eta{k + 1}", Role.COMMAND, "", f"coordinate along column {k + 1} of the null space")
-        for k in size
-    )
-    rates = tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in found.wheels)
-    one = [tuple(Poly.of(int(i == k)) for i in size) for k in range(len(size) + len(rates))]
-    return _motion(found, (*ports, *rates), one, Poly.of(1), "posture model in null-space coordinates")
-
-
-def _motion(
-    found: Frame, inputs: tuple[Port, ...], given: list[tuple[Poly, ...]], divisor: Poly, text: str
-) -> Motion:
-    rows = []
-    for eta in given:
-        parts = [Poly.sum(c[i] * e for c, e in zip(found.columns, eta, strict=True)) for i in range(3)]
-        rows.append(divided((parts[0], parts[1], parts[2]), divisor))
-    return Motion(found, inputs, tuple(given), divisor, tuple(rows), text)
-
-
-def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Motion:
-    """In driven speeds where the actuation allows it, else in null-space coordinates."""
-    try:
-        return posture_motion(robot, mobility, symbolic)
-    except UnderactuatedError as error:
-        found = eta_motion(robot, mobility, symbolic, virtual=True)
-        return replace(found, text=f"{found.text}: {error}")
+_COURSE = "course"  # stands for zeta - theta
+ZETA_STATE = (
+    Port("xp", Role.STATE, "m", "position of the steered wheel in the world frame"),
+    Port("yp", Role.STATE, "m", "position of the steered wheel in the world frame"),
+    Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
+    Port("zeta", Role.STATE, "rad", "rolling direction of the steered wheel, counter-clockwise from world x"),
+)
+ZETA_INPUTS = (
+    Port("v1", Role.COMMAND, "m/s", "speed of the steered wheel's centre"),
+    Port("v2", Role.COMMAND, "rad/s", "steering rate of that wheel against the body"),
+)
 
 
 @system("posture")
@@ -133,56 +64,134 @@ def posture(robot: Robot, mobility: Mobility) -> Formula:
     return posture_system(robot, mobility).formula()
 
 
-def system_of(name: str, motion: Motion) -> System:
-    """The posture model of a motion."""
-    state = posture_state(motion)
-    found = tuple(
-        posture_field(motion, port, twist) for port, twist in zip(motion.inputs, motion.twists, strict=True)
+@system("eta")
+def eta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
+    """`dynamics` as a system."""
+    return system_of("dynamics", eta_motion(robot, mobility, symbolic))
+
+
+@system("configuration")
+def configuration_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
+    """The posture model extended by castor angles and wheel angles."""
+    motion = best_motion(robot, mobility, symbolic)
+    castors = tuple(w for w in robot.wheels if w.kind.swivels)
+    rolling = tuple(
+        w for w in robot.wheels if w.has_spin and (direct(motion.frame, w) or len(motion.etas[0]) == 1)
     )
-    return System(name, motion.text, state, motion.inputs, found, motion.geometry, motion.domain)
+    model = system_of("configuration", motion, castors, rolling)
+    return replace(model, text=f"configuration model: {motion.text}")
 
 
-def posture_state(motion: Motion) -> tuple[Port, ...]:
-    """x y theta, steering coordinates, castors that matter."""
-    wheels = (*motion.frame.wheels, *motion.swivels)
-    return (*POSE, *(joint_port(w, "steer", Role.STATE) for w in wheels))
+@function("Siegwart (3.24)-(3.28), solved for the joint rates")
+def configuration(robot: Robot, mobility: Mobility) -> Formula:
+    """State and driven speeds to the rates of everything that moves."""
+    return configuration_system(robot, mobility).formula()
 
 
-def posture_field(motion: Motion, port: Port, twist: Row) -> tuple[Expr, ...]:
-    """The vector field of one input on the states of the posture model."""
-    steers = [sympy.Integer(port.name == f"{w.name}.steer_rate") for w in motion.frame.wheels]
-    swivels = [expression(clean(castor_rate(motion.frame, w, twist))) for w in motion.swivels]
-    return (*world(twist), *steers, *swivels)
+def system_of(
+    name: str, motion: Motion, castors: tuple[Wheel, ...] | None = None, rolling: tuple[Wheel, ...] = ()
+) -> System:
+    """The model of a motion: x y theta, steering coordinates, castors (None: those that matter), wheel angles."""
+    castors = motion.swivels if castors is None else castors
+    coordinates = motion.frame.wheels
+    state = (
+        *POSE,
+        *(joint_port(w, "steer", Role.STATE) for w in (*coordinates, *castors)),
+        *(Port(f"{w.name}.angle", Role.STATE, "rad", "angle rolled about the axle") for w in rolling),
+    )
+    fields = []
+    for k, port in enumerate(motion.inputs):
+        steers = (Poly.of(int(port.name == f"{w.name}.steer_rate")) for w in coordinates)
+        swivels = (_castor_rate(motion, w, k) for w in castors)
+        spins = (_wheel_rate(motion, w, k) for w in rolling)
+        joints = (expression(p) for p in (*steers, *swivels, *spins))
+        fields.append((*_in_world(motion.twists[k]), *joints))
+    geometry = motion.frame.geometry
+    return System(name, motion.text, state, motion.inputs, tuple(fields), geometry, motion.domain)
 
 
-def world(twist: Row) -> tuple[Expr, Expr, Expr]:
+def _in_world(twist: Row) -> tuple[Expr, Expr, Expr]:
     """R(theta)^T xi: the twist in the world frame (Siegwart (3.1))."""
     theta = signal("theta")
-    c, s = sympy.cos(theta), sympy.sin(theta)
     vx, vy, omega = (expression(p) for p in twist)
-    return subtract(times(vx, c), times(vy, s)), add(times(vx, s), times(vy, c)), omega
+    return *rotated(sympy.cos(theta), sympy.sin(theta), vx, vy), omega
 
 
-def geometry_ports(frame: Frame) -> tuple[Port, ...]:
-    """The parameters that stay symbols in the frame's view."""
-    return parameter_ports(frame.robot) if frame.symbolic else tunable_ports(frame.robot)
-
-
-def parameter_ports(robot: Robot) -> tuple[Port, ...]:
-    """Every parameter as an input, with its nominal value."""
-    tunable = {p.name: p for p in tunable_ports(robot)}
-    angles = {
-        g.name
-        for w in robot.wheels
-        for f in fields(w.symbolic)
-        for h in getattr(w.symbolic, f.name).generators
-        if h.kind in ("cosf", "sinf")
-        for a in h.args
-        for g in a.generators
-        if g.kind == "param"
-    }
-    return tuple(
-        tunable.get(p.name)
-        or Port(p.name, Role.GEOMETRY, "rad" if p.name in angles else "m", "parameter", p.nominal)
-        for p in robot.parameters
+def _castor_rate(motion: Motion, w: Wheel, k: int) -> Poly:
+    return _per_input(
+        motion, tuple(castor_rate(motion.frame, w, column) for column in motion.frame.columns), k
     )
+
+
+def _wheel_rate(motion: Motion, w: Wheel, k: int) -> Poly:
+    """(rim speed - o steer_rate) / r; the steering of castors stands in their rim speed already."""
+    g = motion.frame.view(w)
+    rim = _per_input(motion, rim_row(motion.frame, w), k)
+    if w.kind.steers and g.o:
+        name = motion.inputs[k].name.removesuffix(".steer_rate")
+        rim = rim - g.o * rate_row(motion.frame, w).get(name, ZERO)
+    return clean(rim * g.rolling_radius.inverse())
+
+
+def _per_input(motion: Motion, row: Eta, k: int) -> Poly:
+    """row . eta for one input."""
+    above = Poly.sum(p * e for p, e in zip(row, motion.etas[k], strict=True))
+    return quotient(clean(above), motion.divisor)
+
+
+@system("zeta")
+def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
+    """State xp yp theta zeta, inputs v1 v2. NotDerivableError unless one angle steers and one freedom drives."""
+    degrees = (mobility.degree_of_mobility, mobility.degree_of_steerability)
+    if degrees != (1, 1):
+        raise NotDerivableError(
+            f"{robot.name} has no zeta form: it needs one freedom of driving and one steering coordinate, "
+            f"degrees (1, 1), and the robot has {degrees}."
+        )
+    frame = steering_frame(robot, mobility, symbolic)
+    if len(frame.wheels) != 1:
+        raise NotDerivableError(
+            f"{robot.name} has no zeta form: its steering coordinate is not one wheel's angle."
+        )
+    wheel = frame.wheels[0]
+    turn, speed = _turn(frame, wheel)
+    zeta = signal("zeta")
+    rate = _in_zeta(quotient(turn, speed))
+    first = (sympy.cos(zeta), sympy.sin(zeta), rate, rate)
+    zero, one = sympy.S.Zero, sympy.S.One
+    lost = f"the ICR lies on {wheel.name}: its centre stands still"
+    domain = domain_of(essential(speed), lost, robot, _in_zeta)
+    text = f"zeta form (Tzafestas (2.56b)): the reference is {wheel.name}, its rolling direction is zeta"
+    return System(
+        "zeta", text, ZETA_STATE, ZETA_INPUTS, (first, (zero, zero, zero, one)), frame.geometry, domain
+    )
+
+
+@function("Tzafestas (2.56b)")
+def zeta(robot: Robot, mobility: Mobility) -> Formula:
+    """Rates of xp yp theta zeta, and u2 = zeta': with u1 = v1 the inputs of the unicycle (xp, yp, zeta)."""
+    formula = zeta_system(robot, mobility).formula()
+    u2 = Port("u2", Role.COMMAND, "rad/s", "turning rate of the unicycle (xp, yp, zeta)")
+    return replace(formula, outputs=(*formula.outputs, (u2, formula.outputs[3][1])))
+
+
+def _turn(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
+    """Yaw rate and speed of the wheel's pivot per unit of eta, in cosine and sine of its direction in the body."""
+    (column,) = frame.columns
+    g = frame.view(wheel)
+    speed = dot(in_coordinates(frame, wheel, along(heading(wheel, g), g)), column)
+    c, s = Poly.gen("cos", _COURSE), Poly.gen("sin", _COURSE)
+
+    def value(gen: Gen) -> Poly | None:
+        """cos and sin of psi = (zeta - theta) - zero heading."""
+        if gen.kind == "cos":
+            return c * g.ch + s * g.sh
+        return s * g.ch - c * g.sh if gen.kind == "sin" else None
+
+    return column[2].substitute(value), speed.substitute(value)
+
+
+def _in_zeta(poly: Poly) -> Expr:
+    """The expression with zeta - theta for the direction."""
+    course = signal(f"{_COURSE}.steer")
+    return substituted(expression(poly), {course: subtract(signal("zeta"), signal("theta"))}, {})

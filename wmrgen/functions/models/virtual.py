@@ -11,12 +11,13 @@ import numpy as np
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, has_angles
-from wmrgen.functions.models.followers import heading_row
-from wmrgen.functions.models.frame import Frame, constant_rows, fixed, frame, generic, nominal_at, straight
+from wmrgen.functions.models.frame import Frame, constant_rows, frame, heading_row
+from wmrgen.functions.models.polynomials import generic, nominal_at, straight
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Geometry, Robot, Virtual, Wheel
 from wmrgen.mobility.admissible import along
+from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.configure import pivot_velocity
 from wmrgen.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.mobility.records import Mobility

@@ -1,32 +1,53 @@
-"""Chained form: z1' = u1, z2' = u2, z3' = z2 u1, ..., zn' = z_(n-1) u1 (Tzafestas (2.58)).
+"""Chained form z1' = u1, z2' = u2, z3' = z2 u1, ..., zn' = z_(n-1) u1 (Tzafestas (2.58)), and Brockett's integrator.
 
 Type (2, 0) without trailers takes (2.62), (2.63): z1 = theta, everywhere. A car takes (2.66)-(2.69), and N trailers
 coupled on the axle the construction of Sordalen (1993): z1 and zn are the position of the last axle, and
 z_(k-1) = dz_k/dz_1 along its path (module `series`), where cos theta_N and the cosines of all hitch angles
 are not 0. u1, u2 to the robot's own inputs is `chained_input`, the way back `chained_rates`.
+
+Brockett's integrator x1' = u1, x2' = u2, x3' = x1 u2 - x2 u1 of a (2, 0) robot comes from its (2,3) chain, with the
+same inputs: x1 = z1, x2 = z2, x3 = -2 z3 + z1 z2 (Tzafestas (2.64), (2.65)).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import sympy
 
+from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.train import OMEGA, V, Written, train, write
 from wmrgen.kinematics.records import Formula, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
+from wmrgen.symbolic import Expr, add, signal, subtract, times
+
+Outputs = tuple[tuple[Port, Expr], ...]
 
 SOURCE = "Tzafestas (2.58); Tzafestas (2.61)-(2.63); Tzafestas (2.66)-(2.69)"
+BROCKETT_SOURCE = "Tzafestas (2.59), (2.64), (2.65)"
+INTEGRATOR = "Brockett's integrator"
 U = (
     Port("u1", Role.COMMAND, "", "first input of the chain"),
     Port("u2", Role.COMMAND, "", "second input of the chain"),
 )
 
 
-def _z(k: int) -> Port:
-    return Port(f"z{k}", Role.COMMAND, "", f"state {k} of the chain")
+def _states(letter: str, values: Iterable[Expr], form: str) -> Outputs:
+    return tuple(
+        (Port(f"{letter}{k}", Role.COMMAND, "", f"state {k} of {form}"), value)
+        for k, value in enumerate(values, 1)
+    )
+
+
+def _rates(letter: str, values: Iterable[Expr]) -> Outputs:
+    return tuple(
+        (Port(f"{letter}{k}_rate", Role.COMMAND, "1/s", f"rate of {letter}{k}"), value)
+        for k, value in enumerate(values, 1)
+    )
 
 
 @function(SOURCE)
@@ -35,7 +56,7 @@ def chained(robot: Robot, mobility: Mobility) -> Formula:
     w = write(train(robot, mobility))
     n = w.train.size
     inputs = (*w.train.state, *tunable_ports(robot))
-    outputs = tuple((_z(k + 1), z) for k, z in enumerate(coordinates(w)))
+    outputs = _states("z", coordinates(w), "the chain")
     cite = "Tzafestas (2.62)" if w.train.by_heading else "Tzafestas (2.66), Sordalen (1993)"
     return Formula("chained", inputs, tuple(w.names.items), outputs, f"state of the (2,{n}) chain; {cite}")
 
@@ -44,8 +65,8 @@ def coordinates(w: Written) -> tuple[Expr, ...]:
     """z1 ... zn in the state."""
     if w.path is None:
         along = add(times(w.x, w.cosine), times(w.y, w.sine))
-        across = subtract(times(w.x, w.sine), times(w.y, w.cosine))
-        return signal("theta"), along, across
+        to_the_right = subtract(times(w.x, w.sine), times(w.y, w.cosine))
+        return signal("theta"), along, to_the_right
     slopes = w.path.slopes[1:-1]
     return (w.x, *reversed(slopes), w.y)
 
@@ -57,10 +78,10 @@ def chained_input(robot: Robot, mobility: Mobility) -> Formula:
     u1, u2 = (signal(p.name) for p in U)
     v, turning = own_inputs(w, u1, u2)
     v = w.names.define("axle_speed", v)
-    outputs = list(commands(w, v, turning))
+    outputs = commands(w, v, turning)
     inputs = (*w.train.state, *U, *tunable_ports(robot))
     text = "inputs of the chain to those of the robot; " + ("(2.63)" if w.path is None else "(2.68)")
-    return Formula("chained_input", inputs, tuple(w.names.items), tuple(outputs), text)
+    return Formula("chained_input", inputs, tuple(w.names.items), outputs, text)
 
 
 def own_inputs(w: Written, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
@@ -69,23 +90,23 @@ def own_inputs(w: Written, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
     if p is None:
         return add(u2, times(u1, coordinates(w)[2])), u1
     rest = subtract(u2, times(p.slopes[-1], u1))
-    answer = times(p.along, w.answer) if w.curvature is not None else sympy.S.One
-    return times(u1, p.speed), times(p.inverse_gain, answer, rest)
+    bend = times(p.along, w.inverse_leverage) if w.curvature is not None else sympy.S.One
+    return times(u1, p.speed), times(p.inverse_gain, bend, rest)
 
 
-def commands(w: Written, v: Expr, turning: Expr) -> tuple[tuple[Port, Expr], ...]:
+def commands(w: Written, v: Expr, turning: Expr) -> Outputs:
     """v, vx, vy, omega of P and the steering rate, where there is one."""
-    axle, t = w.train.axle, w.train
     omega = turning if w.curvature is None else times(w.curvature, v)
     omega = w.names.define("yaw_rate", omega)
-    ex, ey = expression(axle.ex), expression(axle.ey)
-    vx = add(times(ex, v), times(expression(axle.y), omega))
-    vy = subtract(times(ey, v), times(expression(axle.x), omega))
-    found = [(V, v), (Port("vx", Role.COMMAND, "m/s", "velocity of P forward"), vx)]
-    found += [(Port("vy", Role.COMMAND, "m/s", "velocity of P to the left"), vy), (OMEGA, omega)]
-    if w.curvature is not None:
-        found.append((t.turning, turning))
-    return tuple(found)
+    vx, vy = w.train.axle.velocity_of_p(v, omega)
+    steering = () if w.curvature is None else ((w.train.turning, turning),)
+    return (
+        (V, v),
+        (Port("vx", Role.COMMAND, "m/s", "velocity of P forward"), vx),
+        (Port("vy", Role.COMMAND, "m/s", "velocity of P to the left"), vy),
+        (OMEGA, omega),
+        *steering,
+    )
 
 
 @function(SOURCE)
@@ -97,12 +118,8 @@ def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
     z = coordinates(w)
     u1 = w.names.define("chain_u1", u1)
     rates = [u1, u2, *(times(z[k], u1) for k in range(1, len(z) - 1))]
-    outputs = tuple(
-        (Port(f"z{k + 1}_rate", Role.COMMAND, "1/s", f"rate of z{k + 1}"), rate)
-        for k, rate in enumerate(rates)
-    )
     text = "rates of the chained state; z1_rate and z2_rate are the chain's inputs u1 and u2"
-    return Formula("chained_rates", inputs, tuple(w.names.items), outputs, text)
+    return Formula("chained_rates", inputs, tuple(w.names.items), _rates("z", rates), text)
 
 
 def chain_inputs(w: Written, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
@@ -113,3 +130,49 @@ def chain_inputs(w: Written, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
     leverage = times(p.speed, w.leverage) if w.curvature is not None else sympy.S.One
     u1 = w.names.define("path_rate", times(v, p.along))
     return u1, add(times(p.slopes[-1], u1), times(p.gain, leverage, turning))
+
+
+def _chain_of_three(robot: Robot, mobility: Mobility) -> Written:
+    t = train(robot, mobility, what=INTEGRATOR)
+    if not t.by_heading:
+        raise NotDerivableError(
+            f"{robot.name}: {INTEGRATOR} is equivalent to the (2,3) chain of a (2, 0) robot without trailers "
+            f"(Tzafestas (2.65)); this one has {t.size} states and becomes the (2,{t.size}) chain: `chained`"
+        )
+    return write(t)
+
+
+def _integrator(w: Written) -> tuple[Expr, Expr, Expr]:
+    z1, z2, z3 = (w.names.define(f"chain_z{k}", z) for k, z in enumerate(coordinates(w), 1))
+    return z1, z2, add(times(sympy.Integer(-2), z3), times(z1, z2))
+
+
+@function(BROCKETT_SOURCE)
+def brockett(robot: Robot, mobility: Mobility) -> Formula:
+    """x y theta to x1 x2 x3 (Tzafestas (2.64))."""
+    w = _chain_of_three(robot, mobility)
+    outputs = _states("x", _integrator(w), INTEGRATOR)
+    inputs = (*w.train.state, *tunable_ports(robot))
+    text = "state of Brockett's integrator; Tzafestas (2.64)"
+    return Formula("brockett", inputs, tuple(w.names.items), outputs, text)
+
+
+@function(BROCKETT_SOURCE)
+def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
+    """x y theta, v, omega to x1' x2' x3' (Tzafestas (2.65)); u1, u2 are the first two."""
+    w = _chain_of_three(robot, mobility)
+    x1, x2, _ = _integrator(w)
+    u1, u2 = chain_inputs(w, signal("v"), signal("omega"))
+    u2 = w.names.define("chain_u2", u2)
+    outputs = _rates("x", (u1, u2, subtract(times(x1, u2), times(x2, u1))))
+    inputs = (*w.train.state, V, w.train.turning, *tunable_ports(robot))
+    text = "rates of Brockett's integrator; Tzafestas (2.65)"
+    return Formula("brockett_rates", inputs, tuple(w.names.items), outputs, text)
+
+
+@function(BROCKETT_SOURCE)
+def brockett_input(robot: Robot, mobility: Mobility) -> Formula:
+    """x y theta, u1, u2 to v, vx, vy, omega: the inputs are those of the chain."""
+    _chain_of_three(robot, mobility)
+    text = "inputs of Brockett's integrator to those of the robot; (2.63), (2.65)"
+    return replace(chained_input(robot, mobility), name="brockett_input", text=text)

@@ -1,32 +1,43 @@
-"""The chained form on a sheet of paper: transformation, inputs, domain, and the check that it holds."""
+"""The chained form on a sheet of paper: transformation, inputs, domain, and the check that it holds.
+
+The check takes exact derivatives at rational points. The rates of the state come from the posture model and the
+trailers, which know nothing of chains; those of z by differentiating the formula `chained` along them. Equality is
+decided in exact arithmetic, not to a tolerance.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 import sympy
 
+from wmrgen.errors import NotDerivableError
+from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.models.posture import parameter_ports
+from wmrgen.functions.models.inputs import eta_motion
 from wmrgen.functions.models.sheet import Equation, Sheet, tidy
-from wmrgen.functions.models.vector_fields import by_state, to_poly
-from wmrgen.functions.trailers.chained import U
-from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, length_of, train, turned
-from wmrgen.functions.trailers.verify import verify
+from wmrgen.functions.models.vector_fields import at_point, by_state, to_poly
+from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
+from wmrgen.functions.trailers.trailer import in_view, towing_system
+from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, train
+from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.records import Formula, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Port
 from wmrgen.symbolic import Expr, expression, local, signal
 
-EXACT_POINTS = 3
-MOST_TERMS = 40  # a derivative with more is not written out
+POINTS = 3
 MANY_TRAILERS = 8  # beyond, one exact point takes seconds
+MOST_TERMS = 40  # a derivative with more is not written out
 
 
 def chained_sheet(robot: Robot, mobility: Mobility) -> Sheet:
     """z1 ... zn and the robot's own inputs in closed form, as long as they can be written out."""
     t = train(robot, mobility, symbolic=True)
-    points = EXACT_POINTS if len(robot.trailers) <= MANY_TRAILERS else 1
-    checked = verify(robot, mobility, points)
+    checked = verify(robot, mobility, POINTS if len(robot.trailers) <= MANY_TRAILERS else 1)
     where, equations, domain = _by_heading(t) if t.by_heading else _by_position(t)
     n = t.size
     chain = ", ".join(["z1' = u1", "z2' = u2", *(f"z{k + 1}' = z{k} u1" for k in range(2, n))])
@@ -40,7 +51,7 @@ Parts = tuple[tuple[Equation, ...], tuple[Equation, ...], tuple[tuple[Expr, str]
 def _by_heading(t: Train) -> Parts:
     """Tzafestas (2.62), (2.63)."""
     theta, (x, y) = signal("theta"), last_axle(t)
-    c, s = turned(t.axle, sympy.cos(theta), sympy.sin(theta))
+    c, s = t.axle.turned(sympy.cos(theta), sympy.sin(theta))
     u1, u2 = (signal(p.name) for p in U)
     formulas = {"z1": theta, "z2": tidy(x * c + y * s), "z3": tidy(x * s - y * c)}
     formulas |= {V.name: u2 + local("z3") * u1, OMEGA.name: u1}
@@ -91,7 +102,7 @@ def _path(t: Train, domain: list[tuple[Expr, str]]) -> _Path:
     for k in range(len(t.trailers), 0, -1):
         trailer = t.trailers[k - 1]
         c, s = _circle(t, headings[k - 1] - headings[k], k == 1)
-        length = length_of(t, trailer)
+        length = in_view(trailer.length, t.symbolic)
         rates[f"{trailer.name}.theta"] = s * c.inverse() * w * length.inverse()
         answer = answer * c * c * length * w.inverse()
         w = w * c.inverse()
@@ -108,7 +119,7 @@ def _path(t: Train, domain: list[tuple[Expr, str]]) -> _Path:
 def _circle(t: Train, angle: Expr, tractor: bool) -> tuple[Poly, Poly]:
     """Cosine and sine of a heading or hitch angle; ``tractor``: from the direction of its axle."""
     c, s = sympy.cos(angle), sympy.sin(angle)
-    c, s = turned(t.axle, c, s) if tractor else (c, s)
+    c, s = t.axle.turned(c, s) if tractor else (c, s)
     return to_poly(c), to_poly(s)
 
 
@@ -129,3 +140,127 @@ def _inputs(t: Train, path: _Path, bend: Expr) -> list[Equation]:
     drift = tidy(expression(path.slopes[-1])) if complete else local("dz2/dz1")
     rate = tidy(bend) * tidy(expression(path.answer)) * (u2 - drift * u1)
     return [Equation(V.name, tidy(expression(path.speed)) * u1), Equation(t.turning.name, rate)]
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """Differences at each point, all of which are exactly 0 when the formulas are right."""
+
+    points: int
+    residuals: tuple[Exact, ...]
+
+    @property
+    def holds(self) -> bool:
+        """True where every identity holds exactly."""
+        return not any(self.residuals)
+
+    @property
+    def text(self) -> str:
+        """What was checked, and the outcome."""
+        verdict = "hold exactly" if self.holds else "FAIL"
+        return (
+            f"z1' = u1, z2' = u2, z(k+1)' = zk u1 and the way back through chained_input {verdict} at {self.points} "
+            "rational points (exact arithmetic, rates from the posture model and the trailers)"
+        )
+
+
+def verify(robot: Robot, mobility: Mobility, points: int = POINTS) -> Verification:
+    """The chain's identities at rational points. NotDerivableError where the robot has no chained form."""
+    t = train(robot, mobility)
+    functions = tuple(build(robot, mobility) for build in (chained, chained_rates, chained_input))
+    try:
+        residuals = [r for seed in range(points) for r in _residuals(t, mobility, functions, seed)]
+    except ValueError as error:
+        raise NotDerivableError(f"{robot.name}: not verifiable exactly: {error}") from error
+    return Verification(points, tuple(residuals))
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A point of the state space, and how it moves. ``values``: symbol -> number, for an angle the tangent of its half.
+
+    ``rates``: symbol -> rate; empty where nothing moves.
+    """
+
+    values: dict[str, Exact]
+    rates: dict[str, Exact]
+    geometry: Mapping[str, Exact]
+
+    def value(self, poly: Poly) -> Exact:
+        number = at_point(poly, self.values, self.geometry).constant
+        if number is None:
+            raise ValueError(f"no exact value for {expression(poly)}")
+        return number
+
+    def rate(self, expr: Expr, poly: Poly) -> Exact:
+        """By the chain rule over the symbols of ``expr`` that move; ``poly`` is the same as a polynomial."""
+        moving = sorted(s.name for s in expr.free_symbols if self.rates.get(s.name))
+        return sum((self.value(by_state(poly, name)) * self.rates[name] for name in moving), ZERO)
+
+    def outputs(self, formula: Formula) -> list[tuple[Exact, Exact]]:
+        """Value and rate of each output."""
+        here = _Place(dict(self.values), dict(self.rates), self.geometry)
+        for symbol, expr in formula.locals:
+            here.values[symbol.name], rate = here._value_and_rate(expr)
+            if self.rates:
+                here.rates[symbol.name] = rate
+        return [here._value_and_rate(expr) for _, expr in formula.outputs]
+
+    def _value_and_rate(self, expr: Expr) -> tuple[Exact, Exact]:
+        if isinstance(expr, sympy.Piecewise):  # a guard: |divisor| < least decides
+            (closed, condition), (opened, _) = expr.args
+            divisor, least = self.value(to_poly(condition.lts.args[0])), self.value(to_poly(condition.gts))
+            expr = closed if abs(divisor) < least else opened
+        poly = to_poly(expr)
+        return self.value(poly), self.rate(expr, poly)
+
+
+def _residuals(t: Train, mobility: Mobility, functions: tuple[Formula, ...], seed: int) -> list[Exact]:
+    system = towing_system(eta_motion(t.robot, mobility, virtual=True), mobility)
+    inputs = {_symbol(u): Exact(Fraction(2 * k + 3 + seed, 5 - 3 * k)) for k, u in enumerate(system.inputs)}
+    geometry = {p.name: p.default for p in tunable_ports(t.robot) if p.default is not None}
+    state = _generic_state(t, seed)
+    driven = _Place(state | inputs, {}, geometry)
+    here = _Place(
+        state,
+        {_symbol(q): driven.value(to_poly(e)) for q, e in zip(system.state, system.rates, strict=True)},
+        geometry,
+    )
+    own = {"v": _speed(t, here), _symbol(t.turning): here.rates[_symbol(t.steering_port or POSE[2])]}
+    z = here.outputs(functions[0])
+    rates = [rate for _, rate in z]
+    chain = [rates[0], rates[1], *(value * rates[0] for value, _ in z[1:-1])]
+    said = [value for value, _ in _Place(state | own, {}, geometry).outputs(functions[1])]
+    chain_inputs = {"u1": rates[0], "u2": rates[1]}
+    back = dict(
+        zip(
+            (_symbol(p) for p, _ in functions[2].outputs),
+            (value for value, _ in _Place(state | chain_inputs, {}, geometry).outputs(functions[2])),
+            strict=True,
+        )
+    )
+    residuals = [a - b for a, b in zip(rates, chain, strict=True)]
+    residuals += [a - b for a, b in zip(said, chain, strict=True)]
+    return residuals + [back[name] - value for name, value in own.items()]
+
+
+def _symbol(port: Port) -> str:
+    return str(signal(port.name).name)
+
+
+def _generic_state(t: Train, seed: int) -> dict[str, Exact]:
+    """Symbol -> a number, for an angle the tangent of its half: small, so that no guard is near."""
+    pose = {"x": Exact(Fraction(3, 5)), "y": Exact(Fraction(-9, 10 + seed))}
+    return pose | {
+        _symbol(p): Exact(Fraction((-1) ** k * (k % 3 + 1), 11 + 2 * k + 3 * seed))
+        for k, p in enumerate(t.state[2:])
+    }
+
+
+def _speed(t: Train, here: _Place) -> Exact:
+    """The speed of the axle's centre along the direction of travel, from the rates of the pose."""
+    theta = signal("theta")
+    c, s = here.value(to_poly(sympy.cos(theta))), here.value(to_poly(sympy.sin(theta)))
+    x, y, omega = (here.rates[name] for name in ("x", "y", "theta"))
+    ex, ey, qx, qy = (here.value(p) for p in (t.axle.ex, t.axle.ey, t.axle.x, t.axle.y))
+    return ex * (c * x + s * y - omega * qy) + ey * (c * y - s * x + omega * qx)

@@ -13,8 +13,8 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
-from wmrgen.functions.trailers.axle import Axle, Steering
-from wmrgen.functions.trailers.train import Train, V, train
+from wmrgen.functions.system import rate_port
+from wmrgen.functions.trailers.train import Steering, Train, V, train
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot
@@ -27,6 +27,8 @@ from wmrgen.symbolic import (
     angle_of,
     expression,
     root,
+    rotated,
+    rotated_back,
     select,
     signal,
     square,
@@ -87,29 +89,28 @@ def _translates(robot: Robot, mobility: Mobility) -> bool:
 @function("ours; Tzafestas (2.66)-(2.69) solved for the inputs")
 def flat(robot: Robot, mobility: Mobility) -> Formula:
     """Derivatives of the flat outputs to state and inputs, travelling forward; standing still turns nothing."""
-    known = flatness(robot, mobility)
+    claim = flatness(robot, mobility)
     if mobility.robot_type == (3, 0):
         return _pose(robot)
     if mobility.robot_type in ((2, 1), (1, 2)) or _translates(robot, mobility):
         raise NotDerivableError(
-            f"{robot.name} is flat with {known.outputs}: `inverse` recovers its joints from the twist"
+            f"{robot.name} is flat with {claim.outputs}: `inverse` recovers its joints from the twist"
         )
     t = train(robot, mobility, what="a flat output")
     if t.trailers:
         raise NotDerivableError(
-            f"{robot.name} is flat with {known.outputs}; the formulas that recover states and inputs are written down "
+            f"{robot.name} is flat with {claim.outputs}; the formulas that recover states and inputs are written down "
             "for robots without trailers. `chained_input` steers the last axle through derivatives of its path"
         )
-    return _axle(robot, t, known)
+    return _axle(robot, t, claim)
 
 
 def _pose(robot: Robot) -> Formula:
     """(3, 0): twist of P in the robot frame from the rates of the pose (Siegwart (3.2))."""
     theta = signal("theta")
-    c, s = sympy.cos(theta), sympy.sin(theta)
-    x, y, turn = (signal(f"{n}_rate") for n in ("x", "y", "theta"))
-    rates = tuple(Port(f"{p.name}_rate", Role.COMMAND, f"{p.unit}/s", f"rate of {p.name}") for p in POSE)
-    values = (add(times(x, c), times(y, s)), subtract(times(y, c), times(x, s)), turn)
+    rates = tuple(rate_port(p) for p in POSE)
+    x, y, turn = (signal(p.name) for p in rates)
+    values = (*rotated_back(sympy.cos(theta), sympy.sin(theta), x, y), turn)
     outputs = tuple(zip(twist_ports(), values, strict=True))
     return Formula(
         "flat", (POSE[2], *rates, *tunable_ports(robot)), (), outputs,
@@ -117,7 +118,7 @@ def _pose(robot: Robot) -> Formula:
     )  # fmt: skip
 
 
-def _axle(robot: Robot, t: Train, known: Flatness) -> Formula:
+def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
     names, axle = Locals(), t.axle
     dx, dy, ax, ay = (signal(n) for n in ("x_rate", "y_rate", "x_accel", "y_accel"))
     v = names.define("speed", root(add(square(dx), square(dy))))
@@ -128,25 +129,24 @@ def _axle(robot: Robot, t: Train, known: Flatness) -> Formula:
     omega = names.define("yaw_rate", times(cross, over, over))
     cosine = names.define("travel_cosine", times(dx, over))
     sine = names.define("travel_sine", times(dy, over))
-    c, s = _unturned(axle, cosine, sine)
+    c, s = rotated_back(*axle.direction, cosine, sine)  # of the robot's heading, from those of its axle's
     c, s = names.define("cos_theta", c), names.define("sin_theta", s)
-    qx, qy, ex, ey = (expression(p) for p in (axle.x, axle.y, axle.ex, axle.ey))
+    x, y = rotated(c, s, *axle.centre)
+    twist = (*axle.velocity_of_p(v, omega), omega)
     outputs: list[tuple[Port, Expr]] = [
-        (POSE[0], subtract(signal("x"), subtract(times(qx, c), times(qy, s)))),
-        (POSE[1], subtract(signal("y"), add(times(qx, s), times(qy, c)))),
+        (POSE[0], subtract(signal("x"), x)),
+        (POSE[1], subtract(signal("y"), y)),
         (POSE[2], angle_of(s, c)),
         (V, v),
-        (twist_ports()[0], add(times(ex, v), times(qy, omega))),
-        (twist_ports()[1], subtract(times(ey, v), times(qx, omega))),
-        (twist_ports()[2], omega),
+        *zip(twist_ports(), twist, strict=True),
     ]
     if axle.steering is not None:
         kappa = names.define("curvature", times(omega, over))
         bend = _curvature_rate(names, kappa, over)
         outputs += _steering(t, axle.steering, names, kappa, bend)
-    text = f"flat outputs {known.outputs} with derivatives to pose, inputs and steering, travelling forward"
+    text = f"flat outputs {claim.outputs} with derivatives to pose, inputs and steering, travelling forward"
     return Formula(
-        "flat", (*_inputs(known.order), *tunable_ports(robot)), tuple(names.items), tuple(outputs), text
+        "flat", (*_inputs(claim.order), *tunable_ports(robot)), tuple(names.items), tuple(outputs), text
     )
 
 
@@ -156,12 +156,6 @@ def _inputs(order: int) -> tuple[Port, ...]:
         for suffix, unit, what in _ORDERS[: order + 1]
         for axis in ("x", "y")
     )
-
-
-def _unturned(axle: Axle, c: Expr, s: Expr) -> tuple[Expr, Expr]:
-    """Cosine and sine of the robot's heading, from those of its axle's direction."""
-    ex, ey = expression(axle.ex), expression(axle.ey)
-    return add(times(ex, c), times(ey, s)), subtract(times(ex, s), times(ey, c))
 
 
 def _curvature_rate(names: Locals, kappa: Expr, over: Expr) -> Expr:
@@ -179,8 +173,7 @@ def _steering(t: Train, s: Steering, names: Locals, kappa: Expr, bend: Expr) -> 
     assert port is not None
     a = names.define("pivot_along", subtract(sympy.S.One, times(kappa, expression(s.y))))
     b = names.define("pivot_across", times(kappa, expression(s.x)))
-    ch, sh = expression(s.ch), expression(s.sh)
-    beta = angle_of(subtract(times(b, ch), times(a, sh)), add(times(a, ch), times(b, sh)))
+    along, across = rotated_back(expression(s.ch), expression(s.sh), a, b)
     size = names.define("pivot_squared", add(square(a), square(b)))
     rate = times(expression(s.x), bend, sympy.Pow(size, -1))  # size >= X**2 / (X**2 + Y**2)
-    return [(port, beta), (t.turning, rate)]
+    return [(port, angle_of(across, along)), (t.turning, rate)]

@@ -12,7 +12,7 @@ from the fixed axle at the centre of the fixed wheels, from P where there is non
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import sympy
@@ -20,15 +20,16 @@ import sympy
 from wmrgen.constraints import View
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.models.frame import clean
-from wmrgen.functions.models.posture import Motion, best_motion, posture_field, posture_state
+from wmrgen.functions.models.inputs import Motion, best_motion
+from wmrgen.functions.models.polynomials import clean
+from wmrgen.functions.models.posture import system_of
 from wmrgen.functions.registry import function, system
 from wmrgen.functions.system import Domain, System, guarded, rate_port
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
+from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
 
 Vector = tuple[Expr, Expr]
 
@@ -78,53 +79,52 @@ def check_trailers(robot: Robot, mobility: Mobility) -> None:
         )
 
 
+def require_trailers(robot: Robot, mobility: Mobility) -> None:
+    """NotDerivableError where the file names none, and for a body that cannot tow."""
+    if not robot.trailers:
+        raise NotDerivableError(
+            f"{robot.name} has no trailers.\n  Write trailers: [{{length: 1.1}}] in its file; hitch: 0 is on the axle."
+        )
+    check_trailers(robot, mobility)
+
+
 @dataclass(frozen=True, slots=True)
-class Axle:
-    """Speed along and yaw rate of an axle, and its direction in the world."""
+class Towed:
+    """The axle of a trailer: its speed along its heading and its yaw rate."""
 
     speed: Expr
     turn: Expr
-    theta: Expr
 
 
-def convoy(motion: Motion, body: Body, twist: Sequence[Expr], names: Locals | None) -> list[Axle]:
+def convoy(motion: Motion, body: Body, twist: Sequence[Expr], names: Locals | None) -> list[Towed]:
     """The axle of each trailer under a twist of P in the robot frame. With ``names`` shared results are named."""
-    view = motion.frame.symbolic
-    trailers = motion.robot.trailers
     vx, vy, omega = twist
-    h = _of(trailers[0].hitch, view)
-    px, py = body.x - body.fx * h, body.y - body.fy * h
-    coupling: Vector = (
-        subtract(vx, times(expression(py), omega)),
-        add(vy, times(expression(px), omega)),
-    )
-    ahead = signal("theta")
-    found: list[Axle] = []
-    for i, t in enumerate(trailers):
-        theta = signal(f"{t.name}.theta")
-        speed, across = _into(coupling, subtract(ahead, theta), names, t.name)
-        turn = times(sympy.Pow(expression(_of(t.length, view)), -1), across)
+    axles: list[Towed] = []
+    coupling: Vector = vx, vy
+    for i, t in enumerate(motion.robot.trailers):
+        hitch = in_view(t.hitch, motion.frame.symbolic)
+        if axles:
+            coupling = (
+                axles[-1].speed,
+                times(-1, expression(hitch), axles[-1].turn) if hitch else sympy.S.Zero,
+            )
+        else:
+            x, y = body.x - body.fx * hitch, body.y - body.fy * hitch
+            coupling = subtract(vx, times(expression(y), omega)), add(vy, times(expression(x), omega))
+        angle = hitch_angle(motion.robot, i)
+        c, s = sympy.cos(angle), sympy.sin(angle)
         if names is not None:
-            speed = names.define(f"{t.name}.speed", speed)
-            turn = names.define(f"{t.name}.turn", turn)
-        found.append(Axle(speed, turn, theta))
-        if i + 1 < len(trailers):
-            h = _of(trailers[i + 1].hitch, view)
-            coupling = (speed, times(-1, expression(h), turn) if h else sympy.S.Zero)
-        ahead = theta
-    return found
+            c, s = names.define(f"{t.name}.cos", c), names.define(f"{t.name}.sin", s)
+        speed, across = rotated(c, s, *coupling)
+        turn = times(sympy.Pow(expression(in_view(t.length, motion.frame.symbolic)), -1), across)
+        if names is not None:
+            speed, turn = names.define(f"{t.name}.speed", speed), names.define(f"{t.name}.turn", turn)
+        axles.append(Towed(speed, turn))
+    return axles
 
 
-def _into(coupling: Vector, hitch_angle: Expr, names: Locals | None, name: str) -> Vector:
-    """The coupling's velocity along and across a trailer that lies ``hitch_angle`` behind what pulls it."""
-    a, b = coupling
-    c, s = sympy.cos(hitch_angle), sympy.sin(hitch_angle)
-    if names is not None:
-        c, s = names.define(f"{name}.cos", c), names.define(f"{name}.sin", s)
-    return subtract(times(a, c), times(b, s)), add(times(a, s), times(b, c))
-
-
-def _of(length: Length, symbolic: bool) -> Poly:
+def in_view(length: Length, symbolic: bool) -> Poly:
+    """A length with its parameters as symbols, or the tunable ones alone."""
     return length.symbolic if symbolic else length.working
 
 
@@ -140,89 +140,74 @@ def state_ports(trailers: Sequence[Trailer]) -> tuple[Port, ...]:
     return tuple(Port(f"{t.name}.theta", Role.STATE, "rad", text) for t in trailers)
 
 
-def require_trailers(robot: Robot) -> None:
-    """NotDerivableError where the file names none."""
-    if not robot.trailers:
-        raise NotDerivableError(
-            f"{robot.name} has no trailers.\n  Write trailers: [{{length: 1.1}}] in its file; hitch: 0 is on the axle."
-        )
-
-
-def trailer_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> tuple[Motion, Body]:
-    """How the body moves and where it tows. NotDerivableError where it cannot."""
-    require_trailers(robot)
-    check_trailers(robot, mobility)
-    motion = best_motion(robot, mobility, symbolic)
-    return motion, body_of(robot, mobility, motion.frame.view)
-
-
 @system("trailer")
 def trailer_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> System:
     """Posture state and the trailers' headings; inputs as in the posture model, eta where actuation is missing."""
-    motion, body = trailer_motion(robot, mobility, symbolic)
-    rows = [[expression(p) for p in twist] for twist in motion.twists]
-    axles = [convoy(motion, body, row, None) for row in rows]
-    fields = tuple(
-        (*posture_field(motion, port, twist), *(a.turn for a in chain))
-        for port, twist, chain in zip(motion.inputs, motion.twists, axles, strict=True)
+    require_trailers(robot, mobility)
+    return towing_system(best_motion(robot, mobility, symbolic), mobility)
+
+
+def towing_system(motion: Motion, mobility: Mobility) -> System:
+    """The posture model of a motion with the headings of the trailers."""
+    trailers = motion.robot.trailers
+    body = body_of(motion.robot, mobility, motion.frame.view)
+    axles = [convoy(motion, body, [expression(p) for p in twist], None) for twist in motion.twists]
+    posture = system_of("trailer", motion)
+    return replace(
+        posture,
+        text=f"body and {len(trailers)} trailer{'' if len(trailers) == 1 else 's'}: {motion.text}",
+        state=(*posture.state, *state_ports(trailers)),
+        fields=tuple(
+            (*field, *(a.turn for a in chain)) for field, chain in zip(posture.fields, axles, strict=True)
+        ),
+        domain=(*posture.domain, *_jackknives(motion, body, axles)),
     )
-    state = (*posture_state(motion), *state_ports(robot.trailers))
-    domain = (*motion.domain, *_jackknives(motion, body, axles))
-    text = f"body and {len(robot.trailers)} trailer{'' if len(robot.trailers) == 1 else 's'}: {motion.text}"
-    return System("trailer", text, state, motion.inputs, fields, motion.geometry, domain)
 
 
-def _jackknives(motion: Motion, body: Body, axles: list[list[Axle]]) -> list[Domain]:
+def _jackknives(motion: Motion, body: Body, axles: list[list[Towed]]) -> list[Domain]:
     """Where an axle stands still while it is pulled: cos(hitch angle) = 0 on the axle, speed 0 off it."""
-    found = []
+    domains = []
     for i, t in enumerate(motion.robot.trailers):
-        if not _of(t.hitch, motion.frame.symbolic) and (i or body.axle):
+        if not in_view(t.hitch, motion.frame.symbolic) and (i or body.axle):
             condition: Expr = sympy.cos(hitch_angle(motion.robot, i))
             why = "what pulls it stands square to it and cannot move it"
         else:
-            parts = [
+            speeds = [
                 (chain[i].speed, u)
                 for chain, u in zip(axles, motion.inputs, strict=True)
                 if chain[i].speed is not sympy.S.Zero
             ]
-            condition = parts[0][0] if len(parts) == 1 else add(*(times(v, signal(u.name)) for v, u in parts))
+            condition = (
+                speeds[0][0] if len(speeds) == 1 else add(*(times(v, signal(u.name)) for v, u in speeds))
+            )
             why = "its axle stands still and turns on the spot while it is pulled; beyond, it is pushed backwards"
-        found.append(Domain(condition, f"{t.name} is jack-knifed: {why}"))
-    return found
+        domains.append(Domain(condition, f"{t.name} is jack-knifed: {why}"))
+    return domains
 
 
 @function("Tzafestas 2.3.6, (2.70) corrected; off the axle it is ours")
 def trailer(robot: Robot, mobility: Mobility) -> Formula:
     """Rates of the posture and of the trailers' headings, and the speed of each trailer's axle (0 when jack-knifed)."""
-    motion, body = trailer_motion(robot, mobility)
+    require_trailers(robot, mobility)
+    motion = best_motion(robot, mobility)
+    body = body_of(robot, mobility, motion.frame.view)
     names = Locals()
     memo: dict[Expr, Expr] = {}
     twist = [_summed(motion, i, names, memo) for i in range(3)]
     theta = signal("theta")
     c, s = names.define("cos_theta", sympy.cos(theta)), names.define("sin_theta", sympy.sin(theta))
-    world = (
-        subtract(times(twist[0], c), times(twist[1], s)),
-        add(times(twist[0], s), times(twist[1], c)),
-        twist[2],
-    )
-    state = posture_state(motion)
-    pairs = [(posture_field(motion, u, t), u) for u, t in zip(motion.inputs, motion.twists, strict=True)]
-    joints = [
-        guarded(add(*(times(field[i], signal(u.name)) for field, u in pairs)), names, memo)
-        for i in range(3, len(state))
-    ]
+    posture = system_of("posture", motion)
+    joints = [guarded(rate, names, memo) for rate in posture.rates[3:]]
     axles = convoy(motion, body, twist, names)
     headings = state_ports(robot.trailers)
-    rates = (*world, *joints, *(a.turn for a in axles))
-    outputs = [(rate_port(p), e) for p, e in zip((*state, *headings), rates, strict=True)]
+    rates = (*rotated(c, s, twist[0], twist[1]), twist[2], *joints, *(a.turn for a in axles))
+    outputs = [(rate_port(p), e) for p, e in zip((*posture.state, *headings), rates, strict=True)]
+    speed = "speed of the trailer's axle; 0 when jack-knifed"
     outputs += [
-        (
-            Port(f"{t.name}.speed", Role.COMMAND, "m/s", "speed of the trailer's axle; 0 when jack-knifed"),
-            a.speed,
-        )
+        (Port(f"{t.name}.speed", Role.COMMAND, "m/s", speed), a.speed)
         for t, a in zip(robot.trailers, axles, strict=True)
     ]
-    inputs = (*state, *headings, *motion.inputs, *tunable_ports(robot))
+    inputs = (*posture.state, *headings, *motion.inputs, *tunable_ports(robot))
     text = f"rates of a body with trailers (one is jack-knifed where its speed is 0): {motion.text}"
     return Formula("trailer", inputs, tuple(names.items), tuple(outputs), text)
 

@@ -1,4 +1,13 @@
-"""A robot with a fixed axle as the tractor of a train: state, curvature, path of the last axle, written down once."""
+"""A robot with a fixed axle as the tractor of a train: its axle, state, curvature, and the path of the last axle.
+
+A fixed axle leaves two motions, along its heading and about a point of its line: what a differential drive and a car
+have in common. Q is the centre of the fixed wheels on it, where trailers are coupled too; e is the direction of travel.
+With v the speed of Q along e,
+
+    d/dt Q = v e,    omega = kappa v for a steered wheel,    kappa(beta) = sin h / (X cos h + Y sin h),
+
+(X, Y) the pivot and h the heading of the steered wheel, both seen from the axle. Tzafestas (2.26), (2.55).
+"""
 
 from __future__ import annotations
 
@@ -6,20 +15,68 @@ from dataclasses import dataclass
 
 import sympy
 
+from wmrgen.constraints import symbolic_view, working_view
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.poly import Poly
-from wmrgen.functions.trailers.axle import Axle, Steering, body_axle
+from wmrgen.exact.evaluate import sqrt_poly
+from wmrgen.exact.poly import Poly, Row, has_angles
+from wmrgen.functions.models.frame import constant_rows
+from wmrgen.functions.models.polynomials import nominal_at, straight
+from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.trailers.series import NARROW, Gate, Link, Path, path
-from wmrgen.functions.trailers.trailer import check_trailers, state_ports
+from wmrgen.functions.trailers.trailer import Vector, body_of, check_trailers, in_view, state_ports
+from wmrgen.functions.trailers.trailer_geometry import behind
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot, Trailer
+from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
+from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
 
+SMALL = 1e-9
 V = Port("v", Role.COMMAND, "m/s", "speed of the centre of the axle, along the direction of travel")
 OMEGA = Port("omega", Role.COMMAND, "rad/s", "yaw rate, counter-clockwise")
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """The steered wheel that sets the curvature. (x, y): pivot, (ch, sh): zero heading, in the axle's frame."""
+
+    name: str
+    x: Poly
+    y: Poly
+    ch: Poly
+    sh: Poly
+
+
+@dataclass(frozen=True, slots=True)
+class Axle:
+    """``ex, ey``: unit direction of travel e. ``x, y`` [m]: the point Q. Robot frame. ``steering``: None for (2, 0)."""
+
+    ex: Poly
+    ey: Poly
+    x: Poly
+    y: Poly
+    steering: Steering | None
+
+    @property
+    def direction(self) -> Vector:
+        """e as expressions."""
+        return expression(self.ex), expression(self.ey)
+
+    @property
+    def centre(self) -> Vector:
+        """Q as expressions."""
+        return expression(self.x), expression(self.y)
+
+    def turned(self, c: Expr, s: Expr) -> Vector:
+        """Cosine and sine of the axle's heading, from those of the robot's."""
+        return rotated(c, s, *self.direction)
+
+    def velocity_of_p(self, v: Expr, omega: Expr) -> Vector:
+        """vx, vy of P for the speed of Q along e and the yaw rate."""
+        (ex, ey), (x, y) = self.direction, self.centre
+        return add(times(ex, v), times(y, omega)), subtract(times(ey, v), times(x, omega))
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,48 +152,42 @@ class Written:
     y: Expr
     curvature: Expr | None
     leverage: Expr  # dkappa/dbeta, or 1
-    answer: Expr  # dbeta/dkappa, or 1
+    inverse_leverage: Expr  # dbeta/dkappa, or 1
     path: Path | None  # None where z1 is the heading
 
 
 def write(t: Train) -> Written:
     """Everything that the functions below share."""
     names, axle = Locals(), t.axle
-    c, s = turned(axle, sympy.cos(signal("theta")), sympy.sin(signal("theta")))
+    c, s = axle.turned(sympy.cos(signal("theta")), sympy.sin(signal("theta")))
     if t.by_heading:
         c, s = names.define("axle_cosine", c), names.define("axle_sine", s)
     curvature: Expr | None = None
-    leverage = answer = sympy.S.One
+    leverage = inverse_leverage = sympy.S.One
     if axle.steering is not None:
-        curvature, leverage, answer = bending(axle.steering, names)
+        curvature, leverage, inverse_leverage = bending(axle.steering, names)
     x, y = last_axle(t)
     x, y = names.define("last_x", x), names.define("last_y", y)
-    found = None if t.by_heading else path(names, _links(t), curvature)
-    return Written(t, names, c, s, x, y, curvature, leverage, answer, found)
+    driven = None if t.by_heading else path(names, _links(t), curvature)
+    return Written(t, names, c, s, x, y, curvature, leverage, inverse_leverage, driven)
 
 
-def last_axle(t: Train) -> tuple[Expr, Expr]:
+def last_axle(t: Train) -> Vector:
     """Position of the centre of the last axle, world frame [m]."""
     theta = signal("theta")
-    x: Expr = signal("x")
-    y: Expr = signal("y")
-    if t.axle.x or t.axle.y:
-        qx, qy, c, s = expression(t.axle.x), expression(t.axle.y), sympy.cos(theta), sympy.sin(theta)
-        x = add(x, subtract(times(qx, c), times(qy, s)))
-        y = add(y, add(times(qx, s), times(qy, c)))
+    x, y = rotated(sympy.cos(theta), sympy.sin(theta), *t.axle.centre)
+    point: Vector = add(signal("x"), x), add(signal("y"), y)
     for trailer in t.trailers:
-        heading, length = signal(f"{trailer.name}.theta"), expression(length_of(t, trailer))
-        x, y = subtract(x, times(length, sympy.cos(heading))), subtract(y, times(length, sympy.sin(heading)))
-    return x, y
+        point = behind(point, in_view(trailer.length, t.symbolic), signal(f"{trailer.name}.theta"))
+    return point
 
 
 def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
     """kappa [1/m] of the axle's path, dkappa/dbeta and dbeta/dkappa, for the steering angle beta."""
     beta = signal(f"{s.name}.steer")
     c, n = sympy.cos(beta), sympy.sin(beta)
-    ch, sh = expression(s.ch), expression(s.sh)
-    cosine = names.define("steer_cosine", subtract(times(ch, c), times(sh, n)))
-    sine = names.define("steer_sine", add(times(sh, c), times(ch, n)))
+    along, across = rotated(c, n, expression(s.ch), expression(s.sh))
+    cosine, sine = names.define("steer_cosine", along), names.define("steer_sine", across)
     inverse = s.x.inverse()
     divisor = names.define("steer_divisor", add(cosine, times(expression(s.y * inverse), sine)))
     gate = Gate(divisor, NARROW)
@@ -147,30 +198,85 @@ def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
     return kappa, leverage, times(expression(s.x), divisor, divisor)
 
 
-def length_of(t: Train, trailer: Trailer) -> Poly:
-    """The trailer's length in the view that the train is written in."""
-    return trailer.length.symbolic if t.symbolic else trailer.length.working
-
-
-def turned(axle: Axle, c: Expr, s: Expr) -> tuple[Expr, Expr]:
-    """Cosine and sine of the axle's heading, from those of the robot's."""
-    ex, ey = expression(axle.ex), expression(axle.ey)
-    return subtract(times(ex, c), times(ey, s)), add(times(ex, s), times(ey, c))
-
-
 def _links(t: Train) -> list[Link]:
     """The last heading, then the hitch angles from the last to the first."""
     theta = signal("theta")
     headings = [signal(f"{trailer.name}.theta") for trailer in t.trailers]
     if not headings:
-        c, s = turned(t.axle, sympy.cos(theta), sympy.sin(theta))
+        c, s = t.axle.turned(sympy.cos(theta), sympy.sin(theta))
         return [Link("last", c, s, sympy.S.One)]
     last = headings[-1]
     links = [Link("last", sympy.cos(last), sympy.sin(last), sympy.S.One)]
     for k in reversed(range(len(headings))):
         d = subtract(headings[k - 1] if k else theta, headings[k])
         c, s = sympy.cos(d), sympy.sin(d)
-        c, s = (c, s) if k else turned(t.axle, c, s)
-        inverse = expression(length_of(t, t.trailers[k]).inverse())
+        c, s = (c, s) if k else t.axle.turned(c, s)
+        inverse = expression(in_view(t.trailers[k].length, t.symbolic).inverse())
         links.append(Link(f"hitch{k + 1}", c, s, inverse))
     return links
+
+
+def body_axle(robot: Robot, mobility: Mobility, what: str, symbolic: bool = False) -> Axle:
+    """The fixed axle of a (2, 0) or (1, 1) body. NotDerivableError, saying what is missing, for any other.
+
+    ``what`` needs it: the beginning of the message. ``symbolic``: named parameters stay symbols.
+    """
+    if mobility.robot_type not in ((2, 0), (1, 1)):
+        raise NotDerivableError(
+            f"{robot.name}: {what} is known for the types (2, 0) and (1, 1); {_type(mobility)}"
+        )
+    rows = constant_rows(robot, mobility)
+    if len(rows) != 1 or has_angles(rows[0]):
+        raise NotDerivableError(
+            f"{robot.name}: {what} is built on a fixed axle, and this robot of type (1, 1) has none: no fixed wheel "
+            "constrains it"
+        )
+    if mobility.dof < 3:
+        raise NotDerivableError(
+            f"{robot.name}: {what} needs a robot that can turn; this one only translates (DOF {mobility.dof})"
+        )
+    body = body_of(robot, mobility, symbolic_view if symbolic else working_view)
+    if body.axle:
+        ex, ey, x, y = body.fx, body.fy, body.x, body.y
+    else:
+        ex, ey, x, y = _foot(robot, rows[0] if symbolic else fixed(rows[0], robot))
+    turning = mobility.degree_of_steerability > 0
+    return Axle(ex, ey, x, y, _steering(robot, mobility, (ex, ey, x, y), symbolic) if turning else None)
+
+
+def _foot(robot: Robot, row: Row) -> tuple[Poly, Poly, Poly, Poly]:
+    """The axle of a row that no single wheel gives: its direction of travel, its point nearest to P."""
+    nx, ny, k = row
+    squared = nx * nx + ny * ny
+    sign = _sign(robot, ny, -nx)
+    scale = Poly.of(sign) if squared == 1 else sqrt_poly(squared).inverse().scale(sign)
+    ex, ey, at = ny * scale, -nx * scale, k * scale
+    return ex, ey, at * ex, at * ey
+
+
+def _type(mobility: Mobility) -> str:
+    if mobility.degenerate:
+        return f"this robot is degenerate (degree of mobility {mobility.degree_of_mobility})"
+    if mobility.degree_of_mobility == 3:
+        return "this one is omnidirectional, type (3, 0): its pose is free, so there is nothing to chain"
+    return f"this one is of type {mobility.robot_type}"
+
+
+def _sign(robot: Robot, ex: Poly, ey: Poly) -> int:
+    """+1 where (ex, ey) points forward, or left when it has no forward part."""
+    x, y = nominal_at(ex, robot, straight), nominal_at(ey, robot, straight)
+    return 1 if (x if abs(x) > SMALL else y) > 0 else -1
+
+
+def _steering(
+    robot: Robot, mobility: Mobility, axle: tuple[Poly, Poly, Poly, Poly], symbolic: bool
+) -> Steering:
+    """The wheel whose angle is the steering coordinate, virtual where the file names one, seen from the axle."""
+    wheel = steering_frame(robot, mobility, symbolic).wheels[0]
+    g = wheel.symbolic if symbolic else wheel.working
+    ex, ey, x, y = axle
+    dx, dy = g.x - x, g.y - y
+    return Steering(
+        name=wheel.name, x=ex * dx + ey * dy, y=ex * dy - ey * dx,
+        ch=ex * g.ch + ey * g.sh, sh=ex * g.sh - ey * g.ch,
+    )  # fmt: skip

@@ -1,12 +1,13 @@
-"""The steady circle of a train of trailers: hitch angles for a constant curvature of the body.
+"""Where trailers stand: their axles for given headings, and the hitch angles on the steady circle.
 
-On it every axle turns at the rate of the body, kappa per metre that the body's axle advances. Seen from the trailer
-the coupling moves by (v_i, L_i kappa), from what pulls it by (v_(i-1), -h_i kappa). Lengths and directions agree for
+On the steady circle every axle turns at the rate of the body, kappa per metre that the body's axle advances. Seen from
+the trailer the coupling moves by (v_i, L_i kappa), from what pulls it by (v_(i-1), -h_i kappa). Lengths and directions
+agree for
 
     v_i**2 = v_(i-1)**2 + kappa**2 (h_i**2 - L_i**2),   v_0 = 1
     hitch angle_i = atan2(L_i kappa, v_i) + atan2(h_i kappa, v_(i-1))
 
-It exists while every v_i**2 is not negative: the radii satisfy R_i**2 = R_(i-1)**2 + h_i**2 - L_i**2
+It exists while no v_i**2 is negative: the radii satisfy R_i**2 = R_(i-1)**2 + h_i**2 - L_i**2
 (Tzafestas 2.3.6 with h = 0).
 """
 
@@ -16,15 +17,65 @@ import sympy
 
 from wmrgen.constraints import working_view
 from wmrgen.errors import NotDerivableError
+from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import function
-from wmrgen.functions.trailers.trailer import body_of, check_trailers, require_trailers
+from wmrgen.functions.trailers.trailer import Vector, body_of, require_trailers, state_ports
+from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, angle_of, expression, maximum, minimum, root, signal, square, times
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    angle_of,
+    expression,
+    maximum,
+    minimum,
+    root,
+    rotated,
+    signal,
+    square,
+    subtract,
+    times,
+)
 
 CURVATURE = Port("curvature", Role.COMMAND, "1/m", "yaw rate of the body per speed of its axle centre")
+
+
+def behind(point: Vector, length: Poly, heading: Expr) -> Vector:
+    """The point that lies ``length`` [m] behind another, seen along a heading in the world."""
+    x, y = point
+    distance = expression(length)
+    return subtract(x, times(distance, sympy.cos(heading))), subtract(y, times(distance, sympy.sin(heading)))
+
+
+@function("Tzafestas 2.3.6")
+def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
+    """Pose of the body and headings of the trailers to the centre of each trailer's axle, world frame [m].
+
+    On the axle x_i = x_Q - sum of L_j cos(theta_j).
+    """
+    require_trailers(robot, mobility)
+    body = body_of(robot, mobility, working_view)
+    names = Locals()
+    hitch, ahead = robot.trailers[0].hitch.working, signal("theta")
+    coupling = expression(body.x - body.fx * hitch), expression(body.y - body.fy * hitch)
+    x, y = rotated(sympy.cos(ahead), sympy.sin(ahead), *coupling)
+    at: Vector = add(signal("x"), x), add(signal("y"), y)
+    outputs: list[tuple[Port, Expr]] = []
+    for i, t in enumerate(robot.trailers):
+        heading = signal(f"{t.name}.theta")
+        if i:
+            at = behind(at, t.hitch.working, ahead)
+        x, y = behind(at, t.length.working, heading)
+        at = names.define(f"{t.name}.at_x", x), names.define(f"{t.name}.at_y", y)
+        text = "centre of the trailer's axle, world frame"
+        outputs += [(Port(f"{t.name}.{k}", Role.STATE, "m", text), v) for k, v in zip("xy", at, strict=True)]
+        ahead = heading
+    inputs = (*POSE, *state_ports(robot.trailers), *tunable_ports(robot))
+    text = "where the axles of the trailers stand"
+    return Formula("trailer_positions", inputs, tuple(names.items), tuple(outputs), text)
 
 
 @function("Tzafestas 2.3.6, (2.70) at rest")
@@ -33,8 +84,7 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
 
     margin is the smallest v_i**2: the steady circle exists where it is not negative. Forward motion is stable on it.
     """
-    require_trailers(robot)
-    check_trailers(robot, mobility)
+    require_trailers(robot, mobility)
     if not body_of(robot, mobility, working_view).axle:
         raise NotDerivableError(
             f"{robot.name} has no steady circle in closed form: its body has no fixed axle that leads the trailers."
@@ -42,9 +92,9 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
     names = Locals()
     kappa = signal("curvature")
     bend = names.define("curvature_squared", square(kappa))
+    margin: Expr | None = None
     squared: Expr = sympy.S.One
     speed: Expr = sympy.S.One
-    margin: Expr | None = None
     outputs: list[tuple[Port, Expr]] = []
     for t in robot.trailers:
         length, hitch = t.length.working, t.hitch.working

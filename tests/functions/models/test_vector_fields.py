@@ -23,8 +23,7 @@ from tests.functions.models.robots import (
     zero,
 )
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.structure.brackets import growth
-from wmrgen.functions.system import System
+from wmrgen.functions.models.vector_fields import growth
 from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))
@@ -76,16 +75,9 @@ def test_trains_grow_by_one(count: int) -> None:
     """N trailers on the axle: (2, 3, ..., n), what a chained form has."""
     for wheels, states in ((UNICYCLE, 3), (CAR_REAR, 4)):
         d = train(wheels, count)
-        found = growth(d.system("trailer", symbolic=True) if wheels == CAR_REAR else _eta_train(d))
+        found = growth(d.system("trailer", symbolic=True))
         assert found.vector == tuple(range(2, states + count + 1))
         assert found.controllable
-
-
-def _eta_train(d: Derivation) -> System:
-    """The unicycle drives and turns, but its one wheel does not say how: null-space coordinates."""
-    from wmrgen.functions.trailers.verify import train_system
-
-    return train_system(d.robot, d.mobility)
 
 
 def test_a_trailer_off_the_axle_grows_too() -> None:

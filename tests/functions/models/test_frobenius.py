@@ -14,7 +14,7 @@ import sympy
 import wmrgen
 from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, OMNI, TWO_STEER, UNICYCLE, call, derived
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.structure.integrals import Integral
+from wmrgen.functions.models.integrals import Integral
 from wmrgen.robot import Derivation
 
 ROBOTS = sorted((Path(__file__).parents[3] / "robots").glob("*.yaml"))
@@ -39,12 +39,12 @@ def test_tzafestas_2_25_not_integrable() -> None:
     row = derived(UNICYCLE).integrability.row("wheel")
     assert row.coordinates == ("x", "y", "theta")
     assert row.value == -1 and not row.integrable
-    assert row.proof == (
+    assert row.proof() == (
         "c = (-sin(theta), cos(theta), 0), curl c = (sin(theta), -cos(theta), 0), c . curl c = -1 != 0: not integrable"
     )
     assert r"\nabla \times c" in row.latex and r"= -1 \neq 0" in row.latex
     rolling = derived(UNICYCLE).integrability.row("wheel", "rolling")
-    assert "c ^ dc = (-1) dx ^ dy ^ dtheta + ... != 0: not integrable" in rolling.proof
+    assert "c ^ dc = (-1) dx ^ dy ^ dtheta + ... != 0: not integrable" in rolling.proof()
 
 
 def test_heading_of_a_synchro_drive_is_constant() -> None:

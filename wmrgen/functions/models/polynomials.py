@@ -1,17 +1,83 @@
-"""Quotients of polynomials in short form, and the conditions under which they exist."""
+"""Polynomials in sines and cosines of steering angles: values, quotients in short form, and where they vanish."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from fractions import Fraction
 from math import cos, pi, sin
 
 from wmrgen.exact.evaluate import number
-from wmrgen.exact.number import ONE
-from wmrgen.exact.poly import Gen, Poly, Row
-from wmrgen.functions.models.frame import angles_in, cleaned
+from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.poly import Gen, Poly, Row, by_angle
+from wmrgen.functions.system import Domain
 from wmrgen.layout.records import Robot
+from wmrgen.symbolic import Expr, expression
 
+# Points of the unit circle at which generic ranks are decided: (cos, sin, radius).
+_POINTS = ((4, 3, 5), (12, -5, 13), (15, 8, 17), (24, 7, 25), (35, -12, 37), (40, 9, 41))
+NEGLIGIBLE = 1e-12
 _STEPS = 720
 _MARGIN = 1e-3
+
+Angles = Callable[[str], tuple[Exact, Exact]]  # wheel -> cosine and sine of its steering angle
+
+
+def straight(_: str) -> tuple[Exact, Exact]:
+    """Every steering angle zero."""
+    return Exact(1), Exact(0)
+
+
+def generic(robot: Robot, seed: int = 0) -> Angles:
+    """Different angles for different wheels."""
+    names = [w.name for w in robot.wheels] + [v.name for v in robot.virtual]
+
+    def angle(name: str) -> tuple[Exact, Exact]:
+        c, s, radius = _POINTS[(names.index(name) + seed) % len(_POINTS)]
+        return Exact(Fraction(c, radius)), Exact(Fraction(s, radius))
+
+    return angle
+
+
+def nominal_at(poly: Poly, robot: Robot, angles: Angles) -> float:
+    """The value at nominal parameters and these steering angles."""
+
+    def value(gen: Gen) -> Poly | None:
+        if gen.kind in ("cos", "sin"):
+            return Poly.of(angles(gen.name)[gen.kind == "sin"])
+        if gen.args:
+            return Poly.gen(gen.kind, gen.name, *(a.substitute(value) for a in gen.args))
+        return None
+
+    return float(number(poly.substitute(value), {p.name: p.value for p in robot.parameters}))
+
+
+def by_steering(poly: Poly, wheel: str) -> Poly:
+    """d poly / d(steering angle of ``wheel``)."""
+    return by_angle(poly, Gen("cos", wheel), Gen("sin", wheel))
+
+
+def angles_in(polys: tuple[Poly, ...] | Row) -> set[str]:
+    """Names of the wheels whose steering angle occurs."""
+    names: set[str] = set()
+    for p in polys:
+        for g in p.generators:
+            names |= {g.name} if g.kind in ("cos", "sin") else angles_in(g.args)
+    return names
+
+
+def cleaned(row: Row) -> Row:
+    """The row without terms that only rounding of its coefficients has left over."""
+    largest = max((abs(float(c)) for p in row for c in p.terms.values()), default=0.0)
+
+    def kept(p: Poly) -> Poly:
+        return Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest})
+
+    return kept(row[0]), kept(row[1]), kept(row[2])
+
+
+def clean(poly: Poly) -> Poly:
+    """The same for one polynomial."""
+    return cleaned((poly, Poly({}), Poly({})))[0]
 
 
 def divided(row: Row, divisor: Poly) -> Row:
@@ -58,6 +124,13 @@ def _squared(part: Poly) -> Poly:
     ((monomial, _),) = part.terms.items()
     gen = monomial[0][0]
     return gen.args[0] if gen.kind == "sqrt" else part
+
+
+def domain_of(
+    condition: Poly, text: str, robot: Robot, shown: Callable[[Poly], Expr] = expression
+) -> tuple[Domain, ...]:
+    """Where a model does not hold, and what ``text`` says of it; empty where the condition is never zero."""
+    return () if never_zero(condition, robot) else (Domain(shown(condition), text),)
 
 
 def never_zero(poly: Poly, robot: Robot) -> bool:

@@ -1,1 +1,0 @@
-"""What the constraints of a robot allow: Lie brackets and growth, integrability, and the integrals."""

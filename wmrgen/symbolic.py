@@ -148,7 +148,7 @@ def over(above: Expr, below: Expr) -> Expr:
 
 def rotated(c: Expr, s: Expr, a: Expr, b: Expr) -> tuple[Expr, Expr]:
     """The vector (a, b) turned by the angle whose cosine and sine are c and s."""
-    return subtract(times(c, a), times(s, b)), add(times(s, a), times(c, b))
+    return subtract(times(a, c), times(b, s)), add(times(a, s), times(b, c))
 
 
 def rotated_back(c: Expr, s: Expr, a: Expr, b: Expr) -> tuple[Expr, Expr]:

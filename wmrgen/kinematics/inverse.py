@@ -2,20 +2,26 @@
 
 Steering comes from atan2 of the pivot's velocity seen from the present wheel, so the swing is at most
 90 degrees with the drive reversed where that is shorter, and a pivot that stands still holds its angle.
+
+What castors see of a twist is the velocity of the pivot in the frame of the wheel's zero, then turned. It is linear in
+the twist and castors that stand in a row share its parts (a, b); turned by the joint angle it is
+(u, w) = (a c + b s, b c - a s), and with the offset d and the lateral offset o
+
+    rolling row . xi = u - o omega        sliding row . xi = w + d omega        (Siegwart (3.17), (3.18))
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.constraints import rolling_row, working_view
+from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.castors import CastorMotion, castor_motion
 from wmrgen.kinematics.geared import turning_alike
-from wmrgen.kinematics.line import pivot
+from wmrgen.kinematics.line import pivot, turned_by
 from wmrgen.kinematics.project import Projection, project
 from wmrgen.kinematics.records import (
     Formula,
@@ -32,6 +38,8 @@ from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, add, expression, root, square, subtract, times
+
+_MANY = 3  # castors of one offset from which dividing all velocities by it takes fewer operations
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,3 +217,35 @@ def turned_unlike(robot: Robot, joints: dict[int, Joints], speeds: dict[int, Exp
 
 def _scaled(rim: Expr, factor: Poly) -> Expr:
     return times(expression(factor), rim)
+
+
+@dataclass(frozen=True, slots=True)
+class CastorMotion:
+    """``rolling`` and ``sliding``: rows times the twist [m/s]. ``free_rate``: steering rate [rad/s] without sliding."""
+
+    rolling: Poly
+    sliding: Poly
+    free_rate: Poly
+
+
+def castor_motion(robot: Robot, twist: Row, names: Locals) -> dict[int, CastorMotion]:
+    """The motion of every castor, by wheel index."""
+    castors = [w for w in robot.wheels if w.kind.swivels]
+    alike = Counter(working_view(w).d.key for w in castors)
+    return {w.index: _motion(w, twist, names, alike[working_view(w).d.key] >= _MANY) for w in castors}
+
+
+def _motion(w: Wheel, twist: Row, names: Locals, divided: bool) -> CastorMotion:
+    """``divided``: the pivot's velocity is written in offsets per second."""
+    g, (c, s) = working_view(w), steer_gens(w)
+    over = g.d.inverse()
+    before, after = (over, Poly.of(1)) if divided else (Poly.of(1), over)
+    a, b = (
+        names.poly(f"{w.name}_{k}", p * before) if len(p.terms) > 1 else p * before
+        for k, p in zip("ab", turned_by(w, pivot(w, twist)), strict=True)
+    )
+    along, across = a * c + b * s, b * c - a * s
+    unit = g.d if divided else Poly.of(1)
+    return CastorMotion(
+        unit * along - g.o * twist[2], unit * across + g.d * twist[2], -(across * after) - twist[2]
+    )

@@ -1,19 +1,24 @@
-"""Mobility, steerability, maneuverability: one rule for every layout."""
+"""Mobility, steerability, maneuverability: one rule for every layout; and, in symbols, where the model is singular."""
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
-from wmrgen.constraints import symbolic_view, working_view
+from wmrgen.constraints import heading, nominal_view, rolling_row, symbolic_view, working_view
 from wmrgen.exact.evaluate import fix
-from wmrgen.exact.poly import Row
-from wmrgen.layout.records import Robot
-from wmrgen.mobility.basis import basis, null_columns, turning
-from wmrgen.mobility.configure import configuration, in_metres
-from wmrgen.mobility.ranks import growth_vector, null_basis, unit_rows
-from wmrgen.mobility.reasons import actuation, reasons
-from wmrgen.mobility.records import Mobility
-from wmrgen.mobility.singular import singularities
+from wmrgen.exact.linalg import determinant
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Poly, Row, dot
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.basis import basis, deciding, null_columns, primitive
+from wmrgen.mobility.configure import Configuration, configuration, in_metres
+from wmrgen.mobility.ranks import growth_vector, null_basis, numeric_rank, to_array, unit_rows
+from wmrgen.mobility.reasons import actuation, listed, reasons
+from wmrgen.mobility.records import Mobility, Singularity
+
+MOST_WHEELS = 8  # among which minors are written out
 
 
 def analyse(robot: Robot) -> Mobility:
@@ -23,13 +28,13 @@ def analyse(robot: Robot) -> Mobility:
     now = null_basis(unit_rows(at.at)) if at.mobility else np.zeros((0, 3))
     symbolic = null_columns([row.row(symbolic_view) for row in rows]) if at.mobility else ()
     columns = tuple(fixed(column, robot) for column in symbolic)
-    leaders = (robot.wheels[robot.steer_group[w.index]].name for w in turning(rows))
+    leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))
     return Mobility(
         degree_of_mobility=at.mobility, degree_of_steerability=at.steerability,
         rank_C1f=at.rank_fixed, rank_C1=at.rank, dof=at.dof,
-        reasons=reasons(at, turning(rows)), actuation=actuation(at),
+        reasons=reasons(at, deciding(rows)), actuation=actuation(at),
         growth_vector=growth_vector(now, at.admissible.tangent, at.steerability),
-        singularities=singularities(at, turning(rows), columns),
+        singularities=singularities(at, deciding(rows), columns),
         admissible=in_metres(at.admissible, at.unit),
         basis_rows=tuple(row.row(working_view) for row in rows), basis_wheels=tuple(dict.fromkeys(leaders)),
         null_space=columns, null_space_symbolic=symbolic,
@@ -39,3 +44,122 @@ def analyse(robot: Robot) -> Mobility:
 def fixed(row: Row, robot: Robot) -> Row:
     """A row with the parameters that are not tunable at their values."""
     return fix(row[0], robot.constants), fix(row[1], robot.constants), fix(row[2], robot.constants)
+
+
+def singularities(
+    at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...]
+) -> tuple[Singularity, ...]:
+    """All singular sets of the layout, each with the conditions that vanish there.
+
+    ``wheels``: the steered wheels that give a row of C1; ``columns``: of the null space of C1.
+    """
+    pivots = [_icr_on_pivot(w) for w in at.robot.wheels if w.kind.steers]
+    return (*pivots, *_shared_axles(at, wheels), *_drive(at, wheels, columns), *_rolling_rank(at))
+
+
+def _icr_on_pivot(w: Wheel) -> Singularity:
+    """A steered wheel whose pivot is the ICR: every heading rolls, the inverse holds the present one."""
+    g, one, zero = working_view(w), Poly.of(1), Poly({})
+    text = f"the ICR lies on the pivot of {w.name}: its heading is undefined, and inverse holds the present angle"
+    return Singularity("icr_on_pivot", ((one, zero, -g.y), (zero, one, g.x)), text, (w.name,))
+
+
+def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singularity]:
+    """The independent axles of C1 fall into one line: its rank drops."""
+    if at.mobility != 1 or not wheels:
+        return []
+    if len(wheels) == 2:
+        a, b = wheels
+        conditions = (_towards(a, b), _towards(b, a))
+        many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
+        what = (
+            f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
+            if many
+            else "rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+        )
+        text = f"the axles of {a.name} and {b.name} lie on one line: {what}"
+        return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
+    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
+    if not fixed:
+        return []
+    f, s = fixed[0], wheels[0]
+    offset = _towards(f, s)
+    number = offset.constant
+    if number is None or abs(float(number)) > 1e-9 * float(at.unit.length):
+        return []
+    text = f"{s.name} stands on the axle line of {f.name}: with parallel axles rank C1 falls from 2 to 1"
+    return [Singularity("shared_axle", (_parallel(f, s),), text, (f.name, s.name))]
+
+
+def _towards(a: Wheel, b: Wheel) -> Poly:
+    """e_a . (A_b - A_a): zero when the axle of a passes through the pivot of b."""
+    ga, gb = working_view(a), working_view(b)
+    ex, ey = heading(a, ga)
+    return ex * (gb.x - ga.x) + ey * (gb.y - ga.y)
+
+
+def _parallel(a: Wheel, b: Wheel) -> Poly:
+    """e_a x e_b: zero when the axles are parallel."""
+    ax, ay = heading(a, working_view(a))
+    bx, by = heading(b, working_view(b))
+    return ax * by - ay * bx
+
+
+def _pivots_in_line(at: Configuration) -> bool:
+    points = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in at.robot.wheels if w.kind.steers])
+    return int(np.linalg.matrix_rank(points - points[0], tol=1e-9)) < 2
+
+
+def _drive(at: Configuration, wheels: tuple[Wheel, ...], columns: tuple[Row, ...]) -> list[Singularity]:
+    """The driven wheels lose their grip on the motion: every rolling row vanishes on the null space."""
+    driven = [w for w in at.robot.wheels if "spin" in w.actuated]
+    if len(columns) != 1 or not driven or any(w.turns for w in driven):
+        return []
+    rates: list[Poly] = []
+    for w in driven:
+        rate = dot(rolling_row(w, working_view(w)).row, columns[0])
+        lead = min(rate.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]], default=None)
+        rate = rate if lead is None else rate.scale(lead[1].inverse())
+        if rate and rate not in rates:
+            rates.append(rate)
+    if len(rates) > len(wheels) or any(r.constant is not None for r in rates):
+        return []
+    names = tuple(w.name for w in driven)
+    one = len(names) == 1
+    text = (
+        f"{listed(list(names))} {'stands' if one else 'stand'} still whatever the robot does there: "
+        f"{'it drives and measures' if one else 'they drive and measure'} nothing"
+    )
+    return [Singularity("drive", tuple(rates), text, names)]
+
+
+def _rolling_rank(at: Configuration) -> list[Singularity]:
+    """The rolling rows of a robot without sliding constraints do not span its three freedoms."""
+    wheels = [w for w in at.robot.wheels if w.kind.rollers]
+    if at.mobility != 3 or not wheels or any(w.kind.swivels and w.actuated for w in at.robot.wheels):
+        return []
+    rows = [[p.constant or Exact(0) for p in rolling_row(w, nominal_view(w)).row] for w in wheels]
+    rank, _ = numeric_rank(unit_rows(to_array(rows)))
+    if rank == 3:
+        return []
+    text = (
+        f"the rolling rows of {', '.join(w.name for w in wheels)} have rank {rank}: one motion of the body turns no "
+        "wheel, so the wheels cannot drive it"
+    )
+    if any(w.nominal.sg for w in wheels) and len(wheels) > 2:
+        text += (
+            ". Mecanum rollers at the ground must form an O (seen from above the roller lines form a diamond around "
+            "the centre), not an X through one point"
+        )
+    return [Singularity("rolling_rank", _minors(wheels), text, tuple(w.name for w in wheels))]
+
+
+def _minors(wheels: list[Wheel]) -> tuple[Poly, ...]:
+    """What vanishes, in the named parameters: the 3x3 minors of the rolling rows, each form once."""
+    rows = [rolling_row(w, symbolic_view(w)).row for w in wheels[:MOST_WHEELS]]
+    forms: list[Poly] = []
+    for triple in combinations(rows, 3):
+        form = primitive((determinant(triple), Poly({}), Poly({})))[0]
+        if form and form.constant is None and form not in forms:
+            forms.append(form)
+    return tuple(forms)

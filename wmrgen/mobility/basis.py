@@ -53,8 +53,8 @@ def basis(robot: Robot, at: Configuration) -> tuple[BasisRow, ...]:
     return tuple(candidates[i] for i in chosen)
 
 
-def turning(rows: Sequence[BasisRow]) -> tuple[Wheel, ...]:
-    """The steered wheels that give a row."""
+def deciding(rows: Sequence[BasisRow]) -> tuple[Wheel, ...]:
+    """The steered wheels that give a row: they decide where the ICR lies."""
     return tuple({w.index: w for row in rows for w in row.steered}.values())
 
 

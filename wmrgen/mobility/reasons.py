@@ -20,10 +20,10 @@ from wmrgen.mobility.records import Array
 SAME = 1e-9
 
 
-def reasons(at: Configuration, turning: tuple[Wheel, ...]) -> tuple[str, ...]:
-    """Why the degrees are what they are, one sentence each; ``turning``: the steered wheels that give a row of C1."""
+def reasons(at: Configuration, deciding: tuple[Wheel, ...]) -> tuple[str, ...]:
+    """Why the degrees are what they are, one sentence each; ``deciding``: the steered wheels that give a row of C1."""
     return (
-        *_fixed(at), *_couplings(at), *_steered(at, turning), *_free_wheels(at), *_degrees(at), *_verdict(at),
+        *_fixed(at), *_couplings(at), *_steered(at, deciding), *_free_wheels(at), *_degrees(at), *_verdict(at),
         *_doubts(at), *_coincidences(at),
     )  # fmt: skip
 
@@ -112,7 +112,7 @@ def _couplings(at: Configuration) -> list[str]:
     return said
 
 
-def _steered(at: Configuration, turning: tuple[Wheel, ...]) -> list[str]:
+def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
     steered = [w.name for w in at.robot.wheels if w.kind.steers]
     if not steered or not at.mobility:
         return []
@@ -121,7 +121,7 @@ def _steered(at: Configuration, turning: tuple[Wheel, ...]) -> list[str]:
             f"{listed(steered)} can be steered, but one direction alone lets every wheel roll: "
             "no freedom of steering is left."
         ]
-    lead = [w.name for w in turning][: at.steerability]
+    lead = [w.name for w in deciding][: at.steerability]
     rest = [name for name in steered if name not in lead]
     said = f"Steering {listed(lead)} chooses the ICR (delta_s = {at.steerability})"
     if rest and at.admissible.normal is not None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import wmrgen
+from wmrgen.exact.number import Exact
 from wmrgen.layout import build
 from wmrgen.layout.records import Geometry, Robot, T
 from wmrgen.mobility.analyse import analyse
@@ -88,11 +89,11 @@ def test_degrees_of_the_gallery(path: Path) -> None:
         assert facts(scaled(spec, k)) == wanted, float(k)
 
 
-def far(robot: Robot) -> Robot:
-    """The robot seen from a point P `FAR` behind it."""
+def far(robot: Robot, distance: int = FAR) -> Robot:
+    """The robot seen from a point P ``distance`` [m] behind it."""
 
     def moved(g: Geometry[T]) -> Geometry[T]:
-        return replace(g, x=g.x + FAR)
+        return replace(g, x=g.x + distance)
 
     wheels = (
         replace(w, symbolic=moved(w.symbolic), working=moved(w.working), nominal=moved(w.nominal))
@@ -118,3 +119,18 @@ def test_degrees_where_a_coincidence_is_missed(name: str) -> None:
     wanted = facts(spec)
     for k in SCALES:
         assert facts(scaled(spec, k)) == wanted, float(k)
+
+
+OMNI = (
+    "  - {name: a, type: swedish, x: 0.2, y: 0, heading: pi/2, gamma: 0, r: 0.1}\n"
+    "  - {name: b, type: swedish, x: -0.1, y: 0.17, heading: 7*pi/6, gamma: 0, r: 0.1}\n"
+    "  - {name: c, type: swedish, x: -0.1, y: -0.17, heading: -pi/6, gamma: 0, r: 0.1}\n"
+)
+
+
+def test_forward_inverts_inverse_from_far_away() -> None:
+    """The rank of the measurements does not depend on where P lies: three omni wheels, 100 km away from it."""
+    derivation = wmrgen.derive(far(build(read_text(TOP + OMNI, "robot.yaml")), 10 * FAR))
+    twist = {"vx": Exact(Fraction(3, 10)), "vy": Exact(Fraction(-1, 5)), "omega": Exact(Fraction(7, 10))}
+    found = derivation.evaluate("forward", derivation.evaluate("inverse", twist))
+    assert found == {**twist, "slip": Exact(0)}

@@ -8,6 +8,7 @@ row only: what can be inverted now is not inverted on the robot.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import sympy
@@ -39,13 +40,20 @@ Measured = tuple[Row, Poly]  # row . xi = value
 _JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
+@dataclass(frozen=True, slots=True)
+class NominalRank:
+    """The rank of H at nominal parameters; ``normal``: H^T H there, lengths in the robot's unit, None at rank 3."""
+
+    value: int
+    normal: list[list[Exact]] | None
+
+
 def forward(robot: Robot) -> Formula:
     """Sensed joint rates to vx vy omega and the residual norm ``slip``."""
     names = Locals()
     contacts, components = measurements(robot)
     if constant_normal(contacts, components):
-        nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters if p.tunable}
-        twist, slip = _constant(contacts, components, names, nominal, unit_of(robot).length)
+        twist, slip = _constant(measured_rows(contacts, components), robot, names)
     elif not components:
         twist, slip = fit_rigid(contacts, names)
     else:
@@ -79,21 +87,14 @@ def measured_rows(contacts: list[Contact], components: list[Component]) -> list[
     return rows + [(c.row, c.value) for c in components]
 
 
-def _constant(
-    contacts: list[Contact],
-    components: list[Component],
-    names: Locals,
-    nominal: Mapping[str, Poly],
-    unit: Fraction,
-) -> tuple[Twist, Expr]:
+def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist, Expr]:
     """xi = (H^T H)^+ H^T z with everything but z known now."""
-    rows = measured_rows(contacts, components)
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
-    numbers = _numbers([r for r, _ in rows], nominal, unit)
+    rank = _rank([r for r, _ in rows], robot)
     if _expands(rows):
-        return _step_by_step(rows, numbers, names)
-    twist = _solved(*normal_equations(rows), numbers)
+        return _step_by_step(rows, rank, names)
+    twist = _solved(*normal_equations(rows), rank)
     if len(rows) <= FEW_ROWS:
         direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
         if all(_negligible(p) for p in direct):
@@ -103,17 +104,34 @@ def _constant(
     return _fitted(rows, twist, names)
 
 
+def _rank(rows: list[Row], robot: Robot) -> NominalRank:
+    """The rank at nominal parameters, decided in the robot's own unit."""
+    nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters if p.tunable}
+    unit = unit_of(robot)
+    rank = decide(_numbers([unit.own_row(r) for r in rows], nominal))
+    if rank.value == rank.exact == 3:
+        return NominalRank(3, None)
+    about_P = replace(unit, centre=(Fraction(0), Fraction(0)))
+    numbers = _numbers([about_P.own_row(r) for r in rows], nominal)
+    normal = [[sum((r[i] * r[j] for r in numbers), ZERO) for j in range(3)] for i in range(3)]
+    return NominalRank(rank.value, normal)
+
+
+def _numbers(rows: list[Row], nominal: Mapping[str, Poly]) -> list[list[Exact]]:
+    numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in rows]
+    assert all(len(row) == 3 for row in numbers)
+    return numbers
+
+
 def normal_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
     """H^T H and H^T z."""
     normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
     return normal, [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
 
 
-def _solved(normal: Matrix, moment: list[Poly], numbers: list[list[Exact]]) -> list[Poly]:
-    """(H^T H)^+ H^T z. ``numbers``: H at nominal parameters, which decides the rank."""
-    rank = decide(numbers)
-    nominal = [[sum((r[i] * r[j] for r in numbers), ZERO) for j in range(3)] for i in range(3)]
-    inverse = pseudo_inverse(normal, None if rank.value == rank.exact == 3 else nominal)
+def _solved(normal: Matrix, moment: list[Poly], rank: NominalRank) -> list[Poly]:
+    """(H^T H)^+ H^T z."""
+    inverse = pseudo_inverse(normal, rank.normal)
     return [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
 
 
@@ -135,7 +153,7 @@ def _expands(rows: list[Measured]) -> bool:
     return size > MOST_TERMS
 
 
-def _step_by_step(rows: list[Measured], numbers: list[list[Exact]], names: Locals) -> tuple[Twist, Expr]:
+def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tuple[Twist, Expr]:
     """The same with names for the entries of H and H^T H: `prepare` has their numbers when it inverts."""
 
     def short(name: str, p: Poly) -> Poly:
@@ -148,17 +166,9 @@ def _step_by_step(rows: list[Measured], numbers: list[list[Exact]], names: Local
     normal, moment = normal_equations(named)
     upper = {(i, j): short(f"n{i}{j}", normal[i][j]) for i in range(3) for j in range(i, 3)}
     symmetric = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-    twist = _solved(symmetric, [short(f"b{i}", p) for i, p in enumerate(moment)], numbers)
+    twist = _solved(symmetric, [short(f"b{i}", p) for i, p in enumerate(moment)], rank)
     fits, slip = _fitted(named, twist, names)
-    return fits, sympy.S.Zero if decide(numbers).value == len(rows) else slip
-
-
-def _numbers(rows: list[Row], nominal: Mapping[str, Poly], unit: Fraction) -> list[list[Exact]]:
-    """The rows at nominal parameters, lengths in ``unit`` [m]."""
-    rows = [(r[0], r[1], r[2].scale(1 / unit)) for r in rows]
-    numbers = [[v for p in row if (v := fix(p, nominal).constant) is not None] for row in rows]
-    assert all(len(row) == 3 for row in numbers)
-    return numbers
+    return fits, sympy.S.Zero if rank.value == len(rows) else slip
 
 
 def _negligible(p: Poly) -> bool:

@@ -44,7 +44,7 @@ _MANY = 3  # castors of one offset from which dividing all velocities by it take
 
 @dataclass(frozen=True, slots=True)
 class Joints:
-    """What the inverse commands for one wheel; ``spin`` is the rim speed [m/s] before coupling."""
+    """What the inverse commands for one wheel; ``rim``: speed of its rim [m/s] before coupling, ``radius`` [m]."""
 
     rim: Expr
     radius: Poly

@@ -56,6 +56,12 @@ class Unit:
         x, y = (float(v) for v in self.centre)
         return np.stack([rows[..., 0] + y * omega, rows[..., 1] - x * omega, omega], axis=-1)
 
+    def own_row(self, row: Row) -> Row:
+        """A row on twists in this unit, from one on twists of P in SI units."""
+        a, b, k = row
+        x, y = self.centre
+        return a, b, (k - b.scale(x) + a.scale(y)).scale(1 / self.length)
+
     def row(self, row: Row) -> Row:
         """A row on twists of P in SI units, from one on twists in this unit."""
         a, b, k = row

@@ -19,9 +19,9 @@ from typing import NamedTuple
 import sympy
 
 from wmrgen.constraints import heading, rolling_row, working_view
-from wmrgen.exact.evaluate import add_angles
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.registry import function
+from wmrgen.functions.space.wheel_motion import rolling_direction
 from wmrgen.kinematics.inverse import Joints, inverse, spins
 from wmrgen.kinematics.line import Velocity, pivot
 from wmrgen.kinematics.project import project
@@ -138,21 +138,16 @@ def _rims(
     if not w.turns:
         row = rolling_row(w, g).row
         return expression(dot(row, motion.twist)), expression(dot(row, motion.rate))
-    e = heading(w, g) if w.kind.swivels else _commanded(w, commands[f"{w.name}.steer"], names)
+    if w.kind.swivels:
+        e = heading(w, g)
+    else:
+        e = rolling_direction(w, names.define(f"{w.name}_commanded", commands[f"{w.name}.steer"]), names)
     (along, across), (change, _) = speeds_at(w, motion.twist, e), speeds_at(w, motion.rate, e)
     turn, o = turns[w.index], expression(g.o)
     omega, omega1 = expression(motion.twist[2]), expression(motion.rate[2])
     rim = subtract(expression(along), times(o, add(omega, turn.rate)))
     swept = add(expression(change), times(expression(across), turn.rate))
     return rim, subtract(swept, times(o, add(omega1, turn.acceleration)))
-
-
-def _commanded(w: Wheel, target: Expr, names: Locals) -> tuple[Poly, Poly]:
-    """(cos, sin) of the rolling direction at the commanded angle."""
-    g = working_view(w)
-    angle = names.define(f"{w.name}_commanded", target)
-    c = names.poly(f"{w.name}_cosine", sympy.cos(angle))
-    return add_angles((g.ch, g.sh), (c, names.poly(f"{w.name}_sine", sympy.sin(angle))))
 
 
 def speeds_at(w: Wheel, twist: Row, e: tuple[Poly, Poly]) -> Velocity:

@@ -7,15 +7,15 @@ condition on the steering angles. Tunable lengths count at their nominal values 
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import sympy
-
-from wmrgen.constraints import working_view
-from wmrgen.errors import NotDerivableError
+from wmrgen.constraints import arm, working_view
 from wmrgen.exact.number import ZERO, Exact
+from wmrgen.functions.registry import underivable
+from wmrgen.functions.space.wheel_motion import rolling_direction
 from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.symbolic import Expr, expression, signal
@@ -38,9 +38,9 @@ class Spot:
 class Edge:
     """From contact ``start`` to contact ``end``, wherever every contact of ``unless_right`` lies to its left."""
 
-    start: int
-    end: int
-    unless_right: tuple[int, ...]
+    start: Spot
+    end: Spot
+    unless_right: tuple[Spot, ...]
 
 
 def spots(robot: Robot, names: Locals) -> list[Spot]:
@@ -50,57 +50,45 @@ def spots(robot: Robot, names: Locals) -> list[Spot]:
 
 def _spot(w: Wheel, names: Locals) -> Spot:
     g, n = working_view(w), w.nominal
-    moves = w.turns and bool(g.d or g.o)
-    if not moves:
-        x, y = g.x + g.d * g.ch - g.o * g.sh, g.y + g.d * g.sh + g.o * g.ch
-        at = (n.x + n.d * n.ch - n.o * n.sh, n.y + n.d * n.sh + n.o * n.ch)
-        return Spot(w, expression(x), expression(y), at, 0.0)
-    angle = signal(f"{w.name}.steer")
-    cos, sin = names.poly(f"{w.name}_c", sympy.cos(angle)), names.poly(f"{w.name}_s", sympy.sin(angle))
-    c, s = g.ch * cos - g.sh * sin, g.sh * cos + g.ch * sin
-    x = names.poly(f"{w.name}_bx", g.x + g.d * c - g.o * s)
-    y = names.poly(f"{w.name}_by", g.y + g.d * s + g.o * c)
-    reach = math.hypot(float(n.d), float(n.o))
-    return Spot(w, expression(x), expression(y), (n.x, n.y), reach)
+    if not (w.turns and (g.d or g.o)):
+        (ax, ay), (bx, by) = arm(g, g.ch, g.sh), arm(n, n.ch, n.sh)
+        return Spot(w, expression(g.x + ax), expression(g.y + ay), (n.x + bx, n.y + by), 0.0)
+    ax, ay = arm(g, *rolling_direction(w, signal(f"{w.name}.steer"), names))
+    x, y = names.define(f"{w.name}_bx", g.x + ax), names.define(f"{w.name}_by", g.y + ay)
+    return Spot(w, x, y, (n.x, n.y), math.hypot(float(n.d), float(n.o)))
 
 
 def edges(robot: Robot, places: list[Spot]) -> list[Edge]:
     """Every pair that is an edge of the polygon, at least for some steering. NotDerivableError without a polygon."""
-    count = range(len(places))
-    found = []
-    for i in count:
-        for j in count:
-            conditions = _conditions(places, i, j) if i != j else None
-            if conditions is not None:
-                found.append(Edge(i, j, conditions))
-    if len({e.start for e in found}) < 3:
-        raise NotDerivableError(
-            f"{robot.name} has no stability: its {len(places)} contacts do not span a support polygon; "
-            "a robot stands on at least three contacts that are not in one line"
-        )
-    return found
+    pairs = ((a, b) for a in places for b in places if a is not b)
+    result = [edge for a, b in pairs if (edge := _edge(a, b, places)) is not None]
+    if len({e.start.wheel.index for e in result}) < 3:
+        raise underivable(
+            robot, "stability", f"its {len(places)} contacts do not span a support polygon; "
+            "a robot stands on at least three contacts that are not in one line",
+        )  # fmt: skip
+    return result
 
 
-def _conditions(places: list[Spot], i: int, j: int) -> tuple[int, ...] | None:
-    """The contacts that must lie left of i -> j at run time; None where one lies right of it now."""
-    if _same(places[i], places[j]):
+def _edge(a: Spot, b: Spot, places: list[Spot]) -> Edge | None:
+    """a -> b, with the contacts that must lie left of it at run time; None where one lies right of it now."""
+    if _same(a, b):
         return None
-    open_ones = []
-    for k in range(len(places)):
-        if k in (i, j):
+    undecided = []
+    for c in places:
+        if c is a or c is b:
             continue
-        side = _side(places[i], places[j], places[k])
+        side = _side(a, b, c)
         if side is None:
-            open_ones.append(k)
-        elif side < 0 or (side == 0 and not _between(places, i, j, k)):
+            undecided.append(c)
+        elif side < 0 or (side == 0 and not _between(a, b, c)):
             return None
-    return tuple(open_ones)
+    return Edge(a, b, tuple(undecided))
 
 
 def _same(a: Spot, b: Spot) -> bool:
     """True for contacts that stand in one place."""
-    d = math.hypot(*(float(p - q) for p, q in zip(a.centre, b.centre, strict=True)))
-    return not (a.reach or b.reach) and d < _TOLERANCE
+    return not (a.reach or b.reach) and math.hypot(*map(float, _arrow(a, b))) < _TOLERANCE
 
 
 def _side(a: Spot, b: Spot, c: Spot) -> int | None:
@@ -119,11 +107,11 @@ def _arrow(a: Spot, b: Spot) -> tuple[Exact, Exact]:
     return b.centre[0] - a.centre[0], b.centre[1] - a.centre[1]
 
 
-def _between(places: list[Spot], i: int, j: int, k: int) -> bool:
-    """True where k, in line with i -> j, needs no edge of its own: inside, or a later wheel at an end."""
-    a, b, c = places[i], places[j], places[k]
-    if _same(a, c) or _same(b, c):
-        return k > (i if _same(a, c) else j)
+def _between(a: Spot, b: Spot, c: Spot) -> bool:
+    """True where c, in line with a -> b, needs no edge of its own: inside, or a later wheel at an end."""
+    for end in (a, b):
+        if _same(end, c):
+            return c.wheel.index > end.wheel.index
     (ux, uy), (wx, wy) = _arrow(a, b), _arrow(a, c)
     reached = ux * wx + uy * wy
     return reached > ZERO and reached < ux * ux + uy * uy
@@ -131,23 +119,22 @@ def _between(places: list[Spot], i: int, j: int, k: int) -> bool:
 
 def polygon(robot: Robot, steer: Mapping[str, float]) -> tuple[str, ...]:
     """The wheels at the corners of the support polygon at given steering angles [rad], counter-clockwise."""
-    points: dict[str, tuple[float, float]] = {}
+    points: dict[str, complex] = {}
     for w in robot.wheels:
-        n, angle = w.nominal, steer.get(w.name, 0.0) if w.turns else 0.0
-        ch, sh, d, o = (float(v) for v in (n.ch, n.sh, n.d, n.o))
-        c, s = ch * math.cos(angle) - sh * math.sin(angle), sh * math.cos(angle) + ch * math.sin(angle)
-        points.setdefault(w.name, (float(n.x) + d * c - o * s, float(n.y) + d * s + o * c))
+        g, angle = w.nominal, steer.get(w.name, 0.0) if w.turns else 0.0
+        e = complex(g.ch, g.sh) * cmath.rect(1, angle)
+        points[w.name] = complex(g.x, g.y) + complex(g.d, g.o) * e
     return tuple(_hull(points))
 
 
-def _hull(points: dict[str, tuple[float, float]]) -> list[str]:
+def _hull(points: dict[str, complex]) -> list[str]:
     """Andrew's monotone chain."""
-    order = sorted(points, key=lambda name: points[name])
+    order = sorted(points, key=lambda name: (points[name].real, points[name].imag))
 
     def half(names: list[str]) -> list[str]:
         chain: list[str] = []
         for name in names:
-            while len(chain) > 1 and not _left(*(points[n] for n in (*chain[-2:], name))):
+            while len(chain) > 1 and not _left(points[chain[-2]], points[chain[-1]], points[name]):
                 chain.pop()
             chain.append(name)
         return chain[:-1]
@@ -155,6 +142,7 @@ def _hull(points: dict[str, tuple[float, float]]) -> list[str]:
     return half(order) + half(order[::-1])
 
 
-def _left(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
-    u, w = (b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])
-    return u[0] * w[1] - u[1] * w[0] > _TOLERANCE * math.hypot(*u) * math.hypot(*w)
+def _left(a: complex, b: complex, c: complex) -> bool:
+    """True where c lies left of a -> b."""
+    u, w = b - a, c - a
+    return (u.conjugate() * w).imag > _TOLERANCE * abs(u) * abs(w)

@@ -12,15 +12,17 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.constraints import working_view
+from wmrgen.constraints import arm, working_view
+from wmrgen.exact.evaluate import add_angles
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.records import JOINT_TEXT, Formula, Locals, tunable_ports
+from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, signal, subtract, times
 
+Vector = tuple[Expr, Expr, Expr]
 AXES = ("x", "y", "z")
 _ZERO = sympy.S.Zero
 NOTHING: Vector = (_ZERO, _ZERO, _ZERO)
@@ -37,87 +39,18 @@ BODY = (
     *vector_ports("a", "", "m/s^2", "acceleration of P over the ground"),
     *vector_ports("w", "_rate", "rad/s^2", "angular acceleration of the body"),
 )
-_STEER = (("steer", "rad", Role.STATE), ("steer_rate", "rad/s", Role.COMMAND))
-_SECOND = (("steer_acceleration", "rad/s^2", "derivative of the steering rate"),)
-_TRAVEL = (
-    ("travel", "m", "of the suspension, positive when the wheel is up in the body"),
-    ("travel_rate", "m/s", "rate of the suspension's travel"),
-    ("travel_acceleration", "m/s^2", "second derivative of the suspension's travel"),
-)
 
 
-@function("Kelly (4.23)-(4.31), (4.25) corrected")
-def wheel_motion(robot: Robot, _: Mobility) -> Formula:
-    """Motion of the body, steering and suspension to velocity and acceleration of every contact."""
-    names = Locals()
-    inputs: list[Port] = [*BODY]
-    outputs: list[tuple[Port, Expr]] = []
-    body = Frame(given_vector("v"), given_vector("w"), given_vector("a"), given_vector("w", "_rate"))
-    for w in robot.wheels:
-        inputs += _inputs(w)
-        contact = seen_from_before(body, NOTHING, in_body(w, names))
-        for name, unit, value in (("v", "m/s", contact.v), ("a", "m/s^2", contact.a)):
-            text = (
-                f"{'velocity' if name == 'v' else 'acceleration'} of the contact over the ground, body axes"
-            )
-            outputs += [
-                (Port(f"{w.name}.{name}{axis}", Role.COMMAND, unit, text), entry)
-                for axis, entry in zip(AXES, value, strict=True)
-            ]
-    return Formula(
-        "wheel_motion", (*inputs, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
-        "motion in space of body, steering and suspension to that of the contacts (Kelly (4.30), (4.31))",
-    )  # fmt: skip
-
-
-def given_vector(name: str, suffix: str = "") -> Vector:
+def input_vector(name: str, suffix: str = "") -> Vector:
     """The vector of the inputs ``<name>x<suffix>`` and so on."""
     x, y, z = (signal(f"{name}{axis}{suffix}") for axis in AXES)
     return x, y, z
 
 
-def _inputs(w: Wheel) -> list[Port]:
-    found: list[Port] = []
-    if w.turns:
-        found += [Port(f"{w.name}.{n}", role, unit, JOINT_TEXT[n]) for n, unit, role in _STEER]
-        found += [Port(f"{w.name}.{n}", Role.COMMAND, unit, text) for n, unit, text in _SECOND]
-    return found + [Port(f"{w.name}.{n}", Role.COMMAND, unit, text) for n, unit, text in _TRAVEL]
-
-
-def in_body(w: Wheel, names: Locals) -> Point:
-    """The contact as the body sees it: fixed in the wheel's frame, which travels and steers."""
-    g = working_view(w)
-    travel, rate, acceleration = (signal(f"{w.name}.{n}") for n, _, _ in _TRAVEL)
-    origin = (expression(g.x), expression(g.y), expression(g.r) + travel)
-    turn = [signal(f"{w.name}.{n}") if w.turns else _ZERO for n, _, _ in (*_STEER, *_SECOND)]
-    frame = Frame(
-        (_ZERO, _ZERO, rate), (_ZERO, _ZERO, turn[1]), (_ZERO, _ZERO, acceleration), (_ZERO, _ZERO, turn[2])
-    )
-    seen = seen_from_before(frame, origin, Point(arm(w, names), NOTHING, NOTHING))
-    parts = [
-        tuple(names.define(f"{w.name}_{n}{axis}", entry) for axis, entry in zip(AXES, value, strict=True))
-        for n, value in (("r", seen.r), ("v", seen.v), ("a", seen.a))
-    ]
-    (rx, ry, rz), (vx, vy, vz), (ax, ay, az) = parts
-    return Point((rx, ry, rz), (vx, vy, vz), (ax, ay, az))
-
-
-def arm(w: Wheel, names: Locals) -> Vector:
-    """d e + o n - r z, from the origin of the wheel's frame to the contact."""
-    g = working_view(w)
-    if not (g.d or g.o):
-        return _ZERO, _ZERO, expression(-g.r)
-    c, s = g.ch, g.sh
-    if w.turns:
-        angle = signal(f"{w.name}.steer")
-        cos = names.poly(f"{w.name}_cosine", sympy.cos(angle))
-        sin = names.poly(f"{w.name}_sine", sympy.sin(angle))
-        c, s = g.ch * cos - g.sh * sin, g.sh * cos + g.ch * sin
-    x, y, z = (expression(p) for p in (g.d * c - g.o * s, g.d * s + g.o * c, Poly.of(0) - g.r))
+def named_vector(name: str, v: Vector, names: Locals) -> Vector:
+    """The vector as the intermediate results ``<name>x`` and so on."""
+    x, y, z = (names.define(f"{name}{axis}", entry) for axis, entry in zip(AXES, v, strict=True))
     return x, y, z
-
-
-Vector = tuple[Expr, Expr, Expr]
 
 
 def plus(*vectors: Vector) -> Vector:
@@ -172,3 +105,73 @@ def seen_from_before(frame: Frame, origin: Vector, point: Point) -> Point:
     euler, inward = cross(frame.alpha, point.r), cross(frame.omega, turning)
     coriolis = scaled(2, cross(frame.omega, point.v))
     return Point(plus(origin, point.r), v, plus(frame.a, euler, inward, coriolis, point.a))
+
+
+@function("Kelly (4.23)-(4.31), (4.25) corrected")
+def wheel_motion(robot: Robot, _: Mobility) -> Formula:
+    """Motion of the body, steering and suspension to velocity and acceleration of every contact."""
+    names = Locals()
+    inputs: list[Port] = [*BODY]
+    outputs: list[tuple[Port, Expr]] = []
+    body = Frame(input_vector("v"), input_vector("w"), input_vector("a"), input_vector("w", "_rate"))
+    for w in robot.wheels:
+        joints = _joints(w)
+        inputs += joints
+        contact = seen_from_before(body, NOTHING, in_body(w, joints, names))
+        for name, kind, unit, value in (
+            ("v", "velocity", "m/s", contact.v),
+            ("a", "acceleration", "m/s^2", contact.a),
+        ):
+            ports = vector_ports(
+                f"{w.name}.{name}", "", unit, f"{kind} of the contact over the ground, body axes"
+            )
+            outputs += zip(ports, value, strict=True)
+    return Formula(
+        "wheel_motion", (*inputs, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
+        "motion in space of body, steering and suspension to that of the contacts (Kelly (4.30), (4.31))",
+    )  # fmt: skip
+
+
+def _joints(w: Wheel) -> list[Port]:
+    """Angle, rate and acceleration of the steering, where the wheel turns, then of the suspension."""
+    steering = [
+        joint_port(w, "steer", Role.STATE),
+        joint_port(w, "steer_rate", Role.COMMAND),
+        output(f"{w.name}.steer_acceleration", "rad/s^2", "derivative of the steering rate"),
+    ]
+    return (steering if w.turns else []) + [
+        output(f"{w.name}.travel", "m", "of the suspension, positive when the wheel is up in the body"),
+        output(f"{w.name}.travel_rate", "m/s", "rate of the suspension's travel"),
+        output(f"{w.name}.travel_acceleration", "m/s^2", "second derivative of the suspension's travel"),
+    ]
+
+
+def in_body(w: Wheel, joints: list[Port], names: Locals) -> Point:
+    """The contact as the body sees it: fixed in the wheel's frame, which travels and steers."""
+    g = working_view(w)
+    *steering, travel, rate, acceleration = (signal(port.name) for port in joints)
+    _, turning, bending = steering or NOTHING
+    along_z = ((_ZERO, _ZERO, value) for value in (rate, turning, acceleration, bending))
+    origin = (expression(g.x), expression(g.y), expression(g.r) + travel)
+    seen = seen_from_before(Frame(*along_z), origin, Point(_to_contact(w, names), NOTHING, NOTHING))
+    r, v, a = (
+        named_vector(f"{w.name}_{n}", value, names)
+        for n, value in zip("rva", (seen.r, seen.v, seen.a), strict=True)
+    )
+    return Point(r, v, a)
+
+
+def _to_contact(w: Wheel, names: Locals) -> Vector:
+    """d e + o n - r z, from the origin of the wheel's frame to the contact."""
+    g = working_view(w)
+    x, y = (Poly({}), Poly({}))
+    if g.d or g.o:
+        x, y = arm(g, *(rolling_direction(w, signal(f"{w.name}.steer"), names) if w.turns else (g.ch, g.sh)))
+    return expression(x), expression(y), expression(-g.r)
+
+
+def rolling_direction(w: Wheel, angle: Expr, names: Locals) -> tuple[Poly, Poly]:
+    """(cos, sin) of the rolling direction of a wheel that turns, at a joint angle."""
+    g = working_view(w)
+    c = names.poly(f"{w.name}_cosine", sympy.cos(angle))
+    return add_angles((g.ch, g.sh), (c, names.poly(f"{w.name}_sine", sympy.sin(angle))))

@@ -14,7 +14,7 @@ from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.wheels import wheel_lines
 from wmrgen.bounds.text import header_lines
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
-from wmrgen.ir.site import Site
+from wmrgen.selftest.points import Site
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot

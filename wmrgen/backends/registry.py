@@ -9,7 +9,7 @@ from typing import Any, Protocol, cast
 
 from wmrgen.backends.words import C_LIBRARY, CASADI, PYTHON, C, Reserved
 from wmrgen.ir.nodes import Function, Module
-from wmrgen.ir.site import NO_SITE, Site
+from wmrgen.selftest.points import NO_SITE, Site
 
 
 @dataclass(frozen=True, slots=True)

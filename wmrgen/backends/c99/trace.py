@@ -23,8 +23,7 @@ from wmrgen.ir.calls import by_name as kernels_by_name
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
-from wmrgen.ir.site import NO_SITE
-from wmrgen.selftest.points import Grid
+from wmrgen.selftest.points import NO_SITE, Grid
 from wmrgen.selftest.vectors import contract
 
 Array = Any

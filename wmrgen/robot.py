@@ -10,7 +10,7 @@ import sympy
 
 from wmrgen import matrices, modules
 from wmrgen.backends.registry import BACKENDS
-from wmrgen.bounds.precision import library
+from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import Constraints, constrain, symbolic_view
 from wmrgen.exact.number import ZERO, Exact

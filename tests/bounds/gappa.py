@@ -13,8 +13,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from wmrgen.bounds.domain import Range
-from wmrgen.bounds.precision import SINGLE, Library
+from wmrgen.bounds.assumptions import SINGLE, Library, Range
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.rounding import to_float32

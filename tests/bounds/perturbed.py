@@ -11,7 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tests.bounds.observe import LIBRARY, decided, run
-from wmrgen.bounds.precision import LIBM, SINGLE
+from wmrgen.bounds.assumptions import LIBM, SINGLE
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.rounding import to_float32, to_float64
 

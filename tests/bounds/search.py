@@ -14,8 +14,8 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.bounds.observe import CHOICE, Ranges, bred, choices, draw, lengths, nudged, run
+from wmrgen.bounds.assumptions import LIBM, SINGLE
 from wmrgen.bounds.lengths import lengths as vectors
-from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.robot import FunctionBound
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.nodes import Function

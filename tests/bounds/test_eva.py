@@ -8,8 +8,8 @@ from tests.bounds.gallery import NAMES, proved
 from tests.bounds.small import BAD, function, guarded, module
 from tests.tools import need
 from wmrgen.backends.c99.eva import HARNESS, alarms, command, harness, shown
+from wmrgen.bounds.assumptions import SINGLE
 from wmrgen.bounds.partition import cases
-from wmrgen.bounds.precision import SINGLE
 from wmrgen.cli.prove import eva
 from wmrgen.compiler import run_tool
 from wmrgen.ir.nodes import Module

@@ -7,7 +7,7 @@ import pytest
 from tests.bounds.gallery import proved
 from tests.bounds.gappa import FILE, found, script
 from tests.tools import need
-from wmrgen.bounds.precision import LIBM
+from wmrgen.bounds.assumptions import LIBM
 from wmrgen.compiler import run_tool
 
 # Robot -> functions that Gappa checks: linear maps, and those with sines of inputs.

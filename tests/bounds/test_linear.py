@@ -10,9 +10,9 @@ import pytest
 from tests.bounds.gallery import proved
 from tests.bounds.observe import draw
 from tests.bounds.small import OUT
+from wmrgen.bounds.assumptions import LIBM, SINGLE
 from wmrgen.bounds.boxes import boxed
 from wmrgen.bounds.linear import errors_one_by_one
-from wmrgen.bounds.precision import LIBM, SINGLE
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op, Port, Role

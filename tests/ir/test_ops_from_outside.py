@@ -16,8 +16,8 @@ from tests.bounds.small import walked
 from tests.c.harness import COMPILERS, STRICT, Program
 from wmrgen.backends import casadi, numpy
 from wmrgen.backends.registry import Facts
+from wmrgen.bounds.assumptions import SINGLE
 from wmrgen.bounds.partition import cases
-from wmrgen.bounds.precision import SINGLE
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.build import Builder

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wmrgen.bounds.domain import Range
+from wmrgen.bounds.assumptions import Format, Library, Range
 from wmrgen.bounds.linear import errors_one_by_one
-from wmrgen.bounds.precision import Format, Library
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.interval import Interval
 from wmrgen.ir.nodes import Function, Op

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wmrgen.bounds.precision import Format, Library
+from wmrgen.bounds.assumptions import Format, Library
 from wmrgen.bounds.shapes import terms_below_root
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.interval import GROW, Array, Interval, magnitude

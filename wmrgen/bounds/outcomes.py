@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from wmrgen.bounds.precision import SINGLE, Library
+from wmrgen.bounds.assumptions import SINGLE, Library
 from wmrgen.ir.kernels.compensated import compensated_sums
 from wmrgen.ir.nodes import Function
 
 if TYPE_CHECKING:
+    from wmrgen.bounds.assumptions import Range
     from wmrgen.bounds.boxes import Outcome
-    from wmrgen.bounds.domain import Range
 
 
 class Outcomes:

@@ -10,8 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wmrgen.bounds.domain import Range
-from wmrgen.bounds.precision import Format, constant
+from wmrgen.bounds.assumptions import Format, Range, constant
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Interval
 from wmrgen.ir.nodes import Function, Node, Op

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wmrgen.bounds.domain import Domain, Range, domain
+from wmrgen.bounds.assumptions import Domain, Library, Range, domain
 from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.bounds.outcomes import Outcomes
-from wmrgen.bounds.precision import Library
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.inline import hand_through, inline_prepare
 from wmrgen.ir.nodes import Function, Module

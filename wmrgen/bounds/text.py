@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from wmrgen.bounds.domain import Range
-from wmrgen.bounds.precision import Library
+from wmrgen.bounds.assumptions import Library, Range
 from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound
 
 
@@ -23,7 +22,7 @@ def header_lines(bounds: Bounds) -> tuple[str, ...]:
         under += " h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined."
     lines = [under]
     for f in bounds.functions:
-        lines += _function(f)
+        lines += _of_function(f)
     return tuple(lines)
 
 
@@ -53,7 +52,7 @@ def limit(names: str, r: Range) -> str:
     return f"|{names}| <= {high:.6g}" if low == -high else f"{low:.6g} <= {names} <= {high:.6g}"
 
 
-def _function(f: FunctionBound) -> list[str]:
+def _of_function(f: FunctionBound) -> list[str]:
     if f.unknown:
         return [f"  {f.name}: nothing, for no range is known of {', '.join(f.unknown)}"]
     if f.alarms:

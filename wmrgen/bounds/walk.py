@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wmrgen.bounds import lengths as by_length
+from wmrgen.bounds.assumptions import Format, Library, constant
 from wmrgen.bounds.forms import Forms, combined
 from wmrgen.bounds.lengths import MOVED, SHORT, SMALL_ANGLE, Length, lengths
 from wmrgen.bounds.lengths import share as share_of
-from wmrgen.bounds.precision import Format, Library, constant
 from wmrgen.bounds.shapes import contracted, effective, extremum
 from wmrgen.bounds.slopes import Slope
 from wmrgen.exact.number import Exact
@@ -139,7 +139,7 @@ class Walk:
         return Noise(self.form.half_ulp(size) * (2.0 if i in self.twice else 1.0))
 
     def constant(self, value: Exact) -> tuple[float, float, float, bool]:
-        """See `wmrgen.bounds.precision.constant`."""
+        """See `wmrgen.bounds.assumptions.constant`."""
         return constant(value, self.form.name)
 
     def decided(self, k: int) -> Array:

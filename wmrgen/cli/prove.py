@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 import wmrgen
 from wmrgen import compiler
 from wmrgen.backends.c99.eva import alarms, command, harness
-from wmrgen.bounds.domain import Range, wanted
+from wmrgen.bounds.assumptions import SINGLE, Range, wanted
 from wmrgen.bounds.partition import cases
-from wmrgen.bounds.precision import SINGLE
 from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound, data, functions
 from wmrgen.bounds.text import described
 from wmrgen.cli import console

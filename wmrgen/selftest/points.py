@@ -32,7 +32,10 @@ _BEYOND = 1 + 2.0**-11
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What a robot's file says of its functions, as numbers. ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m]."""
+    """What a robot's file says of its functions, as numbers.
+
+    ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m].
+    """
 
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     pivots: tuple[tuple[str, float, float], ...] = ()

@@ -1,0 +1,225 @@
+"""What bounds rest on: roundings of a format, errors of library functions, and the inputs that they are about.
+
+Inputs lie within the limits of the robot file. Where it has none: vy as vx; steering angles two turns about zero; spins
+and steering rates what `inverse` commands within the limits of the twist; a pose 100 m and two turns around the origin,
+headings of trailers alike, steps of at most 0.1 s; speeds of virtual wheels as vx; tunable parameters 10 % around their
+nominal value. The limits of vx and omega have no such default: without them there is nothing to prove. A rate that
+nothing commands needs a limit, too.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.interval import Array
+from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
+from wmrgen.ir.kernels.constants import Worst, worst
+from wmrgen.ir.nodes import Function, Op, Port, Role
+from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.layout.records import Robot
+
+_EXPONENT = 0x7FF << 52  # of a double
+_LEAST = 2.0**-1000
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A binary format: ``bits`` of precision, least subnormal 2**``lowest``, finite below 2**``highest``.
+
+    ``relative``: errors of roundings are counted in proportion to the result, though they grow by steps.
+    """
+
+    name: str
+    bits: int
+    lowest: int
+    highest: int
+    relative: bool = False
+
+    @property
+    def unit(self) -> float:
+        """Unit roundoff: the largest relative error of one rounding."""
+        return float(2.0**-self.bits)
+
+    @property
+    def tiny(self) -> float:
+        """Half the least subnormal: what underflow may add."""
+        return float(np.ldexp(1.0, max(self.lowest - 1, -1074)))
+
+    @property
+    def largest(self) -> float:
+        """The largest finite number."""
+        return float(np.ldexp(2.0 - 2.0 ** (1 - self.bits), self.highest - 1))
+
+    def half_ulp(self, size: Array) -> Array:
+        """Half a unit in the last place of the largest value: the error of one rounding up to ``size``."""
+        if self.relative:
+            return np.asarray(size * self.unit + self.tiny)
+        # A power of two is exact, and what lies below it has the finer spacing there: the bits of the number before
+        # without those of its mantissa are the power of two at or below it.
+        before = np.maximum(size, _LEAST).view(np.int64) - 1
+        return np.asarray(np.maximum((before & _EXPONENT).view(np.float64) * self.unit, self.tiny))
+
+
+SINGLE = Format("float", 24, -149, 128)
+DOUBLE = Format("double", 53, -1074, 1024)
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """Largest error of sin, cos (of results up to 1), atan and atan2, in units in the last place of the result.
+
+    The C standard bounds none of them: these are what is assumed of a libm, or was found of a kernel by trying every
+    float. ``circle``: whether the error of sin and cos counts in that unit of 1, however small the result; for angles
+    up to ``reach`` [rad], and atan for arguments up to ``slope``. ``sine``: of angles up to pi/2, in
+    units in the last place of their own sine.
+    """
+
+    name: str
+    sin: float
+    cos: float
+    atan: float
+    atan2: float
+    sine: float
+    circle: bool = False
+    reach: float = math.inf
+    slope: float = math.inf
+
+    def ulps(self, op: Op) -> float:
+        return self.table().get(op.name, op.ulps)
+
+    def table(self) -> dict[str, float]:
+        """Operation -> units in the last place."""
+        return {"sin": self.sin, "cos": self.cos, "atan": self.atan, "atan2": self.atan2}
+
+
+LIBM = Library("libm", Op.SIN.ulps, Op.COS.ulps, Op.ATAN.ulps, Op.ATAN2.ulps, 1.0)
+
+
+def _kernel(errors: Worst) -> Library:
+    """What `wmrgen.ir.kernels` is found to hold.
+
+    atan2 is the arctangent of a quotient (whose rounding counts 1 ulp), taken from pi/2 and from pi: two more
+    roundings and those of the constants, not 3 ulp.
+    """
+    circle, arctangent = float(errors.circle), float(errors.arctangent)
+    return Library(
+        "kernels", circle, circle, arctangent, arctangent + 3.0, float(errors.sine), True, 100.0, 1.0
+    )
+
+
+def library(choice: Choice) -> Library:
+    """The sines and arctangents of C as it is printed."""
+    if choice.math != INLINE or choice.target == AVR:
+        return LIBM
+    return _kernel(worst(choice.target))
+
+
+@cache
+def constant(value: Exact, name: str) -> tuple[float, float, float, bool]:
+    """(lo, hi, error, is a power of two): an enclosure of ``value`` and of its rounding, and how far they differ."""
+    printed = to_float32(value) if name == "float" else to_float64(value)
+    nearest = to_float64(value)
+    low, high = min(printed, nearest), max(printed, nearest)
+    if value.is_rational:
+        difference = abs(Fraction(printed) - value.rational())
+        error = float(difference) * (1 + 2.0**-50) if difference else 0.0
+    else:
+        error = (abs(printed - nearest) + abs(nearest) * 2.0**-52) * (1 + 2.0**-50)
+    lo, hi = (low, high) if not error else (np.nextafter(low, -np.inf), np.nextafter(high, np.inf))
+    return float(lo), float(hi), error, abs(np.frexp(printed)[0]) == 0.5
+
+
+TURNS = 12.5663707  # two turns [rad]
+_POSE = {"x": (-100.0, 100.0), "y": (-100.0, 100.0), "theta": (-TURNS, TURNS), "dt": (0.0, 0.1)}
+_JOINTS = ("spin", "steer", "steer_rate")
+_EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
+_SPREAD = 0.1  # of a tunable parameter about its nominal value
+_SPAN = 0.01  # of one that is nominally zero [m, rad]
+
+Range = tuple[float, float]
+
+
+@dataclass(slots=True)
+class Domain:
+    """``declared``: declared limits by input name. ``commanded``: what `inverse` gives, by output name."""
+
+    robot: Robot
+    declared: dict[str, Range]
+    commanded: dict[str, Range] = field(default_factory=dict)
+
+    def missing(self) -> tuple[str, ...]:
+        """Limits without which nothing can be proved."""
+        return tuple(name for name in ("vx", "omega") if name not in self.declared)
+
+    def of(self, function: Function) -> tuple[dict[str, Range], list[str]]:
+        """Range of every input, and the names of those that have none."""
+        ranges: dict[str, Range] = {}
+        unknown = []
+        for port in function.inputs:
+            interval = self._range(port)
+            if interval is None:
+                unknown.append(port.name)
+            else:
+                ranges[port.name] = interval
+        return ranges, unknown
+
+    def assumed(self, function: Function) -> dict[str, Range]:
+        """Ranges of inputs that the robot file does not limit."""
+        return {name: r for name, r in self.of(function)[0].items() if name not in self.declared}
+
+    def _range(self, port: Port) -> Range | None:
+        name = port.name
+        if name in self.declared:
+            return self.declared[name]
+        if port.role is Role.GEOMETRY and port.default is not None:
+            value = to_float64(port.default)
+            spread = abs(value) * _SPREAD or _SPAN
+            return inside(value - spread, value + spread)
+        if name == "vy":
+            return self.declared.get("vx")
+        if name in _POSE:
+            return inside(*_POSE[name])
+        _, _, joint = name.rpartition(".")
+        limit = self.robot.limits.get(joint) if joint in _JOINTS else None
+        if limit is not None:  # of a virtual wheel, which has none of its own
+            self.declared[name] = _floats(limit.low, limit.high)
+            return self.declared[name]
+        if joint in ("steer", "theta"):
+            return inside(-TURNS, TURNS)
+        return self.declared.get("vx") if joint == "speed" else self.commanded.get(name)
+
+
+def domain(robot: Robot) -> Domain:
+    """The declared limits, those of a wheel before those of the robot."""
+    declared = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name not in _JOINTS}
+    for wheel in robot.wheels:
+        for joint in _JOINTS:
+            limit = robot.limit(wheel, joint)
+            if limit is not None:
+                declared[f"{wheel.name}.{joint}"] = _floats(limit.low, limit.high)
+    return Domain(robot, declared)
+
+
+def wanted(missing: tuple[str, ...]) -> str:
+    """What to write in the robot file: limits of the robot, those of wheels by the name of their joint."""
+    names = dict.fromkeys(name.rpartition(".")[2] for name in missing)
+    examples = [f"{name}: {_EXAMPLES.get(name, '1.0')}" for name in names]
+    return f"limits: {{{', '.join(examples)}}}"
+
+
+def _floats(low: Exact, high: Exact) -> Range:
+    return inside(to_float64(low), to_float64(high))
+
+
+def inside(low: float, high: float) -> Range:
+    """The floats (float32) of an interval: its ends moved inward."""
+    a, b = np.float32(low), np.float32(high)
+    a = np.nextafter(a, np.float32(np.inf)) if float(a) < low else a
+    b = np.nextafter(b, np.float32(-np.inf)) if float(b) > high else b
+    return (float(a), float(b)) if a <= b else (low, high)

@@ -12,7 +12,7 @@ import sympy
 from wmrgen import __version__
 from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.wheels import wheel_lines
-from wmrgen.bounds.text import header_lines
+from wmrgen.bounds.robot import header_lines
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.selftest.points import Site
 

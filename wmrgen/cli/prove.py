@@ -12,8 +12,7 @@ from wmrgen import compiler
 from wmrgen.backends.c99.eva import alarms, command, harness
 from wmrgen.bounds.assumptions import SINGLE, Range, wanted
 from wmrgen.bounds.partition import cases
-from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound, data, functions
-from wmrgen.bounds.text import described
+from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound, data, described, functions
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted
 from wmrgen.errors import NotDerivableError

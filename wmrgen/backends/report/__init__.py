@@ -17,8 +17,7 @@ from wmrgen.backends.report.mobility import analysis, singular
 from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.rows import matrices, null_space, wheel_rows
 from wmrgen.backends.report.texts import texts
-from wmrgen.bounds.robot import SINGULAR
-from wmrgen.bounds.text import described, error, listed
+from wmrgen.bounds.robot import SINGULAR, described, error, listed
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.printing import Latex, size

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from wmrgen.bounds.analysis import boxed
 from wmrgen.bounds.assumptions import LIBM, SINGLE, Library
-from wmrgen.bounds.boxes import boxed
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Module, Port, Role

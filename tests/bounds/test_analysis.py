@@ -9,8 +9,8 @@ import pytest
 
 from tests.bounds.gallery import proved
 from tests.bounds.small import BAD, function, guarded
+from wmrgen.bounds.analysis import analysed
 from wmrgen.bounds.assumptions import DOUBLE, LIBM, SINGLE
-from wmrgen.bounds.boxes import analysed
 from wmrgen.ir import interval as iv
 
 COUNT = 400

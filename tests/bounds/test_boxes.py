@@ -11,8 +11,8 @@ import wmrgen
 from tests.bounds.gallery import LIBM_C
 from tests.bounds.observe import choices, draw
 from tests.bounds.search import shares
+from wmrgen.bounds.analysis import analysed
 from wmrgen.bounds.assumptions import LIBM, SINGLE
-from wmrgen.bounds.boxes import analysed
 from wmrgen.bounds.robot import functions
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op, Port, Role

@@ -10,8 +10,8 @@ import pytest
 
 from tests.bounds.observe import draw, run
 from tests.bounds.small import OUT, walked
+from wmrgen.bounds.analysis import analysed
 from wmrgen.bounds.assumptions import LIBM, SINGLE
-from wmrgen.bounds.boxes import analysed
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op, Port, Role

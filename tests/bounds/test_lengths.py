@@ -11,8 +11,8 @@ import pytest
 from tests.bounds.observe import run
 from tests.bounds.small import walked
 from tests.bounds.vectors import CASES, RANGES, STILL, function, heading_of, points
+from wmrgen.bounds.analysis import analysed
 from wmrgen.bounds.assumptions import LIBM, SINGLE
-from wmrgen.bounds.boxes import analysed
 from wmrgen.bounds.lengths import SMALL_ANGLE, lengths, share
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op

@@ -10,9 +10,8 @@ import pytest
 from tests.bounds.gallery import proved
 from tests.bounds.observe import draw
 from tests.bounds.small import OUT
+from wmrgen.bounds.analysis import boxed, errors_one_by_one
 from wmrgen.bounds.assumptions import LIBM, SINGLE
-from wmrgen.bounds.boxes import boxed
-from wmrgen.bounds.linear import errors_one_by_one
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op, Port, Role

@@ -12,8 +12,8 @@ from tests.bounds import perturbed
 from tests.bounds.gallery import NAMES, proved
 from tests.bounds.observe import draw, lengths, run
 from tests.bounds.vectors import CASES, RANGES, function, points
+from wmrgen.bounds.analysis import analysed
 from wmrgen.bounds.assumptions import LIBM, SINGLE
-from wmrgen.bounds.boxes import analysed
 from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from wmrgen.bounds.analysis import Claim, Outcomes
 from wmrgen.bounds.assumptions import Domain, Library, Range, domain
 from wmrgen.bounds.lengths import SMALL_ANGLE
-from wmrgen.bounds.outcomes import Outcomes
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.inline import hand_through, inline_prepare
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
-
-if TYPE_CHECKING:
-    from wmrgen.bounds.boxes import Claim
-
 
 SINGULAR = "its formula is singular within the limits: a divisor comes close to zero"
 _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
@@ -166,6 +162,9 @@ def _output_data(o: OutputBound) -> dict[str, Any]:
         **({"error_per_speed": o.per_length} if o.per_length else {}),
         **({"from_speed": o.from_length} if o.from_length else {}),
     }
+
+
+# ---- in words, for the header of generated C
 
 
 def header_lines(bounds: Bounds) -> tuple[str, ...]:

@@ -15,7 +15,8 @@ from wmrgen.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.cost import Cost, count
 from wmrgen.ir.interpret import EXACT, evaluate
-from wmrgen.ir.linear import apply_matrix
+from wmrgen.ir.linear_program import Coefficient, Emitter, Magnitudes
+from wmrgen.ir.linear_search import cheapest
 from wmrgen.ir.nodes import Function
 
 R, HALF_TRACK, ARM = Fraction(1, 20), Fraction(1, 5), Fraction(3, 25)
@@ -30,7 +31,12 @@ def program(matrix: Matrix) -> Function:
     """y = M t as a function of t0, t1, ...; checked against the product at one point."""
     builder = Builder()
     names = [f"t{j}" for j in range(len(matrix[0]))]
-    results = apply_matrix(builder, matrix, [builder.input(name) for name in names])
+    terms = [builder.input(name) for name in names]
+    rows = [{j: Coefficient(value) for j, value in enumerate(row) if value} for row in matrix]
+    magnitudes = Magnitudes()
+    graph = cheapest(rows, len(names), magnitudes)
+    emitter = Emitter(graph, magnitudes, builder, lambda c, node: builder.mul(builder.const(c.value), node))
+    results = [emitter.output(i, terms.__getitem__) for i in range(len(rows))]
     outputs = tuple(port(f"y{i}") for i in range(len(matrix)))
     f = builder.function("f", tuple(port(name) for name in names), outputs, results)
     point = {name: Fraction((7 * j * j + 3 * j) % 23 - 9, 5) for j, name in enumerate(names)}

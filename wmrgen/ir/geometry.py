@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.build import Builder
-from wmrgen.ir.linear import Coefficient
+from wmrgen.ir.linear_program import Coefficient
 from wmrgen.ir.nodes import Function, Op, Role
 
 Monomial = tuple[tuple[int, int], ...]  # ((builder's node, power), ...) by node

@@ -2,7 +2,7 @@
 
 A row is an output or an argument of a non-linear operation; its terms are inputs and non-linear
 operations, its coefficients constants or geometry-only values. Rows that share terms are given
-to the search of `wmrgen.ir.linear` at once. How far sums are expanded is tried four ways: into
+to the search of `wmrgen.ir.linear_search` at once. How far sums are expanded is tried four ways: into
 each other entirely, down to other rows, down to every shared sum, and down to every sum of values
 that are known before the rest of the sum that it stands in: such a part may share with earlier rows.
 """
@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.geometry import Form, Monomial, Scalars, accumulate, geometry_only, times
-from wmrgen.ir.linear import Coefficient, Emitter, Graph, Magnitudes, cheapest
+from wmrgen.ir.linear_program import Coefficient, Emitter, Graph, Magnitudes
+from wmrgen.ir.linear_search import cheapest
 from wmrgen.ir.nodes import Function, Op
 
 Rows = dict[int, dict[int, Coefficient]]  # row's node -> term -> coefficient

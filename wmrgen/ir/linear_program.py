@@ -1,7 +1,7 @@
 """Programs of linear maps y = M t as graphs, their transposes, and the operations that they become.
 
-Every node has the value  factor * (+- source +- source ...).  Reversing all edges of a graph of a map M gives a graph of
-its transpose with the same multiplications, and as many more additions as M has more rows than columns (Tellegen's
+Every node has the value  factor * (+- source +- source ...).  Reversing all edges of a graph of a map M gives a graph
+of its transpose with the same multiplications, and as many more additions as M has more rows than columns (Tellegen's
 principle). So a program may be sought on either side.
 """
 

@@ -8,7 +8,7 @@ import sympy
 
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, Parameter, absolute, add, select, signal, times
+from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, select, signal, times
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +73,29 @@ def rate_port(port: Port) -> Port:
 SMALLEST = sympy.Rational(1, 10**9)  # a divisor nearer to zero than this counts as zero
 
 
+@dataclass(frozen=True, slots=True)
+class Gate:
+    """Open where |value| is at least ``least``."""
+
+    value: Expr
+    least: Expr
+
+    def choose(self, closed: Expr, opened: Expr) -> Expr:
+        """``opened`` where the gate is open."""
+        return select(absolute(self.value), self.least, closed, opened)
+
+    def inverse(self, names: Locals, divisor: Expr, kept: str, name: str, power: Expr = -1) -> Local:
+        """``name`` = divisor**power, power < 0: 0 where the gate is closed.
+
+        The divisor itself is ``kept`` off zero, so that neither the value nor a derivative is NaN there.
+        """
+        safe = names.define(kept, self.choose(sympy.S.One, divisor))
+        return names.define(name, self.choose(sympy.S.Zero, sympy.Pow(safe, power, evaluate=False)))
+
+
 def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
     """``expr`` with every 1/d, d not of geometry alone, replaced by a local that is 0 where d is.
 
-    The divisor itself is kept off zero, so that neither the value nor a derivative is NaN there.
     ``memo`` keeps what shared parts became.
     """
     if not expr.args:
@@ -86,9 +105,8 @@ def guarded(expr: Expr, names: Locals, memo: dict[Expr, Expr]) -> Expr:
     if _divides(expr):
         base = guarded(expr.base, names, memo)
         number = sum(symbol.name.startswith("divisor") for symbol, _ in names.items)
-        safe = names.define(f"divisor{number + 1}", select(absolute(base), SMALLEST, sympy.S.One, base))
-        power = sympy.Pow(safe, expr.exp, evaluate=False)
-        result = names.define(f"over{number + 1}", select(absolute(base), SMALLEST, sympy.S.Zero, power))
+        kept, inverse = f"divisor{number + 1}", f"over{number + 1}"
+        result = Gate(base, SMALLEST).inverse(names, base, kept, inverse, expr.exp)
     else:
         args = [guarded(a, names, memo) for a in expr.args]
         result = _rebuilt(expr, args)

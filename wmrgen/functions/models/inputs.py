@@ -29,7 +29,7 @@ from wmrgen.kinematics.records import joint_port
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 
 Eta = tuple[Poly, ...]  # coordinates of a twist along the columns of N
 
@@ -106,8 +106,7 @@ def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual
     coordinates = (steering_frame if virtual else frame)(robot, mobility, symbolic)
     size = range(len(coordinates.columns))
     ports = tuple(
-        Port(f"eta{k + 1}", Role.COMMAND, "", f"coordinate along column {k + 1} of the null space")
-        for k in size
+        output(f"eta{k + 1}", "", f"coordinate along column {k + 1} of the null space") for k in size
     )
     inputs = (*ports, *_steering_rates(coordinates))
     etas = [tuple(Poly.of(int(i == k)) for i in size) for k in range(len(inputs))]
@@ -197,7 +196,7 @@ def _swivel(frame: Frame, w: Wheel) -> Drive:
 def _virtual(frame: Frame, w: Wheel) -> Drive:
     """The speed of the virtual wheel's place along the travel of its wheels [m/s]."""
     text = f"speed of the virtual wheel {w.name}, positive forward"
-    port = Port(f"{w.name}.speed", Role.COMMAND, "m/s", text)
+    port = output(f"{w.name}.speed", "m/s", text)
     return Drive(port, rim_row(frame, _coincident(frame, w)), Poly.of(1), {})
 
 

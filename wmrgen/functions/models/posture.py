@@ -36,19 +36,19 @@ from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, joint_port
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import Expr, expression, rotated, signal, substituted, subtract
 
 _COURSE = "course"  # stands for zeta - theta
 ZETA_STATE = (
     Port("xp", Role.STATE, "m", "position of the steered wheel in the world frame"),
     Port("yp", Role.STATE, "m", "position of the steered wheel in the world frame"),
-    Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
+    POSE[2],
     Port("zeta", Role.STATE, "rad", "rolling direction of the steered wheel, counter-clockwise from world x"),
 )
 ZETA_INPUTS = (
-    Port("v1", Role.COMMAND, "m/s", "speed of the steered wheel's centre"),
-    Port("v2", Role.COMMAND, "rad/s", "steering rate of that wheel against the body"),
+    output("v1", "m/s", "speed of the steered wheel's centre"),
+    output("v2", "rad/s", "steering rate of that wheel against the body"),
 )
 
 
@@ -171,7 +171,7 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
 def zeta(robot: Robot, mobility: Mobility) -> Formula:
     """Rates of xp yp theta zeta, and u2 = zeta': with u1 = v1 the inputs of the unicycle (xp, yp, zeta)."""
     formula = zeta_system(robot, mobility).formula()
-    u2 = Port("u2", Role.COMMAND, "rad/s", "turning rate of the unicycle (xp, yp, zeta)")
+    u2 = output("u2", "rad/s", "turning rate of the unicycle (xp, yp, zeta)")
     return replace(formula, outputs=(*formula.outputs, (u2, formula.outputs[3][1])))
 
 

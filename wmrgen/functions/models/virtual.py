@@ -15,7 +15,7 @@ from wmrgen.functions.models.frame import Frame, constant_rows, frame, heading_r
 from wmrgen.functions.models.polynomials import generic, nominal_at, straight
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
-from wmrgen.layout.records import Geometry, Robot, Virtual, Wheel
+from wmrgen.layout.records import Geometry, Robot, T, Virtual, Wheel
 from wmrgen.mobility.admissible import along
 from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.configure import pivot_velocity
@@ -31,17 +31,15 @@ def as_wheel(robot: Robot, virtual: Virtual) -> Wheel:
     """The virtual wheel as a wheel at its place, parallel to the first that it stands for, radius 1."""
     lead = robot.wheel(virtual.wheels[0])
 
-    def at(view: str) -> Geometry[Poly]:
-        g = getattr(lead, view)
-        one, zero = Poly.of(1), Poly({})
-        x, y = getattr(virtual.x, view), getattr(virtual.y, view)
+    def at(view: str, one: T, zero: T) -> Geometry[T]:
+        g, x, y = (getattr(q, view) for q in (lead, virtual.x, virtual.y))
         return Geometry(x, y, g.ch, g.sh, one, zero, one, zero, zero, one)
 
-    n, one, zero = lead.nominal, Exact(1), Exact(0)
-    nominal = Geometry(virtual.x.nominal, virtual.y.nominal, n.ch, n.sh, one, zero, one, zero, zero, one)
+    one, zero = Poly.of(1), Poly({})
     return Wheel(
-        index=-1, name=virtual.name, type=lead.type, symbolic=at("symbolic"), working=at("working"),
-        nominal=nominal, l=0.0, alpha=0.0, beta=0.0, gamma=0.0, heading=lead.heading,
+        index=-1, name=virtual.name, type=lead.type, symbolic=at("symbolic", one, zero),
+        working=at("working", one, zero), nominal=at("nominal", Exact(1), Exact(0)),
+        l=0.0, alpha=0.0, beta=0.0, gamma=0.0, heading=lead.heading,
         actuated=("spin", "steer") if lead.turns else ("spin",), sensed=(), limits={},
     )  # fmt: skip
 

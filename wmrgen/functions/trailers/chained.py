@@ -18,11 +18,11 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
-from wmrgen.functions.trailers.train import OMEGA, V, Written, train, write
-from wmrgen.kinematics.records import Formula, tunable_ports
+from wmrgen.functions.trailers.train import V, Written, train, write
+from wmrgen.kinematics.records import Formula, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, output
 from wmrgen.symbolic import Expr, add, signal, subtract, times
 
 Outputs = tuple[tuple[Port, Expr], ...]
@@ -31,21 +31,20 @@ SOURCE = "Tzafestas (2.58); Tzafestas (2.61)-(2.63); Tzafestas (2.66)-(2.69)"
 BROCKETT_SOURCE = "Tzafestas (2.59), (2.64), (2.65)"
 INTEGRATOR = "Brockett's integrator"
 U = (
-    Port("u1", Role.COMMAND, "", "first input of the chain"),
-    Port("u2", Role.COMMAND, "", "second input of the chain"),
+    output("u1", "", "first input of the chain"),
+    output("u2", "", "second input of the chain"),
 )
 
 
 def _states(letter: str, values: Iterable[Expr], form: str) -> Outputs:
     return tuple(
-        (Port(f"{letter}{k}", Role.COMMAND, "", f"state {k} of {form}"), value)
-        for k, value in enumerate(values, 1)
+        (output(f"{letter}{k}", "", f"state {k} of {form}"), value) for k, value in enumerate(values, 1)
     )
 
 
 def _rates(letter: str, values: Iterable[Expr]) -> Outputs:
     return tuple(
-        (Port(f"{letter}{k}_rate", Role.COMMAND, "1/s", f"rate of {letter}{k}"), value)
+        (output(f"{letter}{k}_rate", "1/s", f"rate of {letter}{k}"), value)
         for k, value in enumerate(values, 1)
     )
 
@@ -98,15 +97,9 @@ def commands(w: Written, v: Expr, turning: Expr) -> Outputs:
     """v, vx, vy, omega of P and the steering rate, where there is one."""
     omega = turning if w.curvature is None else times(w.curvature, v)
     omega = w.names.define("yaw_rate", omega)
-    vx, vy = w.train.axle.velocity_of_p(v, omega)
+    twist = (*w.train.axle.velocity_of_p(v, omega), omega)
     steering = () if w.curvature is None else ((w.train.turning, turning),)
-    return (
-        (V, v),
-        (Port("vx", Role.COMMAND, "m/s", "velocity of P forward"), vx),
-        (Port("vy", Role.COMMAND, "m/s", "velocity of P to the left"), vy),
-        (OMEGA, omega),
-        *steering,
-    )
+    return ((V, v), *zip(twist_ports(), twist, strict=True), *steering)
 
 
 @function(SOURCE)

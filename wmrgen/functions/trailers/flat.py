@@ -13,23 +13,21 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
-from wmrgen.functions.system import rate_port
+from wmrgen.functions.system import Gate, rate_port
 from wmrgen.functions.trailers.train import Steering, Train, V, train
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, output
 from wmrgen.symbolic import (
     Expr,
-    absolute,
     add,
     angle_of,
     expression,
     root,
     rotated,
     rotated_back,
-    select,
     signal,
     square,
     subtract,
@@ -122,9 +120,7 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
     names, axle = Locals(), t.axle
     dx, dy, ax, ay = (signal(n) for n in ("x_rate", "y_rate", "x_accel", "y_accel"))
     v = names.define("speed", root(add(square(dx), square(dy))))
-    moves = names.define("moves", select(absolute(v), STANDSTILL, sympy.S.Zero, sympy.S.One))
-    kept = names.define("speed_kept", select(absolute(v), STANDSTILL, sympy.S.One, v))
-    over = names.define("over_speed", times(moves, sympy.Pow(kept, -1)))
+    over = Gate(v, STANDSTILL).inverse(names, v, "speed_kept", "over_speed")
     cross = names.define("turning", subtract(times(dx, ay), times(dy, ax)))
     omega = names.define("yaw_rate", times(cross, over, over))
     cosine = names.define("travel_cosine", times(dx, over))
@@ -152,7 +148,7 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
 
 def _inputs(order: int) -> tuple[Port, ...]:
     return tuple(
-        Port(f"{axis}{suffix}", Role.COMMAND, unit, f"{what} of the flat output along world {axis}")
+        output(f"{axis}{suffix}", unit, f"{what} of the flat output along world {axis}")
         for suffix, unit, what in _ORDERS[: order + 1]
         for axis in ("x", "y")
     )

@@ -20,8 +20,9 @@ from math import factorial
 
 import sympy
 
+from wmrgen.functions.system import Gate
 from wmrgen.kinematics.records import Locals
-from wmrgen.symbolic import Expr, absolute, add, select, subtract, times
+from wmrgen.symbolic import Expr, add, subtract, times
 
 DIGITS = 24  # float32 holds 38; what is left is for lengths and factorials
 NARROW = sympy.Rational(1, 10**5)  # a divisor of the steering nearer to zero than this counts as zero
@@ -54,18 +55,6 @@ class Path:
     inverse_gain: Expr
 
 
-@dataclass(frozen=True, slots=True)
-class Gate:
-    """Open where |value| is at least ``least``."""
-
-    value: Expr
-    least: Expr
-
-    def choose(self, closed: Expr, opened: Expr) -> Expr:
-        """``opened`` where the gate is open."""
-        return select(absolute(self.value), self.least, closed, opened)
-
-
 def threshold(trailers: int) -> Expr:
     """The least product of cosines, a power of two: its power 2 N + 5 keeps to DIGITS."""
     return sympy.Rational(1, 2 ** (DIGITS * 332 // (100 * (2 * trailers + 5))))
@@ -76,8 +65,7 @@ class _Level:
 
     def __init__(self, names: Locals, link: Link, orders: int, first: bool, gate: Gate) -> None:
         self.names, self.link, self.orders, self.first = names, link, orders, first
-        kept = names.define(f"{link.name}_kept", gate.choose(sympy.S.One, link.cosine))
-        sec = names.define(f"{link.name}_sec", gate.choose(sympy.S.Zero, sympy.Pow(kept, -1)))
+        sec = gate.inverse(names, link.cosine, f"{link.name}_kept", f"{link.name}_sec")
         tan = names.define(f"{link.name}_tan", times(link.sine, sec))
         self.d: Series = [sympy.S.Zero]
         self.tan, self.sec, self.state = [tan], [sec], [sympy.S.Zero]
@@ -100,11 +88,8 @@ class _Level:
         self.state.append(self._named("state", k + 1, rate))
 
     def _named(self, what: str, k: int, value: Expr) -> Expr:
-        return (
-            value
-            if not value.args or value.is_Number
-            else self.names.define(f"{self.link.name}_{what}_{k}", value)
-        )
+        trivial = not value.args or value.is_Number
+        return value if trivial else self.names.define(f"{self.link.name}_{what}_{k}", value)
 
 
 def path(names: Locals, links: list[Link], curvature: Expr | None) -> Path:

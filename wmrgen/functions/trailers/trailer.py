@@ -28,7 +28,7 @@ from wmrgen.functions.system import Domain, System, guarded, rate_port
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
 
 Vector = tuple[Expr, Expr]
@@ -204,8 +204,7 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     outputs = [(rate_port(p), e) for p, e in zip((*posture.state, *headings), rates, strict=True)]
     speed = "speed of the trailer's axle; 0 when jack-knifed"
     outputs += [
-        (Port(f"{t.name}.speed", Role.COMMAND, "m/s", speed), a.speed)
-        for t, a in zip(robot.trailers, axles, strict=True)
+        (output(f"{t.name}.speed", "m/s", speed), a.speed) for t, a in zip(robot.trailers, axles, strict=True)
     ]
     inputs = (*posture.state, *headings, *motion.inputs, *tunable_ports(robot))
     text = f"rates of a body with trailers (one is jack-knifed where its speed is 0): {motion.text}"

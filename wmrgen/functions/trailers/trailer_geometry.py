@@ -24,7 +24,7 @@ from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -40,7 +40,7 @@ from wmrgen.symbolic import (
     times,
 )
 
-CURVATURE = Port("curvature", Role.COMMAND, "1/m", "yaw rate of the body per speed of its axle centre")
+CURVATURE = output("curvature", "1/m", "yaw rate of the body per speed of its axle centre")
 
 
 def behind(point: Vector, length: Poly, heading: Expr) -> Vector:
@@ -108,11 +108,11 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
         if hitch:
             angle = add(angle, angle_of(times(expression(hitch), kappa), ahead))
         text = "heading of what pulls it minus its own, on the steady circle"
-        outputs.append((Port(f"{t.name}.hitch_angle", Role.COMMAND, "rad", text), angle))
+        outputs.append((output(f"{t.name}.hitch_angle", "rad", text), angle))
         text = "speed of its axle per speed of the body's axle, on the steady circle"
-        outputs.append((Port(f"{t.name}.speed", Role.COMMAND, "", text), speed))
+        outputs.append((output(f"{t.name}.speed", "", text), speed))
     text = "smallest squared speed ratio: the steady circle exists where it is not negative"
-    outputs.append((Port("margin", Role.COMMAND, "", text), margin))
+    outputs.append((output("margin", "", text), margin))
     return Formula(
         "steady_circle", (CURVATURE, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
         "hitch angles on the steady circle of constant curvature",

@@ -22,20 +22,21 @@ from wmrgen.exact.poly import Poly, Row, has_angles
 from wmrgen.functions.models.frame import constant_rows
 from wmrgen.functions.models.polynomials import nominal_at, straight
 from wmrgen.functions.models.virtual import steering_frame
-from wmrgen.functions.trailers.series import NARROW, Gate, Link, Path, path
+from wmrgen.functions.system import Gate
+from wmrgen.functions.trailers.series import NARROW, Link, Path, path
 from wmrgen.functions.trailers.trailer import Vector, body_of, check_trailers, in_view, state_ports
 from wmrgen.functions.trailers.trailer_geometry import behind
 from wmrgen.kinematics.odometry import POSE
-from wmrgen.kinematics.records import Locals
+from wmrgen.kinematics.records import Locals, twist_ports
 from wmrgen.layout.records import Robot, Trailer
 from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
 
 SMALL = 1e-9
-V = Port("v", Role.COMMAND, "m/s", "speed of the centre of the axle, along the direction of travel")
-OMEGA = Port("omega", Role.COMMAND, "rad/s", "yaw rate, counter-clockwise")
+V = output("v", "m/s", "speed of the centre of the axle, along the direction of travel")
+OMEGA = twist_ports()[2]
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,9 +111,7 @@ class Train:
         """The second of the robot's own inputs: yaw rate, or steering rate."""
         if self.steering_port is None:
             return OMEGA
-        return Port(
-            f"{self.steering_port.name}_rate", Role.COMMAND, "rad/s", "steering rate, counter-clockwise"
-        )
+        return output(f"{self.steering_port.name}_rate", "rad/s", "steering rate, counter-clockwise")
 
     @property
     def by_heading(self) -> bool:
@@ -190,9 +189,7 @@ def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
     cosine, sine = names.define("steer_cosine", along), names.define("steer_sine", across)
     inverse = s.x.inverse()
     divisor = names.define("steer_divisor", add(cosine, times(expression(s.y * inverse), sine)))
-    gate = Gate(divisor, NARROW)
-    kept = names.define("steer_divisor_kept", gate.choose(sympy.S.One, divisor))
-    over = names.define("steer_over", gate.choose(sympy.S.Zero, sympy.Pow(kept, -1)))
+    over = Gate(divisor, NARROW).inverse(names, divisor, "steer_divisor_kept", "steer_over")
     kappa = names.define("kappa", times(expression(inverse), sine, over))
     leverage = times(expression(inverse), over, over)
     return kappa, leverage, times(expression(s.x), divisor, divisor)

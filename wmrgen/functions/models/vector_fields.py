@@ -121,20 +121,20 @@ def at_point(poly: Poly, point: Mapping[str, Exact], numbers: Mapping[str, Exact
     """``poly`` with states at ``point`` and parameters at ``numbers`` put in: a number wherever the field has it."""
 
     def value(g: Gen) -> Poly | None:
-        known: Exact | None = None
+        number: Exact | None = None
         if g.kind == "input":
-            known = point[g.name]
+            number = point[g.name]
         elif g.kind == "param":
-            known = numbers.get(g.name)
+            number = numbers.get(g.name)
         elif g.kind in ("cosf", "sinf"):
             cos_sin = _on_circle(g.args[0], point)
-            known = None if cos_sin is None else cos_sin[g.kind == "sinf"]
+            number = None if cos_sin is None else cos_sin[g.kind == "sinf"]
         elif g.kind == "inv":
             return g.args[0].substitute(value).inverse()
         elif g.kind == "sqrt":
             square = g.args[0].substitute(value).constant
-            known = None if square is None else exact_sqrt(square)
-        return None if known is None else Poly.of(known)
+            number = None if square is None else exact_sqrt(square)
+        return None if number is None else Poly.of(number)
 
     return poly.substitute(value)
 
@@ -200,13 +200,13 @@ class Growth:
         """The growth vector, and which bracket adds each dimension."""
         vector = ", ".join(map(str, self.vector))
         added = [b.name for b in self.brackets if b.order > 1]
-        said = f"growth vector ({vector}), degree of nonholonomy {self.degree}"
+        text = f"growth vector ({vector}), degree of nonholonomy {self.degree}"
         if added:
-            said += f"; {', '.join(added)} add{'s' if len(added) == 1 else ''} one dimension each"
+            text += f"; {', '.join(added)} add{'s' if len(added) == 1 else ''} one dimension each"
         reach = (
             "every direction" if self.controllable else f"{self.vector[-1]} of {len(self.state)} directions"
         )
-        return f"{said}; the brackets reach {reach}"
+        return f"{text}; the brackets reach {reach}"
 
 
 def bracket(f: Field, g: Field, state: tuple[str, ...]) -> Field:

@@ -137,14 +137,14 @@ def _check_axle(robot: Robot, mobility: Mobility, v: Virtual) -> None:
 
 def _check_rank(robot: Robot, mobility: Mobility, wheels: tuple[Virtual, ...]) -> None:
     """The virtual axles together with the constant rows must fix the motion as C1 does."""
-    found = [
+    matrix = [
         [nominal_at(p, robot, generic(robot)) for p in fixed(row, robot)]
         for row in constant_rows(robot, mobility)
     ]
     for v in wheels:
         w = as_wheel(robot, v)
-        found.append(list(along(w, 1j * pivot_velocity(w, mobility.admissible.sample))))
-    rank = numeric_rank(unit_rows(np.array(found)))[0]
+        matrix.append(list(along(w, 1j * pivot_velocity(w, mobility.admissible.sample))))
+    rank = numeric_rank(unit_rows(np.array(matrix)))[0]
     if rank != 3 - mobility.degree_of_mobility:
         names = ", ".join(v.name for v in wheels)
         raise NotDerivableError(
@@ -173,11 +173,15 @@ def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
             f"{robot.name} has no virtual steering: its file names no virtual wheel that steers.\n"
             "  Write virtual: [{name: front, steers: [front_left, front_right]}]."
         )
-    found = steering_frame(robot, mobility)
+    coordinates = steering_frame(robot, mobility)
     followers = [w for w in robot.wheels if w.kind.steers]
     followers += [as_wheel(robot, v) for v in wheels[mobility.degree_of_steerability :]]
     return _angles(
-        "virtual_steering", found, followers, robot, "angles of the virtual wheels to those of the real ones"
+        "virtual_steering",
+        coordinates,
+        followers,
+        robot,
+        "angles of the virtual wheels to those of the real ones",
     )
 
 
@@ -185,20 +189,20 @@ def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
 def virtual_angle(robot: Robot, mobility: Mobility) -> Formula:
     """The way back: steering angles of the wheels that decide to the angles of the virtual wheels."""
     virtual_steering(robot, mobility)
-    found = frame(robot, mobility, False)
+    coordinates = frame(robot, mobility, False)
     followers = [as_wheel(robot, v) for v in steering(robot)]
     return _angles(
-        "virtual_angle", found, followers, robot, "real steering angles to those of the virtual wheels"
+        "virtual_angle", coordinates, followers, robot, "real steering angles to those of the virtual wheels"
     )
 
 
-def _angles(name: str, found: Frame, followers: list[Wheel], robot: Robot, text: str) -> Formula:
+def _angles(name: str, coordinates: Frame, followers: list[Wheel], robot: Robot, text: str) -> Formula:
     """steer = atan2 of the travel of the pivot, seen from the wheel's zero."""
     outputs = []
     for w in followers:
-        along, across = heading_row(found, w)
+        along, across = heading_row(coordinates, w)
         outputs.append(
             (joint_port(w, "steer", Role.COMMAND), angle_of(expression(across), expression(along)))
         )
-    inputs = (*(joint_port(w, "steer", Role.STATE) for w in found.wheels), *tunable_ports(robot))
+    inputs = (*(joint_port(w, "steer", Role.STATE) for w in coordinates.wheels), *tunable_ports(robot))
     return Formula(name, inputs, (), tuple(outputs), text)

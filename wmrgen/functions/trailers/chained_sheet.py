@@ -20,42 +20,59 @@ from wmrgen.functions.models.inputs import eta_motion
 from wmrgen.functions.models.sheet import Equation, Sheet, tidy
 from wmrgen.functions.models.vector_fields import at_point, by_state, to_poly
 from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
-from wmrgen.functions.trailers.trailer import in_view, towing_system
-from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, train
+from wmrgen.functions.trailers.trailer import towing_system
+from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, links_of, train
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port
-from wmrgen.symbolic import Expr, expression, local, signal
+from wmrgen.symbolic import Expr, expression, local, rotated, signal
 
 POINTS = 3
 MANY_TRAILERS = 8  # beyond, one exact point takes seconds
 MOST_TERMS = 40  # a derivative with more is not written out
+
+Domain = list[tuple[Expr, str]]
 
 
 def chained_sheet(robot: Robot, mobility: Mobility) -> Sheet:
     """z1 ... zn and the robot's own inputs in closed form, as long as they can be written out."""
     t = train(robot, mobility, symbolic=True)
     checked = verify(robot, mobility, POINTS if len(robot.trailers) <= MANY_TRAILERS else 1)
-    where, equations, domain = _by_heading(t) if t.by_heading else _by_position(t)
-    n = t.size
-    chain = ", ".join(["z1' = u1", "z2' = u2", *(f"z{k + 1}' = z{k} u1" for k in range(2, n))])
-    text = f"(2,{n}) chain {chain}. Verified: {checked.text}"
-    return Sheet("chained", text, t.state, U, parameter_ports(robot), where, equations, (), domain)
+    where, equations, domain = ([], _by_heading(t), []) if t.by_heading else _by_position(t)
+    chain = ", ".join(["z1' = u1", "z2' = u2", *(f"z{k + 1}' = z{k} u1" for k in range(2, t.size))])
+    text = f"(2,{t.size}) chain {chain}. Verified: {checked.text}"
+    return Sheet(
+        "chained", text, t.state, U, parameter_ports(robot), tuple(where), tuple(equations), (), tuple(domain)
+    )
 
 
-Parts = tuple[tuple[Equation, ...], tuple[Equation, ...], tuple[tuple[Expr, str], ...]]
-
-
-def _by_heading(t: Train) -> Parts:
+def _by_heading(t: Train) -> list[Equation]:
     """Tzafestas (2.62), (2.63)."""
     theta, (x, y) = signal("theta"), last_axle(t)
     c, s = t.axle.turned(sympy.cos(theta), sympy.sin(theta))
     u1, u2 = (signal(p.name) for p in U)
     formulas = {"z1": theta, "z2": tidy(x * c + y * s), "z3": tidy(x * s - y * c)}
     formulas |= {V.name: u2 + local("z3") * u1, OMEGA.name: u1}
-    return (), tuple(Equation(name, e) for name, e in formulas.items()), ()
+    return [Equation(name, e) for name, e in formulas.items()]
+
+
+def _by_position(t: Train) -> tuple[list[Equation], list[Equation], Domain]:
+    """Tzafestas (2.66)-(2.69); Sordalen (1993) with trailers, derivatives taken one by one."""
+    path, domain = _path(t)
+    where = []
+    bend: Expr = sympy.S.One  # dbeta/dkappa
+    s = t.axle.steering
+    if s is not None:
+        beta = signal(f"{s.name}.steer")
+        ch, sh, x, y = (expression(p) for p in (s.ch, s.sh, s.x, s.y))
+        cosine, sine = rotated(sympy.cos(beta), sympy.sin(beta), ch, sh)
+        divisor = x * cosine + y * sine
+        bend = divisor**2 / x
+        where.append(Equation("kappa", tidy(sine / divisor)))
+        domain.insert(1, (tidy(divisor), f"the steering angle of {s.name} asks for an infinite curvature"))
+    return where, [*_transformation(t, path.slopes), *_inputs(t, path, bend)], domain
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,44 +84,16 @@ class _Path:
     answer: Poly
 
 
-def _by_position(t: Train) -> Parts:
-    """Tzafestas (2.66)-(2.69); Sordalen (1993) with trailers, derivatives taken one by one."""
-    where: list[Equation] = []
-    domain: list[tuple[Expr, str]] = []
-    bend: Expr = sympy.S.One
-    s = t.axle.steering
-    if s is not None:
-        beta = signal(f"{s.name}.steer")
-        ch, sh, x, y = (expression(p) for p in (s.ch, s.sh, s.x, s.y))
-        cosine, sine = (
-            ch * sympy.cos(beta) - sh * sympy.sin(beta),
-            sh * sympy.cos(beta) + ch * sympy.sin(beta),
-        )
-        divisor = x * cosine + y * sine
-        bend = divisor**2 / x
-        where.append(Equation("kappa", tidy(sine / divisor)))
-        domain.append((tidy(divisor), f"the steering angle of {s.name} asks for an infinite curvature"))
-    path = _path(t, domain)
-    equations = (*_transformation(t, path.slopes), *_inputs(t, path, bend))
-    return tuple(where), equations, tuple(domain)
-
-
-def _path(t: Train, domain: list[tuple[Expr, str]]) -> _Path:
+def _path(t: Train) -> tuple[_Path, Domain]:
     """Derivatives along the path of the last axle up to the drift of z2, as far as they can be written out."""
-    theta = signal("theta")
-    headings = [theta, *(signal(f"{x.name}.theta") for x in t.trailers)]
-    rates: dict[str, Poly] = {}
-    c, s = _circle(t, headings[-1], not t.trailers)
-    domain.insert(
-        0, (expression(c), "the last axle drives at a right angle to world x: turn the world frame")
-    )
+    last, *hitches = [tuple(map(to_poly, (x.cosine, x.sine, x.inverse_length))) for x in links_of(t)]
+    c, s, _ = last
+    domain = [(expression(c), "the last axle drives at a right angle to world x: turn the world frame")]
     slope, w, answer = s * c.inverse(), c.inverse(), c * c
-    for k in range(len(t.trailers), 0, -1):
-        trailer = t.trailers[k - 1]
-        c, s = _circle(t, headings[k - 1] - headings[k], k == 1)
-        length = in_view(trailer.length, t.symbolic)
-        rates[f"{trailer.name}.theta"] = s * c.inverse() * w * length.inverse()
-        answer = answer * c * c * length * w.inverse()
+    rates: dict[str, Poly] = {}
+    for trailer, (c, s, inverse_length) in zip(reversed(t.trailers), hitches, strict=True):
+        rates[f"{trailer.name}.theta"] = s * c.inverse() * w * inverse_length
+        answer = answer * c * c * inverse_length.inverse() * w.inverse()
         w = w * c.inverse()
         domain.append((expression(c), f"{trailer.name} is jack-knifed"))
     if t.axle.steering is not None:
@@ -113,14 +102,7 @@ def _path(t: Train, domain: list[tuple[Expr, str]]) -> _Path:
     slopes = [slope]
     while len(slopes) < t.size - 1 and len(slopes[-1].terms) < MOST_TERMS:
         slopes.append(Poly.sum(by_state(slopes[-1], q) * rate for q, rate in rates.items()))
-    return _Path(slopes, w, answer)
-
-
-def _circle(t: Train, angle: Expr, tractor: bool) -> tuple[Poly, Poly]:
-    """Cosine and sine of a heading or hitch angle; ``tractor``: from the direction of its axle."""
-    c, s = sympy.cos(angle), sympy.sin(angle)
-    c, s = t.axle.turned(c, s) if tractor else (c, s)
-    return to_poly(c), to_poly(s)
+    return _Path(slopes, w, answer), domain
 
 
 def _transformation(t: Train, slopes: list[Poly]) -> list[Equation]:
@@ -230,7 +212,7 @@ def _residuals(t: Train, mobility: Mobility, functions: tuple[Formula, ...], see
     z = here.outputs(functions[0])
     rates = [rate for _, rate in z]
     chain = [rates[0], rates[1], *(value * rates[0] for value, _ in z[1:-1])]
-    said = [value for value, _ in _Place(state | own, {}, geometry).outputs(functions[1])]
+    claimed = [value for value, _ in _Place(state | own, {}, geometry).outputs(functions[1])]
     chain_inputs = {"u1": rates[0], "u2": rates[1]}
     back = dict(
         zip(
@@ -240,7 +222,7 @@ def _residuals(t: Train, mobility: Mobility, functions: tuple[Formula, ...], see
         )
     )
     residuals = [a - b for a, b in zip(rates, chain, strict=True)]
-    residuals += [a - b for a, b in zip(said, chain, strict=True)]
+    residuals += [a - b for a, b in zip(claimed, chain, strict=True)]
     return residuals + [back[name] - value for name, value in own.items()]
 
 

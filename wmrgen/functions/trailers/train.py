@@ -167,7 +167,7 @@ def write(t: Train) -> Written:
         curvature, leverage, inverse_leverage = bending(axle.steering, names)
     x, y = last_axle(t)
     x, y = names.define("last_x", x), names.define("last_y", y)
-    driven = None if t.by_heading else path(names, _links(t), curvature)
+    driven = None if t.by_heading else path(names, links_of(t), curvature)
     return Written(t, names, c, s, x, y, curvature, leverage, inverse_leverage, driven)
 
 
@@ -195,7 +195,7 @@ def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
     return kappa, leverage, times(expression(s.x), divisor, divisor)
 
 
-def _links(t: Train) -> list[Link]:
+def links_of(t: Train) -> list[Link]:
     """The last heading, then the hitch angles from the last to the first."""
     theta = signal("theta")
     headings = [signal(f"{trailer.name}.theta") for trailer in t.trailers]

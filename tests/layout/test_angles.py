@@ -11,6 +11,8 @@ import pytest
 
 import wmrgen
 from tests.conftest import Outcome
+from tests.laws.common import derived
+from tests.mobility.test_couplings import AXLE
 from tests.oracle.harness import Model
 
 ROBOT = """\
@@ -159,3 +161,16 @@ def test_the_heading_as_written_decides(tmp_path: Path, alpha: str, beta: str) -
     """
     m = Model.of(DRIVE.format(alpha=alpha, beta=beta), tmp_path).derivation.mobility
     assert (m.degree_of_mobility, m.degree_of_steerability) == (2, 0)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "snapped"), [(0.05, True), (0.0571, True), (0.0575, False), (0.2, False)]
+)
+@pytest.mark.parametrize("side", [1, -1])
+def test_an_angle_snaps_within_a_thousandth(degrees: float, snapped: bool, side: int) -> None:
+    """1 mrad is 0.0573 degrees."""
+    angle = side * math.radians(degrees)
+    wheels = [AXLE[0], AXLE[1] | {"heading": angle}]
+    model = derived({"wheels": wheels, "couplings": []})
+    assert model.robot.wheels[1].heading == pytest.approx(0.0 if snapped else angle, abs=1e-12)
+    assert any("taken as 0" in note for note in model.robot.notes) == snapped

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -255,3 +256,20 @@ def test_axles_of_coupled_castors_are_refused() -> None:
     }
     with pytest.raises(NotDerivableError, match="coupled castors"):
         derived(layout).derivation.formula("axles")
+
+
+def test_the_centroid_of_belt_steered_wheels_keeps_its_velocity() -> None:
+    """Rotation is taken away about the wheels' centroid, here (0.4, 0.5): v + omega z x c, by hand."""
+    shifted: list[Any] = [w | {"x": w["x"] + 13 / 30, "y": w["y"] + 0.5} for w in STEERED]
+    texts = [{"x": f"{w['x']} + 13/30", "y": f"{w['y']} + 1/2"} for w in STEERED]
+    wheels = [w | {"text": t} for w, t in zip(shifted, texts, strict=True)]
+    model = derived({"wheels": wheels, "couplings": [("steer", ["a", "b", "c"])]})
+    found = model.call("inverse", named([0.3, -0.2, 0.7]))
+    v = complex(0.3 - 0.7 * 0.5, -0.2 + 0.7 * 0.4)
+    for n in "abc":
+        along = (
+            found[f"{n}.spin"] * 0.1 * complex(math.cos(found[f"{n}.steer"]), math.sin(found[f"{n}.steer"]))
+        )
+        assert abs(along - v) < 1e-12
+    places = [complex(w["x"] - 0.4, w["y"] - 0.5) for w in shifted]
+    assert found["slip"] == pytest.approx(0.7 * math.sqrt(sum(abs(p) ** 2 for p in places) / 3))

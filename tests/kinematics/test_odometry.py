@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -13,6 +15,7 @@ from hypothesis import strategies as st
 from tests.laws.common import NAMES, gallery, law
 from tests.laws.layouts import twists
 from tests.oracle import oracle
+from wmrgen.kinematics.odometry import SWITCH, WORST_ERROR
 
 TURNS = [0.0, 1e-300, 1e-12, 1e-8, 1e-5, 1e-3, 0.02, 0.0999999, 0.1, 0.1000001, 0.5, 1.0, 3.14159, 7.0]
 
@@ -64,3 +67,16 @@ def test_every_robot_has_the_same_step(name: str) -> None:
     wanted = oracle.step(np.array([0.1, -0.2, 0.3]), np.array([0.5, 0.4, 0.7]), 0.25)
     np.testing.assert_allclose([found[k] for k in ("x", "y", "theta")], wanted, rtol=0, atol=1e-14)
     assert math.isfinite(found["theta"])
+
+
+def test_the_series_of_odometry_is_as_good_as_the_quotient() -> None:
+    """The chord is sinc(h) to a few units in the last place, the series as far as it is used included."""
+    assert float(SWITCH) ** 8 / math.factorial(9) <= 2.0**-53 and WORST_ERROR <= 2.0**-53
+    model, _ = gallery("unicycle")
+    for k in range(1, 400):
+        h = Fraction(k, 2000)
+        out = model.call("odometry", {"vx": 1.0, "omega": float(2 * h), "dt": 1.0})
+        with mpmath.workdps(30):
+            half = mpmath.mpf(float(2 * h)) / 2
+            chord = mpmath.sin(half) / half
+        assert math.hypot(out["x"], out["y"]) == pytest.approx(float(chord), rel=0, abs=3.4e-16), h

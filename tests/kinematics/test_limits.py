@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tests.laws.common import derived, law
 from tests.laws.layouts import decimals
-from tests.laws.test_couplings import wheel
+from tests.mobility.test_couplings import wheel
 from tests.oracle import oracle
 from tests.oracle.harness import named
 from wmrgen.errors import RobotFileError

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.oracle.harness import Model, named, rank, same_span, turn, twist_of
-from wmrgen.exact.number import Exact
+from tests.oracle.harness import Model, named, rank, turn, twist_of
 
 Array = NDArray[np.float64]
 
@@ -95,77 +93,15 @@ def deltas(s: Seed) -> None:
         s.close(np.vstack(rows) @ null, np.zeros((sum(map(len, rows)), e["delta_m"])))
 
 
-def ik_columns(s: Seed, frame: Array) -> None:
-    order = s.given.get("wheel_order")
-    s.close(np.array([s.spins(frame @ axis, order) for axis in np.eye(3)]).T, s.expect["value"])
-
-
-def fk_columns(s: Seed, frame: Array) -> None:
-    order = s.given.get("wheel_order") or s.names
-    columns = [frame @ s.forward({f"{m}.spin": float(n == m) for m in order}) for n in order]
-    s.close(np.array(columns).T, s.expect["value"])
-
-
 def ik_body(s: Seed) -> None:
-    ik_columns(s, np.eye(3))
-
-
-def ik_world(s: Seed) -> None:
-    ik_columns(s, turn(-s.given["phi"]))
-
-
-def ik_slip(s: Seed) -> None:
-    """Spins of `slip_inverse` from world velocities and longitudinal slip; lateral slip z is an output, no input."""
-    assert s.given["wheel_order"] == s.names
-    world = [named(turn(-s.given["phi"]) @ axis) for axis in np.eye(3)]
-    columns = []
-    for values in (*world, *({f"{n}.slip_x": 1.0} for n in s.names)):
-        found = s.model.derivation.evaluate(
-            "slip_inverse", {k: Exact(Fraction(v)) for k, v in values.items()}
-        )
-        columns.append([float(found[f"{n}.spin"]) for n in s.names])
-    inputs = {p.name for p in s.model.derivation.formula("slip_inverse").inputs}
-    assert not any(f"{n}.slip_y" in inputs for n in s.names)
-    s.close(np.hstack([np.array(columns).T, np.zeros((2, 2))]), s.expect["value"])
+    order = s.given.get("wheel_order")
+    s.close(np.array([s.spins(axis, order) for axis in np.eye(3)]).T, s.expect["value"])
 
 
 def fk_body(s: Seed) -> None:
-    fk_columns(s, np.eye(3))
-
-
-def fk_world(s: Seed) -> None:
-    fk_columns(s, turn(s.given["phi"]))
-
-
-def m_world(s: Seed) -> None:
-    rows = np.vstack([s.model.matrix(k, s.steer) for k in ("C1f", "C1s") if s.model.data[k]])
-    expected = np.array(s.expect["value"], float)
-    assert not expected[:, 3:].any()  # the steering angle's own column
-    world = rows @ turn(-s.given["phi"])
-    assert same_span(world, expected[:, :3])
-
-
-def g_world(s: Seed) -> None:
-    """Columns of q' = G u: the first input drives along the null space, psi_dot steers only."""
-    inputs, expected = s.given["inputs"], np.array(s.expect["value"], float)
-    state = {"theta": s.given["phi"]} | s.present
-    null = turn(s.given["phi"]) @ s.model.matrix("null_space", s.steer)
-    if inputs == ["v", "omega"]:
-        assert same_span(null.T, expected.T)
-        return
-    rates = posture_rates(s, state | {"eta1": 1.0})
-    body = turn(-s.given["phi"]) @ rates[:3]
-    wheel = "rear" if "rear" in inputs[0] else "front"
-    spin = s.inverse(body)[f"{wheel}.spin"]
-    radius = 1.0 if inputs[0] == "theta_w" else next(w["r"] for w in s.layout["wheels"] if w["name"] == wheel)
-    s.close(rates / (spin * radius), expected[:, 0])
-    s.close(posture_rates(s, state | {"front.steer_rate": 1.0}), expected[:, 1])
-
-
-def posture_rates(s: Seed, values: dict[str, float]) -> Array:
-    """Rates of x, y, theta and the front steering angle."""
-    out = s.model.call("dynamics", values)
-    return np.array([out[k] for k in ("x_rate", "y_rate", "theta_rate", "front.steer_rate")])
+    order = s.given.get("wheel_order") or s.names
+    columns = [s.forward({f"{m}.spin": float(n == m) for m in order}) for n in order]
+    s.close(np.array(columns).T, s.expect["value"])
 
 
 def rows_j1(s: Seed) -> None:
@@ -195,25 +131,6 @@ def castor_rows(s: Seed) -> None:
     d = s.expect["beta_dot_coeff"]
     found = [-d * s.inverse(axis)["c.steer_rate"] for axis in np.eye(3)]
     s.close([found], s.expect["C1"])
-
-
-def offset_rows(s: Seed) -> None:
-    """H and Q of contact velocities: rotate (rolling, sliding) rows back by each wheel's heading."""
-    j1, c1 = s.model.matrix("J1", s.steer), s.model.matrix("C1s", s.steer)
-    h, q = np.array(s.expect["H"]), np.array(s.expect["Q"])
-    for i, name in enumerate(s.names):
-        angle = s.heading(name) + s.steer.get(name, 0.0)
-        back = turn(angle)[:2, :2]
-        s.close(back @ np.vstack([j1[i], c1[i]]), h[2 * i : 2 * i + 2])
-        arm = back.T @ q[2 * i : 2 * i + 2, i]  # in the wheel's own axes: (-offset_y, 0)
-        s.close(steer_column(s, name), arm)
-    s.close(np.abs(q).sum(axis=1) > 0, np.ones(len(q)))
-
-
-def steer_column(s: Seed, name: str) -> Array:
-    """(rolling, sliding) velocity of a wheel's contact per unit steering rate, from the Pfaffian matrix."""
-    rolling, sliding = pfaffian_rows(s, name)
-    return np.array([rolling.get(f"{name}.steer_rate", 0.0), sliding.get(f"{name}.steer_rate", 0.0)])
 
 
 def pfaffian_rows(s: Seed, name: str) -> tuple[dict[str, float], dict[str, float]]:
@@ -292,8 +209,6 @@ def ik(s: Seed) -> None:
         s.close([[s.inverse(a)[f"{n}.spin"] * radius[n] for a in axes] for n in s.names], e["matrix"])
     if "gamma" in e:
         steering(s, np.array(twist, float), found)
-    elif "v_c" in e:
-        contact_velocities(s, np.array(twist, float))
 
 
 def sphere(s: Seed, twist: dict[str, float]) -> None:
@@ -329,17 +244,6 @@ def steering(s: Seed, twist: Array, found: dict[str, float]) -> None:
         s.close(np.hypot(*s.expect["v_f"]), abs(speeds[0]))
 
 
-def contact_velocities(s: Seed, twist: Array) -> None:
-    """v_c of every wheel: rows at the given angles, plus the steering-rate columns."""
-    j1, c1 = s.model.matrix("J1", s.steer), s.model.matrix("C1s", s.steer)
-    v = []
-    for i, name in enumerate(s.names):
-        own = np.array([j1[i] @ twist, c1[i] @ twist])
-        own += steer_column(s, name) * s.given["gamma_dot"][i]
-        v += list(turn(s.heading(name) + s.steer.get(name, 0.0))[:2, :2] @ own)
-    s.close(v, s.expect["v_c"])
-
-
 def fk(s: Seed) -> None:
     g, e = s.given, s.expect
     rates: dict[str, float] = {}
@@ -361,9 +265,8 @@ def fk(s: Seed) -> None:
 
 ADAPT: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {"S-3.7.2": split_balls}
 _WHAT: dict[str, Callable[[Seed], None]] = {
-    "IK_body": ik_body, "IK_world": ik_world, "FK_body": fk_body, "FK_world": fk_world, "M_world": m_world,
-    "G_world": g_world, "J1": rows_j1, "C1": rows_c1, "J1_C1": rows_steered, "stack_J1_C1": stack,
-    "castor_rows": castor_rows, "IK_slip": ik_slip, "H_Q": offset_rows, "FK_body_two_axis_balls": two_axis_balls,
+    "IK_body": ik_body, "FK_body": fk_body, "J1": rows_j1, "C1": rows_c1, "J1_C1": rows_steered,
+    "stack_J1_C1": stack, "castor_rows": castor_rows, "FK_body_two_axis_balls": two_axis_balls,
     "mecanum_wheel_jacobians": mecanum_jacobians,
 }  # fmt: skip
 

@@ -48,17 +48,11 @@ def pfaffian_in_world(d: Derivation, kind: str) -> sympy.Matrix:
     return getattr(d, kind) * turn
 
 
-def test_tzafestas_2_26_to_2_32_unicycle() -> None:
+def test_tzafestas_2_26_to_2_32_siegwart_3_48_unicycle() -> None:
     d = derived(UNICYCLE)
     assert states(d, "eta") == ["x", "y", "theta"] and inputs(d, "eta") == ["eta1", "eta2"]
     same(G(d, "eta"), [[C, 0], [S, 0], [0, 1]])  # (2.28c), (2.32)
     same(pfaffian_in_world(d, "C1f"), [[-S, C, 0]])  # (2.27)
-
-
-def test_siegwart_3_48_unicycle_in_the_inertial_frame() -> None:
-    rates = derived(UNICYCLE).system("eta").rates
-    v, omega = s("eta1"), s("eta2")
-    same([rates], [[v * C, v * S, omega]])
 
 
 def test_tzafestas_2_36_to_2_38_differential_drive() -> None:
@@ -83,7 +77,7 @@ def test_tzafestas_example_2_2_reference_behind_the_axle() -> None:
     same(G(d), expected)
 
 
-def test_tzafestas_2_46_tricycle() -> None:
+def test_tzafestas_2_46_and_aa274_tricycle() -> None:
     d = derived(TRICYCLE)
     assert states(d) == ["x", "y", "theta", "front.steer"] and inputs(d) == ["front.spin", "front.steer_rate"]
     c, n = sympy.cos(FRONT), sympy.sin(FRONT)
@@ -99,13 +93,6 @@ def test_tzafestas_2_47_tricycle_inverse() -> None:
     found = G(d)[:3, 0].subs(FRONT, sympy.atan2(D * omega, v)) * rim / R
     d_positive = sympy.Symbol("D", positive=True)
     same(found.subs(THETA, 0).subs(D, d_positive), [[v], [0], [omega]])
-
-
-def test_aa274_tricycle() -> None:
-    """(cos xi cos theta, cos xi sin theta, sin xi / L) u1 with u1 the speed of the front wheel; L = 1 in the text."""
-    d = derived(TRICYCLE)
-    c, n = sympy.cos(FRONT), sympy.sin(FRONT)
-    same((G(d) / R).subs(D, 1)[:3, 0], [c * C, c * S, n])
 
 
 @pytest.mark.parametrize(

@@ -91,19 +91,6 @@ def test_constant_speeds(on: Callable[[str], Run], name: str) -> None:
         assert circle["turns"] == -1
 
 
-def test_unicycle_arc(on: Callable[[str], Run]) -> None:
-    """Constant v and omega as the wheel speeds of a differential drive of half track 1 and radius 1."""
-    run = on("T-2.26-arc")
-    wheel = "type: fixed, x: 0, heading: 0, r: 1"
-    run.write(
-        f"wmrgen: 1\nname: uni\nwheels:\n  - {{name: a, y: 1, {wheel}}}\n  - {{name: b, y: -1, {wheel}}}\n"
-    )
-    v, omega = run.given["input"]["v"], run.given["input"]["omega"]
-    pose = dict(zip(("x", "y", "theta"), run.given["state0"], strict=True))
-    end = run.call("motion", a__spin=v - omega, b__spin=v + omega, **pose, dt=run.given["t"])
-    run.close([end[k] for k in ("x", "y", "theta")], run.expect["state"])
-
-
 def test_k_projections(on: Callable[[str], Run]) -> None:
     for name in ("K-3", "K-2", "K-vi2"):
         run = on(name)

@@ -14,8 +14,7 @@ from benchmarks.emulator.image import Image
 from benchmarks.emulator.zig import INCLUDE
 from benchmarks.jobs import JOBS, derivations
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
-from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Module
 
 SHOWN = ("m0+", "m4f", "m33", "rv32", "avr")
@@ -45,7 +44,7 @@ def measure(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for module in modules:
-            header, source = sources(module, Meta(math=math, target=processor.target))
+            header, source = sources(module, Choice(math=math, target=processor.target))
             (folder / f"{module.name}.h").write_text(header)
             (folder / f"{module.name}.c").write_text(source)
         files = [f"{module.name}.c" for module in modules]

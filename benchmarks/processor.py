@@ -19,9 +19,8 @@ from benchmarks.emulator.zig import M0, M4F
 from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.others import casadi_c, symforce_c, sympy_c
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
 from wmrgen.backends.c99.functions import Step
-from wmrgen.ir.kernels.choice import MATHS
+from wmrgen.ir.kernels.choice import MATHS, Choice
 
 REFERENCE = Path(__file__).resolve().parent / "reference"
 RUNS = 40
@@ -62,7 +61,7 @@ class Bench:
         self.jobs = jobs
         modules = [derivations()[name].c_module for name in dict.fromkeys(job.robot for job in jobs)]
         target = M0 if processor.startswith("m0") else M4F
-        write_sources(folder, modules, lambda m: sources(m, Meta(math=math, target=target.name)))
+        write_sources(folder, modules, lambda m: sources(m, Choice(math=math, target=target.name)))
         files = [f"{module.name}.c" for module in modules] + [LAYOUTS]
         files += references(folder, {module.name for module in modules})
         files += [name for job in jobs for name in self._others(folder, job)] if others else []

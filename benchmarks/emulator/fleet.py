@@ -12,8 +12,8 @@ from benchmarks.emulator.image import Image
 from benchmarks.emulator.machine import Machine, Run, Trap
 from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta, Unit, unit
-from wmrgen.backends.c99.functions import Step
+from wmrgen.backends.c99.emit import unit
+from wmrgen.backends.c99.functions import Step, Unit
 from wmrgen.backends.c99.text import Struct
 from wmrgen.ir.interpret import Arithmetic
 from wmrgen.ir.nodes import Module
@@ -35,7 +35,7 @@ def answers(arithmetic: Arithmetic) -> Libm:
 
 def default_sources(module: Module) -> tuple[str, str]:
     """Header and source as ``wmrgen derive`` writes them, banner aside."""
-    return sources(module, Meta())
+    return sources(module)
 
 
 def write_sources(folder: Path, modules: Sequence[Module], made: Sources = default_sources) -> None:
@@ -45,7 +45,7 @@ def write_sources(folder: Path, modules: Sequence[Module], made: Sources = defau
         header, source = made(module)
         (folder / f"{module.name}.h").write_text(header)
         (folder / f"{module.name}.c").write_text(source)
-        layouts += [_layout(s) for step in unit(module, "float").steps for s, _ in step.arguments]
+        layouts += [_layout(s) for step in unit(module).steps for s in step.arguments.values()]
     (folder / LAYOUTS).write_text("\n".join(dict.fromkeys(layouts)) + "\n")
     every = [*(f"{module.name}.c" for module in modules), LAYOUTS]
     (folder / EVERY).write_text("".join(f'#include "{name}"\n' for name in every))
@@ -111,12 +111,11 @@ class Fleet:
 
     @cached_property
     def units(self) -> dict[str, Unit]:
-        return {module.name: unit(module, "float") for module in self.modules}
+        return {module.name: unit(module) for module in self.modules}
 
     def steps(self, robot: str) -> tuple[Step, ...]:
         """The functions of the contract, without params_default and prepare."""
-        own = (f"{robot}_params_default", f"{robot}_prepare")
-        return tuple(s for s in self.units[robot].steps if s.name not in own)
+        return tuple(self.units[robot].contract.values())
 
     def text(self, robot: str) -> int:
         """Bytes of flash of all functions of ``robot``, of a fleet built separately."""
@@ -125,35 +124,27 @@ class Fleet:
 
     def inputs(self, step: Step) -> tuple[str, ...]:
         """Names of the inputs of ``step``, the tunable parameters last."""
-        names = [name for s, parameter in step.arguments[:-1] if parameter == "in" for name in s.members]
-        if any(parameter == "prepared" for _, parameter in step.arguments):
+        names = list(step.arguments["in"].members) if "in" in step.arguments else []
+        if "prepared" in step.arguments:
             names += [n for n in self._tunable(step) if n not in names]
         return tuple(names)
 
     def _tunable(self, step: Step) -> tuple[str, ...]:
-        prepare = self._prepare(step)
-        return tuple(
-            name for s, parameter in prepare.arguments if parameter == "params" for name in s.members
-        )
+        arguments = self._prepare(step).arguments
+        return tuple(arguments["params"].members) if "params" in arguments else ()
 
     def _prepare(self, step: Step) -> Step:
-        return next(
-            s
-            for u in self.units.values()
-            if step in u.steps
-            for s in u.steps
-            if s.name == f"{u.robot}_prepare"
-        )
+        return next(u.before([step])[-1] for u in self.units.values() if step in u.steps)
 
     def call(self, step: Step, values: Mapping[str, float], name: str = "") -> tuple[Run, dict[str, float]]:
         """Run ``step``, after prepare where it takes its result. The run is of the step alone.
 
         ``name``: of another function with the same arguments, to run in its place.
         """
-        if any(parameter == "prepared" for _, parameter in step.arguments):
+        if "prepared" in step.arguments:
             self._enter(self._prepare(step), values)
         run = self._enter(step, values, name)
-        out = step.arguments[-1][0]
+        out = step.arguments["out"]
         size, places = self._layouts[out.name]
         words = struct.unpack(f"<{size}f", self.machine.read(_PLACES["out"], 4 * size))
         return run, {name: words[k] for name, k in places.items()}
@@ -170,23 +161,24 @@ class Fleet:
         return run, struct.unpack(f"<{outputs}f", self.machine.read(_PLACES["out"], 4 * outputs))
 
     def _enter(self, step: Step, values: Mapping[str, float], name: str = "") -> Run:
-        for s, parameter in step.arguments:
+        *_, output = step.arguments.values()
+        for parameter, s in step.arguments.items():
             size, places = self._layouts[s.name]
             if parameter in ("in", "params"):
                 words = [0.0] * size
                 for member, k in places.items():
                     words[k] = values[member]
                 self.machine.write(_PLACES[parameter], struct.pack(f"<{size}f", *words))
-            elif s is step.arguments[-1][0]:
+            elif s is output:
                 self.machine.write(_PLACES[parameter], _POISON * size)
-        return self.machine.call(name or step.name, *(_PLACES[p] for _, p in step.arguments))
+        return self.machine.call(name or step.name, *(_PLACES[p] for p in step.arguments))
 
     @cached_property
     def _layouts(self) -> dict[str, tuple[int, dict[str, int]]]:
         """Struct -> (its size, place of each member), in words."""
         found = {}
         for u in self.units.values():
-            for s in (s for step in u.steps for s, _ in step.arguments):
+            for s in (s for step in u.steps for s in step.arguments.values()):
                 content = self.image.content(f"layout_{s.name}")
                 size, *places = struct.unpack(f"<{len(content) // 2}H", content)
                 found[s.name] = size, dict(zip(s.members, places, strict=True))

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.ir.build import Builder
+from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Function, Module, Node, Op
 from wmrgen.ports import Port, Role
 
@@ -80,7 +80,7 @@ def compiler() -> str:
 
 def build(folder: Path, target: str, vector: bool = False) -> Path:
     """The driver for the kernels of ``target``; with the instructions of this machine where the compiler knows it."""
-    header, source = sources(module(vector), Meta(target=target))
+    header, source = sources(module(vector), Choice(target=target))
     (folder / "kernel.h").write_text(header)
     (folder / "kernel.c").write_text(source)
     program = folder / f"kernels_{target}"

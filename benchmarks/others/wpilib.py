@@ -12,8 +12,7 @@ from pathlib import Path
 
 from benchmarks.jobs import derivations
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
-from wmrgen.ir.kernels.choice import MATHS
+from wmrgen.ir.kernels.choice import MATHS, Choice
 
 ROBOTS = {"differential": "textbook_differential", "mecanum": "clearpath_do100", "swerve": "wpilib_swervebot"}
 CALLS = 500
@@ -56,7 +55,7 @@ def build(folder: Path) -> list[Path]:
     programs = []
     for math in MATHS:
         for robot in ROBOTS.values():
-            header, source = sources(derivations()[robot].c_module, Meta(math=math, target="host"))
+            header, source = sources(derivations()[robot].c_module, Choice(math=math, target="host"))
             (folder / f"{robot}.h").write_text(header)
             (folder / f"{robot}.c").write_text(source)
         if not programs:  # the structs are the same for each

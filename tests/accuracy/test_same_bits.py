@@ -12,9 +12,9 @@ from benchmarks.emulator.fleet import Fleet
 from benchmarks.emulator.zig import M0, M4F
 from benchmarks.kernels import verify
 from wmrgen import derive, load
-from wmrgen.backends.c99 import evaluate_c, sources
-from wmrgen.backends.c99.emit import Meta
-from wmrgen.ir.kernels.choice import TARGETS
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.ir.kernels.choice import TARGETS, Choice
 from wmrgen.ir.rounding import nearest_float32
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
@@ -39,7 +39,7 @@ def mismatches(folder: Path, target: str, count: int) -> tuple[int, list[str]]:
             place,
             modules,
             {"sqrtf": _root},
-            lambda m: sources(m, Meta(target=target)),
+            lambda m: sources(m, Choice(target=target)),
             processor,
             counts=False,
         )
@@ -52,7 +52,7 @@ def mismatches(folder: Path, target: str, count: int) -> tuple[int, list[str]]:
             cases = [
                 {n: nearest_float32(source.uniform(-b, b)) for n, b in bounds.items()} for _ in range(count)
             ]
-            here = evaluate_c(module, function.name, cases, "float", None, FLAGS, target=target)
+            here = evaluate_c(module, function.name, cases, Choice(target=target), None, FLAGS)
             tried += count
             for fleet in fleets:
                 step = next(s for s in fleet.steps(module.name) if s.name == f"{module.name}_{function.name}")

@@ -9,9 +9,8 @@ import pytest
 
 from benchmarks.kernels.verify import FLAGS, compiler
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.build import Builder
-from wmrgen.ir.kernels.choice import M0
+from wmrgen.ir.kernels.choice import M0, Choice
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.ports import Port, Role
 
@@ -31,7 +30,7 @@ def arithmetic() -> Module:
 
 def wrong(folder: Path, pairs: int, step: int, change: tuple[str, str] = ("", "")) -> tuple[int, ...]:
     """How many products, quotients and roots differ, of the C with a text changed."""
-    header, source = sources(arithmetic(), Meta(target=M0))
+    header, source = sources(arithmetic(), Choice(target=M0))
     assert change[0] in source
     (folder / "soft.h").write_text(header)
     (folder / "soft.c").write_text(source.replace(*change, 1) if change[0] else source)

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 from tests.backends.modules import MODULES, empty, mecanum, tunable
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
 from wmrgen.backends.c99.text import block_comment, comment_text, literal, rounded, struct
+from wmrgen.backends.registry import Facts
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import SQRT2, Exact
+from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Module, Port, Role
 from wmrgen.ir.rounding import to_float32
 
@@ -81,7 +82,7 @@ def test_members_that_clash_are_told_apart() -> None:
 @pytest.mark.parametrize("module", MODULES, ids=lambda m: m.name)
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_straight_lines_only(module: Module, scalar: str) -> None:
-    header, source = sources(module, Meta(scalar=scalar))
+    header, source = sources(module, Choice(scalar=scalar))
     for text in (header, source):
         code = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
         assert not re.search(r"\b(for|while|do|goto|pow|powf|malloc|static|if)\s*[({]", code)
@@ -93,8 +94,8 @@ def test_straight_lines_only(module: Module, scalar: str) -> None:
 
 
 def test_what_a_header_states() -> None:
-    meta = Meta("Ridgeback", ("front_left: swedish",), "00ff" * 8, "0.1.0", "1.14.0")
-    header, source = sources(mecanum(), meta)
+    facts = Facts("Ridgeback", ("front_left: swedish",), "00ff" * 8, "0.1.0", "1.14.0")
+    header, source = sources(mecanum(), facts=facts)
     for fact in (
         "Ridgeback",
         "front_left: swedish",
@@ -109,8 +110,8 @@ def test_what_a_header_states() -> None:
 
 
 def test_only_what_is_tunable_gets_a_prepare() -> None:
-    assert "_prepare" not in sources(mecanum(), Meta())[0]
-    header, source = sources(tunable(), Meta())
+    assert "_prepare" not in sources(mecanum())[0]
+    header, source = sources(tunable())
     assert "void tuned_params_default(tuned_params *params);" in header
     assert "void tuned_prepare(const tuned_params *params, tuned_prepared *prepared);" in header
     step = source[source.index("void tuned_inverse") :]
@@ -118,7 +119,7 @@ def test_only_what_is_tunable_gets_a_prepare() -> None:
 
 
 def test_a_function_without_outputs_is_left_out() -> None:
-    header, _ = sources(Module("none", (empty(),)), Meta())
+    header, _ = sources(Module("none", (empty(),)))
     assert "none_forward" not in header
 
 
@@ -128,6 +129,6 @@ def test_pairs_differ() -> None:
         assert found
         return found[1]
 
-    header, source = sources(mecanum(), Meta())
+    header, source = sources(mecanum())
     assert pair(header) == pair(source)
-    assert pair(header) != pair(sources(mecanum(), Meta(scalar="double"))[0])
+    assert pair(header) != pair(sources(mecanum(), Choice(scalar="double"))[0])

@@ -9,9 +9,10 @@ import pytest
 
 from tests.conftest import ROOT
 from wmrgen import derive, load
-from wmrgen.backends.c99.emit import Meta, printed, unit
+from wmrgen.backends.c99.emit import printed, sources, unit
 from wmrgen.backends.c99.trace import places_in, traced
 from wmrgen.backends.quantities import quantity
+from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import by_name, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes
 from wmrgen.ir.nodes import Role
@@ -47,8 +48,8 @@ def test_names_are_true(robot: str) -> None:
 
 def test_comments_and_lines() -> None:
     derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
-    meta = Meta(formulas=derivation.raw_module.functions)
-    source = printed(derivation.c_module, unit(derivation.c_module, "float", formulas=meta.formulas), meta)[1]
+    functions = unit(derivation.c_module, formulas=derivation.raw_module.functions)
+    source = printed(functions, Facts())[1]
     assert re.search(r"const float \w+ = .*; /\* front_left: a, back_left: a \*/$", source, flags=re.M)
     lines = source.splitlines()
     found = {p.function: p for p in places_in("wpilib_swervebot.c", source)}
@@ -62,7 +63,7 @@ def test_comments_and_lines() -> None:
 
 def test_without_formulas_nothing_is_named() -> None:
     derivation = derive(load(ROOT / "robots" / "wpilib_swervebot.yaml"))
-    source = printed(derivation.c_module, unit(derivation.c_module, "float"), Meta())[1]
+    source = sources(derivation.c_module)[1]
     assert "; /*" not in source
 
 

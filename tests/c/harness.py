@@ -16,12 +16,12 @@ from pathlib import Path
 
 from tests.backends.samples import samples
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta, unit
-from wmrgen.backends.c99.evaluate import Call, answer, calls, driver, request
+from wmrgen.backends.c99.driver import Call, answer, calls, driver, request
+from wmrgen.backends.c99.emit import unit
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
 from wmrgen.ir.kernels import expand
-from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Module, Op
 
 WARNINGS = (
@@ -84,17 +84,17 @@ class Program:
     math: str = DEFAULT.math
     target: str = DEFAULT.target
 
+    @property
+    def choice(self) -> Choice:
+        return Choice(self.scalar, self.math, self.target)
+
     @cached_property
     def libm(self) -> Libm:
         return libm(self.scalar)
 
     @cached_property
     def calls(self) -> tuple[Call, ...]:
-        return tuple(
-            call
-            for module in self.modules
-            for call in calls(unit(module, self.scalar, self.math, self.target))
-        )
+        return tuple(call for module in self.modules for call in calls(unit(module, self.choice)))
 
     @cached_property
     def cases(self) -> list[tuple[int, dict[str, float], dict[str, float]]]:
@@ -117,9 +117,7 @@ class Program:
         """File name -> text: a header and a source per robot, and the driver."""
         result = {}
         for module in self.modules:
-            result[f"{module.name}.h"], result[f"{module.name}.c"] = sources(
-                module, Meta(scalar=self.scalar, math=self.math, target=self.target)
-            )
+            result[f"{module.name}.h"], result[f"{module.name}.c"] = sources(module, self.choice)
         result["wmrgen-driver.c"] = driver(self.calls)
         return result
 

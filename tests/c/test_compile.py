@@ -9,18 +9,21 @@ import pytest
 
 from tests.backends.modules import MODULES, mecanum, swerve, tunable
 from tests.c.harness import COMPILERS, STRICT, Program, gallery
-from wmrgen.backends.c99 import evaluate_c, sources
-from wmrgen.backends.c99.emit import Meta
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.backends.registry import Facts
 from wmrgen.compiler import compile_program, find_compiler
 from wmrgen.errors import EnvironmentFailure
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Module
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+NO_FACTS = Facts()
 DRIVERLESS = ("-c", "-O0")
 
 
-def write(folder: Path, module: Module, meta: Meta) -> None:
-    header, source = sources(module, meta)
+def write(folder: Path, module: Module, choice: Choice = DEFAULT, facts: Facts = NO_FACTS) -> None:
+    header, source = sources(module, choice, facts)
     (folder / f"{module.name}.h").write_text(header)
     (folder / f"{module.name}.c").write_text(source)
 
@@ -29,7 +32,7 @@ def write(folder: Path, module: Module, meta: Meta) -> None:
 def test_each_file_stands_alone(compiler: str, tmp_path: Path) -> None:
     """No source leans on another's includes, and each header compiles by itself, twice."""
     for module in (*MODULES, *gallery()[::6]):
-        write(tmp_path, module, Meta())
+        write(tmp_path, module)
         (tmp_path / "user.c").write_text(
             f'#include "{module.name}.h"\n#include "{module.name}.h"\nint user;\n'
         )
@@ -57,18 +60,18 @@ def test_kernels_of_two_targets_do_not_share_a_file(tmp_path: Path) -> None:
     """Robots of one target may stand in one translation unit; the kernels of another would replace theirs."""
     first, second = (m for m in (swerve(), *gallery()) if m.name in ("swerve", "wpilib_swervebot"))
     (tmp_path / "both.c").write_text(f'#include "{first.name}.c"\n#include "{second.name}.c"\n')
-    write(tmp_path, first, Meta())
-    write(tmp_path, second, Meta())
+    write(tmp_path, first)
+    write(tmp_path, second)
     compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
-    for other in (Meta(target="host"), Meta(math="libm"), Meta(scalar="double", math="libm")):
+    for other in (Choice(target="host"), Choice(math="libm"), Choice("double", "libm")):
         write(tmp_path, second, other)
         with pytest.raises(EnvironmentFailure, match="kernels of another"):
             compile_program(tmp_path, ["both.c"], COMPILERS[0], (*STRICT, *DRIVERLESS))
 
 
 def test_a_mixed_pair_does_not_compile(tmp_path: Path) -> None:
-    write(tmp_path, mecanum(), Meta(model_hash="1"))
-    header, _ = sources(mecanum(), Meta(model_hash="2"))
+    write(tmp_path, mecanum(), facts=Facts(model_hash="1"))
+    header, _ = sources(mecanum(), facts=Facts(model_hash="2"))
     (tmp_path / "mecanum.h").write_text(header)
     with pytest.raises(EnvironmentFailure, match="not generated together"):
         compile_program(tmp_path, ["mecanum.c"], None, DRIVERLESS)
@@ -78,7 +81,7 @@ def test_a_mixed_pair_does_not_compile(tmp_path: Path) -> None:
 def test_evil_texts(compiler: str, tmp_path: Path) -> None:
     evil = '*/ int x; /* ??/\n \\ // /* é \\\n#error no\n??/ "'
     for module in (swerve(), tunable()):
-        write(tmp_path, module, Meta(description=evil, wheel_lines=(evil, evil * 9)))
+        write(tmp_path, module, facts=Facts(description=evil, wheel_lines=(evil, evil * 9)))
         for extra in ((), ("-trigraphs",)):
             compile_program(tmp_path, [f"{module.name}.c"], compiler, (*STRICT, *DRIVERLESS, *extra))
 
@@ -97,7 +100,7 @@ def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_evaluate_in_both_scalars() -> None:
     case = {"vx": 0.3, "vy": 0.1, "omega": -2.0}
     single, double = (
-        evaluate_c(mecanum(), "inverse", [case, case], scalar) for scalar in ("float", "double")
+        evaluate_c(mecanum(), "inverse", [case, case], Choice(scalar)) for scalar in ("float", "double")
     )
     assert single[0] == single[1] and double[0] == double[1]
     assert single[0] != double[0]

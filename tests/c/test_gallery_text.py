@@ -10,8 +10,8 @@ from tests.c.harness import robot_module
 from tests.conftest import GALLERY
 from wmrgen import derive, load
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.calls import inlined_calls
+from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.passes.guards import findings
 
 NAMES = [path.stem for path in GALLERY]
@@ -39,7 +39,7 @@ def code_of(text: str) -> str:
 def test_straight_lines_only(name: str, scalar: str) -> None:
     """Bodies are assignments of expressions; outside them nothing is defined, so there is no state."""
     module = robot_module(name)
-    header, source = sources(module, Meta(scalar=scalar))
+    header, source = sources(module, Choice(scalar=scalar))
     code = RESULT.sub("", BITS.sub("", code_of(source)))
     kernels = re.findall(r"^WMRGEN_KERNEL \w+ (\w+)\(", code, flags=re.M)
     bodies = FUNCTION.findall(code)

@@ -11,11 +11,11 @@ from benchmarks.emulator import gcc
 from benchmarks.emulator.fleet import LIBM
 from tests.processor.fleets import host, inputs
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta, unit
+from wmrgen.backends.c99.emit import unit
 from wmrgen.backends.c99.functions import Step
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
-from wmrgen.ir.kernels.choice import DEFAULT
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Module
 
 # A Cortex-M from its vector table on: FPU on, main, then the debugger's call that ends the emulator.
@@ -91,7 +91,7 @@ def _check(module: Module, step: Step, target: str, count: int) -> str:
     cases = list(inputs(module, module.function(name), count))[: 1 + count]
     computed = expand(module, "float", DEFAULT.math, target)
     wanted = [evaluate_module(computed, name, case, host().arithmetic) for case in cases]
-    (given, _), (made, _) = step.arguments
+    given, made = step.arguments.values()
     lines = [
         _table(f"in_{step.name}", [[case[n] for n in given.members] for case in cases]),
         _table(f"out_{step.name}", [[case[n] for n in made.members] for case in wanted]),
@@ -117,12 +117,12 @@ def write(folder: Path, modules: Sequence[Module], target: str, count: int) -> l
     parts += ["static uint32_t word(float x) { union { float x; uint32_t u; } v = {x}; return v.u; }"]
     calls, files = [], ["check.c"]
     for module in modules:
-        header, source = sources(module, Meta(target=target))
+        header, source = sources(module, Choice(target=target))
         (folder / f"{module.name}.h").write_text(header)
         (folder / f"{module.name}.c").write_text(source)
         files.append(f"{module.name}.c")
         functions = {f"{module.name}_{f.name}" for f in module.functions}
-        for step in unit(module, "float").steps:
+        for step in unit(module).steps:
             if step.name not in functions or len(step.arguments) > 2 or _calls_libm(module, step, target):
                 continue
             parts.append(_check(module, step, target, count))

@@ -15,9 +15,9 @@ from tests.backends.modules import MODULES
 from tests.backends.samples import input_names, samples
 from tests.c.harness import Libm, gallery, libm
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
+from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Function, Module
 
 EDGES = (
@@ -60,7 +60,7 @@ def fleet(target: Target, folder: Path, modules: Sequence[Module], math: str, sm
         folder,
         modules,
         known,
-        lambda m: sources(m, Meta(math=math, target=target.name)),
+        lambda m: sources(m, Choice(math=math, target=target.name)),
         target,
         (*FLAGS, *(SMALL if small else ())),
         counts=False,

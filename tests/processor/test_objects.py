@@ -14,8 +14,7 @@ from benchmarks.emulator.zig import M0, M4F, Target, compile_objects
 from tests.c.harness import robot_module
 from tests.processor.conftest import Built
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
-from wmrgen.ir.kernels.choice import DEFAULT, MATHS
+from wmrgen.ir.kernels.choice import DEFAULT, MATHS, Choice
 from wmrgen.ir.nodes import Module
 
 TARGETS = pytest.mark.parametrize("target", [M4F, M0], ids=["m4f", "m0"])
@@ -35,7 +34,7 @@ def undefined(
     write_sources(
         folder,
         modules,
-        lambda module: sources(module, Meta(scalar=scalar, math=DEFAULT.math, target=target.name)),
+        lambda module: sources(module, Choice(scalar, target=target.name)),
     )
     (made,) = compile_objects(folder, (EVERY,), target)
     return Image(made).undefined

@@ -14,7 +14,7 @@ from benchmarks.emulator.gcc import FLAGS, PROCESSORS, SMALL
 from tests.c.harness import robot_module
 from tests.tools import need
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.emit import Meta
+from wmrgen.ir.kernels.choice import Choice
 
 MOST = 1.05
 BEFORE = {  # (m4f, m0)
@@ -73,7 +73,7 @@ def test_called_kernels_need_no_more_flash_than_outlined_parts(column: int, key:
 
 def text(name: str, key: str, folder: Path) -> int:
     processor, module = PROCESSORS[key], robot_module(name)
-    for suffix, content in zip("hc", sources(module, Meta(target=processor.target)), strict=True):
+    for suffix, content in zip("hc", sources(module, Choice(target=processor.target)), strict=True):
         (folder / f"{name}.{suffix}").write_text(content)
     words = (processor.compiler, *processor.flags, *FLAGS, *SMALL, "-c", f"{name}.c", "-o", f"{name}.o")
     subprocess.run(words, cwd=folder, check=True)

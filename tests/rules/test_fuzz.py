@@ -15,7 +15,7 @@ from tests.selftest.every import FEW
 from tests.tools import missing
 from wmrgen import derive, load
 from wmrgen.backends.c99 import emit
-from wmrgen.backends.c99.emit import Meta
+from wmrgen.backends.registry import Facts
 from wmrgen.emit import site
 
 SANITIZERS = "fuzzer,address,undefined,float-divide-by-zero,float-cast-overflow"
@@ -26,7 +26,7 @@ SECONDS = 60  # of all robots together, in CI
 def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None) -> Path:
     """The fuzzer of a robot; ``change`` replaces a piece of its checked functions."""
     derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
-    files = emit(derivation.c_module, Meta(site=site(derivation.robot), fuzz=True))
+    files = emit(derivation.c_module, Facts(site=site(derivation.robot), options={"fuzz": True}))
     for name, content in files.items():
         text = content.decode()
         if change and name == f"{robot}_checked.c":

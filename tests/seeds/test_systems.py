@@ -15,8 +15,8 @@ import pytest
 import wmrgen
 from tests.seeds.systems import ROBOTS, SYSTEMS, TEXTBOOK, asked, robot_file
 from textbook.library import textbook
-from wmrgen.backends.c99.emit import Meta, sources, unit
-from wmrgen.backends.c99.evaluate import answer, calls, driver, request
+from wmrgen.backends.c99.driver import answer, calls, driver, request
+from wmrgen.backends.c99.emit import sources, unit
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.exact.number import Exact
@@ -68,8 +68,8 @@ def exact(robot: str, name: str) -> dict[str, float]:
 def in_c(robot: str) -> dict[str, dict[str, float]]:
     """Every function asked of a robot, from one compiled program in double."""
     module = derivation(robot).c_module
-    made = calls(unit(module, "double"))
-    header, source = sources(module, Meta(scalar="double"))
+    made = calls(unit(module, Choice("double")))
+    header, source = sources(module, Choice("double"))
     files = {f"{module.name}.h": header, f"{module.name}.c": source, "driver.c": driver(made)}
     wanted = [(n, k) for n in asked(robot) for k, c in enumerate(made) if c.function == f"{module.name}_{n}"]
     lines = [request(k, made[k], samples(robot, n)) for n, k in wanted]

@@ -10,7 +10,7 @@ from pathlib import Path
 from tests.conftest import GALLERY
 from wmrgen import derive, load
 from wmrgen.backends.c99 import emit
-from wmrgen.backends.c99.emit import Meta
+from wmrgen.backends.registry import Facts
 from wmrgen.emit import site
 
 NAMES = tuple(path.stem for path in GALLERY)
@@ -39,7 +39,7 @@ int main(void)
 def files_of(robot: str, scalar: str = "float") -> Mapping[str, bytes]:
     """The C that derive writes for a robot of the gallery, and what goes with it."""
     derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
-    return emit(derivation.c_module, Meta(scalar=scalar, site=site(derivation.robot)))
+    return emit(derivation.c_module, Facts(site=site(derivation.robot), options={"scalar": scalar}))
 
 
 def write(folder: Path, robots: Sequence[str], scalar: str = "float", checks: bool = False) -> None:

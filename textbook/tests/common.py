@@ -11,9 +11,10 @@ import numpy as np
 
 from tests.conftest import ROOT
 from textbook import Textbook, textbook
-from wmrgen.backends.c99 import evaluate_c
+from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.ir.interpret import EXACT, evaluate_module
+from wmrgen.ir.kernels.choice import Choice
 
 BACKEND_NAMES = ("exact", "casadi", "numpy", "c")
 FILE = ROOT / "tests" / "seeds" / "cases.json"
@@ -36,7 +37,7 @@ def call(backend: str, name: str, **values: float | Sequence[float]) -> dict[str
         found = evaluate_module(book.raw_module, name, case, EXACT)
         return {key: float(value) for key, value in found.items()}
     if backend == "c":
-        return evaluate_c(book.c_module, name, [case], "double")[0]
+        return evaluate_c(book.c_module, name, [case], Choice("double"))[0]
     return BACKENDS[backend].load().evaluate(book.module, name, [case])[0]
 
 

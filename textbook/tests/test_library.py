@@ -47,7 +47,7 @@ def test_backends_agree(name: str) -> None:
 @pytest.mark.slow
 def test_c_agrees_in_float() -> None:
     """All functions in one compiled library; inputs of moderate size, results to a few float roundings."""
-    from wmrgen.backends.c99 import evaluate_c
+    from wmrgen.backends.c99.driver import evaluate_c
 
     for name in (
         "polar_rates",
@@ -57,7 +57,7 @@ def test_c_agrees_in_float() -> None:
         "inverse_3x4",
     ):
         (case,) = points(name, 1)
-        (found,) = evaluate_c(BOOK.c_module, name, [case], "float")
+        (found,) = evaluate_c(BOOK.c_module, name, [case])
         theirs = {k: float(v) for k, v in evaluate_module(BOOK.raw_module, name, case, EXACT).items()}
         assert found == pytest.approx(theirs, rel=2e-4, abs=1e-4), name
 

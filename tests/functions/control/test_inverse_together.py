@@ -20,11 +20,11 @@ from tests.functions.control.corners import (
     steers,
     twists,
 )
-from wmrgen.backends.c99 import evaluate_c
+from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.interpret import evaluate
 from wmrgen.ir.kernels import expand
-from wmrgen.ir.kernels.choice import TARGETS
+from wmrgen.ir.kernels.choice import TARGETS, Choice
 from wmrgen.ir.rounding import nearest_float32
 from wmrgen.robot import Derivation
 
@@ -121,7 +121,7 @@ def test_both_ways_as_far_outside(tmp_path: Path, limit: int) -> None:
         standing = [top + source.uniform(-0.02, 0.02) for _ in CORNERS]
         cases.append({"vx": 0.0, "vy": source.uniform(0.2, 2), "omega": 0.0, **steers(standing)})
     for scalar in ("double", "float"):
-        for got in evaluate_c(d.c_module, "inverse_together", cases, scalar):
+        for got in evaluate_c(d.c_module, "inverse_together", cases, Choice(scalar)):
             assert all(got[f"{n}.steer"] == pytest.approx(top, abs=1e-6) for n in CORNERS)
     for case in cases[:10]:
         assert all(call(d, "inverse_together", case)[f"{n}.steer"] == pytest.approx(top) for n in CORNERS)
@@ -154,7 +154,7 @@ def test_coupled_pairs_are_one_module(tmp_path: Path) -> None:
 
 def test_c_agrees(free: Derivation) -> None:
     cases = [twist | present for twist, present in zip(twists(20), presents(20, 3.0), strict=True)]
-    answers = evaluate_c(free.c_module, "inverse_together", cases, "double")
+    answers = evaluate_c(free.c_module, "inverse_together", cases, Choice("double"))
     for case, answer in zip(cases, answers, strict=True):
         expected = call(free, "inverse_together", case)
         assert answer == pytest.approx(expected, abs=1e-12)

@@ -4,194 +4,159 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import Any
 
-from wmrgen.backends.c99.checked import checked
-from wmrgen.backends.c99.functions import Kernel, Step, prepare_steps, printed_kernels, results_of, step
+from wmrgen.backends.c99.checked import checked, fuzz
+from wmrgen.backends.c99.functions import Unit, contract_steps, prepare_steps, printed_kernels
 from wmrgen.backends.c99.selftest import selftest
-from wmrgen.backends.c99.text import Struct, comment_lines
+from wmrgen.backends.c99.text import comment_lines
 from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import rounds, with_kernels
-from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0
+from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0, Choice
 from wmrgen.ir.kernels.constants import worst
-from wmrgen.ir.nodes import Function, Module, Op, Port
+from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.ops import integer
 from wmrgen.render import render
 
-
-@dataclass(frozen=True, slots=True)
-class Meta(Facts):
-    """`Facts`, with the options of C as attributes: ``scalar``, ``math`` and ``target``, see
-    `wmrgen.ir.kernels.choice`. ``fuzz``: a fuzzing harness too."""
-
-    scalar: str = DEFAULT.scalar
-    math: str = DEFAULT.math
-    target: str = DEFAULT.target
-    fuzz: bool = False
+NO_FACTS = Facts()
+INTEGER = {"isin", "icos", "iatan", "imul", "idiv", "isqrt"}  # see templates/c99/integer.c.j2
+LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
+_WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
 
 
-def meta_of(facts: Facts) -> Meta:
-    """``facts`` with their options, the usual ones where they have none."""
-    if isinstance(facts, Meta):
-        return facts
-    shared: dict[str, Any] = {f.name: getattr(facts, f.name) for f in fields(Facts)}
-    chosen: dict[str, Any] = dict(facts.options)
-    return Meta(**shared, **chosen)
+def emit(module: Module, facts: Facts) -> dict[str, bytes]:
+    """File name -> content. Options are those of `Choice`, and ``fuzz``: a fuzzing harness too."""
+    choice = Choice(**{key: str(word) for key, word in facts.options.items() if key != "fuzz"})
+    functions = unit(module, choice, facts.formulas)
+    header, source, pair = printed(functions, facts)
+    common = _common(functions, facts, pair)
+    checked_header, checked_source = checked(module, functions, facts.site, common)
+    files = {
+        ".h": header,
+        ".c": source,
+        "_checked.h": checked_header,
+        "_checked.c": checked_source,
+        "_selftest.c": selftest(module, functions, facts.site, common),
+    }
+    if facts.options.get("fuzz"):
+        files["_fuzz.c"] = fuzz(module, functions, facts.site, common)
+    return {module.name + ending: text.encode("ascii") for ending, text in files.items()}
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
-    """All C functions of a robot, in the order they are printed."""
-
-    robot: str
-    scalar: str
-    steps: tuple[Step, ...]
-    rounds: bool  # relies on the rounding of sums of magic numbers
-    kernels: tuple[Kernel, ...] = ()
-
-    @property
-    def ops(self) -> frozenset[Op]:
-        own = (kernel.ops for kernel in self.kernels)
-        return frozenset().union(*(step.ops for step in self.steps), *own)
+def sources(module: Module, choice: Choice = DEFAULT, facts: Facts = NO_FACTS) -> tuple[str, str]:
+    """The text of ``<robot>.h`` and ``<robot>.c``."""
+    return printed(unit(module, choice, facts.formulas), facts)[:2]
 
 
-def unit(
-    module: Module,
-    scalar: str,
-    math: str = DEFAULT.math,
-    target: str = DEFAULT.target,
-    formulas: Sequence[Function] = (),
-) -> Unit:
+def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] = ()) -> Unit:
     """The C functions of ``module``: params_default and prepare first when a parameter is tunable.
 
     ``formulas``: the functions as lowered, whose intermediate results comments name.
     """
+    written = frozenset(node.op for function in module.functions for node in function.nodes)
     module = hand_through(module)
     plain = inlined_calls(module)
     costs = {f.name: count(f) for f in (*plain.functions, *((plain.prepare,) if plain.prepare else ()))}
     named = (*module.kernels, *formulas) if formulas else ()
-    module = traced(with_kernels(module, scalar, math, target), named)
-    steps, prepared = prepare_steps(module, scalar, costs)
-    inputs_of: dict[tuple[Port, ...], Struct] = {}
-    kernels = results_of(module.kernels, scalar)
-    rest = (
-        step(f, module.name, prepared, scalar, costs[f.name], inputs_of, kernels) for f in module.functions
-    )
-    return Unit(
-        module.name,
-        scalar,
-        steps + tuple(s for s in rest if s is not None),
-        rounds(module),
-        printed_kernels(module.kernels, scalar),
-    )
+    scalar = choice.scalar
+    module = traced(with_kernels(module, scalar, choice.math, choice.target), named)
+    first = prepare_steps(module, scalar, costs)
+    prepared = first[-1].arguments["prepared"] if first else None
+    steps = (*first, *contract_steps(module, prepared, scalar, costs))
+    return Unit(module.name, choice, steps, printed_kernels(module.kernels, scalar), rounds(module), written)
 
 
-def _unit(module: Module, meta: Meta) -> Unit:
-    return unit(module, meta.scalar, meta.math, meta.target, meta.formulas)
+def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
+    """Header, source, and the digest that stands in both."""
+    choice, ops = unit.choice, unit.ops
+    needs = {op.name for op in ops}
+    includes = {
+        "<float.h>": unit.rounds,
+        "<math.h>": any("<math.h>" in op.includes for op in ops),
+        "<stdint.h>": any("<stdint.h>" in op.includes for op in ops),
+    }
+    context: dict[str, object] = {
+        "table": _table(facts, _arithmetic_notes(unit)),
+        "model_hash": "".join(c for c in facts.model_hash if c.isalnum()),
+        "structs": [struct.lines for step in unit.steps for struct in step.structs],
+        "steps": unit.steps,
+        "kernels": unit.kernels,
+        "kernels_for": "_".join((choice.target, choice.scalar, choice.math)).upper(),
+        "includes": [name for name, needed in includes.items() if needed],
+        "rounds": unit.rounds,
+        "integer": integer if needs & INTEGER else None,
+        "needs": needs,
+    }
+    # The digest of both files stands in both: any two that were not written together refuse to compile.
+    templates = ("c99/header.h.j2", "c99/source.c.j2")
+    draft = "".join(render(name, **_common(unit, facts, ""), **context) for name in templates)
+    pair = hashlib.sha256(draft.encode()).hexdigest()[:16]
+    header, source = (render(name, **_common(unit, facts, pair), **context) for name in templates)
+    return header, source, pair
 
 
-def _includes(made: Unit) -> dict[str, bool]:
+def _common(unit: Unit, facts: Facts, pair: str) -> dict[str, object]:
+    """What every template is told; ``pair``: the digest of header and source."""
+    robot = unit.robot
+    banner = _banner(facts)
     return {
-        "<float.h>": made.rounds,
-        **{header: any(header in op.includes for op in made.ops) for header in ("<math.h>", "<stdint.h>")},
+        "robot": robot,
+        "upper": robot.upper(),
+        "scalar": unit.choice.scalar,
+        "banner": banner,
+        "pair": pair,
     }
 
 
-def _banner(meta: Meta) -> list[str]:
-    lines = [*comment_lines(meta.description), ""] if meta.description else []
+def _banner(facts: Facts) -> list[str]:
+    lines = [*comment_lines(facts.description), ""] if facts.description else []
     for text in (
-        f"Generated by wmrgen {meta.wmrgen_version} (sympy {meta.sympy_version}). "
-        f"Model hash: {meta.model_hash}",
+        f"Generated by wmrgen {facts.wmrgen_version} (sympy {facts.sympy_version}). "
+        f"Model hash: {facts.model_hash}",
         "This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.",
     ):
         lines += comment_lines(text)
     return lines
 
 
-def _table(meta: Meta, notes: list[str]) -> list[str]:
+def _table(facts: Facts, notes: Sequence[str]) -> list[str]:
+    """What stands below the banner of a header: frame, ``notes``, wheels, bounds."""
     frame = "Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians."
     lines = [line for text in (frame, *notes) for line in comment_lines(text)]
-    if meta.wheel_lines:
+    if facts.wheel_lines:
         lines += ["", "Wheels, in the order of the robot file:"]
-        lines += [f"  {line}" for text in meta.wheel_lines for line in comment_lines(text, 95)]
-    if meta.bound_lines:
-        lines += ["", *(line for text in meta.bound_lines for line in indented(text))]
+        lines += [f"  {line}" for text in facts.wheel_lines for line in comment_lines(text, 95)]
+    if facts.bound_lines:
+        lines += ["", *(line for text in facts.bound_lines for line in _indented(text))]
     return lines
 
 
-def indented(text: str) -> list[str]:
+def _indented(text: str) -> list[str]:
     """Comment lines that keep the indent of ``text``."""
     bare = text.lstrip()
     indent = " " * (len(text) - len(bare))
     return [indent + line for line in comment_lines(bare, 97 - len(indent))]
 
 
-def sources(module: Module, meta: Meta) -> tuple[str, str]:
-    """The text of ``<robot>.h`` and ``<robot>.c``."""
-    return printed(module, _unit(module, meta), meta)[:2]
-
-
-def printed(module: Module, made: Unit, meta: Meta) -> tuple[str, str, str]:
-    """Header, source, and the digest that stands in both; ``made`` are the C functions of ``module``."""
-    needs = {op.name for op in made.ops}
-    context: dict[str, object] = {
-        "robot": made.robot,
-        "scalar": made.scalar,
-        "upper": made.robot.upper(),
-        "banner": _banner(meta),
-        "table": _table(meta, arithmetic_notes(meta, module.functions, made.ops)),
-        "model_hash": "".join(c for c in meta.model_hash if c.isalnum()),
-        "structs": [s.lines for made_step in made.steps for s in made_step.structs],
-        "steps": made.steps,
-        "kernels": made.kernels,
-        "kernels_for": "_".join((meta.target, meta.scalar, meta.math)).upper(),
-        "includes": [name for name, needed in _includes(made).items() if needed],
-        "rounds": made.rounds,
-        "integer": integer if needs & INTEGER else None,
-        "needs": needs,
-    }
-    # The digest of both files stands in both: any two that were not written together refuse to compile.
-    draft = [render(f"c99/{name}", pair="", **context) for name in ("header.h.j2", "source.c.j2")]
-    pair = hashlib.sha256("".join(draft).encode()).hexdigest()[:16]
-    header, source = (render(f"c99/{n}", pair=pair, **context) for n in ("header.h.j2", "source.c.j2"))
-    return header, source, pair
-
-
-def emit(module: Module, facts: Facts) -> dict[str, bytes]:
-    """File name -> content."""
-    meta = meta_of(facts)
-    made = _unit(module, meta)
-    header, source, pair = printed(module, made, meta)
-    files = {f"{module.name}.h": header, f"{module.name}.c": source}
-    files |= companions(module, made.steps, meta, _banner(meta), pair)
-    return {name: text.encode("ascii") for name, text in files.items()}
-
-
-INTEGER = {"isin", "icos", "iatan", "imul", "idiv", "isqrt"}  # see templates/c99/integer.c.j2
-LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
-_WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
-
-
-def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset[Op]) -> list[str]:
-    """Paragraphs. ``functions`` before their kernels were put in, ``ops`` what is printed."""
-    used = {node.op for function in functions for node in function.nodes}
-    inline = meta.scalar == "float" and meta.math == INLINE and meta.target != AVR
-    angles = " and angles (and omega dt) up to 12000 rad" if inline and used & _WAVES else ""
+def _arithmetic_notes(unit: Unit) -> list[str]:
+    """What a header says about its arithmetic, in paragraphs."""
+    choice, ops = unit.choice, unit.ops
+    inline = choice.scalar == "float" and choice.math == INLINE and choice.target != AVR
+    waves = inline and not unit.written.isdisjoint(_WAVES)
+    angles = " and angles (and omega dt) up to 12000 rad" if waves else ""
     notes = [
-        f"Scalars are {meta.scalar}. No loops, recursion, heap or globals: every function may be called from "
+        f"Scalars are {choice.scalar}. No loops, recursion, heap or globals: every function may be called from "
         "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "
         "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
-        f"{LARGEST_INPUT[meta.scalar]} in magnitude{angles} give finite results; beyond, squares may overflow. NaN is "
-        "not caught: some outputs may come out as numbers all the same, a steering angle at its limit for one. Check "
-        "inputs, or take the functions of the _checked files."
+        f"{LARGEST_INPUT[choice.scalar]} in magnitude{angles} give finite results; beyond, squares may overflow. NaN "
+        "is not caught: some outputs may come out as numbers all the same, a steering angle at its limit for one. "
+        "Check inputs, or take the functions of the _checked files."
     ]
-    if inline and used & _WAVES:
-        notes.append(_kernels(meta.target, used))
+    if waves:
+        notes.append(_accuracy_note(choice.target, unit.written))
     if Op.CALL in ops:
         notes.append(
             "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called: the "
@@ -210,7 +175,7 @@ def arithmetic_notes(meta: Meta, functions: tuple[Function, ...], ops: frozenset
     return notes
 
 
-def _kernels(target: str, used: set[Op]) -> str:
+def _accuracy_note(target: str, used: frozenset[Op]) -> str:
     errors = worst(target)
     parts = []
     if used & {Op.SIN, Op.COS}:
@@ -220,26 +185,6 @@ def _kernels(target: str, used: set[Op]) -> str:
         )
     if used & {Op.ATAN, Op.ATAN2}:
         parts.append(f"an arctangent of up to 1 within {errors.arctangent} ulp")
-    how = "without branches or tables"
-    if target == M0:
-        how = "in integers, without tables"
+    how = "in integers, without tables" if target == M0 else "without branches or tables"
     tried = f"Every float of these ranges was tried: {'; '.join(parts)} of the true value."
     return f"Sines and arctangents are polynomials {how}. {tried}"
-
-
-def companions(
-    module: Module, steps: Sequence[Step], meta: Meta, banner: Sequence[str], pair: str
-) -> dict[str, str]:
-    """File name -> text; ``steps`` are the C functions of ``module``, ``pair`` the digest of header and source."""
-    robot = module.name
-    header, source = checked(module, steps, meta.scalar, meta.site, banner, pair)
-    files = {
-        f"{robot}_checked.h": header,
-        f"{robot}_checked.c": source,
-        f"{robot}_selftest.c": selftest(module, steps, meta.scalar, meta.site, banner, pair),
-    }
-    if meta.fuzz:
-        from wmrgen.backends.c99.checked import fuzz
-
-        files[f"{robot}_fuzz.c"] = fuzz(module, steps, meta.scalar, meta.site, banner, pair)
-    return files

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import ceil, floor, log10
+from typing import Any
 
 import numpy as np
 
-from wmrgen.backends.c99.functions import Step
+from wmrgen.backends.c99.functions import Step, Unit
 from wmrgen.backends.c99.text import WIDTH, block_comment, comment_text
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
@@ -25,120 +25,60 @@ ABOUT = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Printed:
-    """A table, ready to print. ``lines``: the body of the function that checks one row."""
-
-    name: str
-    comment: tuple[str, ...]
-    count: int
-    width: int
-    rows: tuple[str, ...]
-    lines: tuple[str, ...]
-
-
-def selftest(
-    module: Module, steps: Sequence[Step], scalar: str, site: Site, banner: Sequence[str], pair: str
-) -> str:
-    """The text of the file; ``steps`` are the C functions of ``module``."""
-    by_name = {s.name: s for s in steps}
-    robot, upper = module.name, module.name.upper()
-    printed = [_printed(table, robot, by_name, scalar) for table in tables(module, scalar, site)]
-    about = [text.format(robot, upper, "2**-24" if scalar == "float" else "2**-53") for text in ABOUT]
+def selftest(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> str:
+    """The text of the file; ``unit``: the C functions of ``module``, ``common``: what every template is told."""
+    scalar, robot = unit.choice.scalar, unit.robot
+    about = [text.format(robot, robot.upper(), "2**-24" if scalar == "float" else "2**-53") for text in ABOUT]
     return render(
         "c99/selftest.c.j2",
-        robot=robot,
-        upper=upper,
-        scalar=scalar,
-        banner=banner,
+        **common,
         about=[line.lstrip(" */").rstrip(" */") for line in block_comment(about)],
-        pair=pair,
-        tables=printed,
+        tables=[_table(table, unit) for table in tables(module, scalar, site)],
     )
 
 
-def _printed(table: Table, robot: str, steps: dict[str, Step], scalar: str) -> Printed:
-    used = [steps[f"{robot}_{name}"] for name in table.functions]
-    title = (
-        f"{used[1].name}() after {used[0].name}()" if table.law else " and ".join(f"{s.name}()" for s in used)
-    )
+def _table(table: Table, unit: Unit) -> dict[str, Any]:
+    """A table, ready to print. ``lines``: the body of the function that checks one row."""
+    steps = [unit.contract[name] for name in table.functions]
+    names = [f"{step.name}()" for step in steps]
+    title = f"{names[1]} after {names[0]}" if table.law else " and ".join(names)
     columns = ", ".join(table.inputs) + "; " if table.inputs else ""
     comment = f"{title}. Columns: {columns}expected and tolerance of {', '.join(table.outputs)}."
-    lines = _Check(table, robot, steps).lines()
-    rows = tuple(_rows(table.vectors, scalar))
-    width = len(table.inputs) + 2 * len(table.outputs)
-    name = f"law_of_{table.functions[0]}" if table.law else table.functions[0]
-    return Printed(name, tuple(block_comment([comment])), len(table.vectors), width, rows, lines)
+    return {
+        "name": f"law_of_{table.functions[0]}" if table.law else table.functions[0],
+        "comment": block_comment([comment]),
+        "count": len(table.vectors),
+        "width": len(table.inputs) + 2 * len(table.outputs),
+        "rows": list(_rows(table.vectors, unit.choice.scalar)),
+        "lines": _check(table, steps, unit.before(steps)),
+    }
 
 
-class _Check:
-    """The statements that run one row of a table through its functions."""
+def _check(table: Table, steps: Sequence[Step], before: Sequence[Step]) -> list[str]:
+    """The statements that run one row through ``steps``: declarations, calls with their inputs, comparisons.
 
-    def __init__(self, table: Table, robot: str, steps: dict[str, Step]) -> None:
-        self.table, self.robot, self.steps = table, robot, steps
-        self.used = [steps[f"{robot}_{name}"] for name in table.functions]
-        self.column = {name: f"row[{k}]" for k, name in enumerate(table.inputs)}
-
-    def lines(self) -> tuple[str, ...]:
-        """Declarations, then every function with its inputs, and its outputs compared."""
-        declared = [*self._prepared_structs(), *_structs(self.used), "int misses = 0;"]
-        done = self._prepare_calls()
-        made: dict[str, str] = {}
-        for number, step in enumerate(self.used):
-            done += [f"in{number}.{m} = {made.get(n) or self.column[n]};" for n, m in _inputs(step)]
-            done.append(_call(step, number))
-            outputs = step.arguments[-1][0].members
-            if self.table.law and number == 0:
-                made = {name: f"out0.{member}" for name, member in outputs.items()}
-            else:
-                done += self._compared(outputs, number)
-        return (*declared, "", *done, "return misses;")
-
-    def _compared(self, members: Mapping[str, str], number: int) -> list[str]:
-        first = len(self.table.inputs)
-        return [
-            f"misses += miss(out{number}.{members[name]}, &row[{first + 2 * k}]);"
-            for k, name in enumerate(self.table.outputs)
-            if name in members
-        ]
-
-    def _prepared_structs(self) -> list[str]:
-        """Parameters and what prepare() makes of them, where a function reads that."""
-        if not any(parameter == "prepared" for s in self.used for _, parameter in s.arguments):
-            return []
-        return [f"{s.name} {parameter};" for s, parameter in self.steps[f"{self.robot}_prepare"].arguments]
-
-    def _prepare_calls(self) -> list[str]:
-        """Parameters at their nominal values, and prepare()."""
-        if not self._prepared_structs():
-            return []
-        first = [f"{self.robot}_{name}" for name in ("params_default", "prepare")]
-        return [
-            f"{name}({', '.join(f'&{parameter}' for _, parameter in self.steps[name].arguments)});"
-            for name in first
-            if name in self.steps
-        ]
-
-
-def _structs(used: Sequence[Step]) -> list[str]:
-    return [
-        f"{struct.name} {parameter}{number};"
-        for number, step in enumerate(used)
-        for struct, parameter in step.arguments
-        if parameter in ("in", "out")
-    ]
-
-
-def _inputs(step: Step) -> list[tuple[str, str]]:
-    """Contract name and member of every input."""
-    return [
-        item for struct, parameter in step.arguments if parameter == "in" for item in struct.members.items()
-    ]
-
-
-def _call(step: Step, number: int) -> str:
-    numbered = {"in": f"&in{number}", "out": f"&out{number}"}
-    return f"{step.name}({', '.join(numbered.get(p, f'&{p}') for _, p in step.arguments)});"
+    The inputs of a law's second function are the outputs of its first, where those have the name.
+    """
+    prepared = {p: s for step in before for p, s in step.arguments.items()}
+    declared = [f"{s.name} {p};" for p, s in prepared.items()]
+    calls = [f"{step.call()};" for step in before]
+    values = {name: f"row[{k}]" for k, name in enumerate(table.inputs)}
+    for number, step in enumerate(steps):
+        own = {p: f"{p}{number}" for p in ("in", "out") if p in step.arguments}
+        declared += [f"{step.arguments[p].name} {variable};" for p, variable in own.items()]
+        if "in" in own:
+            inputs = step.arguments["in"].members
+            calls += [f"in{number}.{member} = {values[name]};" for name, member in inputs.items()]
+        calls.append(f"{step.call(own)};")
+        outputs = step.arguments["out"].members
+        if table.law and number == 0:
+            values |= {name: f"out0.{member}" for name, member in outputs.items()}
+            continue
+        for k, name in enumerate(table.outputs):
+            if name in outputs:
+                expected = len(table.inputs) + 2 * k
+                calls.append(f"misses += miss(out{number}.{outputs[name]}, &row[{expected}]);")
+    return [*declared, "int misses = 0;", "", *calls, "return misses;"]
 
 
 # ---- numbers

@@ -1,4 +1,4 @@
-"""What C text is made of: comments, constants, and structs.
+"""What C text is made of: comments, prototypes, constants and structs.
 
 Comments are printable ASCII that can neither end a comment nor confuse a compiler. Constants are the shortest decimals
 that read back. A struct has one member per scalar, and one nested struct per wheel."""
@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import textwrap
 import unicodedata
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -61,6 +61,12 @@ def block_comment(paragraphs: Sequence[str], indent: str = "") -> list[str]:
     return [f"{indent}/* {first}", *(f"{indent} * {line}" for line in middle), f"{indent} * {last} */"]
 
 
+def prototype(head: str, parameters: Sequence[str], separator: str = ",\n    ") -> str:
+    """``head(parameters)``, on lines of their own where one line does not hold them."""
+    line = f"{head}({', '.join(parameters)})"
+    return line if len(line) < WIDTH else f"{head}(\n    {separator.join(parameters)})"
+
+
 @lru_cache(maxsize=4096)
 def rounded(value: Exact, scalar: str) -> float:
     """``value`` in the target type. NotDerivableError when it leaves the type's range."""
@@ -108,41 +114,32 @@ class Struct:
     members: Mapping[str, str]
 
 
-def _identifier(name: str, taken: Iterable[str]) -> str:
+def _identifier(name: str, taken: set[str]) -> str:
+    """A C identifier like ``name``, which is added to those ``taken``."""
     result = re.sub(r"[^A-Za-z0-9_]", "_", name)
     if not result[:1].isalpha():
         result = "k" + result
     while result in taken:
         result += "_"
+    taken.add(result)
     return result
 
 
 def _paths(ports: tuple[Port, ...]) -> dict[str, tuple[str, str]]:
     """Contract name -> (wheel or "", member), in C identifiers free of clashes at each level."""
     paths: dict[str, tuple[str, str]] = {}
-    top: set[str] = set()
-    for port in ports:
-        if "." not in port.name:
-            member = _identifier(port.name, top)
-            top.add(member)
-            paths[port.name] = ("", member)
-    wheels: dict[str, str] = {}
-    inside: dict[str, set[str]] = {}
-    for port in ports:
-        wheel, _, member = port.name.partition(".")
-        if not member:
-            continue
+    wheels = {"": ""}
+    taken: dict[str, set[str]] = {"": set()}
+    for port in sorted(ports, key=lambda port: "." in port.name):  # a name without a dot keeps its own
+        wheel, _, member = port.name.rpartition(".")
         if wheel not in wheels:
-            wheels[wheel] = _identifier(wheel, top)
-            top.add(wheels[wheel])
-            inside[wheel] = set()
-        name = _identifier(member, inside[wheel])
-        inside[wheel].add(name)
-        paths[port.name] = (wheels[wheel], name)
+            wheels[wheel] = _identifier(wheel, taken[""])
+            taken[wheel] = set()
+        paths[port.name] = wheels[wheel], _identifier(member, taken[wheel])
     return paths
 
 
-def _note(port: Port, shared: frozenset[str]) -> str:
+def _note(port: Port, shared: Collection[str]) -> str:
     """Unit, text and nominal value of ``port``; the text not where the comment of the struct has it."""
     text = "" if port.name.partition(".")[2] in shared else port.text
     nominal = "" if port.default is None else f"(nominal {float(port.default):.6g})"
@@ -198,7 +195,6 @@ def struct(name: str, ports: tuple[Port, ...], scalar: str, note: str) -> Struct
     lines = block_comment([note, *(f"{joint}: {text}." for joint, text in shared.items())])
     lines.append("typedef struct {")
     for indent, declaration, noted in rows:
-        lines += _commented(declaration, indent, column, _note(noted, frozenset(shared)) if noted else "")
-    members_of = {key: f"{wheel}.{member}" if wheel else member for key, (wheel, member) in paths.items()}
-    ordered = {port.name: members_of[port.name] for port in ports}
-    return Struct(name, (*lines, f"}} {name};"), ordered)
+        lines += _commented(declaration, indent, column, _note(noted, shared.keys()) if noted else "")
+    named = {port.name: ".".join(filter(None, paths[port.name])) for port in ports}
+    return Struct(name, (*lines, f"}} {name};"), named)

@@ -1,0 +1,224 @@
+"""Programs of our own that call generated C.
+
+A driver, fed through stdin, calls every function of one or many robots. Numbers cross the border as hexadecimal floats,
+so nothing is rounded on the way; inputs are doubles and are rounded once, by the driver, to the target type.
+
+An entry point for Frama-C Eva calls every function with all inputs of their ranges.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from wmrgen.backends.c99.emit import sources, unit
+from wmrgen.backends.c99.functions import Step, Unit
+from wmrgen.backends.c99.text import Struct
+from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
+from wmrgen.errors import UsageError
+from wmrgen.ir.kernels.choice import DEFAULT, HOST, LIBM, Choice
+from wmrgen.ir.nodes import Module
+from wmrgen.render import render
+
+Ranges = Mapping[str, tuple[float, float]]
+Cases = Mapping[str, Sequence[Ranges]]
+
+# Any result that is no finite number is an alarm, beside what C leaves undefined.
+OPTIONS = (
+    "-eva", "-warn-special-float", "non-finite", "-eva-subdivide-non-linear", "20", "-eva-slevel", "16",
+    "-eva-msg-key=-summary", "-kernel-warn-key", "parser:decimal-float=inactive",
+)  # fmt: skip
+HARNESS = "eva_main.c"
+# Eva knows the C library's sines; it knows neither fmaf nor what the bits of a float mean.
+PLAIN = Choice(math=LIBM, target=HOST)
+_SHOW = "Frama_C_show_each_"
+# Known by their contracts in Frama-C's library: an interval, and functions whose results Eva bounds.
+_KNOWN = {f"{name}{end}" for name in ("fabs", "sqrt", "sin", "cos", "atan", "atan2") for end in ("", "f")} | {
+    "Frama_C_float_interval",
+    "Frama_C_double_interval",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """One wrapper of the driver: reads ``inputs`` and writes ``outputs``, contract names in this order."""
+
+    robot: str
+    function: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    lines: tuple[str, ...]
+
+
+def calls(unit: Unit) -> tuple[Call, ...]:
+    """One call per step function; the tunables, where there are any, are its last inputs."""
+    return tuple(_call(unit, step) for step in unit.contract.values())
+
+
+def _variables(unit: Unit, step: Step) -> dict[str, Struct]:
+    """The variables that a call of ``step`` takes, and what is called before it."""
+    return {p: s for called in (step, *unit.before([step])) for p, s in called.arguments.items()}
+
+
+def _call(unit: Unit, step: Step) -> Call:
+    variables, inputs = _variables(unit, step), list[str]()
+    lines = [f"{s.name} {p};" for p, s in variables.items()]
+    for parameter in ("in", "params"):
+        for name, member in variables[parameter].members.items() if parameter in variables else ():
+            lines.append(f"{parameter}.{member} = ({unit.choice.scalar})x[{len(inputs)}];")
+            inputs.append(name)
+    lines += [f"{called.call()};" for called in (*unit.before([step])[-1:], step)]  # prepare: params are set
+    outputs = step.arguments["out"].members
+    lines += [f"y[{k}] = (double)out.{member};" for k, member in enumerate(outputs.values())]
+    lines += [] if inputs else ["(void)x;"]
+    return Call(unit.robot, step.name, tuple(inputs), tuple(outputs), tuple(lines))
+
+
+def driver(calls: Sequence[Call]) -> str:
+    """The C of a program that reads ``index inputs…`` lines and prints the outputs of each."""
+    robots = list(dict.fromkeys(call.robot for call in calls))
+    most_in = max([1, *(len(call.inputs) for call in calls)])
+    most_out = max([1, *(len(call.outputs) for call in calls)])
+    return render("c99/driver.c.j2", robots=robots, calls=calls, most_in=most_in, most_out=most_out)
+
+
+def request(index: int, call: Call, values: Mapping[str, float]) -> str:
+    """One line for the driver. UsageError where an input has no value."""
+    missing = [name for name in call.inputs if name not in values]
+    if missing:
+        raise UsageError(f"{call.function} needs a value for {', '.join(missing)}")
+    return " ".join([str(index), *(float(values[name]).hex() for name in call.inputs)])
+
+
+def answer(call: Call, line: str) -> dict[str, float]:
+    """Outputs by contract name from one line of the driver."""
+    return dict(zip(call.outputs, map(float.fromhex, line.split()), strict=True))
+
+
+def nominal(module: Module) -> dict[str, float]:
+    """Nominal values of the tunable parameters of ``module``."""
+    ports = [
+        port for f in (*module.functions, *([module.prepare] if module.prepare else [])) for port in f.inputs
+    ]
+    return {port.name: float(port.default) for port in ports if port.default is not None}
+
+
+def evaluate_c(
+    module: Module,
+    function: str,
+    cases: Sequence[Mapping[str, float]],
+    choice: Choice = DEFAULT,
+    cc: str | None = None,
+    flags: Sequence[str] = DEFAULT_FLAGS,
+) -> list[dict[str, float]]:
+    """Outputs of ``function`` for each case, from the compiled C. A tunable left out is nominal."""
+    functions = unit(module, choice)
+    if function not in functions.contract:
+        return [{} for _ in cases]  # a function without outputs
+    call = _call(functions, functions.contract[function])
+    header, source = sources(module, choice)
+    files = {f"{module.name}.h": header, f"{module.name}.c": source, "wmrgen-driver.c": driver([call])}
+    default = nominal(module)
+    lines = [request(0, call, {**default, **case}) for case in cases]
+    printed = compile_and_run(files, "\n".join(lines) + "\n", cc, flags)
+    return [answer(call, line) for line in printed.splitlines()]
+
+
+# ---- Frama-C Eva
+
+
+def harness(module: Module, cases: Cases, choice: Choice = PLAIN, waves: bool = False) -> dict[str, str]:
+    """File name -> text: header, source and an entry point. ``cases``: parts of the inputs, per function.
+
+    ``waves``: with sines and cosines of our own, see `_waves`; `command` must know, too.
+    """
+    functions = unit(module, choice)
+    lines = [f'#include "{functions.robot}.h"', '#include "__fc_builtin.h"', ""]
+    lines += _waves(choice.scalar) if waves else []
+    parts = [(name, ranges) for name in functions.contract for ranges in cases.get(name, ())]
+    for k, (name, ranges) in enumerate(parts):
+        # A function per case: what Eva keeps apart in one does not count in the next.
+        body = (f"    {line}" for line in _case(functions, name, ranges))
+        lines += [f"static void case_{k}(void)", "{", *body, "}", ""]
+    lines += [
+        "int main(void)",
+        "{",
+        *(f"    case_{k}();" for k in range(len(parts))),
+        "    return 0;",
+        "}",
+        "",
+    ]
+    header, source = sources(module, choice)
+    return {f"{functions.robot}.h": header, f"{functions.robot}.c": source, HARNESS: "\n".join(lines)}
+
+
+def _case(unit: Unit, name: str, ranges: Ranges) -> list[str]:
+    """A call with all inputs of their ranges, and what Eva is to show."""
+    step, end = unit.contract[name], "f" if unit.choice.scalar == "float" else ""
+    variables = _variables(unit, step)
+    lines = [f"{s.name} {p};" for p, s in variables.items()]
+    for parameter in ("in", "params"):
+        for key, member in variables[parameter].members.items() if parameter in variables else ():
+            low, high = (f"{float(v).hex()}{end}" for v in ranges[key])
+            lines.append(f"{parameter}.{member} = Frama_C_{unit.choice.scalar}_interval({low}, {high});")
+    lines += [f"{called.call()};" for called in (*unit.before([step])[-1:], step)]
+    outputs = ", ".join(f"out.{m}" for m in step.arguments["out"].members.values())
+    return [*lines, f"{_SHOW}{name}({outputs});"]
+
+
+def _waves(scalar: str) -> list[str]:
+    """Sines and cosines in steps of 1/8 between -pi and pi: Eva's own are [-1, 1] for angles beyond pi/4.
+
+    The library is taken to be off by 1e-6 at most.
+    """
+    end = "f" if scalar == "float" else ""
+    lines = []
+    for name, wave in (("sin", math.sin), ("cos", math.cos)):
+        lines += [f"{scalar} eva_{name}{end}({scalar} x)", "{"]
+        for k in range(-26, 26):
+            low, high = k / 8, (k + 1) / 8
+            ends = wave(low), wave(high)
+            turn = 0.008 if 1 - max(abs(ends[0]), abs(ends[1])) < 0.008 else 1e-6
+            least, most = max(-1.0, min(ends) - turn), min(1.0, max(ends) + turn)
+            result = f"Frama_C_{scalar}_interval({least:.8f}{end}, {most:.8f}{end})"
+            lines.append(f"    if (x >= {low!r}{end} && x <= {high!r}{end}) return {result};")
+        lines += [f"    return Frama_C_{scalar}_interval(-1.0{end}, 1.0{end});", "}", ""]
+    return lines
+
+
+def command(tool: str, robot: str, waves: bool = False) -> list[str]:
+    """The command that analyses what `harness` wrote."""
+    own = "-Dsinf=eva_sinf -Dcosf=eva_cosf"
+    return [tool, *OPTIONS, *([f"-cpp-extra-args={own}"] if waves else []), HARNESS, f"{robot}.c"]
+
+
+def alarms(output: str) -> tuple[str, ...]:
+    """What Eva could not show, each with its place; whatever is no clean run is an alarm, too."""
+    text = re.sub(r"\n +", " ", output)
+    lines = text.splitlines()
+    alarms = [line.removeprefix("[eva:alarm] ") for line in lines if line.startswith("[eva:alarm]")]
+    if "done for function main" not in text:
+        alarms.append("the analysis did not come to its end: " + " ".join(lines[-3:]))
+    if "using specification for function" in text:
+        named = re.findall(r"using specification for function (\w+)", text)
+        alarms += [f"no code and no built-in function for {n}" for n in named if n not in _KNOWN]
+    if re.search(r"NON TERMINATING|assigns clause missing|Neither code nor specification", text):
+        alarms.append("a function without code")
+    return tuple(alarms)
+
+
+def shown(output: str) -> dict[str, tuple[tuple[float, float], ...]]:
+    """Function -> range of every output over all cases, in the order of the struct."""
+    text = re.sub(r"\n +", " ", output)
+    ranges: dict[str, tuple[tuple[float, float], ...]] = {}
+    for name, rest in re.findall(rf"{_SHOW}(\w+): *(.*)", text):
+        parts = re.findall(r"\[(\S+) \.\. (\S+?)\]|\{(.*?)\}", rest)
+        values = []
+        for low, high, single in parts:
+            numbers = [float(v) for v in (single.split(";") if single else (low, high))]
+            values.append((min(numbers), max(numbers)))
+        pairs = zip(ranges.get(name, values), values, strict=True)
+        ranges[name] = tuple((min(a[0], b[0]), max(a[1], b[1])) for a, b in pairs)
+    return ranges

@@ -97,7 +97,7 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
         robot,
         parts,
         derivation.evaluate,
-        [start_values.get(n, ZERO) for n in _POSE],
+        (start_values.get("x", ZERO), start_values.get("y", ZERO), start_values.get("theta", ZERO)),
         {n: start_values.get(f"{n}.steer", ZERO) for n in turning},
     )
     for p in forbidden(phases):

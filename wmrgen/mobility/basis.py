@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -26,6 +27,8 @@ MOST_CANDIDATES = 16  # steered wheels among which the independent ones are soug
 NEGLIGIBLE = 1e-9
 _ZERO, _ONE = Poly({}), Poly.of(1)
 IDENTITY: tuple[Row, ...] = ((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE))
+
+Polys = TypeVar("Polys", bound=tuple[Poly, ...])
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +148,7 @@ def _axle(row: Row) -> tuple[Row, ...]:
     return forward, primitive((-(nx * k), -(ny * k), size))
 
 
-def primitive(row: Row) -> Row:
+def primitive(row: Polys) -> Polys:
     """The row without common factors: no common monomial, leading coefficient 1."""
     terms = [(m, c) for p in row for m, c in p.terms.items()]
     if not terms:
@@ -157,10 +160,10 @@ def primitive(row: Row) -> Row:
         common.update({g: min(e, 0) for g, e in powers.items() if e < 0 and g not in common})
     shift = {g: e for g, e in common.items() if e}
     factor = _leading(row)
-    return _shifted(row[0], shift, factor), _shifted(row[1], shift, factor), _shifted(row[2], shift, factor)
+    return cast(Polys, tuple(_shifted(p, shift, factor) for p in row))
 
 
-def _leading(row: Row) -> Exact:
+def _leading(row: tuple[Poly, ...]) -> Exact:
     """The first coefficient of the first entry that is not negligible beside the largest."""
     ordered = [
         c for p in row for _, c in sorted(p.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])

@@ -10,11 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from wmrgen.errors import NotDerivableError, UsageError
+from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
-from wmrgen.layout.records import Interval, Robot, Wheel
+from wmrgen.functions.registry import underivable
+from wmrgen.layout.records import Robot, Wheel
 
 Values = Mapping[str, Exact]
+Triple = tuple[Exact, Exact, Exact]  # a twist or a pose
 Call = Callable[[str, Values], Values]  # function name and inputs to outputs
 FORBIDDEN = Exact(Fraction(1, 10**9))  # [m/s] sliding that is more than rounding
 STILL = Exact(Fraction(1, 10**12))  # [rad] a turn that is none
@@ -31,7 +33,7 @@ class Segment:
     robot frame at its start). ``values`` in that order, SI; ``dt`` [s]."""
 
     kind: str
-    values: tuple[Exact, Exact, Exact]
+    values: Triple
     dt: Exact
 
 
@@ -48,8 +50,8 @@ class Phase:
     dt: Exact
     spins: Mapping[str, Exact]
     steers: Mapping[str, Exact]
-    twist: tuple[Exact, Exact, Exact]
-    pose: tuple[Exact, Exact, Exact]
+    twist: Triple
+    pose: Triple
     slip: Exact = ZERO
 
 
@@ -72,33 +74,30 @@ def segment(values: Values, place: str) -> Segment:
     return Segment(kinds[0], (a, b, c), dt)
 
 
-def plan(
-    robot: Robot, segments: Sequence[Segment], call: Call, start: Sequence[Exact], steers: Values
-) -> list[Phase]:
+def plan(robot: Robot, segments: Sequence[Segment], call: Call, start: Triple, steers: Values) -> list[Phase]:
     """Phases of the segments. ``start``: pose; ``steers``: present steering angles by wheel name (0 if absent).
 
     NotDerivableError for driven castors, whose commands change on the way; UsageError for a motion that the wheels
     forbid. A degenerate robot slides where it must: see ``slip``.
     """
-    castors = [w.name for w in robot.wheels if w.kind.swivels and w.actuated]
-    if castors:
-        raise NotDerivableError(
-            f"{robot.name} has no segments: the commands of its castor {castors[0]} change within a constant twist"
-        )
+    for w in robot.wheels:
+        if w.kind.swivels and w.actuated:
+            why = f"the commands of its castor {w.name} change within a constant twist"
+            raise underivable(robot, "segments", why)
     phases: list[Phase] = []
-    pose = (start[0], start[1], start[2])
+    pose = start
     now = {w.name: steers.get(w.name, ZERO) for w in robot.wheels if w.turns}
     for k, part in enumerate(segments):
         twist = _twist(part, pose, call)
         present = {f"{name}.steer": angle for name, angle in now.items()}
-        joints = call("inverse", {**dict(zip(TWIST, twist, strict=True)), **present})
+        joints = call("inverse", dict(zip(TWIST, twist, strict=True)) | present)
         target = {w.name: joints[f"{w.name}.steer"] for w in robot.wheels if w.kind.steers}
-        wait = _wait(robot, k, now, target, pose)
-        phases += [wait] if wait is not None else []
+        if any(abs(angle - now[name]) > STILL for name, angle in target.items()):
+            phases.append(_wait(robot, k, now, target, pose))
         now |= target
         pose = _moved(pose, twist, part.dt, call)
         spins = {w.name: joints[f"{w.name}.spin"] for w in robot.wheels if "spin" in w.actuated}
-        phases.append(Phase(k, "drive", part.dt, spins, _commanded(robot, now), twist, pose, joints["slip"]))
+        phases.append(Phase(k, "drive", part.dt, spins, target, twist, pose, joints["slip"]))
     return phases
 
 
@@ -107,40 +106,34 @@ def forbidden(phases: Sequence[Phase]) -> list[Phase]:
     return [p for p in phases if p.slip > FORBIDDEN]
 
 
-def _twist(part: Segment, pose: Sequence[Exact], call: Call) -> tuple[Exact, Exact, Exact]:
+def _twist(part: Segment, pose: Triple, call: Call) -> Triple:
     """The constant twist in the robot frame."""
     a, b, c = part.values
     if part.kind == "displacement":
-        found = call("reach", {"x": a, "y": b, "theta": c, "dt": part.dt})
-        return found["vx"], found["vy"], found["omega"]
-    if part.kind == "world":  # seen from the robot: turned by -theta
-        seen = call("odometry", {"theta": -pose[2], "vx": a, "vy": b, "dt": Exact(1)})
-        return seen["x"], seen["y"], c
+        twist = call("reach", {"x": a, "y": b, "theta": c, "dt": part.dt})
+        return twist["vx"], twist["vy"], twist["omega"]
+    if part.kind == "world":  # as the robot sees it: turned by -theta
+        x, y, _ = _moved((ZERO, ZERO, -pose[2]), (a, b, ZERO), Exact(1), call)
+        return x, y, c
     return a, b, c
 
 
-def _moved(
-    pose: Sequence[Exact], twist: Sequence[Exact], dt: Exact, call: Call
-) -> tuple[Exact, Exact, Exact]:
+def _moved(pose: Triple, twist: Triple, dt: Exact, call: Call) -> Triple:
     values = dict(zip((*POSE, *TWIST), (*pose, *twist), strict=True))
-    end = call("odometry", {**values, "dt": dt})
+    end = call("odometry", values | {"dt": dt})
     return end["x"], end["y"], end["theta"]
 
 
-def _wait(
-    robot: Robot, k: int, now: Values, target: Values, pose: tuple[Exact, Exact, Exact]
-) -> Phase | None:
-    """The steering before a segment; None when every wheel stands right. Without a limit it takes no time."""
+def _wait(robot: Robot, k: int, now: Values, target: Values, pose: Triple) -> Phase:
+    """The steering before a segment. Without a limit it takes no time."""
     swings = {name: angle - now[name] for name, angle in target.items()}
-    if all(abs(s) <= STILL for s in swings.values()):
-        return None
-    wheels = [robot.wheel(name) for name in swings]
-    dt = max((_time(w, swings[w.name], robot.limit(w, "steer_rate")) for w in wheels), default=ZERO)
+    dt = max(_time(robot, robot.wheel(name), swing) for name, swing in swings.items())
     spins = {w.name: _held(w, swings.get(w.name, ZERO), dt) for w in robot.wheels if "spin" in w.actuated}
-    return Phase(k, "steer", dt, spins, _commanded(robot, target), (ZERO, ZERO, ZERO), pose)
+    return Phase(k, "steer", dt, spins, target, (ZERO, ZERO, ZERO), pose)
 
 
-def _time(w: Wheel, swing: Exact, limit: Interval | None) -> Exact:
+def _time(robot: Robot, w: Wheel, swing: Exact) -> Exact:
+    limit = robot.limit(w, "steer_rate")
     if limit is None or not swing:
         return ZERO
     rate = limit.high if swing > 0 else limit.low
@@ -156,7 +149,3 @@ def _held(w: Wheel, swing: Exact, dt: Exact) -> Exact:
     if not w.nominal.o or not dt:
         return ZERO
     return -(w.nominal.o * swing) / (w.nominal.r * dt)
-
-
-def _commanded(robot: Robot, angles: Values) -> dict[str, Exact]:
-    return {w.name: angles[w.name] for w in robot.wheels if w.kind.steers}

@@ -29,7 +29,7 @@ from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.mobility.basis import IDENTITY
+from wmrgen.mobility.basis import IDENTITY, primitive
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array, unit_rows
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role, output
@@ -114,16 +114,14 @@ def _relation(basis: Sequence[tuple[Poly, ...]], other: tuple[Poly, ...], keep: 
 def _readable(row: Sequence[Poly]) -> Relation:
     """The row without rounding dust and common factors: leading coefficient 1."""
     largest = max(abs(float(c)) for p in row for c in p.terms.values())
-    kept = [Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest}) for p in row]
+    kept = tuple(
+        Poly({m: c for m, c in p.terms.items() if abs(float(c)) > NEGLIGIBLE * largest}) for p in row
+    )
     first = next(p for p in kept if p)
     ratios = [r for p in kept if (r := _ratio(p, first)) is not None]
     if len(ratios) == len(kept):
         return tuple(ratios)
-    powers = [dict(m) for p in kept for m in p.terms]
-    shared = {g: min(q.get(g, 0) for q in powers) for g in sorted({g for q in powers for g in q})}
-    _, leading = min(first.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
-    factor = Poly({tuple((g, -e) for g, e in shared.items() if e): leading.inverse()})
-    return tuple(p * factor for p in kept)
+    return primitive(kept)
 
 
 def _ratio(a: Poly, b: Poly) -> Poly | None:

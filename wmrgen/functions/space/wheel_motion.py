@@ -154,19 +154,17 @@ def in_body(w: Wheel, joints: list[Port], names: Locals) -> Point:
     along_z = ((_ZERO, _ZERO, value) for value in (rate, turning, acceleration, bending))
     origin = (expression(g.x), expression(g.y), expression(g.r) + travel)
     seen = seen_from_before(Frame(*along_z), origin, Point(_to_contact(w, names), NOTHING, NOTHING))
-    r, v, a = (
-        named_vector(f"{w.name}_{n}", value, names)
-        for n, value in zip("rva", (seen.r, seen.v, seen.a), strict=True)
-    )
-    return Point(r, v, a)
+    parts = zip("rva", (seen.r, seen.v, seen.a), strict=True)
+    return Point(*(named_vector(f"{w.name}_{name}", part, names) for name, part in parts))
 
 
 def _to_contact(w: Wheel, names: Locals) -> Vector:
     """d e + o n - r z, from the origin of the wheel's frame to the contact."""
     g = working_view(w)
-    x, y = (Poly({}), Poly({}))
-    if g.d or g.o:
-        x, y = arm(g, *(rolling_direction(w, signal(f"{w.name}.steer"), names) if w.turns else (g.ch, g.sh)))
+    if not (g.d or g.o):
+        return _ZERO, _ZERO, expression(-g.r)
+    e = rolling_direction(w, signal(f"{w.name}.steer"), names) if w.turns else (g.ch, g.sh)
+    x, y = arm(g, *e)
     return expression(x), expression(y), expression(-g.r)
 
 

@@ -16,7 +16,7 @@ import sympy
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.normal import Matrix, pseudo_inverse
+from wmrgen.kinematics.least_squares import Matrix, norm, pseudo_inverse
 from wmrgen.kinematics.records import (
     Formula,
     Locals,
@@ -26,8 +26,7 @@ from wmrgen.kinematics.records import (
     twist_ports,
 )
 from wmrgen.kinematics.rigid import fit_rigid
-from wmrgen.kinematics.rootsum import norm
-from wmrgen.kinematics.sensing import Component, Contact, measurements, sensed_joints
+from wmrgen.kinematics.sensing import Measured, constant_normal, measured_rows, measurements, sensed_joints
 from wmrgen.kinematics.solve import Twist, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
@@ -36,7 +35,6 @@ from wmrgen.symbolic import Expr, expression
 
 FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
 MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed step by step
-Measured = tuple[Row, Poly]  # row . xi = value
 _JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
@@ -52,8 +50,9 @@ def forward(robot: Robot) -> Formula:
     """Sensed joint rates to vx vy omega and the residual norm ``slip``."""
     names = Locals()
     contacts, components = measurements(robot)
-    if constant_normal(contacts, components):
-        twist, slip = _constant(measured_rows(contacts, components), robot, names)
+    rows = measured_rows(contacts, components)
+    if constant_normal(rows):
+        twist, slip = _constant(rows, robot, names)
     elif not components:
         twist, slip = fit_rigid(contacts, names)
     else:
@@ -65,26 +64,6 @@ def forward(robot: Robot) -> Formula:
     )
     text = "sensed joint rates to the twist of P in the robot frame, least squares"
     return Formula("forward", (*inputs, *tunable_ports(robot)), tuple(names.items), outputs, text)
-
-
-def _moves(poly: Poly) -> bool:
-    return any(g.kind in ("cos", "sin") for g in poly.generators)
-
-
-def constant_normal(contacts: list[Contact], components: list[Component]) -> bool:
-    """True when the normal matrix depends on no joint angle."""
-    return not any(_moves(c.bx) or _moves(c.by) for c in contacts) and not any(
-        _moves(p) for c in components for p in c.row
-    )
-
-
-def measured_rows(contacts: list[Contact], components: list[Component]) -> list[Measured]:
-    """Every known row over the twist, with what it measures [m/s]."""
-    one, zero = Poly.of(1), Poly({})
-    rows: list[Measured] = []
-    for c in contacts:
-        rows += [((one, zero, -c.by), c.wx), ((zero, one, c.bx), c.wy)]
-    return rows + [(c.row, c.value) for c in components]
 
 
 def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist, Expr]:

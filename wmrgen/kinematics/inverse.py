@@ -21,6 +21,7 @@ import sympy
 from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.geared import turning_alike
+from wmrgen.kinematics.least_squares import norm
 from wmrgen.kinematics.line import pivot, turned_by
 from wmrgen.kinematics.project import Projection, project
 from wmrgen.kinematics.records import (
@@ -32,7 +33,6 @@ from wmrgen.kinematics.records import (
     tunable_ports,
     twist_ports,
 )
-from wmrgen.kinematics.rootsum import norm
 from wmrgen.kinematics.steer import Target, steer_group, steer_one
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility

@@ -16,7 +16,7 @@ from wmrgen.constraints import rolling_row, sliding_row, working_view
 from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles
-from wmrgen.kinematics.normal import pseudo_inverse
+from wmrgen.kinematics.least_squares import pseudo_inverse
 from wmrgen.kinematics.records import given
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility

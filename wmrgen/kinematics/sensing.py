@@ -9,9 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wmrgen.constraints import heading, rolling_row, sliding_row, working_view
-from wmrgen.exact.poly import Poly, Row
+from wmrgen.exact.poly import Poly, Row, has_angles
 from wmrgen.kinematics.records import given
 from wmrgen.layout.records import Robot, Wheel
+
+Measured = tuple[Row, Poly]  # row . xi = value
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,20 @@ def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
         elif w.kind.sliding_row:
             components.append(Component(w, sliding_row(w, g).row, -(g.d * rate)))
     return contacts, components
+
+
+def measured_rows(contacts: list[Contact], components: list[Component]) -> list[Measured]:
+    """Every known row over the twist, with what it measures [m/s]."""
+    one, zero = Poly.of(1), Poly({})
+    rows: list[Measured] = []
+    for c in contacts:
+        rows += [((one, zero, -c.by), c.wx), ((zero, one, c.bx), c.wy)]
+    return rows + [(c.row, c.value) for c in components]
+
+
+def constant_normal(rows: list[Measured]) -> bool:
+    """Whether the normal matrix depends on no joint angle."""
+    return not any(has_angles(row) for row, _ in rows)
 
 
 def _contact(w: Wheel, spin: Poly, rate: Poly) -> Contact:

@@ -10,11 +10,18 @@ from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, items,
 from wmrgen.constraints import nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import Poly
-from wmrgen.kinematics.forward import Measured, constant_normal, measured_rows, normal_equations
+from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.odometry import SWITCH, WORST_ERROR
 from wmrgen.kinematics.rigid import spread
-from wmrgen.kinematics.sensing import Component, Contact, measurements
-from wmrgen.kinematics.smallest import generic_rank
+from wmrgen.kinematics.sensing import (
+    Component,
+    Contact,
+    Measured,
+    constant_normal,
+    measured_rows,
+    measurements,
+)
+from wmrgen.kinematics.solve import generic_rank
 from wmrgen.printing import symbol_names
 
 if TYPE_CHECKING:
@@ -36,11 +43,11 @@ def forward(d: Derivation) -> list[str]:
     if not contacts and not components:
         return [*blocks, "No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
     blocks += _sources(contacts, components)
-    if not constant_normal(contacts, components) and not components:
-        return [*blocks, *_rigid(d, contacts)]
     rows = measured_rows(contacts, components)
+    if not constant_normal(rows) and not components:
+        return [*blocks, *_rigid(d, contacts)]
     blocks += ["Stacked,", *_stacked(rows)]
-    if constant_normal(contacts, components):
+    if constant_normal(rows):
         return [*blocks, *_constant(d, rows), *_closed(d), *cut_note(d.robot.wheels)]
     locals_ = {symbol.name for symbol, _ in d.program.formula("forward").locals}
     return [

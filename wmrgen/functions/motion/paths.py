@@ -25,14 +25,14 @@ import numpy as np
 import sympy
 
 from wmrgen.exact.evaluate import number as nominal_number
-from wmrgen.exact.poly import Poly
+from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.forward import constant_normal, forward
+from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.odometry import POSE, odometry
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
-from wmrgen.kinematics.sensing import Component, Contact, measurements
+from wmrgen.kinematics.sensing import constant_normal, measured_rows, measurements
 from wmrgen.layout.records import Robot
-from wmrgen.mobility.ranks import numeric_rank
+from wmrgen.mobility.ranks import numeric_rank, unit_of
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role, output
 from wmrgen.symbolic import (
@@ -171,12 +171,12 @@ def reach(_: Robot, __: Mobility) -> Formula:
 @function("Konstantinov (6); Tzafestas (2.36)")
 def heading(robot: Robot, _: Mobility) -> Formula:
     """Wheel angles turned since the heading was theta, to the heading now."""
-    contacts, components = measurements(robot)
-    if not constant_normal(contacts, components):
+    rows = measured_rows(*measurements(robot))
+    if not constant_normal(rows):
         raise underivable(
             robot, "heading function", "its yaw rate depends on joint angles that change on the way"
         )
-    if not _sees_yaw(robot, contacts, components):
+    if not _sees_yaw(robot, [row for row, _ in rows]):
         raise underivable(robot, "heading function", "the sensed wheel speeds do not determine its yaw rate")
     formula, names = forward(robot), Locals()
     joints = {signal(p.name) for p in formula.inputs if p.name.endswith((".steer", ".steer_rate"))}
@@ -197,14 +197,9 @@ def heading(robot: Robot, _: Mobility) -> Formula:
     )  # fmt: skip
 
 
-def _sees_yaw(robot: Robot, contacts: list[Contact], components: list[Component]) -> bool:
-    """True when the measured rows contain the yaw rate, at nominal parameters."""
+def _sees_yaw(robot: Robot, rows: list[Row]) -> bool:
+    """True when the measured rows contain the yaw rate, at nominal parameters and in the robot's own unit."""
     nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters}
-
-    def value(p: Poly) -> float:
-        return float(nominal_number(p, nominal))
-
-    rows = [r for c in contacts for r in ([1.0, 0.0, -value(c.by)], [0.0, 1.0, value(c.bx)])]
-    rows += [[value(p) for p in c.row] for c in components]
-    measured = np.array(rows).reshape(-1, 3)
+    own = [unit_of(robot).own_row(row) for row in rows]
+    measured = np.array([[float(nominal_number(p, nominal)) for p in row] for row in own]).reshape(-1, 3)
     return numeric_rank(measured)[0] == numeric_rank(np.vstack([measured, [0.0, 0.0, 1.0]]))[0]

@@ -13,7 +13,7 @@ from tests.ir.common import CONSTANTS, functions
 from wmrgen.exact.number import SQRT2, Exact
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
-from wmrgen.ir.passes.canonicalise import canonicalise
+from wmrgen.ir.passes.simplify import canonicalise
 from wmrgen.ir.verify import verify_function
 
 

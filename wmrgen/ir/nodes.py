@@ -6,6 +6,7 @@ exact (`wmrgen.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the ba
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 from wmrgen.exact.number import Exact
@@ -68,3 +69,10 @@ class Module:
     def function(self, name: str) -> Function:
         """The function called ``name``; KeyError when there is none."""
         return {f.name: f for f in self.functions}[name]
+
+
+def uses_of(function: Function) -> Counter[int]:
+    """How often each node is an argument or a result."""
+    uses = Counter(arg for node in function.nodes for arg in node.args)
+    uses.update(function.results)
+    return uses

@@ -8,15 +8,11 @@ from functools import lru_cache
 
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Port, Role
-from wmrgen.ir.passes.canonicalise import canonicalise
 from wmrgen.ir.passes.dead_code import drop_dead_code
-from wmrgen.ir.passes.factor import factor
 from wmrgen.ir.passes.forms import share_linear_forms
 from wmrgen.ir.passes.hoist import hoist
-from wmrgen.ir.passes.regroup import regroup_products
 from wmrgen.ir.passes.schedule import schedule
-from wmrgen.ir.passes.signs import settle_signs
-from wmrgen.ir.passes.strength import reduce_strength
+from wmrgen.ir.passes.simplify import canonicalise, factor, reduce_strength, regroup_products, settle_signs
 from wmrgen.ir.verify import check_module, verify_function, verify_module
 
 Pass = Callable[[Function], Function]

@@ -1,0 +1,262 @@
+"""Rewriting operation by operation: canonical form, fewer divisions, common factors, shared products, signs.
+
+Each pass walks a function in its order and builds it anew.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+
+from wmrgen.exact.number import ONE, ZERO, Exact
+from wmrgen.ir.build import Builder
+from wmrgen.ir.geometry import geometry_only
+from wmrgen.ir.nodes import Function, Node, Op, uses_of
+from wmrgen.ir.passes.guards import facts
+
+_FAR = Fraction(1, 2**64)
+_SUMS = (Op.ADD, Op.SUB)
+
+Made = list[int]  # what the nodes of a function are in the builder, as far as it has come
+Rule = Callable[[Builder, int, Node, Made], int]
+
+
+def _rewritten(function: Function, rule: Rule) -> Function:
+    """``function`` with the node that ``rule`` makes of each of its nodes."""
+    builder = Builder()
+    made: Made = []
+    for i, node in enumerate(function.nodes):
+        made.append(rule(builder, i, node, made))
+    results = [made[result] for result in function.results]
+    return builder.function(function.name, function.inputs, function.outputs, results, function.text)
+
+
+def canonicalise(function: Function) -> Function:
+    """Constants folded, equal operations shared, constant factors in front, unneeded nodes gone."""
+    return _rewritten(function, lambda builder, i, node, made: builder.copy(node, _args(node, made)))
+
+
+def _args(node: Node, made: Made) -> list[int]:
+    return [made[arg] for arg in node.args]
+
+
+# ---- divisions
+
+
+def reduce_strength(function: Function) -> Function:
+    """``function`` with divisions replaced by products where that is safe.
+
+    Constant divisors are gone since the builder saw them. A division by a geometry-only value becomes a product with
+    its reciprocal, which `hoist` moves to `prepare`. Several divisions by one value share a reciprocal where that value
+    is known to be far enough from zero for it not to overflow.
+    """
+    if all(node.op is not Op.DIV for node in function.nodes):
+        return function
+    known, shared = geometry_only(function), _shared_divisors(function)
+
+    def rule(builder: Builder, i: int, node: Node, made: Made) -> int:
+        args = _args(node, made)
+        if node.op is Op.DIV and ((known[node.args[1]] and not known[i]) or node.args[1] in shared):
+            return builder.mul(args[0], builder.div(builder.const(ONE), args[1]))
+        return builder.copy(node, args)
+
+    return _rewritten(function, rule)
+
+
+def _shared_divisors(function: Function) -> set[int]:
+    dividends: defaultdict[int, set[int]] = defaultdict(set)
+    for node in function.nodes:
+        if node.op is Op.DIV:
+            dividends[node.args[1]].add(node.args[0])
+    repeated = {divisor for divisor, divided in dividends.items() if len(divided) > 1}
+    if not repeated:
+        return repeated
+    fact = facts(function)
+    return {divisor for divisor in repeated if fact[divisor].away >= _FAR}
+
+
+# ---- common factors
+
+
+@dataclass(frozen=True, slots=True)
+class _Term:
+    """``value`` times the product of ``factors`` (nodes of the builder, sorted)."""
+
+    value: Exact
+    factors: tuple[int, ...]
+
+
+def factor(function: Function) -> Function:
+    """``function`` with common non-constant factors taken out of its sums: k a + k b becomes k (a + b).
+
+    Only products that nothing else uses are taken apart, so that every step saves a multiplication. Constant and
+    geometry-only factors are left to the linear forms.
+    """
+    return _Factoring(function).run()
+
+
+class _Factoring:
+    def __init__(self, function: Function) -> None:
+        self._function, self._builder = function, Builder()
+        self._made: list[int] = []
+        self._known = geometry_only(function)
+        self._uses = uses_of(function)
+        self._inside = self._inner_sums()
+
+    def _inner_sums(self) -> set[int]:
+        """Sums, negations and scalings that only a larger sum uses."""
+        inside: set[int] = set()
+        for i, node in enumerate(self._function.nodes):
+            if self._is_sum(i) or i in inside:
+                inside.update(arg for arg in node.args if self._uses[arg] == 1 and self._is_sum(arg))
+        return inside
+
+    def _is_sum(self, i: int) -> bool:
+        return self._function.nodes[i].op in (*_SUMS, Op.NEG) and not self._known[i]
+
+    def run(self) -> Function:
+        function, builder, made = self._function, self._builder, self._made
+        for i, node in enumerate(function.nodes):
+            plain = not self._is_sum(i) or i in self._inside
+            terms = None if plain else self._terms(i)
+            if terms is not None and self._common(terms) is not None:
+                made.append(self._sum(terms))
+            else:
+                made.append(builder.copy(node, [made[arg] for arg in node.args]))
+        results = [made[result] for result in function.results]
+        return builder.function(function.name, function.inputs, function.outputs, results, function.text)
+
+    def _terms(self, root: int) -> list[_Term]:
+        """The addends of ``root`` as products, in order."""
+        terms: dict[tuple[int, ...], Exact] = {}  # like terms meet
+        stack: list[tuple[int, Exact]] = [(root, ONE)]
+        while stack:
+            i, sign = stack.pop()
+            node = self._function.nodes[i]
+            if i == root or i in self._inside:
+                if node.op is Op.NEG:
+                    stack.append((node.args[0], -sign))
+                else:
+                    second = sign if node.op is Op.ADD else -sign
+                    stack += [(node.args[1], second), (node.args[0], sign)]
+            else:
+                term = self._product(i, sign)
+                terms[term.factors] = terms.get(term.factors, ZERO) + term.value
+        return [_Term(value, factors) for factors, value in terms.items() if value]
+
+    def _product(self, root: int, sign: Exact) -> _Term:
+        """Node ``root`` as constant times factors; products used elsewhere stay whole."""
+        value, factors, stack = sign, [], [root]
+        while stack:
+            i = stack.pop()
+            node = self._function.nodes[i]
+            if node.value is not None:
+                value = value * node.value
+            elif node.op is Op.MUL and self._uses[i] == 1 and not self._known[i]:
+                stack += reversed(node.args)
+            else:
+                factors.append(self._made[i])
+        return _Term(value, tuple(sorted(factors)))
+
+    def _common(self, terms: list[_Term]) -> int | None:
+        """The factor that most products hold, at least two; products of one factor do not count."""
+        counts: Counter[int] = Counter()
+        for term in terms:
+            if len(term.factors) > 1:
+                counts.update(set(term.factors))
+        candidates = {k: n for k, n in counts.items() if n > 1}
+        return min(candidates, key=lambda k: (-candidates[k], k)) if candidates else None
+
+    def _sum(self, terms: list[_Term]) -> int:
+        """The sum of ``terms``, factored as often as it can be."""
+        builder = self._builder
+        common = self._common(terms)
+        if common is None or len(terms) == 1:
+            return builder.sum(self._value(term) for term in terms)
+        inner = [_without(term, common) for term in terms if common in term.factors]
+        outer = [term for term in terms if common not in term.factors]
+        product = builder.mul(common, self._sum(inner))
+        return builder.add(self._sum(outer), product) if outer else product
+
+    def _value(self, term: _Term) -> int:
+        builder = self._builder
+        return builder.mul(builder.const(term.value), builder.product(term.factors))
+
+
+def _without(term: _Term, common: int) -> _Term:
+    at = term.factors.index(common)
+    return _Term(term.value, term.factors[:at] + term.factors[at + 1 :])
+
+
+# ---- products of three factors
+
+
+def regroup_products(function: Function) -> Function:
+    """``function`` with fewer multiplications by constants and geometry-only values.
+
+    c (x y) and c (x z) become (c x) y and (c x) z where nothing else uses x y and x z.
+    """
+    chosen = _choices(function)
+    if not chosen:
+        return function
+
+    def rule(builder: Builder, i: int, node: Node, made: Made) -> int:
+        if i not in chosen:
+            return builder.again(node, _args(node, made))
+        scalar, common, other = (made[arg] for arg in chosen[i])
+        return builder.make(Op.MUL, (builder.make(Op.MUL, (scalar, common)), other))
+
+    return _rewritten(function, rule)
+
+
+def _choices(function: Function) -> dict[int, tuple[int, int, int]]:
+    """Node of c (x y) to (c, x, y), for every (c, x) that occurs twice."""
+    nodes, known, uses = function.nodes, geometry_only(function), uses_of(function)
+    places: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
+    for i, node in enumerate(nodes):
+        if node.op is not Op.MUL or known[i]:
+            continue
+        for scalar, product in (node.args, node.args[::-1]):
+            inner = nodes[product]
+            if known[scalar] and inner.op is Op.MUL and not known[product] and uses[product] == 1:
+                a, b = inner.args
+                if not known[a] and not known[b]:
+                    places[scalar, a].append((i, b))
+                    if a != b:
+                        places[scalar, b].append((i, a))
+    chosen: dict[int, tuple[int, int, int]] = {}
+    for (scalar, common), found in sorted(places.items(), key=lambda item: (-len(item[1]), item[0])):
+        free = [(i, other) for i, other in found if i not in chosen]
+        if len(free) > 1:
+            chosen.update({i: (scalar, common, other) for i, other in free})
+    return chosen
+
+
+# ---- signs
+
+
+def settle_signs(function: Function) -> Function:
+    """``function`` with signs where a reader expects them: a + (-20) x becomes a - 20 x; counts and bits stay."""
+    nodes, uses = function.nodes, uses_of(function)
+
+    def positive(builder: Builder, i: int, made: Made) -> int | None:
+        """The product at ``i`` with its constant positive; None when it has none or others need it."""
+        value = nodes[nodes[i].args[0]].value if nodes[i].op is Op.MUL and uses[i] == 1 else None
+        if value is None or value.sign > 0:
+            return None
+        return builder.make(Op.MUL, (builder.const(-value), made[nodes[i].args[1]]))
+
+    def rule(builder: Builder, i: int, node: Node, made: Made) -> int:
+        if node.op in _SUMS:
+            a, b = node.args
+            term = positive(builder, b, made)
+            if term is not None:
+                return builder.make(Op.SUB if node.op is Op.ADD else Op.ADD, (made[a], term))
+            term = positive(builder, a, made) if node.op is Op.ADD else None
+            if term is not None:
+                return builder.make(Op.SUB, (made[b], term))
+        return builder.again(node, _args(node, made))
+
+    return _rewritten(function, rule)

@@ -13,13 +13,11 @@ from wmrgen.ir.cost import count
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.interpret import EXACT, FLOAT64, evaluate
 from wmrgen.ir.nodes import Function, Op, Role
-from wmrgen.ir.passes.dead_code import drop_dead_code
 from wmrgen.ir.passes.forms import share_linear_forms
 from wmrgen.ir.passes.guards import findings
-from wmrgen.ir.passes.hoist import hoist
 from wmrgen.ir.passes.schedule import schedule
 from wmrgen.ir.passes.simplify import factor, reduce_strength, regroup_products
-from wmrgen.ir.pipeline import AFTER_HOIST, BEFORE_HOIST, optimise
+from wmrgen.ir.pipeline import AFTER_HOIST, BEFORE_HOIST, drop_dead_code, hoist, optimise
 from wmrgen.ir.verify import PassError, points, verify_function, verify_module
 
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import count
 
+from wmrgen.ir.build import Builder
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.nodes import Function, Module, Port, Role
-from wmrgen.ir.passes.dead_code import drop_dead_code
+from wmrgen.ir.geometry import geometry_only
+from wmrgen.ir.nodes import Function, Module, Op, Port, Role
 from wmrgen.ir.passes.forms import share_linear_forms
-from wmrgen.ir.passes.hoist import hoist
 from wmrgen.ir.passes.schedule import schedule
 from wmrgen.ir.passes.simplify import canonicalise, factor, reduce_strength, regroup_products, settle_signs
+from wmrgen.ir.prune import prune
 from wmrgen.ir.verify import check_module, verify_function, verify_module
 
 Pass = Callable[[Function], Function]
@@ -72,3 +75,100 @@ def _prepare(prepare: Function, verify: bool) -> Function:
     ordinary = replace(prepare, inputs=tuple(plain(port) for port in prepare.inputs))
     run = _run(ordinary, BEFORE_HOIST + AFTER_HOIST, verify)
     return replace(run, inputs=tuple(roles[port.name] for port in run.inputs))
+
+
+def drop_dead_code(function: Function) -> Function:
+    """``function`` without unneeded nodes and without geometry inputs that nothing reads.
+
+    Contract inputs stay, read or not: callers rely on them.
+    """
+    nodes, results = prune(function.nodes, function.results)
+    read = {node.name for node in nodes if node.op is Op.INPUT}
+    inputs = tuple(
+        port
+        for port in function.inputs
+        if port.name in read or port.role not in (Role.GEOMETRY, Role.PREPARED)
+    )
+    return replace(function, inputs=inputs, nodes=nodes, results=results)
+
+
+def hoist(functions: tuple[Function, ...], name: str) -> Module:
+    """A module whose step functions read geometry only as outputs k0, k1, ... of `prepare`, parameters' names left out.
+
+    Equal values of different functions are prepared once. Without geometry inputs nothing changes.
+    """
+    builder = Builder()
+    ports: dict[str, Port] = {}
+    taken = {port.name for function in functions for port in function.inputs}
+    free = (k for i in count() if (k := f"k{i}") not in taken)
+    # Node of prepare -> its output, which is made when first asked for.
+    prepared: dict[int, Port] = defaultdict(lambda: Port(next(free), Role.PREPARED, "", ""))
+    steps = tuple(_hoist_one(function, builder, ports, prepared) for function in functions)
+    if not prepared:
+        return Module(name, steps)
+    text = "Values that depend on the tunable parameters alone."
+    outputs = tuple(prepared.values())
+    prepare = builder.function("prepare", tuple(ports.values()), outputs, list(prepared), text)
+    read = {node.name for node in prepare.nodes}
+    inputs = tuple(port for port in prepare.inputs if port.name in read)
+    return Module(name, steps, replace(prepare, inputs=inputs))
+
+
+def _hoist_one(
+    function: Function, builder: Builder, ports: dict[str, Port], prepared: dict[int, Port]
+) -> Function:
+    """``function`` over prepared inputs; its geometry goes to ``builder``, ``ports`` and ``prepared``."""
+    geometry = [port for port in function.inputs if port.role is Role.GEOMETRY]
+    if not geometry:
+        return function
+    for port in geometry:
+        ports.setdefault(port.name, port)
+    early = _tunable(function, {port.name for port in geometry})
+    wanted = {arg for i, node in enumerate(function.nodes) if not early[i] for arg in node.args}
+    wanted.update(function.results)
+    moved: dict[int, int] = {}
+    own = Builder()
+    made: list[int] = []
+    used: dict[str, Port] = {}
+    for i, node in enumerate(function.nodes):
+        if not early[i]:
+            args = [made[arg] for arg in node.args]
+            made.append(own.again(node, args))
+            continue
+        _move(function, i, moved, builder)
+        made.append(_reference(own, builder, moved[i], prepared, used) if i in wanted else -1)
+    results = [made[result] for result in function.results]
+    inputs = tuple(port for port in function.inputs if port.role is not Role.GEOMETRY)
+    return own.function(
+        function.name, inputs + tuple(used.values()), function.outputs, results, function.text
+    )
+
+
+def _tunable(function: Function, names: set[str]) -> list[bool]:
+    """Nodes that depend on tunable parameters, and on nothing else that changes."""
+    known = geometry_only(function)
+    touched: list[bool] = []
+    for i, node in enumerate(function.nodes):
+        reads = node.name in names if node.op is Op.INPUT else any(touched[arg] for arg in node.args)
+        touched.append(known[i] and reads)
+    return touched
+
+
+def _move(function: Function, i: int, moved: dict[int, int], builder: Builder) -> int:
+    """The node of `prepare` for node ``i``, which is tunable or a constant expression."""
+    if i not in moved:
+        node = function.nodes[i]
+        moved[i] = builder.copy(node, [_move(function, arg, moved, builder) for arg in node.args])
+    return moved[i]
+
+
+def _reference(
+    own: Builder, builder: Builder, node: int, prepared: dict[int, Port], used: dict[str, Port]
+) -> int:
+    """The input of the step function that stands for ``node`` of `prepare`."""
+    constant = builder.value(node)
+    if constant is not None:
+        return own.const(constant)
+    port = prepared[node]
+    used[port.name] = port
+    return own.input(port.name)

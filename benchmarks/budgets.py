@@ -20,9 +20,8 @@ from benchmarks.emulator.inputs import cases, nominal
 from benchmarks.emulator.zig import FLAGS, M4F, version
 from wmrgen.artifacts import BUDGET, write_file
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.cost import count
 from wmrgen.ir.interpret import FLOAT32
-from wmrgen.ir.nodes import Module
+from wmrgen.ir.nodes import Module, count
 
 ROOT = Path(__file__).resolve().parent.parent
 GENERATED = ROOT / "generated"

@@ -10,7 +10,7 @@ from pathlib import Path
 import wmrgen
 from benchmarks.large import LARGE
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.cost import count
+from wmrgen.ir.nodes import count
 
 ROOT = Path(__file__).resolve().parent.parent
 

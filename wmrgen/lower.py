@@ -11,8 +11,7 @@ import sympy
 from wmrgen.exact.evaluate import pi_rational
 from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function
-from wmrgen.ir.prune import places
+from wmrgen.ir.nodes import Function, places
 from wmrgen.kinematics.records import Call, Formula
 from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
 

@@ -13,8 +13,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.cost import count
-from wmrgen.ir.nodes import Module
+from wmrgen.ir.nodes import Module, count
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.matrices import pfaffian_rates
 from wmrgen.mobility.records import Mobility, Rank, Singularity

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.ir.common import build
-from wmrgen.ir.cost import Cost, count
+from wmrgen.ir.nodes import Cost, count
 
 
 def test_counts_and_their_text() -> None:

@@ -13,11 +13,10 @@ from tests.ir.common import CONSTANTS, Matrix, port, pseudo_inverse, transposed
 from tests.work import calls
 from wmrgen.exact.number import SQRT2, SQRT3, Exact
 from wmrgen.ir.build import Builder
-from wmrgen.ir.cost import Cost, count
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.linear_program import Coefficient, Emitter, Magnitudes
 from wmrgen.ir.linear_search import cheapest
-from wmrgen.ir.nodes import Function
+from wmrgen.ir.nodes import Cost, Function, count
 
 R, HALF_TRACK, ARM = Fraction(1, 20), Fraction(1, 5), Fraction(3, 25)
 A, B = Fraction(1, 3), Fraction(1, 4)

@@ -9,10 +9,9 @@ from hypothesis import given, settings
 
 from tests.depth import examples
 from tests.ir.common import RING, build, functions
-from wmrgen.ir.cost import count
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.interpret import EXACT, FLOAT64, evaluate
-from wmrgen.ir.nodes import Function, Op, Role
+from wmrgen.ir.nodes import Function, Op, Role, count
 from wmrgen.ir.passes.forms import share_linear_forms
 from wmrgen.ir.passes.guards import findings
 from wmrgen.ir.passes.schedule import schedule

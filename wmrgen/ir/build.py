@@ -10,8 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ir.nodes import Function, Node, Op, Port
-from wmrgen.ir.prune import prune
+from wmrgen.ir.nodes import Function, Node, Op, Port, prune
 
 MINUS_ONE = -ONE
 Key = tuple[Op, tuple[int, ...], Exact | None, str | None]

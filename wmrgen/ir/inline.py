@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from wmrgen.errors import UsageError
-from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role
-from wmrgen.ir.prune import prune
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, prune
 
 
 def inline_prepare(function: Function, prepare: Function | None) -> Function:

@@ -2,12 +2,14 @@
 
 A function is a tuple of nodes; a node's arguments are indices of earlier nodes. Constants are
 exact (`wmrgen.exact.Exact`, the field Q(sqrt2, sqrt3)), rounded once, by the backend that prints them.
+What is read off the list stands here, too: uses, what results need, counts of operations.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, replace
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.ops import Op
@@ -76,3 +78,91 @@ def uses_of(function: Function) -> Counter[int]:
     uses = Counter(arg for node in function.nodes for arg in node.args)
     uses.update(function.results)
     return uses
+
+
+def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
+    """Where each node that ``results`` need stands when the others are dropped."""
+    live = bytearray(len(nodes))
+    for result in results:
+        live[result] = 1
+    for i in range(len(nodes) - 1, -1, -1):
+        if live[i]:
+            for arg in nodes[i].args:
+                live[arg] = 1
+    kept = (i for i in range(len(nodes)) if live[i])
+    return {i: k for k, i in enumerate(kept)}
+
+
+def prune(nodes: Sequence[Node], results: Sequence[int]) -> tuple[tuple[Node, ...], tuple[int, ...]]:
+    """The nodes that ``results`` need, renumbered in their order, and the renumbered results."""
+    place = places(nodes, results)
+    return _moved(nodes, place), tuple(place[result] for result in results)
+
+
+def pruned(function: Function) -> Function:
+    """``function`` with the nodes that its results need, and the names of these."""
+    place = places(function.nodes, function.results)
+    return replace(
+        function,
+        nodes=_moved(function.nodes, place),
+        results=tuple(place[result] for result in function.results),
+        named=tuple((name, place[k]) for name, k in function.named if k in place),
+    )
+
+
+def _moved(nodes: Sequence[Node], place: dict[int, int]) -> tuple[Node, ...]:
+    if len(place) == len(nodes):
+        return tuple(nodes)
+    kept: list[Node] = []
+    for i in place:
+        node = nodes[i]
+        args = tuple(place[arg] for arg in node.args)
+        kept.append(node if args == node.args else Node(node.op, args, node.value, node.name))
+    return tuple(kept)
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """How many operations of each kind one call takes."""
+
+    additions: int = 0
+    multiplications: int = 0
+    divisions: int = 0
+    roots: int = 0
+    sines: int = 0  # and cosines
+    arctangents: int = 0
+    comparisons: int = 0  # select, min, max
+    signs: int = 0  # negation, absolute value
+    roundings: int = 0  # to whole numbers
+
+    @property
+    def flops(self) -> int:
+        """Additions and multiplications: the figure that robots are compared by."""
+        return self.additions + self.multiplications
+
+    @property
+    def weight(self) -> int:
+        """All operations in units of an addition, roughly as a Cortex-M4F has them."""
+        return (
+            self.flops + 14 * (self.divisions + self.roots) + 60 * self.sines + 90 * self.arctangents
+            + 2 * (self.comparisons + self.roundings) + self.signs
+        )  # fmt: skip
+
+    def __add__(self, other: Cost) -> Cost:
+        return Cost(*(a + b for a, b in zip(astuple(self), astuple(other), strict=True)))
+
+    def __str__(self) -> str:
+        """``6 additions, 3 multiplications``; ``none``."""
+        names = (
+            ("addition", "additions"), ("multiplication", "multiplications"), ("division", "divisions"),
+            ("square root", "square roots"), ("sine or cosine", "sines and cosines"),
+            ("arctangent", "arctangents"), ("comparison", "comparisons"),
+            ("sign operation", "sign operations"), ("rounding", "roundings"),
+        )  # fmt: skip
+        counted = zip(astuple(self), names, strict=True)
+        return ", ".join(f"{n} {name[n != 1]}" for n, name in counted if n) or "none"
+
+
+def count(function: Function) -> Cost:
+    """The operations in the list of ``function``; unused nodes count too."""
+    return Cost(**Counter(node.op.cost for node in function.nodes if node.op.cost))

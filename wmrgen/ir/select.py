@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from wmrgen.ir.calls import called
-from wmrgen.ir.nodes import Function, Module, Op
-from wmrgen.ir.prune import prune
+from wmrgen.ir.nodes import Function, Module, Op, prune
 
 
 def select(module: Module, names: dict[str, str]) -> Module:

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from wmrgen.ir.interpret import values_of
-from wmrgen.ir.nodes import Function, Op, Port, Role
-from wmrgen.ir.prune import prune
+from wmrgen.ir.nodes import Function, Op, Port, Role, prune
 from wmrgen.ir.rounding import nearest_float32, to_float64
 
 Array = Any

@@ -12,12 +12,11 @@ from wmrgen.backends.c99.text import comment_lines
 from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.cost import count
 from wmrgen.ir.inline import hand_through
 from wmrgen.ir.kernels import rounds, with_kernels
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0, Choice
 from wmrgen.ir.kernels.constants import worst
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.nodes import Function, Module, Op, count
 from wmrgen.ir.ops import integer
 from wmrgen.render import render
 

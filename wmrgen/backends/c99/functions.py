@@ -9,10 +9,8 @@ from wmrgen.backends.c99.style import style
 from wmrgen.backends.c99.text import Struct, alias, block_comment, literal, prototype, struct
 from wmrgen.backends.expression import Results, body
 from wmrgen.backends.quantities import quantity
-from wmrgen.ir.cost import Cost
 from wmrgen.ir.kernels.choice import Choice
-from wmrgen.ir.nodes import Function, Module, Op, Port, Role
-from wmrgen.ir.prune import pruned
+from wmrgen.ir.nodes import Cost, Function, Module, Op, Port, Role, pruned
 
 _RESERVED = ("in", "out", "params", "prepared")  # parameters of the functions
 _NOTE = 60  # characters of a comment behind a statement

@@ -19,7 +19,7 @@ from wmrgen.backends.report.rows import matrices, null_space, wheel_rows
 from wmrgen.backends.report.texts import texts
 from wmrgen.bounds.robot import SINGULAR, described, error, listed
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.cost import count
+from wmrgen.ir.nodes import count
 from wmrgen.printing import Latex, size
 from wmrgen.program import asked
 

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.nodes import Function, Node, Op
-from wmrgen.ir.prune import prune
+from wmrgen.ir.nodes import Function, Node, Op, prune
 
 _TWO = Exact(2)
 

@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.kernels.tape import Tape
-from wmrgen.ir.nodes import Function, Node, Op
-from wmrgen.ir.prune import prune
+from wmrgen.ir.nodes import Function, Node, Op, prune
 
 _ODD = (Op.NEG, Op.ATAN, Op.SIN)
 _EXTREMES = (Op.MIN, Op.MAX)

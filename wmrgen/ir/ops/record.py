@@ -65,7 +65,7 @@ class Op:
     includes: tuple[str, ...] = ()
     numpy: str = ""
     casadi: str | Rule = ""
-    cost: str = ""  # a field of `wmrgen.ir.cost.Cost`
+    cost: str = ""  # a field of `wmrgen.ir.nodes.Cost`
     fact: Callable[..., Fact] = lambda *facts: Fact()
     needs: tuple[int, str, str] | None = None
     interval: Rule | None = None

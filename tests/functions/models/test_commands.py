@@ -57,17 +57,20 @@ def test_what_there_is_not_is_said() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("hitch", ["0", "0.15"])
-def test_eight_trailers_derive(hitch: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("hitch", "functions"),
+    [("0", "chained, chained_input, chained_rates"), ("0", "trailer"), ("0.15", "trailer")],
+)
+def test_eight_trailers_derive(hitch: str, functions: str, tmp_path: Path) -> None:
     """Whole process, C and CasADi included; each case of fewer trailers is quicker."""
     text = (ROBOTS / "car_with_trailers.yaml").read_text(encoding="utf-8")
     head = text[: text.index("trailers:\n")]
     trailers = "".join(f"  - {{length: {0.5 + 0.1 * k:.1f}, hitch: {hitch}}}\n" for k in range(8))
     path = tmp_path / "train.yaml"
-    path.write_text(f"{head}trailers:\n{trailers}functions: [trailer]\n", encoding="utf-8")
+    path.write_text(f"{head}trailers:\n{trailers}functions: [{functions}]\n", encoding="utf-8")
     wmrgen("derive", path, "-o", tmp_path / "out")
     files = {f.name for f in (tmp_path / "out" / "car_with_trailers").iterdir()}
-    assert {"car_with_trailers.c", "car_with_trailers_trailer.casadi"} <= files
+    assert {"car_with_trailers.c", *(f"car_with_trailers_{f}.casadi" for f in functions.split(", "))} <= files
 
 
 def test_long_fractions_are_decimals_for_readers_only(tmp_path: Path) -> None:

@@ -114,8 +114,9 @@ def contact(d: Derivation, wheel: Any, values: dict[str, float]) -> tuple[np.nda
 @pytest.mark.parametrize("name", ROBOTS)
 def test_wheels_roll_and_do_not_slide(name: str, seed: int) -> None:
     d = derivation(name)
-    state, _, values = start(d, "configuration", seed)
+    state, inputs, values = start(d, "configuration", seed)
     rates = call(d, "configuration", values)
+    assert all(rates[u] == pytest.approx(values[u], abs=1e-9) for u in inputs if u in rates)
     ahead, behind = moved(values, rates, state, STEP), moved(values, rates, state, -STEP)
     for w in d.robot.wheels:
         if w.type == "spherical":
@@ -127,19 +128,6 @@ def test_wheels_roll_and_do_not_slide(name: str, seed: int) -> None:
         assert velocity @ e == pytest.approx(rim, abs=1e-8)
         if w.type != "swedish":
             assert velocity @ np.array([-e[1], e[0]]) == pytest.approx(0.0, abs=1e-8)
-
-
-@pytest.mark.parametrize("name", ROBOTS)
-def test_posture_is_the_part_of_the_configuration(name: str) -> None:
-    d = derivation(name)
-    _, _, values = start(d, "configuration", 7)
-    state, inputs, _ = start(d, "posture", 7)
-    whole = call(d, "configuration", values)
-    part = call(d, "posture", {n: values[n] for n in (*state, *inputs)})
-    assert part == pytest.approx({k: whole[k] for k in part}, abs=1e-12)
-    for u in inputs:
-        if u in whole:
-            assert whole[u] == pytest.approx(values[u], abs=1e-9)
 
 
 TRAINS = {

@@ -63,7 +63,7 @@ def _by_position(t: Train) -> tuple[list[Equation], list[Equation], Domain]:
     path, domain = _path(t)
     where = []
     bend: Expr = sympy.S.One  # dbeta/dkappa
-    s = t.axle.steering
+    s = t.steering
     if s is not None:
         beta = signal(f"{s.name}.steer")
         ch, sh, x, y = (expression(p) for p in (s.ch, s.sh, s.x, s.y))
@@ -91,12 +91,12 @@ def _path(t: Train) -> tuple[_Path, Domain]:
     domain = [(expression(c), "the last axle drives at a right angle to world x: turn the world frame")]
     slope, w, answer = s * c.inverse(), c.inverse(), c * c
     rates: dict[str, Poly] = {}
-    for trailer, (c, s, inverse_length) in zip(reversed(t.trailers), hitches, strict=True):
+    for trailer, (c, s, inverse_length) in zip(reversed(t.robot.trailers), hitches, strict=True):
         rates[f"{trailer.name}.theta"] = s * c.inverse() * w * inverse_length
         answer = answer * c * c * inverse_length.inverse() * w.inverse()
         w = w * c.inverse()
         domain.append((expression(c), f"{trailer.name} is jack-knifed"))
-    if t.axle.steering is not None:
+    if t.steering is not None:
         rates["theta"] = Poly.gen("local", "kappa") * w
         answer = answer * w.inverse()
     slopes = [slope]

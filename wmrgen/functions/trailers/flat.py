@@ -68,8 +68,8 @@ def flatness(robot: Robot, mobility: Mobility) -> Flatness:
         )  # fmt: skip
     t = train(robot, mobility, what="a flat output")
     order = t.size - 1
-    if t.trailers:
-        last = t.trailers[-1].name
+    if t.robot.trailers:
+        last = t.robot.trailers[-1].name
         return Flatness(
             f"x, y of the axle of {last}",
             order,
@@ -95,7 +95,7 @@ def flat(robot: Robot, mobility: Mobility) -> Formula:
             f"{robot.name} is flat with {claim.outputs}: `inverse` recovers its joints from the twist"
         )
     t = train(robot, mobility, what="a flat output")
-    if t.trailers:
+    if t.robot.trailers:
         raise NotDerivableError(
             f"{robot.name} is flat with {claim.outputs}; the formulas that recover states and inputs are written down "
             "for robots without trailers. `chained_input` steers the last axle through derivatives of its path"
@@ -136,10 +136,10 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
         (V, v),
         *zip(twist_ports(), twist, strict=True),
     ]
-    if axle.steering is not None:
+    if t.steering is not None:
         kappa = names.define("curvature", times(omega, over))
         bend = _curvature_rate(names, kappa, over)
-        outputs += _steering(t, axle.steering, names, kappa, bend)
+        outputs += _steering(t, t.steering, names, kappa, bend)
     text = f"flat outputs {claim.outputs} with derivatives to pose, inputs and steering, travelling forward"
     return Formula(
         "flat", (*_inputs(claim.order), *tunable_ports(robot)), tuple(names.items), tuple(outputs), text

@@ -35,29 +35,53 @@ Vector = tuple[Expr, Expr]
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
-    """Where the body tows: axle point (x, y), its forward direction (fx, fy), robot frame."""
+class Axle:
+    """What the body turns about. ``ex, ey``: unit direction of travel e. ``x, y`` [m]: Q on it. Robot frame."""
 
+    ex: Poly
+    ey: Poly
     x: Poly
     y: Poly
-    fx: Poly
-    fy: Poly
-    axle: bool  # False where the body has no fixed axle and P stands for its centre
+
+    @property
+    def direction(self) -> Vector:
+        """e as expressions."""
+        return expression(self.ex), expression(self.ey)
+
+    @property
+    def centre(self) -> Vector:
+        """Q as expressions."""
+        return expression(self.x), expression(self.y)
+
+    def coupling(self, hitch: Poly) -> Vector:
+        """The point that lies ``hitch`` behind Q."""
+        return expression(self.x - self.ex * hitch), expression(self.y - self.ey * hitch)
+
+    def turned(self, c: Expr, s: Expr) -> Vector:
+        """Cosine and sine of the axle's heading, from those of the robot's."""
+        return rotated(c, s, *self.direction)
+
+    def velocity_of_p(self, v: Expr, omega: Expr) -> Vector:
+        """vx, vy of P for the speed of Q along e and the yaw rate."""
+        (ex, ey), (x, y) = self.direction, self.centre
+        return add(times(ex, v), times(y, omega)), subtract(times(ey, v), times(x, omega))
 
 
-def body_of(robot: Robot, mobility: Mobility, view: View) -> Body:
-    """The centre of the fixed wheels, which lies on their axle, or P."""
-    one, zero = Poly.of(1), Poly({})
+THROUGH_P = Axle(Poly.of(1), Poly({}), Poly({}), Poly({}))  # what tows where no wheels are fixed
+
+
+def fixed_axle(robot: Robot, mobility: Mobility, view: View) -> Axle | None:
+    """The axle of the fixed wheels, Q their centre; None where they have no common one."""
     wheels = [w for w in robot.wheels if w.kind.fixed_axle]
     if not wheels or mobility.rank_C1f.value != 1:
-        return Body(zero, zero, one, zero, False)
+        return None
     g = [view(w) for w in wheels]
     share = Fraction(1, len(g))
     x, y = (clean(Poly.sum(getattr(w, k) for w in g).scale(share)) for k in "xy")
     lead = wheels[0].nominal
     ahead = lead.ch if abs(float(lead.ch)) > 1e-9 else lead.sh
     sign = 1 if float(ahead) > 0 else -1
-    return Body(x, y, g[0].ch.scale(sign), g[0].sh.scale(sign), True)
+    return Axle(g[0].ch.scale(sign), g[0].sh.scale(sign), x, y)
 
 
 def check_trailers(robot: Robot, mobility: Mobility) -> None:
@@ -96,7 +120,7 @@ class Towed:
     turn: Expr
 
 
-def convoy(motion: Motion, body: Body, twist: Sequence[Expr], names: Locals | None) -> list[Towed]:
+def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | None) -> list[Towed]:
     """The axle of each trailer under a twist of P in the robot frame. With ``names`` shared results are named."""
     vx, vy, omega = twist
     axles: list[Towed] = []
@@ -109,8 +133,8 @@ def convoy(motion: Motion, body: Body, twist: Sequence[Expr], names: Locals | No
                 times(-1, expression(hitch), axles[-1].turn) if hitch else sympy.S.Zero,
             )
         else:
-            x, y = body.x - body.fx * hitch, body.y - body.fy * hitch
-            coupling = subtract(vx, times(expression(y), omega)), add(vy, times(expression(x), omega))
+            x, y = axle.coupling(hitch)
+            coupling = subtract(vx, times(y, omega)), add(vy, times(x, omega))
         angle = hitch_angle(motion.robot, i)
         c, s = sympy.cos(angle), sympy.sin(angle)
         if names is not None:
@@ -150,31 +174,33 @@ def trailer_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
 def towing_system(motion: Motion, mobility: Mobility) -> System:
     """The posture model of a motion with the headings of the trailers."""
     trailers = motion.robot.trailers
-    body = body_of(motion.robot, mobility, motion.frame.view)
-    axles = [convoy(motion, body, [expression(p) for p in twist], None) for twist in motion.twists]
+    axle = fixed_axle(motion.robot, mobility, motion.frame.view)
+    convoys = [
+        convoy(motion, axle or THROUGH_P, [expression(p) for p in twist], None) for twist in motion.twists
+    ]
     posture = system_of("trailer", motion)
     return replace(
         posture,
         text=f"body and {len(trailers)} trailer{'' if len(trailers) == 1 else 's'}: {motion.text}",
         state=(*posture.state, *state_ports(trailers)),
         fields=tuple(
-            (*field, *(a.turn for a in chain)) for field, chain in zip(posture.fields, axles, strict=True)
+            (*field, *(a.turn for a in chain)) for field, chain in zip(posture.fields, convoys, strict=True)
         ),
-        domain=(*posture.domain, *_jackknives(motion, body, axles)),
+        domain=(*posture.domain, *_jackknives(motion, axle is not None, convoys)),
     )
 
 
-def _jackknives(motion: Motion, body: Body, axles: list[list[Towed]]) -> list[Domain]:
+def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]]) -> list[Domain]:
     """Where an axle stands still while it is pulled: cos(hitch angle) = 0 on the axle, speed 0 off it."""
     domains = []
     for i, t in enumerate(motion.robot.trailers):
-        if not in_view(t.hitch, motion.frame.symbolic) and (i or body.axle):
+        if not in_view(t.hitch, motion.frame.symbolic) and (i or on_fixed_axle):
             condition: Expr = sympy.cos(hitch_angle(motion.robot, i))
             why = "what pulls it stands square to it and cannot move it"
         else:
             speeds = [
                 (chain[i].speed, u)
-                for chain, u in zip(axles, motion.inputs, strict=True)
+                for chain, u in zip(convoys, motion.inputs, strict=True)
                 if chain[i].speed is not sympy.S.Zero
             ]
             condition = (
@@ -190,7 +216,7 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     """Rates of the posture and of the trailers' headings, and the speed of each trailer's axle (0 when jack-knifed)."""
     require_trailers(robot, mobility)
     motion = best_motion(robot, mobility)
-    body = body_of(robot, mobility, motion.frame.view)
+    axle = fixed_axle(robot, mobility, motion.frame.view) or THROUGH_P
     names = Locals()
     memo: dict[Expr, Expr] = {}
     twist = [_summed(motion, i, names, memo) for i in range(3)]
@@ -198,7 +224,7 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     c, s = names.define("cos_theta", sympy.cos(theta)), names.define("sin_theta", sympy.sin(theta))
     posture = system_of("posture", motion)
     joints = [guarded(rate, names, memo) for rate in posture.rates[3:]]
-    axles = convoy(motion, body, twist, names)
+    axles = convoy(motion, axle, twist, names)
     headings = state_ports(robot.trailers)
     rates = (*rotated(c, s, twist[0], twist[1]), twist[2], *joints, *(a.turn for a in axles))
     outputs = [(rate_port(p), e) for p, e in zip((*posture.state, *headings), rates, strict=True)]

@@ -19,7 +19,7 @@ from wmrgen.constraints import working_view
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import function
-from wmrgen.functions.trailers.trailer import Vector, body_of, require_trailers, state_ports
+from wmrgen.functions.trailers.trailer import THROUGH_P, Vector, fixed_axle, require_trailers, state_ports
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
@@ -57,10 +57,10 @@ def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
     On the axle x_i = x_Q - sum of L_j cos(theta_j).
     """
     require_trailers(robot, mobility)
-    body = body_of(robot, mobility, working_view)
+    axle = fixed_axle(robot, mobility, working_view) or THROUGH_P
     names = Locals()
-    hitch, ahead = robot.trailers[0].hitch.working, signal("theta")
-    coupling = expression(body.x - body.fx * hitch), expression(body.y - body.fy * hitch)
+    ahead = signal("theta")
+    coupling = axle.coupling(robot.trailers[0].hitch.working)
     x, y = rotated(sympy.cos(ahead), sympy.sin(ahead), *coupling)
     at: Vector = add(signal("x"), x), add(signal("y"), y)
     outputs: list[tuple[Port, Expr]] = []
@@ -85,7 +85,7 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
     margin is the smallest v_i**2: the steady circle exists where it is not negative. Forward motion is stable on it.
     """
     require_trailers(robot, mobility)
-    if not body_of(robot, mobility, working_view).axle:
+    if fixed_axle(robot, mobility, working_view) is None:
         raise NotDerivableError(
             f"{robot.name} has no steady circle in closed form: its body has no fixed axle that leads the trailers."
         )

@@ -24,11 +24,11 @@ from wmrgen.functions.models.polynomials import nominal_at, straight
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.system import Gate
 from wmrgen.functions.trailers.series import NARROW, Link, Path, path
-from wmrgen.functions.trailers.trailer import Vector, body_of, check_trailers, in_view, state_ports
+from wmrgen.functions.trailers.trailer import Axle, Vector, check_trailers, fixed_axle, in_view, state_ports
 from wmrgen.functions.trailers.trailer_geometry import behind
 from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Locals, twist_ports
-from wmrgen.layout.records import Robot, Trailer
+from wmrgen.layout.records import Robot
 from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role, output
@@ -51,60 +51,30 @@ class Steering:
 
 
 @dataclass(frozen=True, slots=True)
-class Axle:
-    """``ex, ey``: unit direction of travel e. ``x, y`` [m]: the point Q. Robot frame. ``steering``: None for (2, 0)."""
-
-    ex: Poly
-    ey: Poly
-    x: Poly
-    y: Poly
-    steering: Steering | None
-
-    @property
-    def direction(self) -> Vector:
-        """e as expressions."""
-        return expression(self.ex), expression(self.ey)
-
-    @property
-    def centre(self) -> Vector:
-        """Q as expressions."""
-        return expression(self.x), expression(self.y)
-
-    def turned(self, c: Expr, s: Expr) -> Vector:
-        """Cosine and sine of the axle's heading, from those of the robot's."""
-        return rotated(c, s, *self.direction)
-
-    def velocity_of_p(self, v: Expr, omega: Expr) -> Vector:
-        """vx, vy of P for the speed of Q along e and the yaw rate."""
-        (ex, ey), (x, y) = self.direction, self.centre
-        return add(times(ex, v), times(y, omega)), subtract(times(ey, v), times(x, omega))
-
-
-@dataclass(frozen=True, slots=True)
 class Train:
-    """The robot seen from its axle, with its trailers."""
+    """The robot seen from its axle, with its trailers. ``steering``: None for type (2, 0)."""
 
     robot: Robot
     axle: Axle
-    trailers: tuple[Trailer, ...]
-    symbolic: bool = False
+    steering: Steering | None
+    symbolic: bool
 
     @property
     def size(self) -> int:
         """States: pose, steering, a heading for each trailer."""
-        return 3 + len(self.trailers) + (self.axle.steering is not None)
+        return 3 + len(self.robot.trailers) + (self.steering is not None)
 
     @property
     def steering_port(self) -> Port | None:
         """The steering angle among the states; None for type (2, 0)."""
-        s = self.axle.steering
+        s = self.steering
         return None if s is None else Port(f"{s.name}.steer", Role.STATE, "rad", "steering angle")
 
     @property
     def state(self) -> tuple[Port, ...]:
         """x y theta, steering, headings of the trailers in the world frame."""
         steer = () if self.steering_port is None else (self.steering_port,)
-        return (*POSE, *steer, *state_ports(self.trailers))
+        return (*POSE, *steer, *state_ports(self.robot.trailers))
 
     @property
     def turning(self) -> Port:
@@ -116,13 +86,13 @@ class Train:
     @property
     def by_heading(self) -> bool:
         """True where z1 is the heading."""
-        return self.axle.steering is None and not self.trailers
+        return self.steering is None and not self.robot.trailers
 
 
 def train(robot: Robot, mobility: Mobility, symbolic: bool = False, what: str = "the chained form") -> Train:
     """The robot as a tractor with trailers. NotDerivableError where the construction does not exist."""
     check_trailers(robot, mobility)
-    axle = body_axle(robot, mobility, what, symbolic)
+    axle = _axle(robot, mobility, what, symbolic)
     off = [t for t in robot.trailers if t.hitch.nominal]
     if len(off) > 1:
         raise NotDerivableError(
@@ -136,7 +106,8 @@ def train(robot: Robot, mobility: Mobility, symbolic: bool = False, what: str = 
             "built on the last axle, which works for trailers coupled on the axle (hitch: 0). With one coupled off it "
             "the train is flat, but with another output, which is not derived here"
         )
-    return Train(robot, axle, robot.trailers, symbolic)
+    steering = _steering(robot, mobility, axle, symbolic) if mobility.degree_of_steerability else None
+    return Train(robot, axle, steering, symbolic)
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,8 +134,8 @@ def write(t: Train) -> Written:
         c, s = names.define("axle_cosine", c), names.define("axle_sine", s)
     curvature: Expr | None = None
     leverage = inverse_leverage = sympy.S.One
-    if axle.steering is not None:
-        curvature, leverage, inverse_leverage = bending(axle.steering, names)
+    if t.steering is not None:
+        curvature, leverage, inverse_leverage = bending(t.steering, names)
     x, y = last_axle(t)
     x, y = names.define("last_x", x), names.define("last_y", y)
     driven = None if t.by_heading else path(names, links_of(t), curvature)
@@ -176,7 +147,7 @@ def last_axle(t: Train) -> Vector:
     theta = signal("theta")
     x, y = rotated(sympy.cos(theta), sympy.sin(theta), *t.axle.centre)
     point: Vector = add(signal("x"), x), add(signal("y"), y)
-    for trailer in t.trailers:
+    for trailer in t.robot.trailers:
         point = behind(point, in_view(trailer.length, t.symbolic), signal(f"{trailer.name}.theta"))
     return point
 
@@ -198,7 +169,7 @@ def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
 def links_of(t: Train) -> list[Link]:
     """The last heading, then the hitch angles from the last to the first."""
     theta = signal("theta")
-    headings = [signal(f"{trailer.name}.theta") for trailer in t.trailers]
+    headings = [signal(f"{trailer.name}.theta") for trailer in t.robot.trailers]
     if not headings:
         c, s = t.axle.turned(sympy.cos(theta), sympy.sin(theta))
         return [Link("last", c, s, sympy.S.One)]
@@ -208,12 +179,12 @@ def links_of(t: Train) -> list[Link]:
         d = subtract(headings[k - 1] if k else theta, headings[k])
         c, s = sympy.cos(d), sympy.sin(d)
         c, s = (c, s) if k else t.axle.turned(c, s)
-        inverse = expression(in_view(t.trailers[k].length, t.symbolic).inverse())
+        inverse = expression(in_view(t.robot.trailers[k].length, t.symbolic).inverse())
         links.append(Link(f"hitch{k + 1}", c, s, inverse))
     return links
 
 
-def body_axle(robot: Robot, mobility: Mobility, what: str, symbolic: bool = False) -> Axle:
+def _axle(robot: Robot, mobility: Mobility, what: str, symbolic: bool = False) -> Axle:
     """The fixed axle of a (2, 0) or (1, 1) body. NotDerivableError, saying what is missing, for any other.
 
     ``what`` needs it: the beginning of the message. ``symbolic``: named parameters stay symbols.
@@ -232,23 +203,19 @@ def body_axle(robot: Robot, mobility: Mobility, what: str, symbolic: bool = Fals
         raise NotDerivableError(
             f"{robot.name}: {what} needs a robot that can turn; this one only translates (DOF {mobility.dof})"
         )
-    body = body_of(robot, mobility, symbolic_view if symbolic else working_view)
-    if body.axle:
-        ex, ey, x, y = body.fx, body.fy, body.x, body.y
-    else:
-        ex, ey, x, y = _foot(robot, rows[0] if symbolic else fixed(rows[0], robot))
-    turning = mobility.degree_of_steerability > 0
-    return Axle(ex, ey, x, y, _steering(robot, mobility, (ex, ey, x, y), symbolic) if turning else None)
+    return fixed_axle(robot, mobility, symbolic_view if symbolic else working_view) or _of_row(
+        robot, rows[0] if symbolic else fixed(rows[0], robot)
+    )
 
 
-def _foot(robot: Robot, row: Row) -> tuple[Poly, Poly, Poly, Poly]:
+def _of_row(robot: Robot, row: Row) -> Axle:
     """The axle of a row that no single wheel gives: its direction of travel, its point nearest to P."""
     nx, ny, k = row
     squared = nx * nx + ny * ny
     sign = _sign(robot, ny, -nx)
     scale = Poly.of(sign) if squared == 1 else sqrt_poly(squared).inverse().scale(sign)
     ex, ey, at = ny * scale, -nx * scale, k * scale
-    return ex, ey, at * ex, at * ey
+    return Axle(ex, ey, at * ex, at * ey)
 
 
 def _type(mobility: Mobility) -> str:
@@ -265,14 +232,11 @@ def _sign(robot: Robot, ex: Poly, ey: Poly) -> int:
     return 1 if (x if abs(x) > SMALL else y) > 0 else -1
 
 
-def _steering(
-    robot: Robot, mobility: Mobility, axle: tuple[Poly, Poly, Poly, Poly], symbolic: bool
-) -> Steering:
+def _steering(robot: Robot, mobility: Mobility, axle: Axle, symbolic: bool) -> Steering:
     """The wheel whose angle is the steering coordinate, virtual where the file names one, seen from the axle."""
     wheel = steering_frame(robot, mobility, symbolic).wheels[0]
     g = wheel.symbolic if symbolic else wheel.working
-    ex, ey, x, y = axle
-    dx, dy = g.x - x, g.y - y
+    ex, ey, dx, dy = axle.ex, axle.ey, g.x - axle.x, g.y - axle.y
     return Steering(
         name=wheel.name, x=ex * dx + ey * dy, y=ex * dy - ey * dx,
         ch=ex * g.ch + ey * g.sh, sh=ex * g.sh - ey * g.ch,

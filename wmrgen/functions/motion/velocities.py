@@ -1,4 +1,4 @@
-"""Velocities in the world frame, and of the contact points: v_c = H(gamma) xi + Q(gamma) gamma_dot.
+"""Velocities in the world frame, and of contact points, which may slip: v_c = H(gamma) xi + Q(gamma) gamma_dot.
 
 The world frame turns the functions of the robot frame by the heading, xi_R = R(theta) xi_I (Siegwart (3.2), (3.10);
 Tzafestas (2.37d), (2.41c), (2.75), (2.83), (2.85); Konstantinov (4), (5)).
@@ -7,7 +7,11 @@ With B the contact point and A the steering axis, in the robot frame,
 
     v_B = v + omega z x B + steer_rate z x (B - A)
 
-which is a rigid body's velocity (Kelly Box 4.2, (4.39), (4.62)); Q is zero where contact and axis coincide.
+which is a rigid body's velocity (Kelly Box 4.2, (4.39), (4.62)); Q is zero where contact and axis coincide. With e the
+rolling direction that a wheel has now and n = z x e, wheels that slip have (Tzafestas Example 2.2, corrected for
+steered wheels)
+
+    r spin = e . v_B + slip_x,     slip_y = n . v_B
 """
 
 from __future__ import annotations
@@ -17,7 +21,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from wmrgen.constraints import View, arm, heading, symbolic_view, working_view
+from wmrgen.constraints import View, arm, heading, rolling_row, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.motion.paths import TWIST, named
 from wmrgen.functions.registry import function
@@ -28,7 +32,7 @@ from wmrgen.kinematics.odometry import POSE
 from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
+from wmrgen.ports import Limits, Port, Role, output
 from wmrgen.symbolic import Expr, expression, matrix, rotated, rotated_back, signal
 
 ZERO, ONE = Poly({}), Poly.of(1)
@@ -174,3 +178,47 @@ def projections(robot: Robot, _: Mobility) -> Formula:
         "projections", (*twist_ports(), POSE[2], *_joints(points, headings=True), *tunable_ports(robot)),
         tuple(names.items), tuple(outputs), "contact velocities along and across each wheel, and in the world",
     )  # fmt: skip
+
+
+def _slip_port(w: Wheel, name: str) -> Port:
+    """``<wheel>.slip_x`` or ``<wheel>.slip_y``"""
+    if w.kind.rollers:
+        text = "slip along the roller axis: what the rim adds there minus the contact's velocity"
+    elif name == "slip_x":
+        text = "longitudinal slip: rim speed minus speed of the contact along the rolling direction"
+    else:
+        text = "lateral slip: velocity of the contact to the left of the rolling direction"
+    return output(f"{w.name}.{name}", "m/s", text)
+
+
+@function("Tzafestas Example 2.2, corrected for steered wheels", limits=Limits.COMMANDED)
+def slip_inverse(robot: Robot, _: Mobility) -> Formula:
+    """vx vy omega, steering angles and rates and slip_x to every wheel's spin and every standard wheel's slip_y.
+
+    The twist is not projected: what the wheels do not roll they slip.
+    """
+    twist: Row = (given("vx"), given("vy"), given("omega"))
+    inputs = [*twist_ports()]
+    inputs += [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns]
+    inputs += [joint_port(w, "steer_rate", Role.COMMAND) for w in robot.wheels if _swings(w)]
+    outputs: list[tuple[Port, Expr]] = []
+    for w in robot.wheels:
+        g = working_view(w)
+        rate = given(f"{w.name}.steer_rate") if _swings(w) else Poly({})
+        if w.has_spin:
+            inputs.append(_slip_port(w, "slip_x"))
+            rim = dot(rolling_row(w, g).row, twist) - g.o * rate + given(f"{w.name}.slip_x")
+            spin = expression(rim * g.rolling_radius.inverse())
+            outputs.append((joint_port(w, "spin", Role.COMMAND), spin))
+        if w.kind.sliding_row:
+            lateral = dot(sliding_row(w, g).row, twist) + g.d * rate
+            outputs.append((_slip_port(w, "slip_y"), expression(lateral)))
+    return Formula(
+        "slip_inverse", (*inputs, *tunable_ports(robot)), (), tuple(outputs),
+        "twist of P, steering and longitudinal slip to wheel speeds and lateral slip",
+    )  # fmt: skip
+
+
+def _swings(w: Wheel) -> bool:
+    """True where the steering rate moves the contact."""
+    return w.turns and bool(w.nominal.d or w.nominal.o)

@@ -113,9 +113,9 @@ def evaluated(expr: Any) -> Any:
     return expr.func(*(evaluated(a) for a in expr.args)) if expr.args else expr
 
 
-def same(found: Any, expected: Any) -> None:
+def same(actual: Any, expected: Any) -> None:
     """Two matrices agree identically."""
-    difference = sympy.Matrix(found) - sympy.Matrix(expected)
+    difference = sympy.Matrix(actual) - sympy.Matrix(expected)
     assert all(zero(e) for e in difference), difference
 
 
@@ -128,13 +128,13 @@ def call(
     unknown = values.keys() - {port.name for port in ports}
     assert not unknown, f"{function} has no input {sorted(unknown)}"
     if backend == "exact":
-        given = {k: Exact(Fraction(v)) for k, v in values.items()}
-        return {k: float(v) for k, v in one.evaluate(function, given).items()}
+        numbers = {k: Exact(Fraction(v)) for k, v in values.items()}
+        return {k: float(v) for k, v in one.evaluate(function, numbers).items()}
     full = {port.name: float(values.get(port.name, port.default or 0)) for port in ports}
     if backend == "casadi":
         f = one.casadi()[function]
-        found = f.call([full[name] for name in f.name_in()])
-        return {name: float(v) for name, v in zip(f.name_out(), found, strict=True)}
+        outputs = f.call([full[name] for name in f.name_in()])
+        return {name: float(v) for name, v in zip(f.name_out(), outputs, strict=True)}
     from wmrgen.backends.c99 import evaluate
 
     name = "forward_slip" if function == "forward" else function

@@ -33,8 +33,8 @@ def test_posture_in_plain_notation() -> None:
 
 
 def test_trailers_name_their_jack_knife() -> None:
-    found = wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", "trailer")
-    assert "cos(theta - trailer1.theta) = 0: trailer1 is jack-knifed" in found
+    shown = wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", "trailer")
+    assert "cos(theta - trailer1.theta) = 0: trailer1 is jack-knifed" in shown
     model = json.loads((ROBOTS.parent / "generated/car_with_trailers/model.json").read_text(encoding="utf-8"))
     assert "jack-knifed" in model["singular_models"]["trailer"][1]["meaning"]
 
@@ -42,8 +42,8 @@ def test_trailers_name_their_jack_knife() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("form", ["posture", "configuration", "eta", "zeta", "trailer", "chained"])
 def test_json_and_latex_of_every_form(form: str) -> None:
-    found = json.loads(wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", form, "--json"))
-    for sheet in found if isinstance(found, list) else [found]:
+    sheets = json.loads(wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", form, "--json"))
+    for sheet in sheets if isinstance(sheets, list) else [sheets]:
         assert sheet["inputs"] and sheet["equations"]
         assert all(len(field) == len(sheet["state"]) for field in sheet["fields"].values())
     shown = wmrgen("model", ROBOTS / "car_with_trailers.yaml", "--form", form, "--latex")

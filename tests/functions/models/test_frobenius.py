@@ -102,21 +102,21 @@ def test_components_by_finite_differences(wheels: str) -> None:
 @pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
 def test_the_set_says_what_mobility_says(path: Path) -> None:
     d = wmrgen.derive(wmrgen.load(path))
-    found = d.integrability
-    assert (found.ddof, found.dof, found.holonomic) == (d.mobility.ddof, d.mobility.dof, d.mobility.holonomic)
-    assert ("is holonomic" in found.text) == (d.mobility.holonomic and d.mobility.ddof > 0)
-    assert len(found.rows) == len(d.constraints.sliding) + len(d.constraints.rolling)
+    whole = d.integrability
+    assert (whole.ddof, whole.dof, whole.holonomic) == (d.mobility.ddof, d.mobility.dof, d.mobility.holonomic)
+    assert ("is holonomic" in whole.text) == (d.mobility.holonomic and d.mobility.ddof > 0)
+    assert len(whole.rows) == len(d.constraints.sliding) + len(d.constraints.rolling)
     assert all(
-        not row.integrable and row.value != 0 for row in found.rows
+        not row.integrable and row.value != 0 for row in whole.rows
     )  # a wheel by itself never integrates
 
 
 def test_two_rows_integrate_that_do_not_by_themselves() -> None:
     """Siegwart 3.4.2: the locked bicycle. Neither wheel is integrable, both together are: y and theta constant."""
-    found = derived(LOCKED).integrability
-    assert not found.row("front").integrable and not found.row("rear").integrable
-    assert found.holonomic and found.ddof == found.dof == 1
-    texts = [i.text for i in found.integrals]
+    whole = derived(LOCKED).integrability
+    assert not whole.row("front").integrable and not whole.row("rear").integrable
+    assert whole.holonomic and whole.ddof == whole.dof == 1
+    texts = [i.text for i in whole.integrals]
     assert texts[:2] == ["theta = const", "y_body = const: the body can only translate along a line"]
     assert texts[2:] == ["front.angle = 9.09091 x_body + const", "rear.angle = -9.09091 x_body + const"]
 
@@ -150,9 +150,9 @@ def along(d: Derivation, integral: Integral, seed: int) -> float:
 )
 def test_integrals_are_constant(wheels: str, count: int) -> None:
     d = derived(wheels, b="0.2")
-    found = d.integrability.integrals
-    assert len(found) == count
-    for integral in found:
+    integrals_of_motion = d.integrability.integrals
+    assert len(integrals_of_motion) == count
+    for integral in integrals_of_motion:
         assert along(d, integral, 7) == pytest.approx(0, abs=1e-9), integral.text
 
 
@@ -162,19 +162,19 @@ def test_konstantinov_6_heading_of_three_omni_wheels() -> None:
         f"{{name: w{k + 1}, type: swedish, l: a, alpha: {2 * k}*pi/3, beta: 0, gamma: 0, r: r}}"
         for k in range(3)
     )
-    (found,) = derived(rolling_left).integrability.integrals
+    (integral,) = derived(rolling_left).integrability.integrals
     r, a = 0.11, 0.27
-    assert dict(found.coefficients) == pytest.approx(
+    assert dict(integral.coefficients) == pytest.approx(
         {"theta": -1.0} | {f"w{k}.angle": -r / (3 * a) for k in (1, 2, 3)}
     )
 
 
 def test_mecanum_has_a_relation_between_wheel_angles() -> None:
     """Four rates, three freedoms: one relation besides the heading (Tzafestas 2.4.2)."""
-    found = [dict(i.coefficients) for i in derived(MECANUM).integrability.integrals]
-    assert len(found) == 2
+    relations = [dict(i.coefficients) for i in derived(MECANUM).integrability.integrals]
+    assert len(relations) == 2
     names = [f"w{k}.angle" for k in (1, 2, 3, 4)]
-    rows = np.array([[f.get(n, 0.0) for n in ("theta", *names)] for f in found])
+    rows = np.array([[f.get(n, 0.0) for n in ("theta", *names)] for f in relations])
     compatibility = np.array([0.0, 1.0, 1.0, -1.0, -1.0])
     assert np.linalg.matrix_rank(np.vstack([rows, compatibility]), tol=1e-9) == 2
 
@@ -189,10 +189,10 @@ def test_wheel_angles_measure_the_way_along_the_heading() -> None:
 def test_wheel_angles_on_a_circle() -> None:
     """The bent bicycle rolls about one point; its wheel angles are proportional to the angle turned."""
     d = derived(BENT)
-    found = call(d, "wheel_angles", {"theta": 0.5})
+    wheel_angles = call(d, "wheel_angles", {"theta": 0.5})
     radius = 1.1 / math.tan(0.4)  # of the rear wheel; the front one runs on the hypotenuse
-    assert found["rear.angle"] == pytest.approx(0.5 * radius / 0.11)
-    assert found["front.angle"] == pytest.approx(0.5 * math.hypot(radius, 1.1) / 0.11)
+    assert wheel_angles["rear.angle"] == pytest.approx(0.5 * radius / 0.11)
+    assert wheel_angles["front.angle"] == pytest.approx(0.5 * math.hypot(radius, 1.1) / 0.11)
 
 
 @pytest.mark.parametrize("wheels", [DIFFERENTIAL, OMNI, TWO_STEER, SPHERES])
@@ -202,5 +202,5 @@ def test_wheel_angles_need_a_holonomic_robot_that_does_not_turn(wheels: str) -> 
 
 
 def test_no_constraint_at_all() -> None:
-    found = derived(SPHERES).integrability
-    assert not found.rows and found.holonomic and "No constraint" in found.text
+    whole = derived(SPHERES).integrability
+    assert not whole.rows and whole.holonomic and "No constraint" in whole.text

@@ -76,20 +76,20 @@ def moved(
 
 def steering(d: Derivation, values: dict[str, float]) -> dict[str, float]:
     """Angles of all turning wheels: states, or by the condition that its axle passes through the ICR."""
-    found = {
+    angles = {
         w.name: values[f"{w.name}.steer"] for w in d.robot.wheels if w.turns and f"{w.name}.steer" in values
     }
     virtual = [v for v in d.robot.virtual if f"{v.name}.steer" in values]
     points = [(float(v.x.nominal), float(v.y.nominal), values[f"{v.name}.steer"]) for v in virtual]
     points += [
-        (float(w.nominal.x), float(w.nominal.y), found[w.name])
+        (float(w.nominal.x), float(w.nominal.y), angles[w.name])
         for w in d.robot.wheels
-        if w.type == "steered" and w.name in found
+        if w.type == "steered" and w.name in angles
     ]
     for w in d.robot.wheels:
-        if w.type == "steered" and w.name not in found:
-            found[w.name] = _follow(float(w.nominal.x), float(w.nominal.y), points[0])
-    return found
+        if w.type == "steered" and w.name not in angles:
+            angles[w.name] = _follow(float(w.nominal.x), float(w.nominal.y), points[0])
+    return angles
 
 
 def _follow(x: float, y: float, lead: tuple[float, float, float]) -> float:
@@ -144,14 +144,14 @@ def axles(d: Derivation, values: dict[str, float], b: float) -> list[np.ndarray]
     at = np.array([values["x"], values["y"]])
     heading = values["theta"]
     at = at + b * np.array([math.cos(heading), math.sin(heading)])
-    found = []
+    points = []
     for t in d.robot.trailers:
         own = values[f"{t.name}.theta"]
         at = at - float(t.hitch.nominal) * np.array([math.cos(heading), math.sin(heading)])
         at = at - float(t.length.nominal) * np.array([math.cos(own), math.sin(own)])
         heading = own
-        found.append(at)
-    return found
+        points.append(at)
+    return points
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -205,9 +205,9 @@ def test_singular_configurations_give_finite_rates(backend: str) -> None:
     d = derived(CAR_REAR, on_axle(2))
     for function in ("posture", "trailer", "configuration"):
         values = {"front.steer": math.pi / 2, "rear.spin": 1.0, "front.steer_rate": 0.5}
-        found = call(d, function, values, backend)
-        assert all(math.isfinite(v) for v in found.values())
-        assert found["theta_rate"] == 0.0 and found["x_rate"] == pytest.approx(0.11)
+        rates = call(d, function, values, backend)
+        assert all(math.isfinite(v) for v in rates.values())
+        assert rates["theta_rate"] == 0.0 and rates["x_rate"] == pytest.approx(0.11)
 
 
 def test_jacobians_are_finite_at_the_singularity() -> None:

@@ -80,6 +80,7 @@ def test_tzafestas_example_2_2_reference_behind_the_axle() -> None:
 
 
 def test_tzafestas_2_46_and_aa274_tricycle() -> None:
+    """AA274 has (cos xi cos theta, cos xi sin theta, sin xi / L) u1, u1 the speed of the front wheel and L = 1."""
     d = derived(TRICYCLE)
     assert states(d) == ["x", "y", "theta", "front.steer"] and inputs(d) == ["front.spin", "front.steer_rate"]
     c, n = sympy.cos(FRONT), sympy.sin(FRONT)
@@ -92,9 +93,9 @@ def test_tzafestas_2_47_tricycle_inverse() -> None:
     d = derived(TRICYCLE)
     v, omega = sympy.symbols("v omega", positive=True)
     rim = sympy.sqrt(v**2 + (D * omega) ** 2)
-    found = G(d)[:3, 0].subs(FRONT, sympy.atan2(D * omega, v)) * rim / R
+    twist = G(d)[:3, 0].subs(FRONT, sympy.atan2(D * omega, v)) * rim / R
     d_positive = sympy.Symbol("D", positive=True)
-    same(found.subs(THETA, 0).subs(D, d_positive), [[v], [0], [omega]])
+    same(twist.subs(THETA, 0).subs(D, d_positive), [[v], [0], [omega]])
 
 
 @pytest.mark.parametrize(

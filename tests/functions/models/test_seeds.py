@@ -43,8 +43,8 @@ class Run:
 
     @property
     def given(self) -> dict[str, Any]:
-        found: dict[str, Any] = self.case["given"]
-        return found
+        inputs: dict[str, Any] = self.case["given"]
+        return inputs
 
     @property
     def steer(self) -> dict[str, float]:
@@ -59,12 +59,12 @@ class Run:
         return of_layout(self.case["id"])
 
     def column(self, function: str, values: dict[str, float], names: list[str]) -> list[float]:
-        found = self.call(function, values)
-        return [found[n] for n in names]
+        outputs = self.call(function, values)
+        return [outputs[n] for n in names]
 
-    def close(self, found: Any, expected: Any) -> None:
+    def close(self, actual: Any, expected: Any) -> None:
         np.testing.assert_allclose(
-            np.asarray(found, float),
+            np.asarray(actual, float),
             np.asarray(expected, float),
             rtol=self.case["tol"],
             atol=self.case["tol"],
@@ -90,24 +90,24 @@ def columns(r: Run) -> None:
     g, expected = r.given, np.array(r.case["expect"]["value"], float)
     state = {"theta": g["phi"]} | r.steer
     if g["inputs"] == ["v", "omega"]:
-        found = [r.column("dynamics", state | {f"eta{k}": 1.0}, POSE) for k in (1, 2)]
+        fields = [r.column("dynamics", state | {f"eta{k}": 1.0}, POSE) for k in (1, 2)]
     else:
         wheel = DRIVEN[r.case["id"]]
         spin = 1.0 if g["inputs"][0] == "theta_w" else 1 / 0.11
-        found = [r.column("posture", state | {f"{wheel}.spin": spin}, CAR)]
-        found.append(r.column("posture", state | {"front.steer_rate": 1.0}, CAR))
-    r.close(np.array(found).T, expected)
+        fields = [r.column("posture", state | {f"{wheel}.spin": spin}, CAR)]
+        fields.append(r.column("posture", state | {"front.steer_rate": 1.0}, CAR))
+    r.close(np.array(fields).T, expected)
 
 
 def world_inverse(r: Run) -> None:
     """Spins of unit world velocities."""
     g = r.given
     twists = turn(-g["phi"]).T
-    found = [
+    spins = [
         r.column("inverse", dict(zip(("vx", "vy", "omega"), map(float, t), strict=True)), _spins(r))
         for t in twists
     ]
-    r.close(np.array(found).T, r.case["expect"]["value"])
+    r.close(np.array(spins).T, r.case["expect"]["value"])
 
 
 def _spins(r: Run) -> list[str]:
@@ -118,10 +118,10 @@ def slip_matrix(r: Run) -> None:
     g = r.given
     units = [dict(zip(("vx", "vy", "omega"), map(float, t), strict=True)) for t in turn(-g["phi"]).T]
     units += [{f"{n}.slip_x": 1.0} for n in g["wheel_order"]]
-    found = [r.column("slip_inverse", u, _spins(r)) for u in units]
+    spins = [r.column("slip_inverse", u, _spins(r)) for u in units]
     assert not any(p.name.endswith(".slip_y") for p in r.derivation.formula("slip_inverse").inputs)
-    found += [[0.0, 0.0]] * 2  # lateral slip turns no wheel: it is an output
-    r.close(np.array(found).T, r.case["expect"]["value"])
+    spins += [[0.0, 0.0]] * 2  # lateral slip turns no wheel: it is an output
+    r.close(np.array(spins).T, r.case["expect"]["value"])
 
 
 def slip_numbers(r: Run) -> None:
@@ -129,9 +129,9 @@ def slip_numbers(r: Run) -> None:
     x, y, phi, w_r, w_l = g["rates"]
     twist = turn(-g["phi"]) @ np.array([x, y, phi])
     values = dict(zip(("vx", "vy", "omega"), map(float, twist), strict=True))
-    found = r.call("slip_inverse", values | {"right.slip_x": w_r, "left.slip_x": w_l})
-    r.close([found[f"{n}.spin"] for n in ("right", "left")], [e["theta_r"], e["theta_l"]])
-    r.close([found[f"{n}.slip_y"] for n in ("right", "left")], [e["z_r"], e["z_l"]])
+    outputs = r.call("slip_inverse", values | {"right.slip_x": w_r, "left.slip_x": w_l})
+    r.close([outputs[f"{n}.spin"] for n in ("right", "left")], [e["theta_r"], e["theta_l"]])
+    r.close([outputs[f"{n}.slip_y"] for n in ("right", "left")], [e["z_r"], e["z_l"]])
 
 
 def constraints(r: Run) -> None:
@@ -162,16 +162,16 @@ def car_rates(r: Run) -> None:
     u1, u2 = g["input"].values()
     values = {"theta": g["state"]["phi"], "front.steer": g["state"]["psi"], "front.steer_rate": u2}
     wheel = next(w["r"] for w in r.case["layout"]["wheels"] if w["name"] == "front")
-    found = r.column("posture", values | {"front.spin": u1 / wheel}, CAR)
-    r.close(found, r.case["expect"]["rate"])
+    rates = r.column("posture", values | {"front.spin": u1 / wheel}, CAR)
+    r.close(rates, r.case["expect"]["rate"])
 
 
 def zeta(r: Run) -> None:
     g, e = r.given, r.case["expect"]
     values = {"theta": g["state"]["phi"], "zeta": g["state"]["zeta"], **g["input"]}
-    found = r.call("zeta", values)
-    r.close([found[n] for n in ("xp_rate", "yp_rate", "theta_rate", "zeta_rate")], e["rate"])
-    r.close([g["input"]["v1"], found["u2"]], e["u"])
+    outputs = r.call("zeta", values)
+    r.close([outputs[n] for n in ("xp_rate", "yp_rate", "theta_rate", "zeta_rate")], e["rate"])
+    r.close([g["input"]["v1"], outputs["u2"]], e["u"])
 
 
 def unicycle(r: Run) -> None:
@@ -184,8 +184,8 @@ def arc(r: Run) -> None:
     g = r.given
     twist = {"vx": g["input"]["v"], "omega": g["input"]["omega"]}
     pose = dict(zip(("x", "y", "theta"), map(float, g["state0"]), strict=True))
-    found = call(derived(UNICYCLE), "odometry", pose | twist | {"dt": g["t"]}, r.backend)
-    r.close([found[n] for n in ("x", "y", "theta")], r.case["expect"]["state"])
+    end = call(derived(UNICYCLE), "odometry", pose | twist | {"dt": g["t"]}, r.backend)
+    r.close([end[n] for n in ("x", "y", "theta")], r.case["expect"]["state"])
 
 
 def train(lengths: list[float]) -> Derivation:
@@ -202,9 +202,9 @@ def trailer_rates(r: Run) -> None:
     assert g["D"] == 1.4
     values = headings(g["state"]["phi"]) | {"front.steer": g["state"]["psi"]}
     values |= {"rear.spin": g["input"]["v1"] / 0.11, "front.steer_rate": g["input"]["v2"]}
-    found = call(train(g["L"]), "trailer", values, r.backend)
+    rates = call(train(g["L"]), "trailer", values, r.backend)
     turns = ["theta_rate", *(f"trailer{k + 1}.theta_rate" for k in range(g["N"]))]
-    r.close([found[n] for n in ("x_rate", "y_rate", *turns, "front.steer_rate")],
+    r.close([rates[n] for n in ("x_rate", "y_rate", *turns, "front.steer_rate")],
             [e["x"], e["y"], *e["phi"], e["psi"]])  # fmt: skip
 
 
@@ -214,11 +214,11 @@ def trailer_constraints(r: Run) -> None:
     phi, lengths = g["phi"], g["L"]
     psi = math.atan(g["phi_rates"][0] * 1.4 / g["v1"])
     values = headings(phi) | {"front.steer": psi, "rear.spin": g["v1"] / 0.11}
-    found = call(train(lengths), "trailer", values, r.backend)
-    turns = [found[f"trailer{k + 1}.theta_rate"] for k in range(len(lengths))]
+    outputs = call(train(lengths), "trailer", values, r.backend)
+    turns = [outputs[f"trailer{k + 1}.theta_rate"] for k in range(len(lengths))]
     np.testing.assert_allclose(turns, g["phi_rates"][1:], rtol=1e-12)
     for i in range(1, len(phi)):
-        total = found["x_rate"] * math.sin(phi[i]) - found["y_rate"] * math.cos(phi[i])
+        total = outputs["x_rate"] * math.sin(phi[i]) - outputs["y_rate"] * math.cos(phi[i])
         total += sum(turns[j] * lengths[j] * math.cos(phi[i] - phi[j + 1]) for j in range(i))
         r.close(total, r.case["expect"]["residual"][i - 1])
 
@@ -226,8 +226,8 @@ def trailer_constraints(r: Run) -> None:
 def positions(r: Run) -> None:
     g = r.given
     values = headings(g["phi"]) | {"x": g["x_Q"], "y": g["y_Q"]}
-    found = call(train(g["L"]), "trailer_positions", values, r.backend)
-    places = [[found[f"trailer{k + 1}.{a}"] for a in "xy"] for k in range(len(g["L"]))]
+    outputs = call(train(g["L"]), "trailer_positions", values, r.backend)
+    places = [[outputs[f"trailer{k + 1}.{a}"] for a in "xy"] for k in range(len(g["L"]))]
     r.close(places, r.case["expect"]["positions"])
 
 

@@ -40,31 +40,31 @@ def test_growth_vector_is_that_of_mobility(path: Path) -> None:
     """Two derivations: brackets of twists at a sample, brackets of the posture model's fields at a rational point."""
     d = wmrgen.derive(wmrgen.load(path))
     for seed in range(3):
-        found = growth(d.system("eta", symbolic=True), seed)
-        assert found.vector == d.mobility.growth_vector
-        assert found.degree == d.mobility.degree_of_nonholonomy
+        span = growth(d.system("eta", symbolic=True), seed)
+        assert span.vector == d.mobility.growth_vector
+        assert span.degree == d.mobility.degree_of_nonholonomy
 
 
 def test_unicycle() -> None:
-    found = derived(UNICYCLE).growth
-    assert found.vector == (2, 3) and found.controllable
-    assert [b.name for b in found.brackets] == ["g1", "g2", "[g1, g2]"]
+    span = derived(UNICYCLE).growth
+    assert span.vector == (2, 3) and span.controllable
+    assert [b.name for b in span.brackets] == ["g1", "g2", "[g1, g2]"]
     c, n = sympy.cos(THETA), sympy.sin(THETA)
-    assert all(zero(a - b) for a, b in zip(found.brackets[2].field, (n, -c, 0), strict=True))
+    assert all(zero(a - b) for a, b in zip(span.brackets[2].field, (n, -c, 0), strict=True))
 
 
 def test_car() -> None:
     """Tzafestas (2.55): steering, wriggle and slide are the brackets of a car."""
-    found = growth(derived(CAR_REAR).system("posture", symbolic=True))
-    assert found.vector == (2, 3, 4) and found.degree == 3
-    assert [b.name for b in found.brackets] == ["g1", "g2", "[g1, g2]", "[g1, [g1, g2]]"]
+    span = growth(derived(CAR_REAR).system("posture", symbolic=True))
+    assert span.vector == (2, 3, 4) and span.degree == 3
+    assert [b.name for b in span.brackets] == ["g1", "g2", "[g1, g2]", "[g1, [g1, g2]]"]
     r, base, c = p("r"), p("base"), sympy.cos(PSI)
-    wriggle, slide = found.brackets[2].field, found.brackets[3].field
+    wriggle, slide = span.brackets[2].field, span.brackets[3].field
     assert all(zero(a - b) for a, b in zip(wriggle, (0, 0, -r / (base * c**2), 0), strict=True))
     sideways = r**2 / (base * c**2)
     wanted = (-sideways * sympy.sin(THETA), sideways * sympy.cos(THETA), 0, 0)
     assert all(zero(a - b) for a, b in zip(slide, wanted, strict=True))
-    assert found.text == (
+    assert span.text == (
         "growth vector (2, 3, 4), degree of nonholonomy 3; [g1, g2], [g1, [g1, g2]] add one dimension each; "
         "the brackets reach every direction"
     )
@@ -75,21 +75,21 @@ def test_trains_grow_by_one(count: int) -> None:
     """N trailers on the axle: (2, 3, ..., n), what a chained form has."""
     for wheels, states in ((UNICYCLE, 3), (CAR_REAR, 4)):
         d = train(wheels, count)
-        found = growth(d.system("trailer", symbolic=True))
-        assert found.vector == tuple(range(2, states + count + 1))
-        assert found.controllable
+        span = growth(d.system("trailer", symbolic=True))
+        assert span.vector == tuple(range(2, states + count + 1))
+        assert span.controllable
 
 
 def test_a_trailer_off_the_axle_grows_too() -> None:
-    found = train(DIFFERENTIAL, 1, "0.2").growth
-    assert found.controllable and found.vector[0] == 2 and found.vector[-1] == 4
+    span = train(DIFFERENTIAL, 1, "0.2").growth
+    assert span.controllable and span.vector[0] == 2 and span.vector[-1] == 4
 
 
 def test_what_is_not_reached_is_said() -> None:
     wheel = "{name: w%d, type: fixed, x: %s, y: 0, heading: 0, r: r}"
-    found = derived("\n".join((wheel % (1, "0.6"), wheel % (2, "-0.6")))).growth
-    assert found.vector == (1,) and not found.controllable
-    assert found.text.endswith("the brackets reach 1 of 3 directions")
+    span = derived("\n".join((wheel % (1, "0.6"), wheel % (2, "-0.6")))).growth
+    assert span.vector == (1,) and not span.controllable
+    assert span.text.endswith("the brackets reach 1 of 3 directions")
 
 
 @pytest.mark.parametrize(
@@ -100,12 +100,12 @@ def test_what_is_not_reached_is_said() -> None:
 def test_brackets_by_finite_differences(d: Derivation) -> None:
     """[f, g] = Dg f - Df g with Jacobians by differences, and every later bracket from those before it."""
     system = d.system("trailer" if d.robot.trailers else "posture", symbolic=True)
-    found = growth(system)
+    span = growth(system)
     values = {p(port.name): float(port.default) for port in system.geometry if port.default is not None}
     symbols = [s(port.name) for port in system.state]
     fields = {
         b.name: sympy.lambdify([symbols], [e.xreplace(values) for e in b.field], "numpy")
-        for b in found.brackets
+        for b in span.brackets
     }
     rng = random.Random(5)
     at = np.array([rng.uniform(-0.5, 0.5) for _ in symbols])
@@ -115,15 +115,15 @@ def test_brackets_by_finite_differences(d: Derivation) -> None:
         steps = np.eye(len(at)) * h
         return np.column_stack([(np.array(f(at + e)) - np.array(f(at - e))) / (2 * h) for e in steps])
 
-    for b in found.brackets:
+    for b in span.brackets:
         if b.order == 1:
             continue
         left, right = b.name[1:-1].split(", ", 1)
         f, g = fields[left], fields[right]
         wanted = jacobian(g) @ np.array(f(at), float) - jacobian(f) @ np.array(g(at), float)
         assert np.array(fields[b.name](at), float) == pytest.approx(wanted, abs=1e-7)
-    reached = np.array([fields[b.name](at) for b in found.brackets], float)
-    assert np.linalg.matrix_rank(reached, tol=1e-9) == found.vector[-1]
+    reached = np.array([fields[b.name](at) for b in span.brackets], float)
+    assert np.linalg.matrix_rank(reached, tol=1e-9) == span.vector[-1]
 
 
 def test_too_many_states_say_so() -> None:

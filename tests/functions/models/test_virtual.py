@@ -17,8 +17,8 @@ HEAD = "wmrgen: 1\nname: sample\nwheels:\n"
 
 def test_ackermann_condition() -> None:
     """cot(right) - cot(left) = 2 a / D, and cot(psi) is their mean (Siegwart 3.3.2)."""
-    found = derived(FOUR_REAR, VIRTUAL_REAR).formula("virtual_steering").closed()
-    left, right = (found[f"front_{k}.steer"] for k in ("left", "right"))
+    angles = derived(FOUR_REAR, VIRTUAL_REAR).formula("virtual_steering").closed()
+    left, right = (angles[f"front_{k}.steer"] for k in ("left", "right"))
     cot = [e.args[1] / e.args[0] for e in (left, right)]
     psi = s("psi.steer")
     assert zero(cot[1] - cot[0] - 2 * A / D)
@@ -29,11 +29,11 @@ def test_ackermann_condition() -> None:
 def test_real_angles_for_every_finite_input(backend: str) -> None:
     d = derived(FOUR_REAR, VIRTUAL_REAR)
     for psi in (0.0, 1e-9, 0.35, -0.7, math.pi / 2, -math.pi / 2, 3.0, 100.0, 1e6):
-        found = call(d, "virtual_steering", {"psi.steer": psi}, backend)
-        assert all(math.isfinite(v) for v in found.values())
+        angles = call(d, "virtual_steering", {"psi.steer": psi}, backend)
+        assert all(math.isfinite(v) for v in angles.values())
         for name, y in (("front_left", 0.27), ("front_right", -0.27)):
             x, z = 1.4 * math.cos(psi) - y * math.sin(psi), 1.4 * math.sin(psi)
-            assert found[f"{name}.steer"] == pytest.approx(math.atan2(z, x), abs=1e-9)
+            assert angles[f"{name}.steer"] == pytest.approx(math.atan2(z, x), abs=1e-9)
 
 
 @pytest.mark.parametrize("psi", [0.0, 0.3, -0.9, 1.4])
@@ -52,23 +52,23 @@ def test_six_wheel_rover_one_angle_steers_four_corners() -> None:
             ("mr", "fixed", 0, -0.35), ("bl", "steered", -0.4, 0.3), ("br", "steered", -0.4, -0.3),
         )
     )  # fmt: skip
-    found = call(
+    angles = call(
         derived(wheels, "virtual: [{name: front, steers: [fl, fr]}]"),
         "virtual_steering",
         {"front.steer": 0.4},
     )
     radius = 0.5 / math.tan(0.4)
     for name, x, y in (("fl", 0.5, 0.3), ("fr", 0.5, -0.3), ("bl", -0.4, 0.3), ("br", -0.4, -0.3)):
-        assert found[f"{name}.steer"] == pytest.approx(math.atan(x / (radius - y)), abs=1e-12)
+        assert angles[f"{name}.steer"] == pytest.approx(math.atan(x / (radius - y)), abs=1e-12)
 
 
 def test_wheel_mounted_backwards_takes_the_near_side() -> None:
     wheels = FOUR_REAR.replace(
         "y: -a, heading: 0, r: r, actuated: [steer]", "y: -a, heading: pi, r: r, actuated: [steer]"
     )
-    found = call(derived(wheels, VIRTUAL_REAR), "virtual_steering", {"psi.steer": 0.35})
+    backwards = call(derived(wheels, VIRTUAL_REAR), "virtual_steering", {"psi.steer": 0.35})
     plain = call(derived(FOUR_REAR, VIRTUAL_REAR), "virtual_steering", {"psi.steer": 0.35})
-    assert found == pytest.approx(plain, abs=1e-12)
+    assert backwards == pytest.approx(plain, abs=1e-12)
 
 
 def four(x: float = 1.0, second: str = "0", rear: str = "steered") -> str:
@@ -82,7 +82,7 @@ def four(x: float = 1.0, second: str = "0", rear: str = "steered") -> str:
 
 
 @pytest.mark.parametrize(
-    "text, said",
+    "text, reason",
     [
         (four() + "virtual: [{name: psi, steers: [fl, fr]}]", "degree of steerability is 2"),
         (four(rear="fixed", second="0.3") + "virtual: [{name: psi, steers: [fl, fr]}]", "not parallel"),
@@ -97,19 +97,19 @@ def four(x: float = 1.0, second: str = "0", rear: str = "steered") -> str:
         ),
     ],
 )  # fmt: skip
-def test_no_shared_ackermann_condition_is_refused(text: str, said: str) -> None:
+def test_no_shared_ackermann_condition_is_refused(text: str, reason: str) -> None:
     """At derivation, whatever is asked for."""
     for functions in (None, ["inverse"], ["virtual_steering"]):
-        with pytest.raises(NotDerivableError, match=said):
+        with pytest.raises(NotDerivableError, match=reason):
             derive(loaded(text), functions).formula("inverse")
 
 
 def test_two_virtual_wheels_steer_a_two_steer_robot() -> None:
     text = four() + "virtual: [{name: psi, steers: [fl, fr]}, {name: chi, steers: [rl, rr]}]"
-    found = call(derive(loaded(text)), "virtual_steering", {"psi.steer": 0.3, "chi.steer": -0.3})
+    angles = call(derive(loaded(text)), "virtual_steering", {"psi.steer": 0.3, "chi.steer": -0.3})
     radius = 1.0 / math.tan(0.3)
-    assert found["fl.steer"] == pytest.approx(math.atan(1 / (radius - 0.5)), abs=1e-12)
-    assert found["rr.steer"] == pytest.approx(math.atan(-1 / (radius + 0.5)), abs=1e-12)
+    assert angles["fl.steer"] == pytest.approx(math.atan(1 / (radius - 0.5)), abs=1e-12)
+    assert angles["rr.steer"] == pytest.approx(math.atan(-1 / (radius + 0.5)), abs=1e-12)
 
 
 @pytest.mark.parametrize(

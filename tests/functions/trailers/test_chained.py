@@ -55,11 +55,11 @@ def closed(d: Derivation, name: str) -> dict[str, Any]:
 def independent(trailers: int) -> dict[Any, Any]:
     """Headings by the last one and the hitch angles."""
     headings = [THETA, *(s(f"trailer{k + 1}.theta") for k in range(trailers))]
-    total, found = sympy.Symbol("last"), {}
+    total, sums = sympy.Symbol("last"), {}
     for k in range(trailers, -1, -1):
-        found[headings[k]] = total
+        sums[headings[k]] = total
         total = total + sympy.Symbol(f"hitch{k}")
-    return found
+    return sums
 
 
 def on_circles(expr: Any, hitches: dict[Any, Any]) -> Any:
@@ -108,7 +108,7 @@ def test_tzafestas_2_66_to_2_69_car(wheels: str, extra: str, steer: str) -> None
     psi, D = s(steer), p("base")
     z = closed(d, "chained")
     wanted = (X, sympy.tan(psi) / (D * C**3), sympy.tan(THETA), Y)
-    assert all(zero(found - e) for found, e in zip(z.values(), wanted, strict=True))
+    assert all(zero(actual - e) for actual, e in zip(z.values(), wanted, strict=True))
     own = closed(d, "chained_input")
     assert zero(own["v"] - U1 / C)
     rate = -3 * sympy.sin(psi) ** 2 * S * U1 / (D * C**2) + D * sympy.cos(psi) ** 2 * C**3 * U2
@@ -154,7 +154,7 @@ def test_chain_identities_in_symbols(name: str) -> None:
     """z1' = u1, z2' = u2, z_{k+1}' = z_k u1 along the robot's own model, for all states, inputs and lengths."""
     wheels, trailers = ROBOTS[name]
     d = derived(wheels, on_axle(trailers) if trailers else "", **FREE, **LENGTHS)
-    z, own, said = closed(d, "chained"), closed(d, "chained_input"), closed(d, "chained_rates")
+    z, own, claimed = closed(d, "chained"), closed(d, "chained_input"), closed(d, "chained_rates")
     form = "trailer" if trailers else "eta" if wheels == UNICYCLE else "posture"
     system = d.system(form, symbolic=True)
     turning = "front.steer_rate" if wheels == CAR_REAR else "omega"
@@ -172,7 +172,7 @@ def test_chain_identities_in_symbols(name: str) -> None:
     names, hitches = list(z), independent(trailers)
     third = rate if wheels == CAR_REAR else omega
     table = {V: v, s(turning): third}
-    u1, u2 = (said[f"{n}_rate"].xreplace(table) for n in names[:2])
+    u1, u2 = (claimed[f"{n}_rate"].xreplace(table) for n in names[:2])
     assert on_circles(along["z1"] - u1, hitches) == 0
     assert on_circles(along["z2"] - u2, hitches) == 0
     for k in range(1, len(names) - 1):
@@ -188,10 +188,10 @@ def test_chain_identities_in_symbols(name: str) -> None:
 def test_chain_identities_exactly_for_n_trailers(wheels: str, count: int) -> None:
     trailers = "trailers: [" + ", ".join(f"{{length: {0.7 + 0.1 * k:.1f}}}" for k in range(count)) + "]"
     d = derived(wheels, trailers)
-    found = verify(d.robot, d.mobility, points=2)
-    assert found.holds
+    verification = verify(d.robot, d.mobility, points=2)
+    assert verification.holds
     n = 4 + count if wheels == CAR_REAR else 3 + count
-    assert len(found.residuals) == 2 * (2 * n + 2)
+    assert len(verification.residuals) == 2 * (2 * n + 2)
 
 
 def test_verification_sees_a_wrong_formula(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -200,8 +200,8 @@ def test_verification_sees_a_wrong_formula(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(
         chained_sheet, "chained", lambda robot, mobility: chained(other.robot, other.mobility)
     )
-    found = verify(d.robot, d.mobility)
-    assert not found.holds and "FAIL" in found.text
+    verification = verify(d.robot, d.mobility)
+    assert not verification.holds and "FAIL" in verification.text
 
 
 # ---- backends, edges, refusals
@@ -239,8 +239,8 @@ def test_finite_outside_the_domain(count: int, scalar: str) -> None:
     for name in names:
         ports = one.raw_module.function(name).inputs
         values = [{port.name: 0.3 for port in ports} | {t: a} for t in turned for a in angles]
-        for found in in_c(one.c_module, name, values, scalar):
-            assert all(math.isfinite(v) for v in found.values()), (name, found)
+        for outputs in in_c(one.c_module, name, values, scalar):
+            assert all(math.isfinite(v) for v in outputs.values()), (name, outputs)
 
 
 def test_jacobian_is_finite_at_the_edge() -> None:
@@ -253,8 +253,8 @@ def test_jacobian_is_finite_at_the_edge() -> None:
     jacobian = casadi.Function(
         "j", inputs, [casadi.jacobian(casadi.vertcat(*f.call(inputs)), casadi.vertcat(*inputs))]
     )
-    found = jacobian.call([values.get(n, 0.3) for n in f.name_in()])[0]
-    assert all(math.isfinite(v) for v in found.full().ravel())
+    values_there = jacobian.call([values.get(n, 0.3) for n in f.name_in()])[0]
+    assert all(math.isfinite(v) for v in values_there.full().ravel())
 
 
 @pytest.mark.parametrize(

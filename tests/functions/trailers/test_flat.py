@@ -41,10 +41,10 @@ def path(t: float) -> dict[str, float]:
     a, b = 2.0, 1.3
     x = (a * math.sin(t), a * math.cos(t), -a * math.sin(t), -a * math.cos(t))
     y = (b * math.sin(2 * t), 2 * b * math.cos(2 * t), -4 * b * math.sin(2 * t), -8 * b * math.cos(2 * t))
-    found = {}
+    values = {}
     for k, suffix in enumerate(("", "_rate", "_accel", "_jerk")):
-        found |= {f"x{suffix}": x[k], f"y{suffix}": y[k]}
-    return found
+        values |= {f"x{suffix}": x[k], f"y{suffix}": y[k]}
+    return values
 
 
 def recovered(wheels: str, extra: str, t: float, backend: str = "casadi") -> dict[str, float]:
@@ -86,14 +86,14 @@ def test_states_move_as_the_inputs_say(wheels: str, extra: str, t: float) -> Non
 
 def test_in_symbols_for_a_car() -> None:
     """theta, v, tan psi = D (x' y'' - y' x'') / v**3 (Tzafestas (2.52)-(2.55) solved for the inputs)."""
-    found = derived(CAR_REAR, "", base="{value: 1.4, tunable: true}").formula("flat").closed()
-    found = {k: evaluated(inside(e)) for k, e in found.items()}
+    outputs = derived(CAR_REAR, "", base="{value: 1.4, tunable: true}").formula("flat").closed()
+    outputs = {k: evaluated(inside(e)) for k, e in outputs.items()}
     dx, dy, ax, ay = s("x_rate"), s("y_rate"), s("x_accel"), s("y_accel")
     kappa = (dx * ay - dy * ax) / sympy.sqrt(dx**2 + dy**2) ** 3
-    steer = found["front.steer"]
+    steer = outputs["front.steer"]
     assert isinstance(steer, sympy.atan2)
     assert sympy.simplify(steer.args[0] / steer.args[1] - p("base") * kappa) == 0
-    assert zero(found["v"] - sympy.sqrt(dx**2 + dy**2))
+    assert zero(outputs["v"] - sympy.sqrt(dx**2 + dy**2))
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -103,30 +103,30 @@ def test_backends_agree(backend: str) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_standing_still_is_finite(backend: str) -> None:
-    found = call(derived(CAR_REAR), "flat", {"x_accel": 1.0, "y_jerk": 1.0}, backend)
-    assert all(math.isfinite(v) for v in found.values())
-    assert found["v"] == found["omega"] == found["front.steer"] == found["front.steer_rate"] == 0
+    outputs = call(derived(CAR_REAR), "flat", {"x_accel": 1.0, "y_jerk": 1.0}, backend)
+    assert all(math.isfinite(v) for v in outputs.values())
+    assert outputs["v"] == outputs["omega"] == outputs["front.steer"] == outputs["front.steer_rate"] == 0
 
 
 def test_pose_of_an_omnidirectional_robot() -> None:
     d = derived(OMNI)
-    found = call(d, "flat", {"theta": 0.3, "x_rate": 0.5, "y_rate": -0.25, "theta_rate": 0.75})
+    twist = call(d, "flat", {"theta": 0.3, "x_rate": 0.5, "y_rate": -0.25, "theta_rate": 0.75})
     c, n = math.cos(0.3), math.sin(0.3)
-    assert found == pytest.approx({"vx": 0.5 * c - 0.25 * n, "vy": -0.25 * c - 0.5 * n, "omega": 0.75})
+    assert twist == pytest.approx({"vx": 0.5 * c - 0.25 * n, "vy": -0.25 * c - 0.5 * n, "omega": 0.75})
 
 
 def test_what_is_claimed() -> None:
-    def said(wheels: str, extra: str = "") -> tuple[str, int]:
+    def claimed(wheels: str, extra: str = "") -> tuple[str, int]:
         d = derived(wheels, extra)
-        found = flatness(d.robot, d.mobility)
-        return found.outputs, found.order
+        claim = flatness(d.robot, d.mobility)
+        return claim.outputs, claim.order
 
-    assert said(DIFFERENTIAL) == ("x, y of the centre of the axle", 2)
-    assert said(CAR_REAR) == ("x, y of the centre of the axle", 3)
-    assert said(CAR_REAR, on_axle(3)) == ("x, y of the axle of trailer3", 6)
-    assert said(DIFFERENTIAL, on_axle(1)) == ("x, y of the axle of trailer1", 3)
-    assert said(OMNI) == ("x, y, theta of the body", 1)
-    assert said(TWO_STEER) == ("x, y, theta of the body", 2)
+    assert claimed(DIFFERENTIAL) == ("x, y of the centre of the axle", 2)
+    assert claimed(CAR_REAR) == ("x, y of the centre of the axle", 3)
+    assert claimed(CAR_REAR, on_axle(3)) == ("x, y of the axle of trailer3", 6)
+    assert claimed(DIFFERENTIAL, on_axle(1)) == ("x, y of the axle of trailer1", 3)
+    assert claimed(OMNI) == ("x, y, theta of the body", 1)
+    assert claimed(TWO_STEER) == ("x, y, theta of the body", 2)
 
 
 @pytest.mark.parametrize(

@@ -46,9 +46,9 @@ class Robot:
         return list(compute(self.path, function, [values], self.backend)[0].values())
 
 
-def close(case: dict[str, Any], found: Any, wanted: Any) -> None:
+def close(case: dict[str, Any], actual: Any, wanted: Any) -> None:
     np.testing.assert_allclose(
-        np.asarray(found, float), np.asarray(wanted, float), rtol=case["tol"], atol=case["tol"]
+        np.asarray(actual, float), np.asarray(wanted, float), rtol=case["tol"], atol=case["tol"]
     )
 
 
@@ -108,8 +108,8 @@ def test_s_lockbike_phi(backend: str, tmp_path: Path) -> None:
     layout, _ = layouts.of(case, "cartesian")
     robot = Robot(tmp_path, robot_text(layout), backend)
     g = case["given"]
-    found = robot.call("wheel_angles", {"x": g["x"], "w1.angle": g["phi0"], "w2.angle": g["phi0"]})
-    close(case, found, [case["expect"][k] for k in ("phi_wheel1", "phi_wheel2")])
+    angles = robot.call("wheel_angles", {"x": g["x"], "w1.angle": g["phi0"], "w2.angle": g["phi0"]})
+    close(case, angles, [case["expect"][k] for k in ("phi_wheel1", "phi_wheel2")])
 
 
 def test_a_holo(tmp_path: Path) -> None:
@@ -119,10 +119,10 @@ def test_a_holo(tmp_path: Path) -> None:
         layout, _ = layouts.of(case, "cartesian")
         path = tmp_path / "sample.yaml"
         path.write_text(robot_text(layout), encoding="utf-8")
-        found = wmrgen.derive(wmrgen.load(path)).integrability
-        assert found.ddof == case["expect"]["delta_m"]
-        assert found.holonomic == case["expect"].get("holonomic", found.ddof == found.dof)
-        assert "integrable" in found.text
+        whole = wmrgen.derive(wmrgen.load(path)).integrability
+        assert whole.ddof == case["expect"]["delta_m"]
+        assert whole.holonomic == case["expect"].get("holonomic", whole.ddof == whole.dof)
+        assert "integrable" in whole.text
 
 
 @pytest.mark.parametrize("backend", ["text", "json", "latex"])
@@ -149,11 +149,11 @@ def test_the_chained_form_is_printed(backend: str, tmp_path: Path) -> None:
 def test_structure_is_printed(name: str) -> None:
     """`wmrgen structure`: the proofs, the integrals, the brackets, and why something is not there."""
     path = Path(__file__).parents[3] / "robots" / f"{name}.yaml"
-    said, _ = run_cli("structure", str(path))
+    printed, _ = run_cli("structure", str(path))
     facts = json.loads(run_cli("structure", str(path), "--json")[0])
     d = wmrgen.derive(wmrgen.load(path))
-    assert facts["holonomic"] == d.mobility.holonomic and facts["text"] in said
-    assert all(row["proof"] in said and not row["integrable"] for row in facts["constraints"])
+    assert facts["holonomic"] == d.mobility.holonomic and facts["text"] in printed
+    assert all(row["proof"] in printed and not row["integrable"] for row in facts["constraints"])
     assert len(facts["fields"]) == d.mobility.growth_vector[-1]
     assert facts["chained"].startswith("none: " if name != "bicycle" else "(2,4) chain")
     assert facts["flat"].startswith("none: ") == (name == "locked_bicycle")

@@ -75,13 +75,13 @@ def axle_velocity(
     state = [s(q.name) for q in system.state]
     rate = dict(zip(state, system.fields[0], strict=True))
     x, y = s("x"), s("y")
-    found = []
+    velocities = []
     for k in range(count):
         ahead, own = ANGLES[k], ANGLES[k + 1]
         x = x - hitches[k] * sympy.cos(ahead) - LENGTHS[k] * sympy.cos(own)
         y = y - hitches[k] * sympy.sin(ahead) - LENGTHS[k] * sympy.sin(own)
-        found.append(tuple(sum(sympy.diff(e, q) * rate[q] for q in state) for e in (x, y)))
-    return found
+        velocities.append(tuple(sum(sympy.diff(e, q) * rate[q] for q in state) for e in (x, y)))
+    return velocities
 
 
 @pytest.mark.parametrize("wheels", [CAR_REAR, DIFFERENTIAL], ids=["car", "differential"])
@@ -95,12 +95,12 @@ def test_off_axle_trailers_do_not_slide(wheels: str) -> None:
 
 
 def test_jackknife_is_singular() -> None:
-    found = derived(CAR_FRONT, on_axle(2)).system("trailer", symbolic=True).domain
-    assert [zero(dom.expression - sympy.cos(ANGLES[k] - ANGLES[k + 1])) for k, dom in enumerate(found)] == [
+    knives = derived(CAR_FRONT, on_axle(2)).system("trailer", symbolic=True).domain
+    assert [zero(dom.expression - sympy.cos(ANGLES[k] - ANGLES[k + 1])) for k, dom in enumerate(knives)] == [
         True,
         True,
     ]
-    assert all("jack-knifed" in dom.text for dom in found)
+    assert all("jack-knifed" in dom.text for dom in knives)
 
 
 def test_jackknife_off_the_axle() -> None:

@@ -239,7 +239,7 @@ def test_finite_outside_the_domain(count: int, scalar: str) -> None:
     for name in names:
         ports = one.raw_module.function(name).inputs
         values = [{port.name: 0.3 for port in ports} | {t: a} for t in turned for a in angles]
-        for outputs in in_c(one.c_module, name, values, scalar):
+        for outputs in in_c(one.c_module, name, values, scalar=scalar):
             assert all(math.isfinite(v) for v in outputs.values()), (name, outputs)
 
 

@@ -36,7 +36,7 @@ def _size(node: Node, value: Array, known: list[Array], args: list[Array]) -> Ar
             return np.asarray(known[0] * known[1])
         case Op.DIV:
             return np.asarray(known[0] / np.abs(args[1]))
-        case Op.NEG | Op.ABS | Op.FLIP:
+        case Op.NEG | Op.ABS | Op.FLIP | Op.WITH_SIGN_OF:
             return known[0]
         case Op.SQRT:
             return np.asarray(np.sqrt(known[0]))
@@ -44,7 +44,7 @@ def _size(node: Node, value: Array, known: list[Array], args: list[Array]) -> Ar
             return np.ones_like(value)
         case Op.SELECT:
             return np.where(args[0] < args[1], known[2], known[3])
-        case Op.MIN | Op.MAX:
+        case Op.MIN | Op.MAX | Op.CLAMP | Op.AT_LEAST:
             return np.maximum(*known)
         case _:
             return np.asarray(np.abs(value))

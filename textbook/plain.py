@@ -8,13 +8,15 @@ import sympy
 
 from wmrgen.kinematics.records import Formula
 from wmrgen.kinematics.rollers import TINY
-from wmrgen.symbolic import Expr
+from wmrgen.symbolic import AtLeast, Expr
 
 
 def unguarded(expr: Expr) -> Expr:
     """The expression with every choice about a divisor of at most 1e-12 decided for the quotient."""
-    if not expr.args or not expr.has(sympy.Piecewise):
+    if not expr.args or not expr.has(sympy.Piecewise, AtLeast):
         return expr
+    if isinstance(expr, AtLeast) and expr.args[1] == TINY:
+        return unguarded(expr.args[0])
     if isinstance(expr, sympy.Piecewise):
         then, condition = expr.args[0]
         if condition.lts == TINY:

@@ -11,9 +11,9 @@ import sympy
 from wmrgen.exact.evaluate import pi_rational
 from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, places
+from wmrgen.ir.nodes import Function, Op, places
 from wmrgen.kinematics.records import Call, Formula
-from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
+from wmrgen.symbolic import AtLeast, Clamp, Expr, Input, Local, Nearest, Parameter, WithSignOf
 
 _TINY = Exact(Fraction(1, 10**12))
 
@@ -49,6 +49,7 @@ class _Lowering:
             sympy.cos: self._cos, sympy.tan: self._tan, sympy.atan2: self._atan2, sympy.Abs: self._abs,
             sympy.atan: self._atan, Nearest: self._nearest,
             sympy.Max: self._max, sympy.Min: self._min, sympy.Piecewise: self._select,
+            Clamp: self._two(Op.CLAMP), AtLeast: self._two(Op.AT_LEAST), WithSignOf: self._two(Op.WITH_SIGN_OF),
             Input: self._input, Parameter: self._parameter, Local: self._local,
         }  # fmt: skip
 
@@ -81,24 +82,33 @@ class _Lowering:
             return self.builder.result(made, number) if len(call.results) > 1 else made
         return self.node(self.locals[expr])
 
+    def _two(self, op: Op) -> Callable[[Expr], int]:
+        """The rule of an operation of two arguments."""
+        return lambda expr: self.builder.apply(op, [self.node(a) for a in expr.args])
+
     def _add(self, expr: Expr) -> int:
         return self.builder.sum(self.node(a) for a in expr.args)
 
     def _mul(self, expr: Expr) -> int:
-        factor, above, below = ONE, [], []
+        factor, above, below, turns = ONE, [], [], []
         for arg in expr.args:
             value = _number(arg)
             if value is not None:
                 factor = factor * value
             elif isinstance(arg, sympy.Pow) and arg.exp.is_Rational and arg.exp < 0:
                 below.append(self.node(sympy.Pow(arg.base, -arg.exp)))
+            elif isinstance(arg, sympy.Pow) and arg.base == -1:
+                turns.append(self.node(arg.exp))
             else:
                 above.append(self.node(arg))
         b = self.builder
         product = b.product(above)
         if below:
             product = b.div(product, self._nonzero(b.product(below)))
-        return b.mul(b.const(factor), product)
+        product = b.mul(b.const(factor), product)
+        for n in turns:
+            product = b.flip(product, n)
+        return product
 
     def _pow(self, expr: Expr) -> int:
         b, exponent = self.builder, expr.exp
@@ -118,7 +128,7 @@ class _Lowering:
         b = self.builder
         if b.value(a) is not None or not self._geometric(a):
             return a
-        return b.select(b.abs(a), b.const(_TINY), b.const(1), a)
+        return b.apply(Op.AT_LEAST, (a, b.const(_TINY)))
 
     def _geometric(self, a: int) -> bool:
         known = self.geometric

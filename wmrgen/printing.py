@@ -70,6 +70,15 @@ class Latex(LatexPrinter):  # type: ignore[misc]
     def _print_Nearest(self, expr: Expr, exp: str | None = None) -> str:
         return self._upright(r"\mathrm{rint}", expr, exp)
 
+    def _print_Clamp(self, expr: Expr, exp: str | None = None) -> str:
+        return self._upright(r"\mathrm{clamp}", expr, exp)
+
+    def _print_AtLeast(self, expr: Expr, exp: str | None = None) -> str:
+        return self._upright(r"\mathrm{at\ least}", expr, exp)
+
+    def _print_WithSignOf(self, expr: Expr, exp: str | None = None) -> str:
+        return self._upright(r"\mathrm{with\ sign\ of}", expr, exp)
+
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         text = str(
             super()._print_Add(expr, order)

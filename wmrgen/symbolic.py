@@ -57,6 +57,37 @@ class Nearest(sympy.Function):  # type: ignore[misc]
         return sympy.S.Zero
 
 
+class _Kept(sympy.Function):  # type: ignore[misc]
+    """An operation that keeps its meaning down to the code. Only numbers are evaluated."""
+
+    nargs = 2
+    is_real = True
+
+
+class Clamp(_Kept):
+    """Clamp(a, m): a, or the end of [-m, m] that it lies beyond; m > 0."""
+
+    @classmethod
+    def eval(cls, a: Expr, m: Expr) -> Expr | None:
+        return sympy.Max(-m, sympy.Min(m, a)) if a.is_number and m.is_number else None
+
+
+class AtLeast(_Kept):
+    """AtLeast(a, m): a where |a| >= m, else m with the sign of a, m where a is 0; m > 0. A divisor off zero."""
+
+    @classmethod
+    def eval(cls, a: Expr, m: Expr) -> Expr | None:
+        return (-1 if a < 0 else 1) * sympy.Max(abs(a), m) if a.is_number and m.is_number else None
+
+
+class WithSignOf(_Kept):
+    """WithSignOf(a, b): -a where b < 0, else a. Code may take a zero b for negative if it is -0."""
+
+    @classmethod
+    def eval(cls, a: Expr, b: Expr) -> Expr | None:
+        return (-a if b < 0 else a) if b.is_number else None
+
+
 def parameter(name: str) -> Parameter:
     """The symbol of a parameter."""
     return Parameter(name, real=True)
@@ -173,7 +204,7 @@ def square(a: Expr) -> Expr:
 
 _LAZY = (
     sympy.Add, sympy.Mul, sympy.Pow, sympy.Max, sympy.Min, sympy.Abs, sympy.atan, sympy.atan2, Nearest,
-    sympy.StrictLessThan,
+    Clamp, AtLeast, WithSignOf, sympy.StrictLessThan,
 )  # fmt: skip
 
 
@@ -214,7 +245,17 @@ def minimum(a: Expr, b: Expr) -> Expr:
 
 def kept_between(low: Expr, a: Expr, high: Expr) -> Expr:
     """``a``, or the end of [low, high] that it lies beyond, unevaluated."""
-    return maximum(low, minimum(high, a))
+    return Clamp(a, high, evaluate=False) if high == -low else maximum(low, minimum(high, a))
+
+
+def at_least(a: Expr, least: Expr) -> Expr:
+    """A divisor: ``a``, or ``least`` > 0 with the sign of a where a is nearer to zero, unevaluated."""
+    return AtLeast(a, least, evaluate=False)
+
+
+def with_sign_of(a: Expr, b: Expr) -> Expr:
+    """-a where b < 0, else a, unevaluated. Either is right where b is 0: code may read the sign of a -0."""
+    return WithSignOf(a, b, evaluate=False)
 
 
 def absolute(a: Expr) -> Expr:

@@ -50,6 +50,9 @@ FORMS = {
     Op.MAX: "math.max({0}, {1})",
     Op.SELECT: Choice("choose({0} < {1}, {2}, {3})"),
     Op.FLIP: Choice("choose(({1}) % 2 == 1, -({0}), {0})"),
+    Op.CLAMP: "math.max(-({1}), math.min({1}, {0}))",
+    Op.AT_LEAST: Choice("choose(math.abs({0}) < {1}, choose({0} < 0, -({1}), {1}), {0})"),
+    Op.WITH_SIGN_OF: Choice("choose({1} < 0, -({0}), {0})"),
 }
 STYLE = Style(
     literal=_literal,

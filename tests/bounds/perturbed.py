@@ -38,10 +38,11 @@ def _is_exact(function: Function, node: Node, exact: list[np.ndarray]) -> np.nda
     """Where the node is a product with a power of two: a constant, or a whole number of turns."""
     powers = np.zeros(len(exact[0]), dtype=bool)
     for k in node.args if node.op is Op.MUL else ():
-        value = function.nodes[k].value
-        if value is not None or function.nodes[k].op is Op.RINT:
-            factor = exact[k] if value is None else np.full(len(powers), to_float32(value))
-            powers |= (np.abs(np.frexp(factor)[0]) == 0.5) | (factor == 0)
+        factor = function.nodes[k]
+        value = function.nodes[factor.args[0]].value if factor.op is Op.WITH_SIGN_OF else factor.value
+        if value is not None or factor.op is Op.RINT:
+            by = exact[k] if value is None else np.full(len(powers), to_float32(value))
+            powers |= (np.abs(np.frexp(by)[0]) == 0.5) | (by == 0)
     return powers
 
 

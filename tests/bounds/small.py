@@ -8,7 +8,7 @@ from wmrgen.bounds.analysis import boxed
 from wmrgen.bounds.assumptions import LIBM, SINGLE, Library
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Module, Port, Role
+from wmrgen.ir.nodes import Function, Module, Op, Port, Role
 
 ONE_INPUT = (Port("vx", Role.COMMAND, "m/s", "an input"),)
 OUT = (Port("y", Role.COMMAND, "1", "an output"),)
@@ -30,8 +30,8 @@ def reciprocal(b: Builder, x: int) -> int:
 
 
 def guarded(b: Builder, x: int) -> int:
-    """1/x, 1 where x is small."""
-    return b.div(b.const(1), b.select(b.abs(x), b.const(1), b.const(1), x))
+    """1/x, 1 or -1 where x is small."""
+    return b.div(b.const(1), b.apply(Op.AT_LEAST, (x, b.const(1))))
 
 
 def power(b: Builder, x: int) -> int:

@@ -49,7 +49,7 @@ def test_parts_cover_the_ranges() -> None:
     """Each part is met where the last ended, and together they are as large as the whole."""
     robot = proved("unicycle")
     bound = {b.name: b for _, b in robot.pairs}["odometry"]
-    parts = cases(robot.functions["odometry"], bound.inputs, SINGLE)
+    parts = cases(robot.functions["odometry"], bound.inputs, SINGLE, finer=2)
     assert len(parts) > 1
 
     def size(part: dict[str, tuple[float, float]]) -> float:

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from wmrgen.bounds.shapes import contracted, effective, size_of
+from wmrgen.bounds.shapes import contracted, effective
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Op
 
@@ -30,15 +30,6 @@ def test_what_is_used_elsewhere_counts_everywhere(use: str) -> None:
     kept = b.min(x, b.const(1))
     results = [kept, x] if use == "a result" else [b.add(kept, x)]
     assert x not in effective(b.nodes, results)
-
-
-def test_sizes_of_multiples() -> None:
-    b = Builder()
-    x = b.input("x")
-    half, square = b.mul(b.const(Fraction(1, 2)), x), b.mul(b.const(3), b.square(x))
-    assert size_of(b.nodes, square, half) == (12.0, True)
-    assert size_of(b.nodes, b.abs(half), x) == (0.5, False)
-    assert size_of(b.nodes, b.abs(half), b.input("y")) is None
 
 
 def test_products_in_a_sum_and_elsewhere_may_be_contracted() -> None:

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from wmrgen.ir.build import Builder
-from wmrgen.ir.nodes import Function, Port, Role
+from wmrgen.ir.nodes import Function, Op, Port, Role
 
 NAMES = ("x", "y", "z")
 RANGES = {"x": (-2.0, 2.0), "y": (-2.0, 2.0), "z": (-3.0, 3.0)}
@@ -27,24 +27,22 @@ def function(make: Callable[[Builder, int, int, int], list[int]]) -> Function:
 def heading_of(b: Builder, v: int, w: int) -> tuple[int, int]:
     """Twice the arctangent of the slope of the line of (v, w), and the length."""
     size = b.sqrt(b.add(b.square(v), b.square(w)))
-    above = b.select(v, b.const(0), b.neg(w), w)
-    return b.mul(b.const(2), b.atan(b.div(above, b.max(b.add(size, b.abs(v)), b.const(STILL))))), size
+    kept = b.max(size, b.const(STILL))
+    return b.mul(b.with_sign_of(b.const(2), v), b.atan(b.div(w, b.add(kept, b.abs(v))))), size
 
 
 def _steered(b: Builder, x: int, y: int, z: int) -> list[int]:
     """Heading and speed of a wheel off the centre, limited to 1 rad."""
     v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.add(y, b.mul(b.const(Fraction(7, 10)), z))
     heading, size = heading_of(b, v, w)
-    limited = b.max(b.const(-1), b.min(b.const(1), heading))
+    limited = b.apply(Op.CLAMP, (heading, b.const(1)))
     return [limited, b.mul(size, b.cos(b.sub(limited, heading)))]
 
 
 def _leaning(b: Builder, x: int, y: int, z: int) -> list[int]:
     """A slope between limits, its angle, and what of the vector is along it."""
     v, w = b.sub(x, b.mul(b.const(Fraction(3, 10)), z)), b.mul(b.const(2), z)
-    above = b.select(v, b.const(0), b.mul(b.const(-2), z), w)
-    slope = b.div(above, b.max(b.abs(v), b.const(STILL)))
-    t = b.max(b.const(-1), b.min(b.const(1), slope))
+    t = b.apply(Op.CLAMP, (b.div(w, b.apply(Op.AT_LEAST, (v, b.const(STILL)))), b.const(1)))
     return [b.atan(t), b.add(v, b.mul(w, t))]
 
 

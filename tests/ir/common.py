@@ -69,7 +69,8 @@ def pseudo_inverse(matrix: Matrix) -> Matrix:
 INPUTS = ("x", "y", "z")
 GEOMETRY = ("g", "h")
 _KINDS = (Op.ADD, Op.SUB, Op.MUL, Op.NEG, Op.ADD, Op.SUB, Op.MUL, Op.MUL, Op.ABS, Op.MIN, Op.MAX,
-          Op.SIN, Op.COS, Op.ATAN, Op.SQRT, Op.ATAN2, Op.DIV, Op.SELECT)  # fmt: skip
+          Op.SIN, Op.COS, Op.ATAN, Op.SQRT, Op.ATAN2, Op.DIV, Op.SELECT,
+          Op.CLAMP, Op.AT_LEAST, Op.WITH_SIGN_OF)  # fmt: skip
 
 
 @st.composite
@@ -93,6 +94,8 @@ def functions(draw: st.DrawFn, kinds: Sequence[Op] = _KINDS, size: int = 24) -> 
         if op is Op.SQRT:
             nodes.append(Node(Op.ABS, args))
             args = (len(nodes) - 1,)
+        if op in (Op.CLAMP, Op.AT_LEAST):
+            args = (args[0], one)
         nodes.append(Node(op, args))
     results = tuple(pick() for _ in range(draw(st.integers(1, 4))))
     inputs = (*(port(n) for n in INPUTS), *(port(n, Role.GEOMETRY, 1) for n in GEOMETRY))

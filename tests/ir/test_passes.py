@@ -201,16 +201,11 @@ GUARDED = {
     "greater of it and a constant": lambda b, v: b.max(v["x"], b.const(Fraction(1, 100))),
     "select on the value": lambda b, v: b.select(v["x"], b.const(Fraction(1, 100)), b.const(1), v["x"]),
     "select, other way": lambda b, v: b.select(b.const(0), v["x"], v["x"], b.const(1)),
-    "select on its size": lambda b, v: b.select(b.abs(v["x"]), b.const(Fraction(1, 100)), b.const(1), v["x"]),
-    "select on its square": lambda b, v: b.select(
-        b.square(v["x"]), b.const(Fraction(1, 100)), b.const(1), v["x"]
+    "kept off zero": lambda b, v: b.apply(Op.AT_LEAST, (v["x"], b.const(Fraction(1, 100)))),
+    "kept off zero and small": lambda b, v: b.apply(
+        Op.CLAMP, (b.apply(Op.AT_LEAST, (v["x"], b.const(1))), b.const(2))
     ),
-    "select on its scaled square": lambda b, v: b.select(
-        b.mul(b.const(Fraction(1, 4)), b.square(v["x"])),
-        b.const(Fraction(1, 400)),
-        b.const(1),
-        b.mul(b.const(Fraction(1, 2)), v["x"]),
-    ),
+    "a size and one, with a sign": lambda b, v: b.with_sign_of(b.add(b.abs(v["x"]), b.const(1)), v["y"]),
     "root of a positive": lambda b, v: b.sqrt(b.add(b.square(v["x"]), b.const(1))),
     "three minus a sine": lambda b, v: b.sub(b.const(3), b.sin(v["x"])),
     "minus a size, minus one": lambda b, v: b.sub(b.neg(b.abs(v["x"])), b.const(1)),
@@ -234,6 +229,8 @@ UNGUARDED = {
     "greater than a negative": lambda b, v: b.select(b.const(-1), v["x"], v["x"], b.const(1)),
     "greater of it and zero": lambda b, v: b.max(v["x"], b.const(0)),
     "smaller of it and zero": lambda b, v: b.min(v["x"], b.const(0)),
+    "kept small": lambda b, v: b.apply(Op.CLAMP, (v["x"], b.const(1))),
+    "with the sign of a size and one": lambda b, v: b.with_sign_of(v["x"], b.add(b.abs(v["y"]), b.const(1))),
     "root of a size": lambda b, v: b.sqrt(b.abs(v["x"])),
     "one and a cosine": lambda b, v: b.add(b.const(1), b.cos(v["x"])),
     "one minus a sine": lambda b, v: b.sub(b.const(1), b.sin(v["x"])),
@@ -268,7 +265,7 @@ def test_functions_without_findings_are_defined(f: Function) -> None:
 @given(functions())
 @settings(max_examples=examples(60), deadline=None)
 def test_optimised_floats_agree_with_the_exact_value(f: Function) -> None:
-    if any(node.op in (Op.SELECT, Op.ATAN2) for node in f.nodes):
+    if any(node.op in (Op.SELECT, Op.ATAN2, Op.AT_LEAST, Op.WITH_SIGN_OF) for node in f.nodes):
         return
     module = optimise((f,), "m")
     for point in points(f, 2):

@@ -13,12 +13,13 @@ from typing import Protocol
 import numpy as np
 
 from wmrgen.bounds.forms import Forms
-from wmrgen.bounds.shapes import extremum, scaled, size_of, terms_below_root
+from wmrgen.bounds.shapes import extremum, scaled, terms_below_root
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, magnitude
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.ir.ops.analysis import Noise, Partial, Value, Walk
 
+Parts = tuple[tuple[float, int], ...]  # (f, x): the components f x of a vector
 Share = tuple[float, float]  # (s, a): a value is at most s h + a
 
 SMALL_ANGLE = 64.0  # errors are claimed where the vector is this much longer than its own error
@@ -38,7 +39,7 @@ class Length:
     """
 
     at: int
-    parts: tuple[tuple[float, int], ...]
+    parts: Parts
     rho: float = SHORT
     shares: dict[int, Share | None] = field(default_factory=dict)
     facts: list[tuple[int, float]] = field(
@@ -54,7 +55,7 @@ def lengths(nodes: Sequence[Node]) -> dict[int, Length]:
     """The lengths by which nodes divide, by node."""
     by_node = {}
     for i, node in enumerate(nodes):
-        parts: tuple[tuple[float, int], ...] | None = None
+        parts: Parts | None = None
         if node.op is Op.ATAN2:
             parts = (1.0, node.args[0]), (1.0, node.args[1])
         elif node.op is Op.DIV:
@@ -71,15 +72,27 @@ def facts(nodes: Sequence[Node], x: int, s: float) -> list[tuple[int, float]]:
     return [(x, s), *inner]
 
 
-def _kept_apart(nodes: Sequence[Node], divisor: int) -> tuple[tuple[float, int], ...] | None:
-    """The vector whose length the divisor is, or more, but for being kept above a small number."""
-    limit = extremum(nodes, nodes[divisor])
-    if limit is not None and limit[0] is Op.MAX:
-        for least, x in (limit[1:], limit[:0:-1]):
-            value = nodes[least].value
-            parts = None if value is None else _below(nodes, x)
-            if value is not None and parts is not None and float(value) >= _LEAST * lost(parts):
+def _kept_apart(nodes: Sequence[Node], divisor: int) -> Parts | None:
+    """The vector whose length the divisor is, or more, but for being kept above a number too small to count."""
+    node = nodes[divisor]
+    if node.op is Op.ADD:  # of one that is kept apart and a size
+        for k, other in (node.args, node.args[::-1]):
+            if _below(nodes, other) is not None and (parts := _kept_apart(nodes, k)) is not None:
                 return parts
+    limit = extremum(nodes, node)
+    choices: list[tuple[int, Parts | None]] = []
+    if node.op is Op.AT_LEAST:
+        choices = [(node.args[1], ((1.0, node.args[0]),))]
+    elif limit is not None and limit[0] is Op.MAX:
+        choices = [(least, _below(nodes, x)) for least, x in (limit[1:], limit[:0:-1])]
+    for least, parts in choices:
+        value = nodes[least].value
+        if (
+            value is not None
+            and parts is not None
+            and _LEAST * lost(parts) <= float(value) <= SMALL_ANGLE * SHORT
+        ):
+            return parts
     return None
 
 
@@ -88,7 +101,7 @@ def lost(parts: Sequence[tuple[float, int]]) -> float:
     return float(np.sqrt(2 * sum(1 + f * f for f, _ in parts) * _UNDERFLOW)) if len(parts) > 1 else 0.0
 
 
-def _below(nodes: Sequence[Node], i: int) -> tuple[tuple[float, int], ...] | None:
+def _below(nodes: Sequence[Node], i: int) -> Parts | None:
     """A vector whose length node ``i`` is at least: a length, an absolute value, a sum of such."""
     node = nodes[i]
     if node.op is Op.ABS:
@@ -148,7 +161,7 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
     node = w.nodes[i]
     if node.value is not None:
         return None if node.value else (0.0, 0.0)
-    if node.op in (Op.NEG, Op.ABS, Op.FLIP):
+    if node.op in (Op.NEG, Op.ABS, Op.FLIP, Op.WITH_SIGN_OF):
         return share(w, length, node.args[0])
     if node.op is Op.SQRT:
         return (_ROOM, lost(length.parts)) if _below(w.nodes, i) == length.parts else None
@@ -174,8 +187,7 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
 
 def quotient_by_length(w: Known, i: int, a: int, b: int) -> Value:
     """n / d with d no smaller than the length h of a vector: d(n / d) is at most (|dn| + |n / d| |dd|) / h."""
-    length, below = w.measured(i), w.ranges[b]
-    least = below[0]
+    length, least = w.measured(i), w.away[b]
     reach = magnitude(w.ranges[a]) / least
     ratio = share(w, length, a)
     if ratio is not None:
@@ -188,23 +200,13 @@ def quotient_by_length(w: Known, i: int, a: int, b: int) -> Value:
     if len(length.parts) == 1 and np.isfinite(most).all():
         # Where a limit that the quotient meets does not take its place, |n| is no larger than the limit times h.
         limit = float(most.max()) * length.parts[0][0] * _ROOM
-        length.facts += [fact for k in _alike(w, a) for fact in facts(w.nodes, k, limit)]
+        length.facts += facts(w.nodes, a, limit)
         length.shares.clear()
     partials = (
         Partial(a, value, length=i, steep=np.full(w.boxes, MOVED)),
         Partial(b, value, length=i, steep=most * MOVED),
     )
     return Value(value, partials, Noise(w.rounded(value, i).size + w.form.tiny))
-
-
-def _alike(w: Known, k: int) -> list[int]:
-    """Node ``k``, and those of which it is one or the other where they are opposite."""
-    node = w.nodes[k]
-    if node.op is Op.SELECT:
-        x, y = node.args[2:]
-        if w.forms.list[x].proportional(w.forms.list[y]) == -1:
-            return [k, x, y]
-    return [k]
 
 
 def root_of_squares(w: Known, i: int, a: int) -> Value | None:
@@ -237,16 +239,4 @@ def branch(w: Known, i: int, small: int, large: int, value: int) -> tuple[Array,
             interval = iv.meet(interval, (w.ranges[small][0] - slack, far))
         else:
             interval = iv.meet(interval, (-far, w.ranges[large][1] + slack))
-    size = size_of(w.nodes, large, value)
-    if size is not None:
-        scale, squared = size
-        # At most sixteen roundings separate the size from the value that it is the size of.
-        least = np.maximum(w.ranges[small][0] - 16 * w.form.tiny, 0.0) / scale
-        least = (np.sqrt(least) if squared else least) * (1 - 32 * w.form.unit)
-        exact = least - 2 * w.errors([value]).total[0]
-        if np.any((exact < least / 2) & (away < least)):
-            # What the guard keeps from zero in floats may be zero without rounding: the formula is singular there.
-            w.singular.add(i)
-            exact = least
-        away = np.maximum(away, exact)
     return interval[0], interval[1], np.maximum(away, iv.smallest(interval))

@@ -103,6 +103,11 @@ def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node, for
     """A quotient; of a divisor that is one of two values, both quotients: an analyser may keep branches apart."""
     a, b = node.args
     guard = nodes[b]
+    if guard.op is Op.AT_LEAST:  # the code gives the sign to what is divided
+        divisor, least = (values[k] for k in guard.args)
+        first = iv.quotient(values[a], iv.larger(iv.absolute(divisor), least))
+        zero = np.zeros(len(divisor[0])), np.zeros(len(divisor[0]))
+        return _widened(iv.chosen(divisor, zero, iv.negative(first), first), form)
     if guard.op is not Op.SELECT:
         return _widened(iv.quotient(values[a], values[b]), form)
     small, large, x, y = (values[k] for k in guard.args)

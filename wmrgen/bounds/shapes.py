@@ -81,36 +81,6 @@ def _same(nodes: Sequence[Node], a: int, b: int) -> bool:
     return a == b or (nodes[a].value is not None and nodes[a].value == nodes[b].value)
 
 
-def size_of(nodes: Sequence[Node], size: int, value: int) -> tuple[float, bool] | None:
-    """(s, squared) where node ``size`` is s z z or s |z|, s > 0, for z the multiple c z that ``value`` is."""
-    scale, inner = without_factors(nodes, size)
-    factor, base = without_factors(nodes, value)
-    node = nodes[inner]
-    if scale.sign <= 0 or not factor:
-        return None
-    squared = node.op is Op.MUL and node.args[0] == node.args[1]
-    if node.op is Op.ABS or squared:
-        f, z = without_factors(nodes, node.args[0])
-        if z == base and f:
-            ratio = abs(float(f) / float(factor))
-            return float(scale) * (ratio * ratio if squared else ratio), squared
-    return None
-
-
-def without_factors(nodes: Sequence[Node], i: int) -> tuple[Exact, int]:
-    """(c, x) where node ``i`` is c x up to rounding, through constant factors and signs."""
-    factor = ONE
-    while True:
-        node = nodes[i]
-        product = scaled(nodes, node)
-        if product is not None:
-            factor, i = factor * product[0], product[1]
-        elif node.op is Op.NEG:
-            factor, i = -factor, node.args[0]
-        else:
-            return factor, i
-
-
 def cone(nodes: Sequence[Node], roots: Collection[int]) -> set[int]:
     """Nodes that ``roots`` need."""
     needed, stack = set[int](), list(roots)

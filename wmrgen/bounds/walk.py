@@ -158,6 +158,19 @@ class Walk:
         if np.any(self.away[divisor] < _SINGULAR * iv.magnitude(self.ranges[divisor]).max()):
             self.singular.add(i)
 
+    def vanishes(self, i: int, divisor: int) -> bool:
+        """Whether the length by which node ``i`` divides may vanish; not where nothing needs the guard of it."""
+        guard = self.nodes[divisor]
+        if guard.op is Op.AT_LEAST and np.all(self.away[guard.args[0]] > self.away[divisor] / 2):
+            del self.lengths[i]
+            return False
+        return True
+
+    def counting(self, k: int) -> Interval:
+        """The range of node ``k`` as far as it counts (`effective`)."""
+        ends = self.effective.get(k, (-np.inf, np.inf))
+        return np.clip(self.ranges[k][0], *ends), np.clip(self.ranges[k][1], *ends)
+
     def extremum(self, i: int) -> tuple[Op, int, int] | None:
         """See `wmrgen.bounds.shapes.extremum`."""
         return extremum(self.nodes, self.nodes[i])

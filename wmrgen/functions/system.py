@@ -8,7 +8,7 @@ import sympy
 
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, select, signal, times
+from wmrgen.symbolic import Expr, Local, Parameter, absolute, add, at_least, select, signal, times
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,10 @@ class Gate:
 
         The divisor itself is ``kept`` off zero, so that neither the value nor a derivative is NaN there.
         """
-        safe = names.define(kept, self.choose(sympy.S.One, divisor))
+        same = divisor == self.value
+        safe = names.define(
+            kept, at_least(divisor, self.least) if same else self.choose(sympy.S.One, divisor)
+        )
         return names.define(name, self.choose(sympy.S.Zero, sympy.Pow(safe, power, evaluate=False)))
 
 

@@ -171,6 +171,13 @@ class Builder:
             return x if p is not None and q is not None and p < q else y
         return x if x == y else self._node(Op.SELECT, (a, b, x, y))
 
+    def with_sign_of(self, a: int, b: int) -> int:
+        """-a where b < 0, else a."""
+        value = self.value(b)
+        if value is not None:
+            return self.neg(a) if value.sign < 0 else a
+        return self._node(Op.WITH_SIGN_OF, (a, b))
+
     # ---- functions
 
     def sqrt(self, a: int) -> int:
@@ -371,5 +378,5 @@ class Builder:
 _RULES: dict[Op, Callable[..., int]] = {
     Op.ADD: Builder.add, Op.SUB: Builder.sub, Op.MUL: Builder.mul, Op.DIV: Builder.div, Op.NEG: Builder.neg,
     Op.ABS: Builder.abs, Op.MIN: Builder.min, Op.MAX: Builder.max, Op.SELECT: Builder.select,
-    Op.SQRT: Builder.sqrt, Op.FLIP: Builder.flip,
+    Op.SQRT: Builder.sqrt, Op.FLIP: Builder.flip, Op.WITH_SIGN_OF: Builder.with_sign_of,
 }  # fmt: skip

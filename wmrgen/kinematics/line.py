@@ -29,10 +29,10 @@ from wmrgen.symbolic import (
     maximum,
     number,
     root,
-    select,
     square,
     subtract,
     times,
+    with_sign_of,
 )
 
 Velocity = tuple[Poly, Poly]
@@ -41,23 +41,22 @@ STILL = Exact(Fraction(1, 10**20))  # m/s
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """``heading``: joint angle [rad] of one direction of the line. ``speed`` [m/s] of the pivot in that direction.
+    """``heading``: joint angle [rad] of one direction of the line, that in which the pivot moves where a >= 0.
 
     ``size``: of the velocity [m/s]. Up to `STILL` the pivot counts as standing, and there is no heading.
     """
 
     heading: Expr
-    speed: Expr
     size: Expr
 
 
 def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
     """The line of the velocity (a, b) [m/s] in a frame at the angle ``zero`` [rad] short of the joint's zero."""
     size = names.define(f"{name}size", root(add(square(a), square(b))))
-    speed = names.define(f"{name}speed", select(a, sympy.S.Zero, times(-1, size), size))
-    total = names.define(f"{name}total", maximum(number(STILL), add(absolute(a), size)))
-    slope = names.define(f"{name}slope", select(a, sympy.S.Zero, times(-1, b), b) / total)
-    return Line(subtract(times(2, arctangent(slope)), zero), speed, size)
+    kept = names.define(f"{name}kept", maximum(number(STILL), size))
+    slope = names.define(f"{name}slope", b / add(kept, absolute(a)))
+    heading = times(with_sign_of(sympy.Integer(2), a), arctangent(slope))
+    return Line(subtract(heading, zero), size)
 
 
 def pivot(w: Wheel, twist: Row) -> Velocity:

@@ -7,16 +7,13 @@ h**8 / 9!, is then below 1.08e-16, half a unit in the last place of a double.
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import sympy
 
-from wmrgen.exact.number import Exact
 from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, number, select, signal, subtract
+from wmrgen.symbolic import Expr, absolute, add, maximum, select, signal, subtract
 
-SWITCH = Fraction(1, 20)  # largest h with h**8 / 9! <= 2**-53, rounded down
+SWITCH = sympy.Rational(1, 20)  # largest h with h**8 / 9! <= 2**-53, rounded down
 WORST_ERROR = float(SWITCH) ** 8 / 362880
 
 POSE = (
@@ -39,11 +36,10 @@ def odometry() -> Formula:
     names = Locals()
     x, y, theta, vx, vy, omega, dt = (signal(n) for n in ("x", "y", "theta", "vx", "vy", "omega", "dt"))
     h = names.define("half_turn", omega * dt / 2)
-    q = names.define("half_turn_squared", h**2)
-    limit = number(Exact(SWITCH * SWITCH))
+    q, size = names.define("half_turn_squared", h**2), names.define("half_turn_size", absolute(h))
     series = names.define("sinc_series", _nested(q))
-    safe = names.define("half_turn_safe", select(q, limit, sympy.S.One, h))
-    sinc = select(q, limit, series, sympy.sin(safe) / safe)
+    safe = names.define("half_turn_safe", maximum(size, SWITCH))
+    sinc = select(size, SWITCH, series, sympy.sin(safe) / safe)
     chord = names.define("chord", dt * sinc)
     middle = names.define("middle", add(theta, h))
     c, s = sympy.cos(middle), sympy.sin(middle)

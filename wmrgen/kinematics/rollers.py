@@ -9,14 +9,14 @@ import sympy
 from wmrgen.exact.number import Exact
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, absolute, number, select, signal
+from wmrgen.symbolic import Expr, absolute, at_least, number, select, signal
 
 TINY = number(Exact(Fraction(1, 10**12)))
 
 
 def quotient(names: Locals, name: str, above: Expr, below: Expr) -> Expr:
-    """above / below, 0 where |below| <= 1e-12; the divisor is 1 there, so that derivatives stay finite as well."""
-    divisor = names.define(f"{name}_divisor", select(TINY, absolute(below), below, sympy.S.One))
+    """above / below, 0 where |below| <= 1e-12; the divisor is kept off zero, and derivatives are finite."""
+    divisor = names.define(f"{name}_divisor", at_least(below, TINY))
     return names.define(name, select(TINY, absolute(below), above / divisor, sympy.S.Zero))
 
 

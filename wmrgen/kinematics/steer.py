@@ -27,10 +27,10 @@ from wmrgen.symbolic import (
     alternating,
     angle_of,
     arctangent,
+    at_least,
     expression,
     inverse_root,
     kept_between,
-    maximum,
     nearest,
     number,
     select,
@@ -38,6 +38,7 @@ from wmrgen.symbolic import (
     square,
     subtract,
     times,
+    with_sign_of,
 )
 
 # 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
@@ -88,34 +89,39 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
     per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
-    found = _along(a, b, now, zero, names, f"{w.name}_")
-    steer = names.define(f"{w.name}_nearest", found.steer)
-    rim = names.define(f"{w.name}_spin" if alone else f"{w.name}_rim", times(per_rim, found.rim))
+    heading_, spin = _along(a, b, now, per_rim, zero, names, f"{w.name}_")
+    steer = names.define(f"{w.name}_nearest", heading_)
+    rim = names.define(f"{w.name}_spin" if alone else f"{w.name}_rim", spin)
     if not (a.is_number or b.is_number):
         kernel, given = (_KERNELS[0], ()) if zero.is_zero else (_KERNELS[1], (zero,))
         names.calls.append(Call(kernel, (a, b, now, per_rim, *given), (rim, steer)))
     if limits is not None:
         return _limited(w, limits, steer, rim, names)
-    return Target(steer, found.rim, spin=rim) if alone else Target(steer, rim)
+    return Target(steer, times(expression(g.r), rim), spin=rim) if alone else Target(steer, rim)
 
 
-def _along(a: Expr, b: Expr, now: Expr, zero: Expr, names: Locals, name: str) -> Target:
-    """Along the velocity (a, b) of a pivot, in a frame at the angle ``zero`` short of the joint's zero."""
-    found = line(a, b, zero, names, name)
-    heading_ = names.define(f"{name}heading", select(number(STILL), found.size, found.heading, now))
+def _along(
+    a: Expr, b: Expr, now: Expr, per_rim: Expr, zero: Expr, names: Locals, name: str
+) -> tuple[Expr, Expr]:
+    """Angle and spin along the velocity (a, b) of a pivot, in a frame ``zero`` [rad] short of the joint's zero."""
+    way = line(a, b, zero, names, name)
+    heading_ = names.define(f"{name}heading", select(way.size, number(STILL), now, way.heading))
     turns = nearest(times(number(PER_HALF_TURN), subtract(heading_, now)))
-    return Target(subtract(heading_, times(sympy.pi, turns)), times(alternating(turns), found.speed))
+    forwards = with_sign_of(times(per_rim, way.size), a)
+    return subtract(heading_, times(sympy.pi, turns)), times(alternating(turns), forwards)
 
 
 def _kernel(name: str, text: str, *ports: tuple[str, str]) -> Formula:
     """`_along` as a function of its own; a frame at the joint's zero where no port is called zero."""
     names, given = Locals(), {port: signal(port) for port, _ in ports}
-    target = _along(given["x"], given["y"], given["now"], given.get("zero", sympy.S.Zero), names, "")
+    zero = given.get("zero", sympy.S.Zero)
+    steer, spin = _along(given["x"], given["y"], given["now"], given["per_rim"], zero, names, "")
     inputs = tuple(Port(port, Role.STATE, unit, "") for port, unit in ports)
-    spin = Port("spin", Role.COMMAND, "rad/s", ""), times(given["per_rim"], target.rim)
-    return Formula(
-        name, inputs, tuple(names.items), (spin, (Port("steer", Role.COMMAND, "rad", ""), target.steer)), text
+    outputs = (
+        (Port("spin", Role.COMMAND, "rad/s", ""), spin),
+        (Port("steer", Role.COMMAND, "rad", ""), steer),
     )
+    return Formula(name, inputs, tuple(names.items), outputs, text)
 
 
 _PORTS = (("x", "m/s"), ("y", "m/s"), ("now", "rad"), ("per_rim", "1/m"))
@@ -182,9 +188,7 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     most = number(sine / cosine)
     x, y = turned_by(w, velocity, middle)
     u, v = short(names, f"{w.name}_p", x), short(names, f"{w.name}_q", y)
-    divisor = names.define(f"{w.name}_divisor", maximum(number(STILL), absolute(u)))
-    slope = select(u, sympy.S.Zero, times(-1, v), v) / divisor
-    slope = names.define(f"{w.name}_tangent", kept_between(times(-1, most), slope, most))
+    slope = names.define(f"{w.name}_tangent", kept_between(-most, v / at_least(u, number(STILL)), most))
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))

@@ -27,6 +27,7 @@ _ANGLES = (1.515625, -1.453125, 4.59375, -1.625, 3.0625, -64.40625, 98.9375, 1.4
 _MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
 _LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
 _BEYOND = 1 + 2.0**-11
+_CHOICES = (Op.SELECT, Op.MIN, Op.MAX, Op.CLAMP, Op.AT_LEAST)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +93,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     yield from _all_round(ports, free, moving)
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
-    if any(node.op in (Op.SELECT, Op.MIN, Op.MAX) for node in function.nodes):
+    if any(node.op in _CHOICES for node in function.nodes):
         pool = _POOL if len(function.nodes) <= _LARGE else _POOL // 10
         for row, values in enumerate(_scattered(ports, pool)):
             yield BRANCH, values * (1.0, 0.125, 4.0)[row % 3]
@@ -164,7 +165,7 @@ def near_thresholds(
     function: Function, ports: Sequence[Port], rows: Array, given: Mapping[str, Array]
 ) -> Iterator[tuple[str, Array]]:
     """Points on segments between ``rows`` (one column per port), both sides of every wall that these cross."""
-    if not len(rows) or not any(n.op in (Op.SELECT, Op.MIN, Op.MAX, Op.RINT) for n in function.nodes):
+    if not len(rows) or not any(n.op in (*_CHOICES, Op.RINT) for n in function.nodes):
         return
 
     @np.errstate(all="ignore")
@@ -215,11 +216,12 @@ def _walls(function: Function, found: Sequence[Array]) -> list[tuple[int, float,
     """Node, value and whether that is half a whole number."""
     walls: dict[tuple[int, float, bool], None] = {}
     for node in function.nodes:
-        if node.op in (Op.SELECT, Op.MIN, Op.MAX):
+        if node.op in _CHOICES:
+            signs = (1, -1) if node.op in (Op.CLAMP, Op.AT_LEAST) else (1,)
             for c, other in (node.args[:2], node.args[1::-1]):
                 value = function.nodes[c].value
                 if value is not None and abs(wall := to_float64(value)) >= _LEAST:
-                    walls[other, wall, False] = None
+                    walls |= {(other, sign * wall, False): None for sign in signs}
         elif node.op is Op.RINT:
             inner = node.args[0]
             far = np.sort(np.atleast_1d(found[inner]))

@@ -42,6 +42,7 @@ from wmrgen.symbolic import (
     square,
     subtract,
     times,
+    with_sign_of,
 )
 
 INPUTS = (
@@ -114,7 +115,7 @@ def _nearest(
     clipped_turn = names.define("clipped_turn", minimum(wedge_turn, times(v_max, car.tan)))
 
     def signed(port: str, size: Expr) -> Expr:
-        return select(signal(port), sympy.S.Zero, times(-1, size), size)
+        return with_sign_of(size, signal(port))
 
     return (
         signed("v", times(shrink, wedge_v)),

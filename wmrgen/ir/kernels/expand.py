@@ -16,8 +16,7 @@ from wmrgen.ir.kernels.compensated import compensated_sum, compensated_sums
 from wmrgen.ir.kernels.constants import EVEN32, RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.order import ordered
-from wmrgen.ir.kernels.signs import one_comparison, signs_as_bits
-from wmrgen.ir.kernels.tape import Tape
+from wmrgen.ir.kernels.tape import Tape, compared
 from wmrgen.ir.kernels.trigonometry import Processor, flipped, library, soft
 from wmrgen.ir.nodes import Function, Module, Node, Op
 
@@ -84,7 +83,7 @@ class _Expansion:
     ) -> None:
         """``vectors``: the module has kernels for vectors, so that directions are those of size 1."""
         self.processor, self.directions = processor, not vectors
-        self.function = function = signs_as_bits(one_comparison(function)) if processor.bits else function
+        self.function = function
         self.tape = Tape()
         self.made: list[int] = []
         self.uses = Counter(a for node in function.nodes for a in node.args) + Counter(function.results)
@@ -117,9 +116,13 @@ class _Expansion:
             case Op.FLIP:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
-                found = self._signed(node)
+                found = self._part_of_vector(node)
                 found = self._quotient(node) if found is None else found
                 return tape.mul(*args) if found is None else found
+            case Op.DIV if not p.bits and self.function.nodes[node.args[1]].op is Op.AT_LEAST:
+                return self._quotient_off_zero(args[0], *self.function.nodes[node.args[1]].args)
+            case Op.CLAMP | Op.AT_LEAST | Op.WITH_SIGN_OF if not p.bits:
+                return compared(tape, node.op, *args)
             case Op.SIN | Op.COS | Op.ATAN if p.integer:
                 return tape.put(_INTEGER[node.op], *args)
             case Op.SIN | Op.COS if p.inline:
@@ -132,13 +135,17 @@ class _Expansion:
                 return tape.call("arctangent2", *args)
         return tape.copy(node, args)
 
-    def _signed(self, node: Node) -> int | None:
-        """a (-1)**n as a flipped; a sin x and a cos x as parts of a vector."""
+    def _quotient_off_zero(self, above: int, a: int, least: int) -> int:
+        """above / at_least(a, least), the sign that of what is divided: whoever reads the C sees no zero divisor."""
+        tape, a, least = self.tape, self.made[a], self.made[least]
+        size = tape.put(Op.MAX, tape.put(Op.ABS, a), least)
+        return tape.div(compared(tape, Op.WITH_SIGN_OF, above, a), size)
+
+    def _part_of_vector(self, node: Node) -> int | None:
+        """a sin x and a cos x as parts of a vector."""
         nodes = self.function.nodes
         for factor, wave in (node.args, node.args[::-1]):
             other = nodes[wave]
-            if other.op is Op.FLIP and nodes[other.args[0]].value == ONE:
-                return self._flip(self.made[factor], other.args[1])
             if wave in self.vectors and nodes[factor].op not in (Op.SIN, Op.COS):
                 call = self.tape.call("vector_at", self.made[factor], self.made[other.args[0]])
                 return self.tape.result(call, int(other.op is Op.SIN))

@@ -5,7 +5,7 @@ The order of float operations is what a kernel is, so the rules of `wmrgen.ir.bu
 
 from __future__ import annotations
 
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ir.nodes import Node, Op
 
 
@@ -98,3 +98,14 @@ class Tape:
         if node.value is not None:
             return self.const(-node.value)
         return node.args[0] if node.op is Op.NEG else self.put(Op.NEG, a)
+
+
+def compared(tape: Tape, op: Op, a: int, b: int) -> int:
+    """CLAMP, AT_LEAST or WITH_SIGN_OF by comparisons, for code that does not read the bits of a float."""
+    match op:
+        case Op.CLAMP:
+            return tape.put(Op.MAX, tape.put(Op.MIN, a, b), tape.opposite(b))
+        case Op.AT_LEAST:
+            return compared(tape, Op.WITH_SIGN_OF, tape.put(Op.MAX, tape.put(Op.ABS, a), b), a)
+        case _:
+            return tape.select(b, tape.const(ZERO), tape.opposite(a), a)

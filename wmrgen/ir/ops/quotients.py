@@ -37,8 +37,8 @@ def _divided(a: float, b: float) -> float:
 
 
 def _quotient(w: Walk, i: int, a: int, b: int) -> Value:
-    """d(a / b) = (da - (a / b) db) / b, one rounding."""
-    if i in w.lengths:
+    """d(a / b) = (da - (a / b) db) / b, one rounding; by the length of a vector where that may vanish."""
+    if i in w.lengths and w.vanishes(i, b):
         return w.quotient_by_length(i, a, b)
     away, below = w.away[b], w.ranges[b]
     holds = (below[0] <= 0) & (below[1] >= 0)

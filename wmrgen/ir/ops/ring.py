@@ -43,9 +43,17 @@ def _sum_fact(a: Fact, b: Fact) -> Fact:
 
 
 def _sum(w: Walk, i: int, a: int, b: int) -> Value:
-    """d(a + b) = da + db, one rounding; terms that both have count together."""
+    """d(a + b) = da + db, one rounding; terms that both have count together.
+
+    What is added to a size is no smaller for it: of two terms that are not negative the rounding is relative.
+    """
+    x, y = w.ranges[a][0], w.ranges[b][0]
     value = w.cancelled(a, b, 1, iv.plus(w.ranges[a], w.ranges[b]))
-    return Value(value, (Partial(a, 1), Partial(b, 1)), w.rounded(value, i))
+    noise = w.rounded(value, i)
+    low, high = iv.widened(value, noise.size)
+    least = np.maximum(low, np.maximum(x, y) * (1 - w.form.unit))
+    value = np.where(np.minimum(x, y) >= 0, least, low), high
+    return Value(value, (Partial(a, 1), Partial(b, 1)), noise, widen=False)
 
 
 def _difference(w: Walk, i: int, a: int, b: int) -> Value:
@@ -97,7 +105,8 @@ def _square_fact(a: Fact) -> Fact:
 def _product(w: Walk, i: int, a: int, b: int) -> Value:
     """d(a b) = b da + a db."""
     x, y = w.ranges[a], w.ranges[b]
-    return _multiplied(w, i, a, b, iv.times(x, y), (Partial(a, y, like=b), Partial(b, x, like=a)))
+    partials = Partial(a, w.counting(b), like=b), Partial(b, w.counting(a), like=a)
+    return _multiplied(w, i, a, b, iv.times(x, y), partials)
 
 
 def _square(w: Walk, i: int, a: int) -> Value:

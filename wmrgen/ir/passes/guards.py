@@ -1,14 +1,13 @@
 """Proof that no quotient has a zero divisor and no square root a negative argument.
 
 Every node gets an enclosing interval, a bound away from zero, and whether it can be zero at all.
-What a `select` has compared is used for the branch that it chooses.
+What a `select` has compared is used for the branch that it chooses between the values compared.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.geometry import geometry_only
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.ops.analysis import Fact
@@ -64,46 +63,4 @@ def _chosen(nodes: tuple[Node, ...], known: list[Fact], node: Node, branch: int)
     if value == small and above.hi is not None:
         hi = above.hi if fact.hi is None else min(fact.hi, above.hi)
         return Fact.between(fact.lo, hi, fact.away, fact.nonzero or (strict and above.hi <= 0))
-    if below.lo is not None and below.lo >= 0:  # |value| is known through its size or its square
-        bound = _size_bound(nodes, large, value, below.lo)
-        if bound is not None and (strict or bound):
-            return Fact.between(fact.lo, fact.hi, max(fact.away, bound), nonzero=True)
-        if strict and _grows(nodes, value, large):
-            return Fact.between(fact.lo, fact.hi, fact.away, nonzero=True)
     return fact
-
-
-def _grows(nodes: tuple[Node, ...], value: int, size: int) -> bool:
-    """True when ``value`` is a + s, s being ``size`` >= 0 with the sign of a: |a + s| = |a| + size."""
-    node = nodes[value]
-    if node.op is not Op.ADD:
-        return False
-    for a, s in (node.args, node.args[::-1]):
-        signed = nodes[s]
-        if signed.op is Op.SELECT and signed.args[0] == a and signed.args[3] == size:
-            zero, opposite = nodes[signed.args[1]], nodes[signed.args[2]]
-            if zero.value == ZERO and opposite.op is Op.NEG and opposite.args[0] == size:
-                return True
-    return False
-
-
-def _size_bound(nodes: tuple[Node, ...], size: int, value: int, least: Exact) -> Exact | None:
-    """A bound of |value| when node ``size`` >= ``least`` is s |z| or s z z, s > 0, and value is c z."""
-    scale, inner = _without_factor(nodes, size)
-    factor, base = _without_factor(nodes, value)
-    node = nodes[inner]
-    if scale.sign <= 0:
-        return None
-    if node.op is Op.ABS and node.args[0] in (base, value):
-        return least / scale * (abs(factor) if node.args[0] == base else ONE)
-    if node.op is Op.MUL and node.args in ((base, base), (value, value)):
-        root = min(least / scale, ONE)  # z z >= b gives |z| >= min(b, 1)
-        return root * (abs(factor) if node.args[0] == base else ONE)
-    return None
-
-
-def _without_factor(nodes: tuple[Node, ...], i: int) -> tuple[Exact, int]:
-    """(c, x) where node ``i`` is c x, (1, i) otherwise."""
-    node = nodes[i]
-    constant = nodes[node.args[0]].value if node.op is Op.MUL else None
-    return (ONE, i) if constant is None else (constant, node.args[1])

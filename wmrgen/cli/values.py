@@ -155,7 +155,7 @@ def _unsigned_zero(text: str, port: Port, place: str) -> Exact:
     text = _without_unit(text, port, what)
     if _PLAIN.fullmatch(text) and abs(value := Fraction(text)) < _LARGEST:
         return Exact(value)  # what another program prints: 1e-40 m/s is a speed, if not one of a robot file
-    scalar = Scalar(text, True, Mark("", 1, 1, ""))
+    scalar = Scalar(Mark("", 1, 1, ""), text, True)
     try:
         return evaluate(read_quantity(scalar, _KINDS.get(port.unit, Kind.ANY), port.name, Scope()), {})
     except RobotFileError as error:

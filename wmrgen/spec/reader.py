@@ -13,7 +13,7 @@ from yaml.parser import Parser
 from yaml.reader import Reader
 from yaml.scanner import Scanner
 
-from wmrgen.errors import RobotFileError
+from wmrgen.errors import Mark, RobotFileError
 from wmrgen.spec.text import (
     MappingNode,
     Node,
@@ -57,24 +57,22 @@ _PLAIN_WORDS = (
 )
 
 
-class _RefusedError(Exception):
-    """Raised inside the scanner, where only line and column are known."""
+class _Composer(Reader, Scanner, Parser):
+    """PyYAML's events to nodes, which are counted; without anchors, aliases, tags, directives and deep nesting."""
 
-    def __init__(self, line: int, column: int, what: str, why: str, instead: str) -> None:
-        super().__init__(what)
-        self.line, self.column, self.what, self.why, self.instead = line, column, what, why, instead
-
-
-class _Events(Reader, Scanner, Parser):
-    """PyYAML's event stream without anchors, aliases, tags, directives and deep nesting."""
-
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, source: Source) -> None:
         Reader.__init__(self, text)
         Scanner.__init__(self)
         Parser.__init__(self)
+        self._source = source
+        self._nodes = 0
 
     def _refuse(self, what: str, why: str, instead: str) -> NoReturn:
-        raise _RefusedError(self.line, self.column, what, why, instead)
+        raise RobotFileError(what, self.mark_here(), why, instead)
+
+    def mark_here(self) -> Mark:
+        """How far the scanner has come."""
+        return self._source.mark(self.line, self.column)
 
     def fetch_anchor(self) -> None:
         self._refuse(
@@ -102,36 +100,25 @@ class _Events(Reader, Scanner, Parser):
             self._refuse(*_DEPTH)
         super().fetch_flow_collection_start(TokenClass)
 
-
-class _Composer:
-    """Events to nodes, counting nodes and levels."""
-
-    def __init__(self, text: str, source: Source) -> None:
-        self._events: Any = _Events(text)
-        self._source = source
-        self._nodes = 0
-
     def document(self) -> Node | None:
         """The one document of the stream; None when there is none."""
-        self._events.get_event()
-        if self._events.check_event(yaml.StreamEndEvent):
+        self.get_event()
+        if self.check_event(yaml.StreamEndEvent):
             return None
-        self._events.get_event()
+        self.get_event()
         node = self._node(0)
-        self._events.get_event()
-        if not self._events.check_event(yaml.StreamEndEvent):
-            mark = self._events.peek_event().start_mark
-            raise _RefusedError(
-                mark.line,
-                0,
+        self.get_event()
+        if not self.check_event(yaml.StreamEndEvent):
+            raise RobotFileError(
                 "a second document begins here",
+                self._source.mark(self.peek_event().start_mark.line, 0),
                 "One file describes one robot.",
                 "Use a file per robot.",
             )
         return node
 
     def _node(self, depth: int) -> Node:
-        event = self._events.get_event()
+        event = self.get_event()
         mark = self._source.mark(event.start_mark.line, event.start_mark.column)
         self._nodes += 1
         if depth > MAX_DEPTH:
@@ -141,32 +128,32 @@ class _Composer:
                 f"more than {MAX_NODES} values in one file", mark, "Larger input is refused."
             )
         if isinstance(event, yaml.ScalarEvent):
-            return self._scalar(Scalar(event.value, event.style is None, mark))
+            return self._scalar(Scalar(mark, event.value, event.style is None))
         if isinstance(event, yaml.SequenceStartEvent):
             items = []
-            while not self._events.check_event(yaml.SequenceEndEvent):
+            while not self.check_event(yaml.SequenceEndEvent):
                 items.append(self._node(depth + 1))
-            self._events.get_event()
-            return SequenceNode(tuple(items), mark)
+            self.get_event()
+            return SequenceNode(mark, tuple(items))
         entries: dict[str, tuple[Scalar, Node]] = {}
-        while not self._events.check_event(yaml.MappingEndEvent):
+        while not self.check_event(yaml.MappingEndEvent):
             key = self._key(depth + 1, entries)
             entries[key.text] = (key, self._node(depth + 1))
-        self._events.get_event()
-        return MappingNode(tuple(entries.values()), mark)
+        self.get_event()
+        return MappingNode(mark, tuple(entries.values()))
 
     def _scalar(self, scalar: Scalar) -> Scalar:
-        found = refused_character(scalar.text)  # escapes in double quotes can make any character
-        if found:
-            raise scalar.error(f"{found[1]} in a text", found[2], "Delete it.")
+        refused = refused_character(scalar.text)  # escapes in double quotes can make any character
+        if refused:
+            raise scalar.error(f"{refused[1]} in a text", refused[2], "Delete it.")
         return scalar
 
-    def _key(self, depth: int, seen: dict[str, tuple[Scalar, Node]]) -> Scalar:
+    def _key(self, depth: int, entries: dict[str, tuple[Scalar, Node]]) -> Scalar:
         key = self._node(depth)
         if not isinstance(key, Scalar) or "\n" in key.text or len(key.text) > _KEY_LIMIT:
-            raise RobotFileError("a key must be a short word", key.mark, "", "Write key: value.")
-        if key.text in seen:
-            first = seen[key.text][0].mark.line
+            raise key.error("a key must be a short word", "", "Write key: value.")
+        if key.text in entries:
+            first = entries[key.text][0].mark.line
             raise key.error(
                 f"duplicate key {quoted(key.text)}",
                 f"It stands on line {first} already, and only one of the two could count.",
@@ -196,16 +183,13 @@ def read_tree(text: str, file: str) -> tuple[Node | None, Source]:
     composer = _Composer(text, source)
     try:
         return composer.document(), source
-    except _RefusedError as refusal:
-        mark = source.mark(refusal.line, refusal.column)
-        raise RobotFileError(refusal.what, mark, refusal.why, refusal.instead) from None
     except yaml.MarkedYAMLError as error:
         raise _from_yaml(error, source) from None
     except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
         # PyYAML's own slips, such as the escape "\\UFFFFFFFF"
         raise RobotFileError(
             f"not YAML: {quoted(str(error), 120)}",
-            source.mark(composer._events.line, composer._events.column),
+            composer.mark_here(),
             "",
             "Compare with a file under robots/.",
         ) from None

@@ -1,10 +1,10 @@
-"""The text of a robot file: its bytes, its characters, its lines."""
+"""The text of a robot file: its bytes, characters and lines, and the tree of texts, lists and mappings it makes."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 from wmrgen.errors import Mark, RobotFileError
@@ -34,23 +34,19 @@ def quoted(text: str, limit: int = 60) -> str:
 
 def refused_character(text: str) -> tuple[int, str, str] | None:
     """Index, description and reason of the first character that no robot file may hold, or None."""
-    found = _REFUSED.search(text)
-    if not found:
+    match = _REFUSED.search(text)
+    if not match:
         return None
-    code = ord(found.group())
+    code = ord(match.group())
     if 0xD800 <= code <= 0xDFFF:
-        return (
-            found.start(),
-            f"lone surrogate U+{code:04X}",
-            "It is half a character and cannot be written out.",
-        )
-    if _BIDI.match(found.group()):
+        kind, why = "lone surrogate", "It is half a character and cannot be written out."
+    elif _BIDI.match(match.group()):
         kind, why = "bidirectional control", "It makes text read differently from what it says."
     elif code < 0x20 or 0x7F <= code < 0xA0:
         kind, why = "control character", "It cannot be seen and may end up in generated code."
     else:
         kind, why = "invisible character", "It cannot be seen and may end up in generated code."
-    return found.start(), f"{kind} U+{code:04X}", why
+    return match.start(), f"{kind} U+{code:04X}", why
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +89,7 @@ def decode(data: bytes, file: str) -> str:
             f"{printable(file)}: the file is UTF-16", None, "Robot files are UTF-8.", "Save it as UTF-8."
         )
     try:
-        text = data.decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8-sig", "replace")
         line = data[error.start :].split(b"\n", 1)[0].decode("utf-8", "replace")
@@ -104,7 +100,6 @@ def decode(data: bytes, file: str) -> str:
             "Robot files are UTF-8; this one was saved in another encoding or is not text.",
             "Save the file as UTF-8.",
         ) from None
-    return text
 
 
 def normalise(text: str, file: str) -> str:
@@ -112,9 +107,9 @@ def normalise(text: str, file: str) -> str:
     if len(text) > MAX_BYTES:
         raise too_large("", file)
     text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
-    found = refused_character(text)
-    if found:
-        index, name, why = found
+    refused = refused_character(text)
+    if refused:
+        index, name, why = refused
         raise RobotFileError(
             f"{name} in the file", Source.of(text, file).mark_at(text, index), why, "Delete it."
         )
@@ -124,9 +119,9 @@ def normalise(text: str, file: str) -> str:
 def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | None = None) -> str:
     """What to write instead of ``wrong``: the nearest valid word, else all of them."""
     words = list(valid)
-    known = (aliases or {}).get(wrong.lower())
-    if known:
-        return known
+    hint = (aliases or {}).get(wrong.lower())
+    if hint:
+        return hint
     near = get_close_matches(wrong.lower()[:40], words, n=1, cutoff=0.5)
     if near:
         return f"Did you mean {near[0]}?"
@@ -134,46 +129,45 @@ def suggestion(wrong: str, valid: Iterable[str], aliases: Mapping[str, str] | No
 
 
 @dataclass(frozen=True, slots=True)
-class Scalar:
+class Node:
+    """A part of a robot file: a text, a list or a mapping, at its place. No type is guessed."""
+
+    mark: Mark
+
+    def mark_at(self, offset: int) -> Mark:
+        """The place of character ``offset``."""
+        return self.mark
+
+    def error(self, what: str, why: str = "", instead: str = "", offset: int = 0) -> RobotFileError:
+        return RobotFileError(what, self.mark_at(offset), why, instead)
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar(Node):
     """A text as written. ``plain`` when it stands without quotes."""
 
     text: str
     plain: bool
-    mark: Mark
 
     def mark_at(self, offset: int) -> Mark:
         """The place of character ``offset`` of the text, or of its start when escapes or folds hide it."""
         column = self.mark.column - 1
-        for start in (column, column + 1):  # plain, quoted
+        for start in (column, column + 1) if offset else ():  # plain, quoted
             if self.mark.text.startswith(self.text, start):
-                return Mark(self.mark.file, self.mark.line, start + offset + 1, self.mark.text)
+                return replace(self.mark, column=start + offset + 1)
         return self.mark
 
-    def error(self, what: str, why: str = "", instead: str = "", offset: int = 0) -> RobotFileError:
-        return RobotFileError(what, self.mark_at(offset) if offset else self.mark, why, instead)
-
 
 @dataclass(frozen=True, slots=True)
-class SequenceNode:
+class SequenceNode(Node):
     items: tuple[Node, ...]
-    mark: Mark
-
-    def error(self, what: str, why: str = "", instead: str = "") -> RobotFileError:
-        return RobotFileError(what, self.mark, why, instead)
 
 
 @dataclass(frozen=True, slots=True)
-class MappingNode:
+class MappingNode(Node):
     """Keys are distinct and keep the order of the file."""
 
     entries: tuple[tuple[Scalar, Node], ...]
-    mark: Mark
-
-    def error(self, what: str, why: str = "", instead: str = "") -> RobotFileError:
-        return RobotFileError(what, self.mark, why, instead)
-
-
-Node = Scalar | SequenceNode | MappingNode
 
 
 def kind_of(node: Node) -> str:

@@ -189,8 +189,10 @@ def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
         high, low = (_limit(limit.name, end, scope) for end in (limit.high, limit.low))
         if low > high:
             raise RobotFileError(
-                f"limit {limit.name}: {limit.low.text} is above {limit.high.text}", limit.low.mark
-            )
+                f"limit {limit.name} runs from {limit.low.text} to {limit.high.text}", limit.mark,
+                "The lower end is above the upper end.",
+                f"Write {limit.name}: [low, high]; one positive value v means [-v, v].",
+            )  # fmt: skip
         intervals[limit.name] = Interval(low, high)
     return intervals
 

@@ -23,16 +23,15 @@ _LENGTH, _ANGLE = Amount(Kind.LENGTH), Amount(Kind.ANGLE)
 _GAIN = Amount(Kind.ANY, "1/s")
 _JOINTS = ListOf(OneOf("joint"), "[spin]", once=True)
 _WHEELS = ListOf(
-    OneOf("wheel"),
-    "[front_left, front_right]",
-    least=1,
-    once=True,
+    OneOf("wheel"), "[front_left, front_right]", least=1, once=True,
     few=("{key} names no wheel", "", "Write {key}: [front_left, front_right]."),
-)
+)  # fmt: skip
 _PLACE = "A place is l with alpha.", "A place is x with y."
 _NO_STEERING_AXIS = "Put the contact point itself in l, alpha or x, y."
 _NO_ROLLERS = "Write type: swedish for an omni or mecanum wheel, or delete"
-_MIDDLE, _BOTH = "the middle of its wheels", "Write both or none."
+_MIDDLE = "the middle of its wheels"
+_X_AND_Y = "It has one of x and y.", "Write both or none."
+_ROLE = "It stands for wheels that steer together, or for wheels that drive together."
 _A_NAME = "Names become identifiers in the generated code.", "Write name: and a word such as front_left."
 
 PARAMETER = Section(
@@ -101,14 +100,9 @@ WHEEL = Section(
             "r", _LENGTH, "wheel radius, not diameter",
             aliases={
                 **dict.fromkeys(("radius", "wheel_radius"), ""),
-                **dict.fromkeys(
-                    ("diameter", "dia"), "Did you mean r? It is the radius: half the diameter."
-                ),
+                **dict.fromkeys(("diameter", "dia"), "Did you mean r? It is the radius: half the diameter."),
             },
-            missing=(
-                "The radius turns spin [rad/s] into speed [m/s].",
-                "Write r: and the radius, such as r: 50 mm.",
-            ),
+            missing=("The radius turns spin [rad/s] into speed [m/s].", "Write r: and the radius, such as r: 50 mm."),
         ),
         Field(
             "gamma", _ANGLE,
@@ -143,9 +137,7 @@ WHEEL = Section(
         ),
         Field(
             "actuated", _JOINTS, "joints that are driven", default="those of the wheel type",
-            aliases=dict.fromkeys(
-                ("powered", "driven", "drive"), "Write actuated: [spin], or actuated: []."
-            ),
+            aliases=dict.fromkeys(("powered", "driven", "drive"), "Write actuated: [spin], or actuated: []."),
         ),
         Field("sensed", _JOINTS, "joints that are measured", default="those that are driven"),
         Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
@@ -174,23 +166,13 @@ COUPLING = Section(
     "{equal: [a.steer, b.steer]}",
     (
         Field(
-            "equal",
-            ListOf(
-                OneOf("wheel.joint"),
-                "[a.steer, b.steer]",
-                least=2,
-                once=True,
-                few=(
-                    "a coupling of {n} joint{s}",
-                    "It takes two to be equal.",
-                    "Write equal: [a.steer, b.steer].",
-                ),
-            ),
-            "joints of one kind whose angles a mechanism keeps equal",
-            required=True,
+            "equal", ListOf(
+                OneOf("wheel.joint"), "[a.steer, b.steer]", least=2, once=True,
+                few=("a coupling of {n} joint{s}", "It takes two to be equal.", "Write equal: [a.steer, b.steer]."),
+            ), "joints of one kind whose angles a mechanism keeps equal", required=True,
         ),
     ),
-)
+)  # fmt: skip
 
 VIRTUAL = Section(
     "a virtual wheel",
@@ -199,38 +181,19 @@ VIRTUAL = Section(
         Field("name", Name(), "name of the virtual wheel", required=True, missing=_A_NAME),
         Field("steers", _WHEELS, "its angle, `name.steer`, steers these wheels (an Ackermann pair)"),
         Field("drives", _WHEELS, "its speed, `name.speed`, drives these wheels"),
-        Field(
-            "x",
-            _LENGTH,
-            "its place forward of P; with y",
-            default=_MIDDLE,
-            missing=("It has one of x and y.", _BOTH),
-        ),
-        Field(
-            "y",
-            _LENGTH,
-            "its place left of P; with x",
-            default=_MIDDLE,
-            missing=("It has one of x and y.", _BOTH),
-        ),
+        Field("x", _LENGTH, "its place forward of P; with y", default=_MIDDLE, missing=_X_AND_Y),
+        Field("y", _LENGTH, "its place left of P; with x", default=_MIDDLE, missing=_X_AND_Y),
     ),
     (
         Choice(
             (("steers",), ("drives",)),
-            (
-                "has {keys}",
-                "It stands for wheels that steer together, or for wheels that drive together.",
-                "Keep one of them.",
-            ),
-            (
-                "has neither steers nor drives",
-                "It stands for wheels that steer together, or for wheels that drive together.",
-                "Write steers: [front_left, front_right] or drives: [rear_left, rear_right].",
-            ),
+            ("has {keys}", _ROLE, "Keep one of them."),
+            ("has neither steers nor drives", _ROLE,
+             "Write steers: [front_left, front_right] or drives: [rear_left, rear_right]."),
         ),
         Choice((("x", "y"),), optional=True),
     ),
-)
+)  # fmt: skip
 
 TRAILER = Section(
     "a trailer",
@@ -319,14 +282,15 @@ ROBOT = Section(
     ),
 )  # fmt: skip
 
+# Title in the reference -> section.
 SECTIONS = {
-    "robot file": ROBOT,
-    "wheels": WHEEL,
-    "limits": LIMITS,
-    "parameters": PARAMETER,
-    "couplings": COUPLING,
-    "virtual": VIRTUAL,
-    "trailers": TRAILER,
-    "cg": CG,
-    "gains": GAINS,
+    "The file": ROBOT,
+    "Each of `wheels`": WHEEL,
+    "`limits`, of the robot or of a wheel": LIMITS,
+    "A parameter with more than a value": PARAMETER,
+    "Each of `couplings`": COUPLING,
+    "Each of `virtual`": VIRTUAL,
+    "Each of `trailers`": TRAILER,
+    "`cg`": CG,
+    "`gains`": GAINS,
 }

@@ -1,7 +1,7 @@
 """What a robot file says, as frozen records. Nothing is evaluated here: quantities stay expressions.
 
 Expressions are trees of the classes below, with exact rational leaves. Units are already applied:
-``150 mm`` is ``Num(3/20)``; ``45 deg`` is ``Mul(Num(1/4), Pi())``.
+``150 mm`` is ``Num(3/20)``; ``45 deg`` is ``Binary("*", Num(1/4), Pi())``.
 """
 
 from __future__ import annotations
@@ -77,6 +77,7 @@ class Limit:
     name: str
     low: Quantity
     high: Quantity
+    mark: Mark
 
 
 @dataclass(frozen=True, slots=True)

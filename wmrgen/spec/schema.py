@@ -1,4 +1,4 @@
-"""The robot file as a JSON Schema, for editors and validators: made from the field table."""
+"""Robot files as a JSON Schema, for editors and validators, and their reference in Markdown: from the field table."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )
-from wmrgen.spec.keys import CG, COUPLING, GAINS, LIMITS, PARAMETER, ROBOT, TRAILER, VIRTUAL, WHEEL
+from wmrgen.spec.keys import LIMITS, ROBOT, SECTIONS, WHEEL
 from wmrgen.spec.numbers import Kind, units_of
 from wmrgen.spec.tables import NAME_PATTERN
 from wmrgen.spec.wheels import limits_of_type, takes
@@ -195,17 +195,12 @@ _ONE_OF = {
     "joint": "joints: `spin`, `steer`", "wheel": "names of wheels", "wheel.joint": "joints, as `left.steer`",
     "type": "a wheel type, see below", "function": "names of functions",
 }  # fmt: skip
-_SECTIONS = (
-    ("The file", ROBOT), ("Each of `wheels`", WHEEL), ("`limits`, of the robot or of a wheel", LIMITS),
-    ("A parameter with more than a value", PARAMETER), ("Each of `couplings`", COUPLING),
-    ("Each of `virtual`", VIRTUAL), ("Each of `trailers`", TRAILER), ("`cg`", CG), ("`gains`", GAINS),
-)  # fmt: skip
 
 
 def reference() -> str:
     """The page ``docs/robot_file.md``."""
     lines = [_HEAD, *_units(), ""]
-    for title, section in _SECTIONS:
+    for title, section in SECTIONS.items():
         lines += [f"## {title}", "", f"Such as `{section.example}`.", "", *_table(section), ""]
         if section is WHEEL:
             lines += [*_types(), ""]

@@ -1,4 +1,4 @@
-"""Mappings with known keys: spelling, Greek letters, missing ones."""
+"""Mappings with known keys: their spelling, what stands behind them, what is missing; and names that a file gives."""
 
 from __future__ import annotations
 
@@ -183,29 +183,30 @@ def unknown_key(
     return key.error(f"unknown key {quoted(key.text)} in {what}", "", suggestion(key.text, keys, aliases))
 
 
-_FORM = re.compile(r"[a-z][a-z0-9_]{0,30}")
 NAME_PATTERN = "^[a-z][a-z0-9_]{0,30}$"
-
-_WINDOWS = " ".join(["con prn aux nul clock", *(f"com{i} lpt{i}" for i in range(10))])
-_FILES = """
-math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes numpy sympy casadi
-wmrgen
-"""
-
-_DEVICES = frozenset(_WINDOWS.split())
-_FILE_NAMES = frozenset(_FILES.split())
-_EXPRESSION_WORDS = frozenset(
-    ["pi", "sqrt", "sin", "cos", "tan", "atan2", "vx", "vy", "omega", "slip", "x", "y", "theta", "dt"]
-)
+_DEVICES = {
+    "con",
+    "prn",
+    "aux",
+    "nul",
+    "clock",
+    *(f"{port}{i}" for port in ("com", "lpt") for i in range(10)),
+}
+_FILE_NAMES = {
+    *"math stdio stdint stdlib stdbool string stddef stdarg float limits tgmath fenv inttypes".split(),
+    *"numpy sympy casadi wmrgen".split(),
+}
+_EXPRESSION_WORDS = {*"pi sqrt sin cos tan atan2 vx vy omega slip x y theta dt".split()}
 
 
 def _reserved(name: str) -> str:
     """Why no name may be this word; nothing where it may."""
-    for entry in BACKENDS.values():
-        for kept in entry.reserved:
-            if name in kept.words:
-                return kept.why
-    return "Windows keeps that name for a device." if name in _DEVICES else ""
+    if name.endswith("_t"):
+        return "POSIX keeps names that end in _t for types."
+    if "__" in name:
+        return "C++ keeps names with a double underscore for the implementation."
+    reasons = [kept.why for entry in BACKENDS.values() for kept in entry.reserved if name in kept.words]
+    return [*reasons, "Windows keeps that name for a device." if name in _DEVICES else ""][0]
 
 
 def _check(node: Scalar, what: str) -> str:
@@ -213,17 +214,13 @@ def _check(node: Scalar, what: str) -> str:
     name = node.text
     if not name:
         raise node.error(f"the {what} name is empty", "", "Write a name such as front_left.")
-    if not _FORM.fullmatch(name):
+    if not re.fullmatch(NAME_PATTERN, name):
         raise node.error(
             f"{quoted(name)} is not a valid {what} name",
             "Names become identifiers of generated C: [a-z][a-z0-9_]*, at most 31 characters.",
             f"Write {quoted(_repaired(name))}." if _repaired(name) else "Write a name such as front_left.",
         )
     reason = _reserved(name)
-    if "__" in name:
-        reason = "C++ keeps names with a double underscore for the implementation."
-    if name.endswith("_t"):
-        reason = "POSIX keeps names that end in _t for types."
     if reason:
         raise node.error(
             f"the {what} name {quoted(name)} is reserved", reason, f"Write {quoted(_free(name))}."
@@ -239,7 +236,7 @@ def _free(name: str) -> str:
 def _repaired(name: str) -> str:
     """A valid name near ``name``, or nothing."""
     near = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:31].rstrip("_")
-    return near if _FORM.fullmatch(near) and not _reserved(near) and not near.endswith("_t") else ""
+    return near if re.fullmatch(NAME_PATTERN, near) and not _reserved(near) else ""
 
 
 def robot_name(node: Scalar) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from wmrgen.errors import Mark, RobotFileError
+from wmrgen.errors import RobotFileError
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Interval
 from wmrgen.spec.keys import COUPLING, LIMITS, WHEEL
 from wmrgen.spec.numbers import Scope
-from wmrgen.spec.records import Binary, Coupling, Limit, Neg, Num, Pi, Quantity, WheelSpec
+from wmrgen.spec.records import Coupling, Limit, Neg, WheelSpec
 from wmrgen.spec.tables import Table, table_of, wheel_name
 from wmrgen.spec.text import Node, Scalar, SequenceNode, quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
@@ -51,16 +51,12 @@ def _wheel(node: Node, scope: Scope) -> WheelSpec:
         name=name,
         type=kind.name,
         mark=table.mark,
-        marks=_marks(table),
+        marks={key: node.mark for key, node in table.keys.items()},
         **quantities,
         actuated=actuated,
         sensed=read_joints(table, "sensed", kind, actuated),
         limits=read_limits(table.get("limits"), what, scope, limits_of_type(kind)),
     )
-
-
-def _marks(table: Table) -> dict[str, Mark]:
-    return {key: node.mark for key, node in table.keys.items()}
 
 
 def _type(table: Table, wheel: str) -> WheelType:
@@ -103,17 +99,20 @@ def read_joints(table: Table, key: str, kind: WheelType, default: tuple[str, ...
     """``actuated`` or ``sensed``, in the order spin, steer."""
     if table.get(key) is None:
         return default
-    joints = kind.joints
-    scalars = table.scalars(key)
-    for scalar in scalars:
-        if scalar.text not in joints:
-            raise scalar.error(
-                f"a {kind.name} wheel has no joint {quoted(scalar.text)}",
-                f"Its joints are: {' '.join(joints)}." if joints else "It has no joint.",
-                suggestion(scalar.text, joints) if joints else f"Write {key}: [] or delete the key.",
-            )
-    names = [scalar.text for scalar in scalars]
-    return tuple(joint for joint in joints if joint in names)
+    names = []
+    for scalar in table.scalars(key):
+        names.append(scalar.text)
+        if scalar.text not in kind.joints:
+            what = f"a {kind.name} wheel has no joint {quoted(scalar.text)}"
+            raise _no_joint(scalar, what, scalar.text, kind, f"Write {key}: [] or delete the key.")
+    return tuple(joint for joint in kind.joints if joint in names)
+
+
+def _no_joint(scalar: Scalar, what: str, joint: str, kind: WheelType, without: str) -> RobotFileError:
+    """The error for a joint that wheels of this type lack; ``without``: what to write where they have none."""
+    if not kind.joints:
+        return scalar.error(what, "It has no joint.", without)
+    return scalar.error(what, f"Its joints are: {' '.join(kind.joints)}.", suggestion(joint, kind.joints))
 
 
 def limits_of_type(kind: WheelType) -> tuple[str, ...]:
@@ -134,7 +133,6 @@ def read_limits(
 def _limit(name: str, table: Table, scope: Scope) -> Limit:
     node, value, what = table.values[name], LIMITS.field(name).value, f"limit {name}"
     assert isinstance(value, Interval)
-    kind = value.kind
     if isinstance(node, SequenceNode):
         if len(node.items) != 2:
             raise node.error(
@@ -142,35 +140,11 @@ def _limit(name: str, table: Table, scope: Scope) -> Limit:
                 "A range has two.",
                 f"Write {name}: [low, high], or one value.",
             )
-        low, high = (read_quantity(item, kind, what, scope) for item in node.items)
+        low, high = (read_quantity(item, value.kind, what, scope) for item in node.items)
     else:
-        high = read_quantity(node, kind, what, scope)
+        high = read_quantity(node, value.kind, what, scope)
         low = replace(high, expr=Neg(high.expr), text=f"-({high.text})")
-    if _sign_of_difference(low, high) < 0:
-        raise node.error(
-            f"{what} runs from {low.text} to {high.text}", "The lower end is above the upper end.",
-            f"Write {name}: [low, high]; one positive value v means [-v, v].",
-        )  # fmt: skip
-    return Limit(name, low, high)
-
-
-def _sign_of_difference(low: Quantity, high: Quantity) -> int:
-    """-1 when both are plain numbers and high < low, else 0: anything else is left to the layout."""
-    ends = []
-    for quantity in (low, high):
-        match quantity.expr:
-            case Num(value) | Binary("*", Num(value), Pi()):
-                ends.append(value)
-            case Neg(Num(value)) | Neg(Binary("*", Num(value), Pi())):
-                ends.append(-value)
-    if len(ends) < 2 or ("pi" in _form(low)) != ("pi" in _form(high)):
-        return 0
-    return -1 if ends[1] < ends[0] else 0
-
-
-def _form(quantity: Quantity) -> str:
-    expr = quantity.expr.arg if isinstance(quantity.expr, Neg) else quantity.expr
-    return "pi" if isinstance(expr, Binary) else ""
+    return Limit(name, low, high, node.mark)
 
 
 def read_couplings(robot: Table, wheels: Iterable[WheelSpec]) -> tuple[Coupling, ...]:
@@ -210,11 +184,10 @@ def _joint(scalar: Scalar, types: dict[str, str]) -> tuple[str, str]:
         raise scalar.error(f"{quoted(scalar.text)} is not a joint", "", "Write wheel.steer or wheel.spin.")
     if name not in types:
         raise scalar.error(f"there is no wheel {quoted(name)}", "", suggestion(name, types))
-    joints = WHEEL_TYPES[types[name]].joints
-    if joint not in joints:
-        what = f"the {types[name]} wheel {name} has no joint {quoted(joint)}"
+    kind = WHEEL_TYPES[types[name]]
+    if joint not in kind.joints:
+        what = f"the {kind.name} wheel {name} has no joint {quoted(joint)}"
         if joint == "steer_rate":
             raise scalar.error(what, "Coupled angles have coupled rates.", f"Write {name}.steer.")
-        why = f"Its joints are: {' '.join(joints)}." if joints else "It has no joint."
-        raise scalar.error(what, why, suggestion(joint, joints) if joints else "Delete it from the coupling.")
+        raise _no_joint(scalar, what, joint, kind, "Delete it from the coupling.")
     return name, joint

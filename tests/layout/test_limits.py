@@ -1,0 +1,22 @@
+"""Limits of a robot file: low stands below high, whatever the two are made of."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.spec.files import read, robot, wheel
+from wmrgen.errors import RobotFileError
+from wmrgen.layout import build
+
+
+@pytest.mark.parametrize("limit", ["[2, 1]", "-1", "[30 deg, 0.5]", "[p*2, p]"])
+def test_the_lower_end_above_the_upper_is_refused(limit: str) -> None:
+    spec = read(
+        robot(wheel("a", limits=f"{{spin: {limit}}}"), top="parameters: {p: 0.1}\n").replace("deg", "rpm")
+    )
+    with pytest.raises(RobotFileError) as caught:
+        build(spec)
+    assert "runs from" in str(caught.value)
+    assert "Write spin: [low, high]; one positive value v means [-v, v]." in str(caught.value)
+    mark = caught.value.mark
+    assert mark is not None and mark.text[mark.column - 1 :].startswith(limit[:2])

@@ -14,7 +14,7 @@ from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.wheels import wheel_lines
 from wmrgen.bounds.robot import header_lines
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
-from wmrgen.selftest.points import Site
+from wmrgen.ports import Site
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot

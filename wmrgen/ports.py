@@ -1,8 +1,9 @@
-"""Named inputs and outputs: the contract's names with their roles and units."""
+"""Named inputs and outputs: the contract's names with their roles and units, and what a robot's file says of them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from wmrgen.exact.number import Exact
@@ -42,3 +43,17 @@ class Port:
 def output(name: str, unit: str, text: str) -> Port:
     """The port of a result."""
     return Port(name, Role.COMMAND, unit, text)
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """What a robot's file says of its functions, as numbers.
+
+    ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m].
+    """
+
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    pivots: tuple[tuple[str, float, float], ...] = ()
+
+
+NO_SITE = Site()

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from wmrgen.backends.words import C_LIBRARY, CASADI, PYTHON, C, Reserved
-from wmrgen.ir.nodes import Function, Module
-from wmrgen.selftest.points import NO_SITE, Site
+from wmrgen.ports import NO_SITE, Site
+
+if TYPE_CHECKING:
+    from wmrgen.ir.nodes import Function, Module
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ in. Every number is a float32."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Op, Port, Role, prune
 from wmrgen.ir.rounding import nearest_float32, to_float64
+from wmrgen.ports import NO_SITE, Site
 
 Array = Any
 Point = tuple[str, Array]  # what it is, one value per port
@@ -28,20 +29,6 @@ _MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is l
 _LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
 _BEYOND = 1 + 2.0**-11
 _CHOICES = (Op.SELECT, Op.MIN, Op.MAX, Op.CLAMP, Op.AT_LEAST)
-
-
-@dataclass(frozen=True, slots=True)
-class Site:
-    """What a robot's file says of its functions, as numbers.
-
-    ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m].
-    """
-
-    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    pivots: tuple[tuple[str, float, float], ...] = ()
-
-
-NO_SITE = Site()
 
 
 class Grid:

@@ -19,7 +19,8 @@ from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.nodes import Function, Module, Port, Role
 from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
-from wmrgen.selftest.points import BRANCH, NO_SITE, TWIST, Grid, Point, Site, near_thresholds, points
+from wmrgen.ports import NO_SITE, Site
+from wmrgen.selftest.points import BRANCH, TWIST, Grid, Point, near_thresholds, points
 from wmrgen.selftest.rounding_bounds import UNITS, Array, bounds, outputs, rounding_of
 
 _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything

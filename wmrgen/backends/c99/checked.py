@@ -14,8 +14,8 @@ from wmrgen.backends.c99.functions import Step, Unit
 from wmrgen.backends.c99.text import block_comment, comment_lines, literal, prototype
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Limits, Module, Port, Role
+from wmrgen.ports import Site
 from wmrgen.render import render
-from wmrgen.selftest.points import Site
 from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
 
 OVERSHOOT = 1.25  # of what is measured: a joint that stands at its limit must not stop the robot

@@ -11,8 +11,8 @@ import numpy as np
 from wmrgen.backends.c99.functions import Step, Unit
 from wmrgen.backends.c99.text import WIDTH, block_comment, comment_text
 from wmrgen.ir.nodes import Module
+from wmrgen.ports import Site
 from wmrgen.render import render
-from wmrgen.selftest.points import Site
 from wmrgen.selftest.vectors import Table, Vector, tables
 
 ABOUT = (

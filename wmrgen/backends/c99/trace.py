@@ -23,7 +23,8 @@ from wmrgen.ir.calls import by_name as kernels_by_name
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
-from wmrgen.selftest.points import NO_SITE, Grid
+from wmrgen.ports import NO_SITE
+from wmrgen.selftest.points import Grid
 from wmrgen.selftest.vectors import contract
 
 Array = Any

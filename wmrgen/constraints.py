@@ -23,6 +23,7 @@ from wmrgen.layout.records import Geometry, Robot, Wheel
 
 T = TypeVar("T", Poly, Exact)
 View = Callable[[Wheel], Geometry[Poly]]
+TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))  # xi, commanded
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +148,15 @@ def constrain(robot: Robot, view: View = working_view) -> Constraints:
     rolling = tuple(rolling_row(w, view(w)) for w in robot.wheels if w.has_spin)
     sliding = tuple(sliding_row(w, view(w)) for w in robot.wheels if w.kind.sliding_row)
     return Constraints(robot, rolling, sliding)
+
+
+def pfaffian_rates(c: Constraints) -> tuple[str, ...]:
+    """Names of the columns of the Pfaffian matrix: the twist, the joint rates and, where wheels slip, their slips."""
+    rates = {"spin": "spin", "steer": "steer_rate"}
+    joints = (f"{c.robot.wheels[i].name}.{rates[joint]}" for i, joint in c.joints)
+    slipping = (*c.rolling, *c.sliding) if c.robot.slip else ()
+    slips = (f"{row.wheel.name}.slip_{'x' if row.kind == 'rolling' else 'y'}" for row in slipping)
+    return ("vx", "vy", "omega", *joints, *slips)
 
 
 def pfaffian(c: Constraints, slip: bool) -> list[list[Poly]]:

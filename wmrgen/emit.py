@@ -1,23 +1,25 @@
-"""All files of one robot, in memory: model.json and what every backend makes."""
+"""All files of one robot, in memory: model.json and what every backend makes, with what they say about themselves."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING
+from math import degrees
+from typing import TYPE_CHECKING, SupportsFloat
 
 import sympy
 
 from wmrgen import __version__
 from wmrgen.backends.registry import BACKENDS, Facts
-from wmrgen.backends.wheels import wheel_lines
 from wmrgen.bounds.robot import header_lines
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
+from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Site
+from wmrgen.wheels import WheelType
 
 if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
 
 MODEL = "model.json"
@@ -80,3 +82,43 @@ def site(robot: Robot) -> Site:
                 limits[f"{wheel.name}.{joint}"] = limit
     pivots = tuple((w.name, float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)
     return Site({name: (float(v.low), float(v.high)) for name, v in limits.items()}, pivots)
+
+
+_LEGEND: tuple[tuple[Callable[[WheelType], bool], str], ...] = (
+    (lambda kind: True,
+     "x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track."),
+    (lambda kind: kind.directed,
+     "heading: rolling direction at spin > 0, from the x axis (steered: at steer 0)."),
+    (lambda kind: kind.swivels,
+     "d: contact point minus pivot, along the rolling direction."),
+    (lambda kind: kind.rollers,
+     "gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top "
+     "lean the other way."),
+)  # fmt: skip
+
+
+def wheel_lines(robot: Robot) -> tuple[str, ...]:
+    """The wheel table of a banner: one line per wheel in file order, then the legend that these wheel types need."""
+    legend = (text for concerns, text in _LEGEND if any(concerns(w.kind) for w in robot.wheels))
+    return (*map(wheel_line, robot.wheels), *legend)
+
+
+def wheel_line(wheel: Wheel) -> str:
+    """``left: fixed, x 0 m, y 0.1655 m, heading 0 deg, r 0.0975 m`` and what else the type has."""
+    g, kind = wheel.nominal, wheel.kind
+    quantities: tuple[tuple[bool, str, SupportsFloat, str], ...] = (
+        (True, "x", g.x, "m"),
+        (True, "y", g.y, "m"),
+        (kind.directed, "heading", degrees(wheel.heading), "deg"),
+        (True, "r", g.r, "m"),
+        (bool(g.d), "d", g.d, "m"),
+        (bool(g.o), "offset_y", g.o, "m"),
+        (kind.rollers, "gamma", degrees(wheel.gamma), "deg"),
+    )
+    parts = [f"{name} {_number(value)} {unit}" for occurs, name, value, unit in quantities if occurs]
+    return ", ".join([f"{wheel.name}: {wheel.type}", *parts])
+
+
+def _number(value: SupportsFloat) -> str:
+    """Six significant digits, no negative zero."""
+    return f"{round(float(value), 12) + 0.0:.6g}"

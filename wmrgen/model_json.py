@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
 from wmrgen.bounds.robot import Bounds
 from wmrgen.bounds.robot import data as bounds_data
-from wmrgen.constraints import Constraints, constrain, pfaffian, working_view
+from wmrgen.constraints import TWIST, constrain, pfaffian, pfaffian_rates, working_view
 from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Gen, Poly, Row, dot
+from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Module, count
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.matrices import pfaffian_rates
 from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.program import asked
 
 FORMAT = 1
-_TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))
 
 
 def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, bounds: Bounds) -> dict[str, Any]:
@@ -31,6 +30,7 @@ def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, boun
     c = constrain(robot, working_view)
     spins = [-dict(r.rates)[r.wheel.index, "spin"] for r in c.rolling]
     diagonal = [[spins[i] if i == j else Poly({}) for j in range(len(spins))] for i in range(len(spins))]
+    slips = {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}
     return {
         **_identity(robot),
         **_mobility(mobility),
@@ -43,22 +43,11 @@ def model(robot: Robot, mobility: Mobility, formulas: Module, code: Module, boun
             f.name: {"inputs": [p.name for p in f.inputs], "outputs": [p.name for p in f.outputs]}
             for f in formulas.functions
         },
-        "operations": {f.name: _operations(f) for f in inlined_calls(code).functions},
+        "operations": {f.name: asdict(count(f)) for f in inlined_calls(code).functions},
         **({} if bounds.missing else {"bounds": bounds_data(bounds)}),
-        **(
-            {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}
-            if robot.slip
-            else {}
-        ),
+        **(slips if robot.slip else {}),
         **_domains(robot, mobility),
     }
-
-
-def _slip(c: Constraints) -> dict[str, Any]:
-    """The Pfaffian matrix where `slip: true` adds columns to it."""
-    if not c.robot.slip:
-        return {}
-    return {"pfaffian": strings(pfaffian(c, slip=True)), "pfaffian_rates": list(pfaffian_rates(c))}
 
 
 def _domains(robot: Robot, mobility: Mobility) -> dict[str, Any]:
@@ -112,17 +101,13 @@ def _mobility(m: Mobility) -> dict[str, Any]:
 
 
 def _singularity(s: Singularity) -> dict[str, Any]:
+    conditions = [c if isinstance(c, Poly) else dot(c, TWIST) for c in s.conditions]
     return {
         "kind": s.kind,
         "wheels": list(s.wheels),
         "meaning": s.meaning,
-        "conditions": [_condition(p) for p in s.conditions],
+        "conditions": [f"{text(c)} = 0" for c in conditions],
     }
-
-
-def _operations(function: Any) -> dict[str, int]:
-    cost = count(function)
-    return {name: getattr(cost, name) for name in cost.__slots__}
 
 
 def _rank(rank: Rank) -> dict[str, Any]:
@@ -153,12 +138,6 @@ def _wheel(w: Wheel) -> dict[str, Any]:
     return entry
 
 
-def _condition(condition: Any) -> str:
-    if isinstance(condition, Poly):
-        return f"{text(condition)} = 0"
-    return f"{text(dot(condition, _TWIST))} = 0"
-
-
 def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:
     """A matrix of polynomials as strings."""
     return [[text(p) for p in row] for row in rows]
@@ -166,23 +145,16 @@ def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:
 
 def text(poly: Poly) -> str:
     """A polynomial in plain Python syntax over parameter names, ``<wheel>_steer`` and sqrt sin cos."""
-    parts = []
-    for monomial, coefficient in sorted(
-        poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]]
-    ):
-        factors = "*".join(_power(g, e) for g, e in monomial)
-        parts.append(_term(coefficient, factors))
-    joined = " + ".join(parts) or "0"
-    return joined.replace("+ -", "- ")
+    ordered = sorted(poly.terms.items(), key=lambda item: [(g.key, e) for g, e in item[0]])
+    terms = (
+        _term(coefficient, "*".join(_power(g, e) for g, e in monomial)) for monomial, coefficient in ordered
+    )
+    return (" + ".join(terms) or "0").replace("+ -", "- ")
 
 
 def _term(coefficient: Exact, factors: str) -> str:
     if not factors:
         return str(coefficient)
-    if coefficient == 1:
-        return factors
-    if coefficient == -1:
-        return f"-{factors}"
     if coefficient.is_rational:
         c: Fraction = coefficient.parts[0]
         head = "" if abs(c.numerator) == 1 else f"{abs(c.numerator)}*"

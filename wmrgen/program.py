@@ -1,4 +1,4 @@
-"""The program of a robot: every function of its model in symbols, ready to be lowered."""
+"""The program of a robot: every function of its model in symbols, and lowered, optimised and cut for C."""
 
 from __future__ import annotations
 
@@ -8,8 +8,12 @@ from dataclasses import dataclass, replace
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
+from wmrgen.ir.nodes import Function, Module
+from wmrgen.ir.pipeline import optimise
+from wmrgen.ir.select import keep_outputs, select
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
+from wmrgen.lower import kernels_of, lower
 from wmrgen.mobility.records import Mobility
 
 
@@ -65,3 +69,49 @@ def asked(robot: Robot) -> tuple[str, ...]:
     """The functions beyond the standard ones that a robot file asks for; `slip: true` asks for slip_inverse."""
     slip = ("slip_inverse",) if robot.slip and "slip_inverse" not in robot.functions else ()
     return (*robot.functions, *slip)
+
+
+def written(program: Program) -> Module:
+    """Not optimised: what the exact backend evaluates."""
+    return Module(program.name, tuple(lower(f) for f in program.formulas))
+
+
+def with_calls(program: Program) -> Module:
+    """As `written`, with calls of the kernels that the formulas name."""
+    functions = tuple(lower(f, calls=True) for f in program.formulas)
+    return Module(program.name, functions, kernels=kernels_of(program.formulas))
+
+
+def optimised(module: Module, meaning: Module | None = None) -> Module:
+    """Every function once; forward also without its residual, inverse also in two: joints, and slip alone.
+
+    ``meaning``: ``module`` in base operations, where it calls kernels.
+    """
+    whole = optimise(
+        module.functions, module.name, kernels=module.kernels, meaning=(meaning or module).functions
+    )
+    parts: list[Function] = []
+    for f in whole.functions:
+        results = frozenset(port.name for port in f.outputs if port.name != "slip")
+        if f.name == "forward":
+            text = f"{f.text}, with its residual"
+            residual = replace(f, name="forward_residual", text=text, variant_of=f.name)
+            parts += [keep_outputs(f, results, "forward_twist"), residual]
+        elif f.name == "inverse":
+            text = "sliding that the ground must give when this twist is driven"
+            slip = keep_outputs(f, frozenset({"slip"}), "inverse_residual")
+            parts += [keep_outputs(f, results, "inverse_joints"), replace(slip, text=text, variant_of=f.name)]
+    return replace(whole, functions=(*whole.functions, *parts))
+
+
+_IN_C = {
+    "forward": {"forward_twist": "forward", "forward_residual": "forward_slip"},
+    "inverse": {"inverse_joints": "inverse", "inverse_residual": "inverse_slip"},
+}
+
+
+def for_c(module: Module, functions: Iterable[str]) -> Module:
+    """Of an `optimised` module: forward with and without the residual, inverse without slip, which has a function
+    of its own."""
+    chosen = [_IN_C.get(name, {name: name}) for name in functions]
+    return select(module, {part: name for names in chosen for part, name in names.items()})

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from wmrgen import matrices, modules
 from wmrgen.backends.registry import BACKENDS
 from wmrgen.bounds.assumptions import library
 from wmrgen.bounds.robot import Bounds, bounds
-from wmrgen.constraints import Constraints, constrain, symbolic_view
+from wmrgen.constraints import ConstraintRow, Constraints, constrain, pfaffian, pfaffian_rates, symbolic_view
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.registry import system_builder
 from wmrgen.ir.interpret import EXACT, evaluate
@@ -24,8 +23,18 @@ from wmrgen.layout.records import Robot
 from wmrgen.lower import lower
 from wmrgen.mobility import Mobility, analyse
 from wmrgen.model_json import model
-from wmrgen.program import Program, asked, formula, program, standard
-from wmrgen.symbolic import Expr, matrix
+from wmrgen.program import (
+    Program,
+    asked,
+    for_c,
+    formula,
+    optimised,
+    program,
+    standard,
+    with_calls,
+    written,
+)  # fmt: skip
+from wmrgen.symbolic import Expr, expression, matrix
 
 if TYPE_CHECKING:
     from wmrgen.functions.models.frobenius import Integrability
@@ -92,22 +101,23 @@ class Derivation:
     @property
     def J1(self) -> sympy.Matrix:
         """Rolling rows, (number of rolling wheels) x 3: J1 xi = J2 spin (Siegwart (3.24))."""
-        return matrices.of_twist(self.constraints.rolling)
+        return _of_twist(self.constraints.rolling)
 
     @property
     def J2(self) -> sympy.Matrix:
         """Diagonal of r cos gamma [m] (Siegwart (3.24))."""
-        return matrices.radii(self.constraints)
+        rolling = self.constraints.rolling
+        return sympy.diag(*(expression(-dict(r.rates)[r.wheel.index, "spin"]) for r in rolling))
 
     @property
     def C1f(self) -> sympy.Matrix:
         """Sliding rows of fixed wheels, N x 3 (Siegwart (3.26))."""
-        return matrices.of_twist(self.constraints.sliding_fixed)
+        return _of_twist(self.constraints.sliding_fixed)
 
     @property
     def C1s(self) -> sympy.Matrix:
         """Sliding rows of steered wheels, N x 3 (Siegwart (3.26))."""
-        return matrices.of_twist(self.constraints.sliding_steered)
+        return _of_twist(self.constraints.sliding_steered)
 
     @property
     def pfaffian(self) -> sympy.Matrix:
@@ -115,12 +125,13 @@ class Derivation:
 
         With ``slip: true``, e . v + slip_x = r spin in rolling rows and n . v = slip_y in sliding rows.
         """
-        return matrices.pfaffian_matrix(self.constraints)
+        rows = pfaffian(self.constraints, self.robot.slip)
+        return matrix(rows, len(self.pfaffian_rates))
 
     @property
     def pfaffian_rates(self) -> tuple[str, ...]:
         """Names of the Pfaffian matrix's columns."""
-        return matrices.pfaffian_rates(self.constraints)
+        return pfaffian_rates(self.constraints)
 
     @property
     def H(self) -> sympy.Matrix:
@@ -200,18 +211,18 @@ class Derivation:
     @cached_property
     def raw_module(self) -> Module:
         """The functions as written, not optimised: what the exact backend evaluates."""
-        return modules.written(self.program)
+        return written(self.program)
 
     @cached_property
     def _optimised(self) -> Module:
-        return modules.optimised(self.raw_module)
+        return optimised(self.raw_module)
 
     @cached_property
     def _kept_whole(self) -> Module:
         """As `_optimised`, with calls of kernels where formulas name them."""
         if not any(f.calls for f in self.program.formulas):
             return self._optimised
-        return modules.optimised(modules.with_calls(self.program), self.raw_module)
+        return optimised(with_calls(self.program), self.raw_module)
 
     @cached_property
     def module(self) -> Module:
@@ -223,7 +234,7 @@ class Derivation:
         """The functions for C: forward with and without the residual, inverse without slip, which has a function of
         its own, no posture model unless asked for. They call kernels, see `wmrgen.ir.calls`."""
         wanted = asked(self.robot) if self._functions is None else self._functions
-        return modules.for_c(self._kept_whole, self.program.in_c(wanted))
+        return for_c(self._kept_whole, self.program.in_c(wanted))
 
     @cached_property
     def bounds(self) -> Bounds:
@@ -257,3 +268,8 @@ class Derivation:
     def _repr_svg_(self) -> str:
         picture: str = BACKENDS["drawing"].offers("picture")(self)
         return picture
+
+
+def _of_twist(rows: Iterable[ConstraintRow]) -> sympy.Matrix:
+    """Rows over (vx, vy, omega), as many x 3."""
+    return matrix([r.row for r in rows], 3)

@@ -7,8 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from wmrgen.backends.expression import Style, body
-from wmrgen.backends.registry import Entry, Facts, Files, Place
-from wmrgen.backends.words import reserved
+from wmrgen.backends.registry import Entry, Facts, Files, Place, reserved
 from wmrgen.exact.number import Exact
 from wmrgen.ir.inline import complete, inlined
 from wmrgen.ir.nodes import Function, Module

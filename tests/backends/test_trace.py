@@ -10,8 +10,7 @@ import pytest
 from tests.conftest import ROOT
 from wmrgen import derive, load
 from wmrgen.backends.c99.emit import printed, sources, unit
-from wmrgen.backends.c99.trace import places_in, traced
-from wmrgen.backends.quantities import quantity
+from wmrgen.backends.c99.trace import places_in, quantity, traced
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import by_name, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes

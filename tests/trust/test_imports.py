@@ -21,13 +21,13 @@ from wmrgen.backends.registry import BACKENDS
 # Code is made from the IR alone, so that the IR and the backends of code stand left of every stage; what shows the
 # stages to readers stands right of the facade.
 ROOMS = (
-    "errors reading exact ports notation artifacts compiler render"
+    "errors exact ports notation artifacts compiler render"
     " ir selftest backends backends/registry backends/c99 backends/casadi backends/numpy"
     " wheels spec layout constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
-    " program lower modules matrices bounds model_json robot __init__"
-    " backends/wheels backends/drawing backends/report emit cli __main__"
+    " lower program bounds model_json robot __init__"
+    " backends/drawing backends/report emit cli __main__"
 ).split()
 HEAVY = {"sympy", "numpy", "casadi", "jinja2", "mpmath"}
 MAY_IMPORT_SYMPY = ("ir/verify", "backends/report/latex")  # of spec, ir, backends and cli

@@ -14,10 +14,9 @@ from wmrgen.errors import EnvironmentFailure, Mark, RobotFileError, UsageError
 from wmrgen.exact.number import Exact
 from wmrgen.layout.expressions import evaluate
 from wmrgen.ports import Port
-from wmrgen.reading import read_at_most, read_stream
 from wmrgen.spec.expressions import read_quantity
 from wmrgen.spec.numbers import Kind, Scope
-from wmrgen.spec.text import Scalar, suggestion
+from wmrgen.spec.text import Scalar, read_at_most, read_stream, suggestion
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from wmrgen.errors import RobotFileError
-from wmrgen.reading import read_at_most
 from wmrgen.spec.expressions import parse_value, read_quantity, scalar_of
 from wmrgen.spec.fields import Mapped, Text, Version
 from wmrgen.spec.keys import CG, GAINS, PARAMETER, ROBOT, TRAILER, VIRTUAL
@@ -25,7 +24,17 @@ from wmrgen.spec.records import (
     WheelSpec,
 )
 from wmrgen.spec.tables import Table, mapping_of, parameter_name, robot_name, table_of, wheel_name
-from wmrgen.spec.text import MAX_BYTES, MappingNode, Node, Scalar, decode, printable, quoted, suggestion
+from wmrgen.spec.text import (
+    MAX_BYTES,
+    MappingNode,
+    Node,
+    Scalar,
+    decode,
+    printable,
+    quoted,
+    read_at_most,
+    suggestion,
+)
 from wmrgen.spec.wheels import read_couplings, read_limits, read_wheels
 from wmrgen.wheels import WHEEL_TYPES
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from wmrgen.backends.c99.style import style
 from wmrgen.backends.c99.text import Struct, alias, block_comment, literal, prototype, struct
+from wmrgen.backends.c99.trace import quantity
 from wmrgen.backends.expression import Results, body
-from wmrgen.backends.quantities import quantity
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Cost, Function, Module, Op, Port, Role, pruned
 

@@ -19,8 +19,7 @@ from wmrgen.backends.report.markdown import (
     some,
     table,
 )  # fmt: skip
-from wmrgen.backends.report.rows import TWIST
-from wmrgen.constraints import constrain, nominal_view
+from wmrgen.constraints import TWIST, constrain, nominal_view
 from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot

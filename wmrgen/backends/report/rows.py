@@ -9,6 +9,7 @@ from wmrgen import notation
 from wmrgen.backends.report.latex import WIDE, broken, latex, matrix, pieces, terms, width, wrapped
 from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, grouped, items, listed, math
 from wmrgen.constraints import (
+    TWIST,
     ConstraintRow,
     along,
     constrain,
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from wmrgen.robot import Derivation
     from wmrgen.wheels import WheelType
 
-TWIST: Row = (Poly.gen("input", "vx"), Poly.gen("input", "vy"), Poly.gen("input", "omega"))
 _MATRIX = 12  # rows of a printed matrix
 _PFAFFIAN = 9  # columns of a printed Pfaffian matrix
 _CHECK = 66  # glyphs of a printed product C1 N

@@ -6,7 +6,7 @@ size: robot files hold rounded numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,17 +22,21 @@ if TYPE_CHECKING:
 
 _ROUNDING = 1e-9
 Letters = dict[str, Exact]
+Wheels = Sequence[Wheel]
 Rows = tuple[tuple[Exact, Exact, Exact], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Citation:
-    """``equation`` of a text gives ``what``; ``letters``: the text's symbols and their values here."""
+    """``equation`` of a text gives ``what``; ``letters``: the text's symbols and their values here.
+
+    ``wheels``: in the order of the text.
+    """
 
     equation: str
     what: str
     letters: Letters
-    wheels: tuple[str, ...] = ()
+    wheels: Wheels = ()
 
 
 def texts(d: Derivation) -> list[str]:
@@ -41,7 +45,7 @@ def texts(d: Derivation) -> list[str]:
     rows = []
     for c in citations(d.robot):
         letters = ", ".join(f"{name} = {plain(value)}" for name, value in c.letters.items())
-        order = f"; wheels in the order {listed(c.wheels)}" if c.wheels else ""
+        order = f"; wheels in the order {listed([w.name for w in c.wheels])}" if c.wheels else ""
         rows.append([c.equation, c.what, letters + order])
     if rows:
         head = ["equation", "what it gives", "with"]
@@ -55,14 +59,19 @@ def texts(d: Derivation) -> list[str]:
 
 def citations(robot: Robot) -> list[Citation]:
     """Every citation that holds for the robot."""
-    return [c for rule in _RULES for c in rule(robot)]
+    wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    return [c for rule in _RULES for c in rule(robot, wheels)]
 
 
-def _constraining(robot: Robot) -> list[Wheel]:
-    return [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+def _same(a: Exact, b: Exact) -> bool:
+    return abs(float(a - b)) <= _ROUNDING * max(1.0, abs(float(a)))
 
 
-def _rows(wheels: Iterable[Wheel]) -> Rows:
+def _ahead(w: Wheel) -> bool:
+    return _same(w.nominal.ch, ONE) and _same(w.nominal.sh, ZERO)
+
+
+def _rows(wheels: Wheels) -> Rows:
     """Spin per twist of each wheel: J2^-1 J1, exact."""
     rows = []
     for w in wheels:
@@ -73,46 +82,12 @@ def _rows(wheels: Iterable[Wheel]) -> Rows:
     return tuple(rows)
 
 
-def _ahead(w: Wheel) -> bool:
-    return _same(w.nominal.ch, ONE) and _same(w.nominal.sh, ZERO)
-
-
-def _same(a: Exact, b: Exact) -> bool:
-    return abs(float(a - b)) <= _ROUNDING * max(1.0, abs(float(a)))
-
-
 def _alike(rows: Rows, expected: Rows) -> bool:
     return all(_same(a, b) for f, e in zip(rows, expected, strict=True) for a, b in zip(f, e, strict=True))
 
 
-def _names(wheels: Iterable[Wheel]) -> tuple[str, ...]:
-    return tuple(w.name for w in wheels)
-
-
-def _differential(robot: Robot) -> list[Citation]:
-    """Two fixed wheels on one axle, the same on both sides of x."""
-    wheels = sorted(_constraining(robot), key=lambda w: float(w.nominal.y))
-    if len(wheels) != 2 or any(not w.kind.fixed_axle or not _ahead(w) for w in wheels):
-        return []
-    right, left = wheels
-    a, b, r = left.nominal.y, left.nominal.x, left.nominal.r
-    if not a or not _same(right.nominal.y, -a) or not _same(right.nominal.x, b):
-        return []
-    pair = _names((right, left))
-    if not _alike(_rows((right, left)), ((ONE / r, ZERO, a / r), (ONE / r, ZERO, -a / r))):
-        return []
-    if b:
-        what = "`inverse`, and the constraint with the offset b"
-        return [Citation("Tzafestas Example 2.2", what, {"a": a, "b": b, "r": r}, pair)]
-    return [
-        Citation("Siegwart (3.29), (3.30)", "the stacked rows and `forward`", {"l": a, "r": r}, pair),
-        Citation("Tzafestas (2.34)-(2.37), (2.41c)", "`forward` and `inverse`", {"a": a, "r": r}, pair),
-        Citation("Kelly, differential steer", "`inverse` and `forward` in rim speeds", {"W": a}, pair),
-    ]
-
-
-def _unicycle(robot: Robot) -> list[Citation]:
-    wheels = _constraining(robot)
+def _unicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
+    """One fixed wheel, under P."""
     if len(wheels) != 1 or not wheels[0].kind.fixed_axle or not _ahead(wheels[0]):
         return []
     g = wheels[0].nominal
@@ -124,21 +99,53 @@ def _unicycle(robot: Robot) -> list[Citation]:
     ]
 
 
-def _car(robot: Robot) -> list[Citation]:
+def _differential(robot: Robot, wheels: Wheels) -> list[Citation]:
+    """Two fixed wheels on one axle, the same on both sides of x."""
+    if len(wheels) != 2 or any(not w.kind.fixed_axle or not _ahead(w) for w in wheels):
+        return []
+    pair = right, left = sorted(wheels, key=lambda w: float(w.nominal.y))
+    a, b, r = left.nominal.y, left.nominal.x, left.nominal.r
+    if not a or not _same(right.nominal.y, -a) or not _same(right.nominal.x, b):
+        return []
+    if not _alike(_rows(pair), ((ONE / r, ZERO, a / r), (ONE / r, ZERO, -a / r))):
+        return []
+    if b:
+        what = "`inverse`, and the constraint with the offset b"
+        return [Citation("Tzafestas Example 2.2", what, {"a": a, "b": b, "r": r}, pair)]
+    return [
+        Citation("Siegwart (3.29), (3.30)", "the stacked rows and `forward`", {"l": a, "r": r}, pair),
+        Citation("Tzafestas (2.34)-(2.37), (2.41c)", "`forward` and `inverse`", {"a": a, "r": r}, pair),
+        Citation("Kelly, differential steer", "`inverse` and `forward` in rim speeds", {"W": a}, pair),
+    ]
+
+
+def _locked_bicycle(robot: Robot, wheels: Wheels) -> list[Citation]:
+    """Two fixed wheels in line, one behind the other."""
+    in_line = [
+        w for w in wheels if w.kind.fixed_axle and _same(w.nominal.y, ZERO) and _same(w.nominal.sh, ZERO)
+    ]
+    if len(wheels) != 2 or len(in_line) != 2:
+        return []
+    l2, l1 = sorted((w.nominal.x for w in wheels), key=float)
+    if _same(l1, l2):
+        return []
+    what = "C1f of rank 2: a holonomic robot on a line"
+    return [Citation("Siegwart (3.39), 3.4.2", what, {"l1": l1, "l2": -l2})]
+
+
+def _car(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Fixed wheels on the axle through P, steered wheels in front."""
-    wheels = _constraining(robot)
     fixed, steered = [w for w in wheels if w.kind.fixed_axle], [w for w in wheels if w.kind.steers]
     if not fixed or not steered or len(fixed) + len(steered) < len(wheels):
         return []
     if not all(_same(w.nominal.x, ZERO) and _ahead(w) for w in fixed):
         return []
-    if not all(_same(w.nominal.x, steered[0].nominal.x) for w in steered):
+    front, middle = steered[0].nominal.x, sum((w.nominal.y for w in steered), ZERO)
+    if not all(_same(w.nominal.x, front) for w in steered):
         return []
-    front = steered[0].nominal
-    middle = sum((w.nominal.y for w in steered), ZERO)
-    if not _same(middle, ZERO) or not front.x or any(w.nominal.o for w in steered):
+    if not _same(middle, ZERO) or not front or any(w.nominal.o for w in steered):
         return []
-    letters = {"D": front.x}
+    letters = {"D": front}
     if len(steered) > 1:
         what = "the constraints, with psi the steering of a virtual wheel midway"
         return [
@@ -146,69 +153,63 @@ def _car(robot: Robot) -> list[Citation]:
             Citation("Kelly, Ackermann", "tan psi = omega D / vx", letters),
         ]
     driven = "spin" in steered[0].actuated
-    model = ("(2.46), (2.56a)", "front") if driven else ("(2.52)-(2.55)", "rear")
+    equations, end = ("(2.46), (2.56a)", "front") if driven else ("(2.52)-(2.55)", "rear")
     return [
-        Citation(f"Tzafestas {model[0]}", f"the posture model, {model[1]} wheel driven", letters),
+        Citation(f"Tzafestas {equations}", f"the posture model, {end} wheel driven", letters),
         Citation("Tzafestas (2.51)", "the constraints", letters),
         Citation("Kelly, Ackermann", "`inverse` and `forward`: tan psi = omega D / vx", letters),
-    ]  # fmt: skip
+    ]
 
 
-def _omni(robot: Robot) -> list[Citation]:
+def _omni(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Omni wheels that drive along the tangent of one circle."""
-    wheels = _constraining(robot)
     if len(wheels) < 3 or any(not w.kind.rollers or not _same(w.nominal.sg, ZERO) for w in wheels):
         return []
-    r, first = wheels[0].nominal.r, _rows(wheels)[0][2] * wheels[0].nominal.r
-    tangential = all(_same(w.nominal.x * w.nominal.ch + w.nominal.y * w.nominal.sh, ZERO) for w in wheels)
-    arms = [row[2] * w.nominal.r for row, w in zip(_rows(wheels), wheels, strict=True)]
-    if not tangential or not all(_same(arm, first) for arm in arms):
+    r = wheels[0].nominal.r
+    if not all(_same(w.nominal.x * w.nominal.ch + w.nominal.y * w.nominal.sh, ZERO) for w in wheels):
         return []
-    if any(w.nominal.r != r for w in wheels):
+    radius, *others = (row[2] * w.nominal.r for row, w in zip(_rows(wheels), wheels, strict=True))
+    if any(w.nominal.r != r for w in wheels) or not all(_same(other, radius) for other in others):
         return []
-    if first.sign > 0:
-        letters = {"D": first, "r": r}
+    if radius.sign > 0:
+        letters = {"D": radius, "r": r}
         general = Citation("Tzafestas (2.72)", "`inverse` for any number of omni wheels", letters)
         return [general, *_ring(wheels, (0, 8, 16), "Tzafestas (2.73), (2.74)", letters)]
-    letters = {"a": -first, "r": r}
+    letters = {"a": -radius, "r": r}
     return [
         Citation("Konstantinov (3), (4)", "`inverse`, phi_i the polar angle of wheel i", letters),
-        *_ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": -first, "r": r}),
+        *_ring(wheels, (-2, 6, -10), "Siegwart (3.32)-(3.34)", {"l": -radius, "r": r}),
         *_ring(wheels, (-6, 2, 10), "Konstantinov (5)", letters),
     ]
 
 
-def _ring(wheels: list[Wheel], twelfths: tuple[int, ...], equation: str, letters: Letters) -> list[Citation]:
+def _ring(wheels: Wheels, twelfths: tuple[int, ...], equation: str, letters: Letters) -> list[Citation]:
     """Three wheels whose headings are these multiples of pi/12, in any order."""
-    if len(wheels) != len(twelfths):
-        return []
     order = []
     for k in twelfths:
         c, s = (p.constant for p in cos_sin(Poly.gen("pi") * Poly.of(k) * Poly.of(12).inverse()))
         order += [w for w in wheels if _same(w.nominal.ch, c or ZERO) and _same(w.nominal.sh, s or ZERO)]
-    return [Citation(equation, "`inverse` and `forward`", letters, _names(order))] if len(order) == 3 else []
+    complete = len(wheels) == len(order) == len(twelfths)
+    return [Citation(equation, "`inverse` and `forward`", letters, order)] if complete else []
 
 
-def _mecanum(robot: Robot) -> list[Citation]:
+def _mecanum(robot: Robot, wheels: Wheels) -> list[Citation]:
     """Four Swedish 45 degree wheels in a rectangle, roller axes at the ground through its middle lines."""
-    wheels = _constraining(robot)
     if len(wheels) != 4 or any(not w.kind.rollers or not _ahead(w) or not w.nominal.sg for w in wheels):
         return []
     ordered = sorted(wheels, key=lambda w: (w.nominal.x.sign < 0, w.nominal.y.sign * w.nominal.x.sign))
     front = ordered[0].nominal
     d1, d2, r = -front.y, front.x, front.r
     s = d1 + d2
-    rows: Rows = ((ONE, ONE, s), (ONE, -ONE, -s), (ONE, ONE, -s), (ONE, -ONE, s))
-    expected = tuple((a / r, b / r, c / r) for a, b, c in rows)
-    if not _alike(_rows(ordered), expected):
+    rows = ((ONE, ONE, s), (ONE, -ONE, -s), (ONE, ONE, -s), (ONE, -ONE, s))
+    if not _alike(_rows(ordered), tuple((a / r, b / r, c / r) for a, b, c in rows)):
         return []
-    letters = {"d1": d1, "d2": d2, "R": r}
     what = "`inverse` and `forward`, turned to x forward"
-    return [Citation("Tzafestas (2.82), (2.84)", what, letters, _names(ordered))]
+    return [Citation("Tzafestas (2.82), (2.84)", what, {"d1": d1, "d2": d2, "R": r}, ordered)]
 
 
-def _all_steered(robot: Robot) -> list[Citation]:
-    wheels = _constraining(robot)
+def _all_steered(robot: Robot, wheels: Wheels) -> list[Citation]:
+    """Steered wheels alone, coupled or not."""
     if len(wheels) < 2 or any(not w.kind.steers for w in wheels):
         return []
     if robot.couplings:
@@ -217,36 +218,21 @@ def _all_steered(robot: Robot) -> list[Citation]:
         if not parallel or len(set(robot.steer_group)) > 1:
             return []
         return [Citation("Siegwart 3.3.3", "synchro drive: the chassis only translates", {})]
-    cited = [Citation("Kelly Box 4.2", "rows H of the contact velocities and their least squares", {})]
+    box = Citation("Kelly Box 4.2", "rows H of the contact velocities and their least squares", {})
     offsets = {w.nominal.o for w in wheels if w.nominal.o}
-    if len(wheels) == 4 and offsets:
-        what = "H and Q of four wheel steering with offset contacts"
-        cited.append(Citation("Kelly (4.62)", what, {"d": max(offsets, key=float)}))
-    return cited
+    if len(wheels) != 4 or not offsets:
+        return [box]
+    what = "H and Q of four wheel steering with offset contacts"
+    return [box, Citation("Kelly (4.62)", what, {"d": max(offsets, key=float)})]
 
 
-def _castors(robot: Robot) -> list[Citation]:
+def _castors(robot: Robot, wheels: Wheels) -> list[Citation]:
+    """Powered castors, whatever else the robot has."""
     powered = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
-    if not powered:
-        return []
     what = "both rates of a powered castor from the twist"
-    return [Citation("Siegwart (3.17), (3.18)", what, {}, _names(powered))]
+    return [Citation("Siegwart (3.17), (3.18)", what, {}, powered)] if powered else []
 
 
-def _locked_bicycle(robot: Robot) -> list[Citation]:
-    """Two fixed wheels in line, one behind the other."""
-    wheels = _constraining(robot)
-    if len(wheels) != 2 or any(
-        not w.kind.fixed_axle or not _same(w.nominal.y, ZERO) or not _same(w.nominal.sh, ZERO) for w in wheels
-    ):
-        return []
-    l1, l2 = sorted((w.nominal.x for w in wheels), key=float, reverse=True)
-    if _same(l1, l2):
-        return []
-    what = "C1f of rank 2: a holonomic robot on a line"
-    return [Citation("Siegwart (3.39), 3.4.2", what, {"l1": l1, "l2": -l2})]
-
-
-_RULES: tuple[Callable[[Robot], list[Citation]], ...] = (
+_RULES: tuple[Callable[[Robot, Wheels], list[Citation]], ...] = (
     _unicycle, _differential, _locked_bicycle, _car, _omni, _mecanum, _all_steered, _castors,
 )  # fmt: skip

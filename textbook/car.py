@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.kinematics.rollers import TINY
+from wmrgen.kinematics.contacts import TINY
 from wmrgen.symbolic import absolute, angle_of, maximum, minimum, root, select
 
 CARS = Chapter("Cars")

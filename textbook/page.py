@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable
 import sympy
 
 from wmrgen.functions.space.wheel_motion import Vector
+from wmrgen.kinematics.contacts import quotient
 from wmrgen.kinematics.records import Formula, Locals
-from wmrgen.kinematics.rollers import quotient
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import Expr, signal
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import sympy
 
+from wmrgen.kinematics.contacts import TINY
 from wmrgen.kinematics.records import Formula
-from wmrgen.kinematics.rollers import TINY
 from wmrgen.symbolic import AtLeast, Expr
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 
 from textbook.page import Chapter, Page
-from wmrgen.kinematics.rollers import mecanum_roller
+from wmrgen.kinematics.contacts import mecanum_roller
 from wmrgen.symbolic import absolute
 
 WHEELS = Chapter("Single wheels")

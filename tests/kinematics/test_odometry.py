@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from tests.laws.common import NAMES, gallery, law
 from tests.laws.layouts import twists
 from tests.oracle import oracle
-from wmrgen.kinematics.odometry import SWITCH, WORST_ERROR
+from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 
 TURNS = [0.0, 1e-300, 1e-12, 1e-8, 1e-5, 1e-3, 0.02, 0.0999999, 0.1, 0.1000001, 0.5, 1.0, 3.14159, 7.0]
 

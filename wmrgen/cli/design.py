@@ -30,7 +30,7 @@ _NEVER = 1e8  # [m/s^2] a force that no robot meets
 def rollers(radius: str, count: str, angle: str, as_json: bool) -> int:
     """Print roller length D_r, wheel width d and half chord b in metres."""
     from wmrgen.ir.interpret import EXACT, evaluate
-    from wmrgen.kinematics.rollers import mecanum_roller
+    from wmrgen.kinematics.contacts import mecanum_roller
     from wmrgen.lower import lower
 
     function = lower(mecanum_roller())

@@ -1,4 +1,4 @@
-"""What the unconstrained contacts do: rollers of Swedish wheels and spheres.
+"""What the unconstrained contacts do: rollers of Swedish wheels, whose sizes a design gives, and spheres.
 
 A roller takes up what the wheel does not: r_sw roller = n_g . v_A + r spin sin gamma (Siegwart (3.20), corrected
 sign). A sphere rolls along the velocity of its contact (Siegwart (3.21), (3.22)).
@@ -6,14 +6,33 @@ sign). A sphere rolls along the velocity of its contact (Siegwart (3.21), (3.22)
 
 from __future__ import annotations
 
+from fractions import Fraction
+
+import sympy
+
 from wmrgen.constraints import along, rolling_direction, working_view
+from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Formula, Locals, given, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, add, angle_of, expression, root, square, times
+from wmrgen.symbolic import (
+    Expr,
+    absolute,
+    add,
+    angle_of,
+    at_least,
+    expression,
+    number,
+    root,
+    select,
+    signal,
+    square,
+    times,
+)
 
 Outputs = list[tuple[Port, Expr]]
+TINY = number(Exact(Fraction(1, 10**12)))
 
 
 def contacts(robot: Robot) -> Formula | None:
@@ -65,3 +84,29 @@ def _sphere(w: Wheel, twist: Row, names: Locals) -> Outputs:
             times(expression(g.r.inverse()), speed),
         ),
     ]
+
+
+def quotient(names: Locals, name: str, above: Expr, below: Expr) -> Expr:
+    """above / below, 0 where |below| <= 1e-12; the divisor is kept off zero, and derivatives are finite."""
+    divisor = names.define(f"{name}_divisor", at_least(below, TINY))
+    return names.define(name, select(TINY, absolute(below), above / divisor, sympy.S.Zero))
+
+
+def mecanum_roller() -> Formula:
+    """Tzafestas (2.86)-(2.91): sizes of the rollers of a mecanum wheel; 0 for an impossible design."""
+    inputs = (
+        Port("radius", Role.COMMAND, "m", "radius R of the wheel"),
+        Port("count", Role.COMMAND, "", "number of rollers"),
+        Port("angle", Role.COMMAND, "rad", "hub axis to roller axis; 90 deg for an omni wheel"),
+    )
+    R, count, alpha = (signal(port.name) for port in inputs)
+    names = Locals()
+    half = names.define("half", R * sympy.sin(quotient(names, "step", sympy.pi, count)))
+    length = quotient(names, "length", 2 * half, sympy.sin(alpha))
+    outputs = (
+        (Port("length", Role.COMMAND, "m", "roller length D_r"), length),
+        (Port("width", Role.COMMAND, "m", "width d of the wheel"), length * sympy.cos(alpha)),
+        (Port("half_chord", Role.COMMAND, "m", "half the chord b between neighbouring rollers"), half),
+    )
+    text = "length and width of the rollers of a mecanum wheel, Tzafestas (2.86)-(2.91)"
+    return Formula("mecanum_roller", inputs, tuple(names.items), outputs, text)

@@ -1,4 +1,4 @@
-"""Forward kinematics: sensed joint rates to the twist, least squares over every known row.
+"""Forward kinematics: sensed joint rates to the twist, least squares over every measured row.
 
 Rolling and sliding rows of a wheel are a rotation of [1 0 -By; 0 1 Bx], so the normal matrix does not see
 the heading. It is constant unless contact points move (castors, offset wheels) or a steered wheel gives one
@@ -67,7 +67,7 @@ def forward(robot: Robot) -> Formula:
 
 
 def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist, Expr]:
-    """xi = (H^T H)^+ H^T z with everything but z known now."""
+    """xi = (H^T H)^+ H^T z with everything but z computed at derivation time."""
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
     rank = _rank([r for r, _ in rows], robot)
@@ -135,9 +135,7 @@ def _expands(rows: list[Measured]) -> bool:
 def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tuple[Twist, Expr]:
     """The same with names for the entries of H and H^T H: `prepare` has their numbers when it inverts."""
 
-    def short(name: str, p: Poly) -> Poly:
-        return p if len(p.terms) < 2 else names.poly(name, p)
-
+    short = names.short
     named: list[Measured] = [
         ((short(f"row{i}_x", r[0]), short(f"row{i}_y", r[1]), short(f"row{i}_w", r[2])), z)
         for i, (r, z) in enumerate(rows)

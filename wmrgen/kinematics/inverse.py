@@ -20,9 +20,7 @@ import sympy
 
 from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.geared import turning_alike
 from wmrgen.kinematics.least_squares import norm
-from wmrgen.kinematics.line import pivot, turned_by
 from wmrgen.kinematics.project import Projection, project
 from wmrgen.kinematics.records import (
     Formula,
@@ -33,7 +31,8 @@ from wmrgen.kinematics.records import (
     tunable_ports,
     twist_ports,
 )
-from wmrgen.kinematics.steer import Target, steer_group, steer_one
+from wmrgen.kinematics.steer import Target, pivot, turned_by
+from wmrgen.kinematics.steer_groups import nearest_steering
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
@@ -50,7 +49,7 @@ class Joints:
     radius: Poly
     steer: Expr | None = None
     steer_rate: Expr | None = None
-    spin: Expr | None = None  # [rad/s], where it is known already
+    spin: Expr | None = None  # [rad/s], where steering gives it
 
 
 Steering = Callable[[Robot, Row, Locals], dict[int, Target]]  # driven twist -> target per wheel index
@@ -75,15 +74,9 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     joints = {w.index: _joints(w, twist, targets, swivels, seen) for w in robot.wheels if w.has_spin}
     speeds = spins(robot, joints)
     outputs: list[tuple[Port, Expr]] = []
-    for w in robot.wheels:
-        if w.index not in joints:
-            continue
-        outputs.append((joint_port(w, "spin", Role.COMMAND), speeds[w.index]))
-        j = joints[w.index]
-        if j.steer is not None:
-            outputs.append((joint_port(w, "steer", Role.COMMAND), j.steer))
-        if j.steer_rate is not None:
-            outputs.append((joint_port(w, "steer_rate", Role.COMMAND), j.steer_rate))
+    for i, j in joints.items():
+        commands = (("spin", speeds[i]), ("steer", j.steer), ("steer_rate", j.steer_rate))
+        outputs += [(joint_port(robot.wheels[i], n, Role.COMMAND), v) for n, v in commands if v is not None]
     outputs.append(
         (
             slip_port(f"sliding that the ground must give: RMS over the constraining wheels{_held(targets)}"),
@@ -124,30 +117,6 @@ def _slip(projection: Projection, targets: dict[int, Target], coupled: list[list
     if not means:
         return forbidden
     return root(add(*([] if forbidden.is_zero else [square(forbidden)]), *means))
-
-
-def steered_groups(robot: Robot) -> list[list[Wheel]]:
-    """The steered wheels, those that one motor turns together."""
-    return robot.together("steer", (w for w in robot.wheels if w.kind.steers))
-
-
-def moves_as_one(members: list[Wheel], velocities: dict[int, tuple[Poly, Poly]]) -> bool:
-    """True when the wheels of a group see the same velocity of their pivots from the same heading."""
-    return len({(velocities[w.index], w.working.ch, w.working.sh) for w in members}) == 1
-
-
-def nearest_steering(robot: Robot, twist: Row, names: Locals) -> dict[int, Target]:
-    """Targets of all steered wheels, coupled ones together, each on the branch nearest to its present angle."""
-    result: dict[int, Target] = {}
-    for members in steered_groups(robot):
-        velocities = {w.index: pivot(w, twist) for w in members}
-        lead = members[0]
-        if moves_as_one(members, velocities):
-            one = steer_one(robot, lead, velocities[lead.index], names)
-            result.update({w.index: one for w in members})
-        else:
-            result.update(steer_group(robot, members, velocities, names))
-    return turning_alike(robot, twist, result, names)
 
 
 def _swivels(robot: Robot, seen: dict[int, CastorMotion]) -> tuple[dict[int, Poly], list[list[Expr]]]:
@@ -241,7 +210,7 @@ def _motion(w: Wheel, twist: Row, names: Locals, divided: bool) -> CastorMotion:
     over = g.d.inverse()
     before, after = (over, Poly.of(1)) if divided else (Poly.of(1), over)
     a, b = (
-        names.poly(f"{w.name}_{k}", p * before) if len(p.terms) > 1 else p * before
+        names.short(f"{w.name}_{k}", p * before)
         for k, p in zip("ab", turned_by(w, pivot(w, twist)), strict=True)
     )
     along, across = a * c + b * s, b * c - a * s

@@ -60,8 +60,8 @@ def _invert(part: Matrix, numbers: Numbers | None) -> Matrix:
     rows = [part[i] for i in independent(padded, rank)]  # m = m^T: rows span its range
     columns = [list(column) for column in zip(*rows, strict=True)]
     core = [[_sum(a, [_sum(row, b) for row in part]) for b in rows] for a in rows]
-    left = inverse(core)
-    return [[_sum(a, [_sum(row, b) for row in left]) for b in columns] for a in columns]
+    middle = inverse(core)
+    return [[_sum(a, [_sum(row, b) for row in middle]) for b in columns] for a in columns]
 
 
 def _sum(a: list[Poly], b: list[Poly]) -> Poly:

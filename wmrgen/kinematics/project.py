@@ -70,7 +70,7 @@ def _nearest(robot: Robot, row: Row, twist: Row) -> Projection:
 
 def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
     """Rim-speed differences that equal spins cannot follow, of groups in which no wheel turns."""
-    found: list[Poly] = []
+    residuals: list[Poly] = []
     for members in robot.together("spin", (w for w in robot.wheels if w.has_spin)):
         if len(members) == 1 or any(w.turns for w in members):
             continue
@@ -78,8 +78,8 @@ def _spin_residuals(robot: Robot, twist: Row) -> list[Poly]:
         rims = [dot(rolling_row(w, working_view(w)).row, twist) for w in members]
         total = Poly.sum(r * r for r in radii).inverse()
         speed = Poly.sum(r * z for r, z in zip(radii, rims, strict=True)) * total
-        found += [z - r * speed for r, z in zip(radii, rims, strict=True)]
-    return found
+        residuals += [z - r * speed for r, z in zip(radii, rims, strict=True)]
+    return residuals
 
 
 def _translate(robot: Robot, twist: Row) -> Projection:

@@ -50,11 +50,11 @@ class Formula:
 
     def closed(self) -> dict[str, Expr]:
         """Output name -> expression in the inputs alone."""
-        known: dict[Expr, Expr] = {}
+        values: dict[Expr, Expr] = {}
         memo: dict[Expr, Expr] = {}
         for symbol, expr in self.locals:
-            known[symbol] = substituted(expr, known, memo)
-        return {port.name: substituted(expr, known, memo) for port, expr in self.outputs}
+            values[symbol] = substituted(expr, values, memo)
+        return {port.name: substituted(expr, values, memo) for port, expr in self.outputs}
 
 
 class Locals:
@@ -81,19 +81,23 @@ class Locals:
         """A new intermediate result as a generator of polynomials."""
         return Poly.gen("local", self.define(name, value).name)
 
+    def short(self, name: str, value: Poly) -> Poly:
+        """A sum as a new intermediate result; a single term as it stands."""
+        return self.poly(name, value) if len(value.terms) > 1 else value
+
     def adopt(self, formula: Formula, inputs: Mapping[str, Expr]) -> dict[str, Expr]:
         """Add the locals of ``formula``, nothing evaluated; output name -> expression.
 
         ``inputs`` replaces inputs by port name; those that it does not name stay inputs.
         """
-        known: dict[Expr, Expr] = {signal(name): value for name, value in inputs.items()}
+        values: dict[Expr, Expr] = {signal(name): value for name, value in inputs.items()}
         memo: dict[Expr, Expr] = {}
         for symbol, value in formula.locals:
-            known[symbol] = self.define(symbol.name, substituted(value, known, memo))
+            values[symbol] = self.define(symbol.name, substituted(value, values, memo))
         for call in formula.calls:
-            args = tuple(substituted(a, known, memo) for a in call.args)
-            self.calls.append(Call(call.kernel, args, tuple(known[r] for r in call.results)))
-        return {port.name: substituted(value, known, memo) for port, value in formula.outputs}
+            args = tuple(substituted(a, values, memo) for a in call.args)
+            self.calls.append(Call(call.kernel, args, tuple(values[r] for r in call.results)))
+        return {port.name: substituted(value, values, memo) for port, value in formula.outputs}
 
 
 TWIST = (

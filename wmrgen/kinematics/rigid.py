@@ -45,13 +45,13 @@ def spread(contacts: list[Contact]) -> Spread | None:
     """The pivots of ``contacts``; None where they are tunable or stand too close for their offsets."""
     shapes = [c.wheel.working for c in contacts]
     numbers = [[p.constant for p in (g.x, g.y, g.d, g.o)] for g in shapes]
-    known = [[v for v in row if v is not None] for row in numbers]
-    if len(contacts) < 2 or any(len(row) < 4 for row in known):
+    constants = [[v for v in row if v is not None] for row in numbers]
+    if len(contacts) < 2 or any(len(row) < 4 for row in constants):
         return None
-    offsets = {d for _, _, d, _ in known}
+    offsets = {d for _, _, d, _ in constants}
     unit = offsets.pop() if len(offsets) == 1 else ONE
     unit = abs(unit) if unit else ONE
-    scaled = [[v / unit for v in row] for row in known]
+    scaled = [[v / unit for v in row] for row in constants]
     centre = tuple(_total(row[k] for row in scaled) / len(scaled) for k in (0, 1))
     away = tuple((x - centre[0], y - centre[1]) for x, y, _, _ in scaled)
     far = _total(x * x + y * y for x, y in away)
@@ -70,8 +70,8 @@ def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
     """Twist and residual norm of the rigid motion nearest to ``contacts``."""
     if len(contacts) == 1:
         return _single(contacts[0], names)
-    found = spread(contacts)
-    return _centred(contacts, names) if found is None else _collapsed(contacts, found, names)
+    pivots = spread(contacts)
+    return _centred(contacts, names) if pivots is None else _collapsed(contacts, pivots, names)
 
 
 def _single(contact: Contact, names: Locals) -> tuple[Twist, Expr]:
@@ -104,12 +104,12 @@ def _centred(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
     return (expression(vx), expression(vy), expression(omega)), _norm(errors, names)
 
 
-def _collapsed(contacts: list[Contact], found: Spread, names: Locals) -> tuple[Twist, Expr]:
-    """From sums over pivots and offsets; lengths in ``found.unit``, both sums n times as large."""
-    n, over = len(contacts), found.unit.inverse()
+def _collapsed(contacts: list[Contact], pivots: Spread, names: Locals) -> tuple[Twist, Expr]:
+    """From sums over pivots and offsets; lengths in ``pivots.unit``, both sums n times as large."""
+    n, over = len(contacts), pivots.unit.inverse()
     offsets, speeds = [], []
     moment, inertia = Poly({}), Poly({})
-    for c, (px, py) in zip(contacts, found.away, strict=True):
+    for c, (px, py) in zip(contacts, pivots.away, strict=True):
         g = c.wheel.working
         fx, fy = (c.bx - g.x).scale(over), (c.by - g.y).scale(over)
         wx, wy = c.wx.scale(over), c.wy.scale(over)
@@ -124,17 +124,17 @@ def _collapsed(contacts: list[Contact], found: Spread, names: Locals) -> tuple[T
     # The linear parts have names of their own: their sums are shared with those of f and w.
     below = expression(names.poly("inertia", inertia) - fx * fx - fy * fy)
     if not _stays_positive(inertia, sums):
-        below = maximum(below, number(found.least * n / 2))
+        below = maximum(below, number(pivots.least * n / 2))
     omega = names.poly("omega_fit", expression(names.poly("moment", moment) - fx * wy + fy * wx) / below)
-    share = found.unit / n
-    x, y = found.centre
+    share = pivots.unit / n
+    x, y = pivots.centre
     vx = (wx + omega * (fy + y * n)).scale(share)
     vy = (wy - omega * (fx + x * n)).scale(share)
     errors = []
-    for (px, py), (gx, gy), (u, v) in zip(found.away, offsets, speeds, strict=True):
+    for (px, py), (gx, gy), (u, v) in zip(pivots.away, offsets, speeds, strict=True):
         bx, by = gx + px - fx.scale(Fraction(1, n)), gy + py - fy.scale(Fraction(1, n))
         errors += [u - wx.scale(Fraction(1, n)) + omega * by, v - wy.scale(Fraction(1, n)) - omega * bx]
-    return (expression(vx), expression(vy), expression(omega)), _norm(errors, names, found.unit)
+    return (expression(vx), expression(vy), expression(omega)), _norm(errors, names, pivots.unit)
 
 
 def _stays_positive(inertia: Poly, sums: list[Poly]) -> bool:

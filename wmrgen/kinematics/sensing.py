@@ -45,7 +45,7 @@ def sensed_joints(w: Wheel) -> tuple[str, ...]:
 
 
 def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
-    """Everything that is known of the twist. Passive castors and spheres say nothing."""
+    """What the sensed joints measure of the twist. Passive castors and spheres measure nothing."""
     contacts: list[Contact] = []
     components: list[Component] = []
     for w in robot.wheels:
@@ -65,7 +65,7 @@ def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
 
 
 def measured_rows(contacts: list[Contact], components: list[Component]) -> list[Measured]:
-    """Every known row over the twist, with what it measures [m/s]."""
+    """Every measured row over the twist, with its value [m/s]."""
     one, zero = Poly.of(1), Poly({})
     rows: list[Measured] = []
     for c in contacts:

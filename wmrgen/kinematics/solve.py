@@ -109,7 +109,7 @@ def _reach(wheels: list[Wheel]) -> Exact:
 
 
 def generic_rank(contacts: list[Contact], components: list[Component]) -> int:
-    """The rank of the known rows at general joint angles."""
+    """The rank of the measured rows at general joint angles."""
     wheels = _wheels(contacts, components)
     rows = [row for row, _ in measured_rows(contacts, components)]
     return max(_rank([[_at(p, k) for p in row] for row in rows], wheels) for k in range(len(_POINTS)))

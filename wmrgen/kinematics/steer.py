@@ -1,8 +1,13 @@
 """Where a steered wheel should point, and how fast its rim then moves.
 
-Two headings roll, half a turn apart: the angle theta of the line along which the pivot moves (`line`), and those
+Two headings roll, half a turn apart: the angle theta of the line along which the pivot moves, and those
 k half turns away. k = rint((theta - present) / pi) gives the nearest, at most 90 degrees away; the wheel drives
 along it with the speed of the pivot, reversed where k is odd. At standstill the present angle is held.
+
+A steered wheel rolls along its pivot's velocity (a, b) forwards or backwards, so only the line matters. With the
+size s = sqrt(a**2 + b**2), half the angle of the line has the tangent +-b / (s + |a|), its sign that of a: it lies in
+[-1, 1], from one quotient and one arctangent, and nothing cancels. The divisor is kept above `STILL`, so that whoever
+reads the C, an analyser too, sees that it is not zero.
 """
 
 from __future__ import annotations
@@ -10,13 +15,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+import mpmath
 import sympy
 
-from wmrgen.constraints import heading, working_view
-from wmrgen.exact.evaluate import add_angles, circle_point
-from wmrgen.exact.number import Exact
-from wmrgen.exact.poly import Poly
-from wmrgen.kinematics.line import STILL, Velocity, line, near_zero, short, turned_by
+from wmrgen.constraints import along, working_view
+from wmrgen.exact.evaluate import PRECISION, add_angles, circle_point, to_fraction, to_mpf, twelfths
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Call, Formula, Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.ports import Port, Role
@@ -25,14 +30,15 @@ from wmrgen.symbolic import (
     absolute,
     add,
     alternating,
-    angle_of,
     arctangent,
     at_least,
     expression,
     inverse_root,
     kept_between,
+    maximum,
     nearest,
     number,
+    root,
     select,
     signal,
     square,
@@ -41,6 +47,8 @@ from wmrgen.symbolic import (
     with_sign_of,
 )
 
+Velocity = tuple[Poly, Poly]
+STILL = Exact(Fraction(1, 10**20))  # m/s
 # 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
 WIDE = Exact(Fraction(315, 100))  # rad between limits, just over half a turn
@@ -58,25 +66,59 @@ class Target:
     spin: Expr | None = None  # [rad/s], where it is known already
 
 
-def seen_from(
-    w: Wheel,
-    velocity: Velocity,
-    names: Locals,
-    lead: Wheel | None = None,
-    at: tuple[Poly, Poly] | None = None,
-) -> tuple[Expr, Expr]:
-    """(u, w): the pivot's velocity along and across the wheel, at the present angle of ``lead``.
+@dataclass(frozen=True, slots=True)
+class Line:
+    """``heading``: joint angle [rad] of one direction of the line, that in which the pivot moves where a >= 0.
 
-    ``at``: (cos, sin) of another angle.
+    ``size``: of the velocity [m/s]. Up to `STILL` the pivot counts as standing, and there is no heading.
+    """
+
+    heading: Expr
+    size: Expr
+
+
+def line(a: Expr, b: Expr, zero: Expr, names: Locals, name: str) -> Line:
+    """The line of the velocity (a, b) [m/s] in a frame at the angle ``zero`` [rad] short of the joint's zero."""
+    size = names.define(f"{name}size", root(add(square(a), square(b))))
+    kept = names.define(f"{name}kept", maximum(number(STILL), size))
+    slope = names.define(f"{name}slope", b / add(kept, absolute(a)))
+    heading = times(with_sign_of(sympy.Integer(2), a), arctangent(slope))
+    return Line(subtract(heading, zero), size)
+
+
+def pivot(w: Wheel, twist: Row) -> Velocity:
+    """Velocity of the pivot A in the robot frame [m/s]."""
+    g = working_view(w)
+    one, zero = Poly.of(1), Poly({})
+    return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
+
+
+def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:
+    """The velocity along and across the wheel at joint angle ``angle``."""
+    g = working_view(w)
+    c, s = g.ch, g.sh
+    if angle:
+        cosine, sine = circle_point(angle.rational())
+        c, s = add_angles((c, s), (Poly.of(cosine), Poly.of(sine)))
+    return velocity[0] * c + velocity[1] * s, velocity[1] * c - velocity[0] * s
+
+
+def near_zero(w: Wheel, velocity: Velocity) -> tuple[Velocity, Expr]:
+    """The velocity in a frame at a fixed angle [rad] short of the wheel's zero, and that angle.
+
+    Turning by a quarter is free and by a tunable angle there is no other way. By any other the velocity is left in
+    the robot frame, where its cancelling terms have the plain coordinates of the pivot for factors.
     """
     g = working_view(w)
-    c, s = heading(w if lead is None else lead, g) if at is None else add_angles((g.ch, g.sh), at)
-    a, b = (
-        names.poly(f"{w.name}_{k}", p) if len(p.terms) > 1 else p for k, p in zip("ab", velocity, strict=True)
-    )
-    along = names.define(f"{w.name}_along", a * c + b * s)
-    across = names.define(f"{w.name}_across", b * c - a * s)
-    return along, across
+    c, s = g.ch.constant, g.sh.constant
+    if c is None or s is None or not (c and s):
+        return turned_by(w, velocity), sympy.S.Zero
+    for k in range(24):
+        if twelfths(k) == (c, s):
+            return velocity, times(sympy.Rational(k if k <= 12 else k - 24, 12), sympy.pi)
+    with mpmath.workdps(PRECISION):
+        angle = mpmath.atan2(to_mpf(s.rational()), to_mpf(c.rational()))
+    return velocity, number(Exact(to_fraction(angle)))
 
 
 def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Target:
@@ -85,7 +127,7 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     if limits is not None and limits.high - limits.low <= NARROW:
         return _narrow(w, limits, velocity, names)
     (x, y), zero = near_zero(w, velocity)
-    a, b = short(names, f"{w.name}_x", x), short(names, f"{w.name}_y", y)
+    a, b = expression(names.short(f"{w.name}_x", x)), expression(names.short(f"{w.name}_y", y))
     alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
     per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
@@ -147,10 +189,10 @@ def present(w: Wheel, limits: Interval | None) -> Expr:
 
 def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
     """The nearest heading, or its opposite where that one fits the limits better, and no further than the limit."""
-    low, high = _turning_points(limits)
     speed = names.define(f"{w.name}_rim", rim)
-    target = _turned_back(steer, low, high)
+    target = turned_back(steer, limits)
     if limits.high - limits.low >= WIDE:
+        low, high = _turning_points(limits)
         back = times(-1, speed)
         return Target(target, select(high, steer, back, select(steer, low, back, speed)))
     target = names.define(f"{w.name}_target", kept_between(number(limits.low), target, number(limits.high)))
@@ -170,8 +212,9 @@ def _turning_points(limits: Interval) -> tuple[Expr, Expr]:
     return number(middle - reach), number(middle + reach)
 
 
-def _turned_back(steer: Expr, low: Expr, high: Expr) -> Expr:
-    """``steer``, or half a turn from it where that lies between ``low`` and ``high`` and it does not."""
+def turned_back(steer: Expr, limits: Interval) -> Expr:
+    """``steer``, or the opposite heading where that fits the limits better."""
+    low, high = _turning_points(limits)
     target = select(high, steer, subtract(steer, sympy.pi), steer)
     return select(steer, low, add(steer, sympy.pi), target)
 
@@ -187,45 +230,10 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     cosine, sine = circle_point(half.rational())
     most = number(sine / cosine)
     x, y = turned_by(w, velocity, middle)
-    u, v = short(names, f"{w.name}_p", x), short(names, f"{w.name}_q", y)
+    u, v = expression(names.short(f"{w.name}_p", x)), expression(names.short(f"{w.name}_q", y))
     slope = names.define(f"{w.name}_tangent", kept_between(-most, v / at_least(u, number(STILL)), most))
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))
     scale = names.define(f"{w.name}_scale", inverse_root(add(sympy.S.One, square(slope))))
     return Target(steer, times(add(u, times(v, slope)), scale), times(subtract(v, times(u, slope)), scale))
-
-
-def steer_group(
-    robot: Robot, members: list[Wheel], velocities: dict[int, Velocity], names: Locals
-) -> dict[int, Target]:
-    """Wheels turned by one motor: the common angle that leaves least sliding (sum of squares).
-
-    The lateral speeds are w cos(t) - u sin(t); their squares sum to a minimum at half the angle of
-    (sum of u**2 - w**2, sum of 2 u w), the nearest of the two branches.
-    """
-    lead = members[0]
-    limits = robot.limit(lead, "steer")
-    now = present(lead, limits)
-    at = None
-    if limits is not None:
-        now = names.define(f"{lead.name}_now", now)
-        at = names.poly(f"{lead.name}_c", sympy.cos(now)), names.poly(f"{lead.name}_s", sympy.sin(now))
-    seen = {w.index: seen_from(w, velocities[w.index], names, lead, at) for w in members}
-    double = add(*(2 * u * v for u, v in seen.values()))
-    difference = add(*(subtract(u**2, v**2) for u, v in seen.values()))
-    swing = names.define(f"{lead.name}_swing", angle_of(double, difference) / 2)
-    target: Expr = add(now, swing)
-    if limits is not None:
-        target = names.define(f"{lead.name}_nearest", target)
-        best = _turned_back(target, *_turning_points(limits))
-        target = kept_between(number(limits.low), best, number(limits.high))
-    steer = names.define(f"{lead.name}_target", target)
-    turn = names.define(f"{lead.name}_turn", subtract(steer, now))
-    return {i: turned(steer, turn, u, v) for i, (u, v) in seen.items()}
-
-
-def turned(steer: Expr, turn: Expr, u: Expr, v: Expr) -> Target:
-    """The pivot's velocity (u, v) seen from the wheel after it has turned."""
-    c, s = sympy.cos(turn), sympy.sin(turn)
-    return Target(steer, add(times(u, c), times(v, s)), subtract(times(v, c), times(u, s)))

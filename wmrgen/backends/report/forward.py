@@ -11,7 +11,7 @@ from wmrgen.constraints import nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.forward import normal_equations
-from wmrgen.kinematics.odometry import SWITCH, WORST_ERROR
+from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import (
     Component,

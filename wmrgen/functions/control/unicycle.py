@@ -25,7 +25,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility

@@ -22,10 +22,10 @@ import sympy
 from wmrgen.exact.number import ONE
 from wmrgen.exact.poly import Row
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.inverse import joint_commands, moves_as_one, steered_groups
-from wmrgen.kinematics.line import Velocity, pivot
+from wmrgen.kinematics.inverse import joint_commands
 from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.steer import Target, seen_from, turned
+from wmrgen.kinematics.steer import Target, Velocity, pivot
+from wmrgen.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Limits, Port, Role, output

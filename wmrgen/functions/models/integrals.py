@@ -19,7 +19,7 @@ from wmrgen.exact.linalg import left_null_space
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Row, dot
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility

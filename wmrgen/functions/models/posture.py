@@ -32,7 +32,7 @@ from wmrgen.functions.models.polynomials import clean, domain_of, essential, quo
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system
 from wmrgen.functions.system import System
-from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, joint_port
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility

@@ -11,7 +11,7 @@ Where the yaw rate is a constant combination of wheel speeds, it integrates to a
 phi = phi0 - (r/3a)(psi1 + psi2 + psi3) (Konstantinov (6)) and phi = phi0 + r (theta_r - theta_l) / 2a of the
 differential drive (Tzafestas (2.36c)).
 
-`reach` is the inverse of `wmrgen.kinematics.odometry` (SE(2) logarithm): the chord of the arc points along theta / 2
+`reach` is the inverse of `wmrgen.kinematics.pose` (SE(2) logarithm): the chord of the arc points along theta / 2
 and is dt sinc(theta / 2) times the velocity, so
 
     v = R(-theta / 2) (x, y) / (dt sinc(theta / 2)),   omega = theta / dt
@@ -28,7 +28,7 @@ from wmrgen.exact.evaluate import number as nominal_number
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.odometry import POSE, odometry
+from wmrgen.kinematics.pose import POSE, odometry
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
 from wmrgen.kinematics.sensing import constant_normal, measured_rows, measurements
 from wmrgen.layout.records import Robot

@@ -25,10 +25,9 @@ from wmrgen.constraints import View, arm, heading, rolling_row, sliding_row, sym
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.functions.motion.paths import TWIST, named
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.dynamics import RATES
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.pose import POSE, RATES
 from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility

@@ -22,7 +22,7 @@ from wmrgen.functions.models.vector_fields import at_point, by_state, to_poly
 from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import towing_system
 from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, links_of, train
-from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility

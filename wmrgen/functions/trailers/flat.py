@@ -15,7 +15,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
 from wmrgen.functions.system import Gate, rate_port
 from wmrgen.functions.trailers.train import Steering, Train, V, train
-from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility

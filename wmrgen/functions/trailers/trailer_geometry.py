@@ -20,7 +20,7 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.trailer import THROUGH_P, Vector, fixed_axle, require_trailers, state_ports
-from wmrgen.kinematics.odometry import POSE
+from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility

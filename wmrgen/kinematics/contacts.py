@@ -13,7 +13,7 @@ import sympy
 from wmrgen.constraints import along, rolling_direction, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.records import Formula, Locals, given, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, signal_poly, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import (
@@ -41,7 +41,7 @@ def contacts(robot: Robot) -> Formula | None:
     Rollers need ``r_sw`` in the robot file, spheres ``r``.
     """
     names = Locals()
-    twist: Row = (given("vx"), given("vy"), given("omega"))
+    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     outputs: Outputs = []
     for w in robot.wheels:
         if w.kind.rollers and w.nominal.r_sw:

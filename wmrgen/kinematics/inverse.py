@@ -25,8 +25,8 @@ from wmrgen.kinematics.project import Projection, project
 from wmrgen.kinematics.records import (
     Formula,
     Locals,
-    given,
     joint_port,
+    signal_poly,
     slip_port,
     tunable_ports,
     twist_ports,
@@ -90,7 +90,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
 
 def _named_twist(projection: Projection, names: Locals) -> Row:
     """The twist to be driven; components that the projection changed get names."""
-    plain = (given("vx"), given("vy"), given("omega"))
+    plain = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     parts = [
         p if p == q or not p else names.poly(f"{n}_driven", p)
         for p, q, n in zip(projection.twist, plain, ("vx", "vy", "omega"), strict=True)

@@ -17,7 +17,7 @@ from wmrgen.exact.evaluate import fix, sqrt_poly
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly, Row, dot, has_angles
 from wmrgen.kinematics.least_squares import pseudo_inverse
-from wmrgen.kinematics.records import given
+from wmrgen.kinematics.records import signal_poly
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 
@@ -33,7 +33,7 @@ class Projection:
 
 def project(robot: Robot, mobility: Mobility) -> Projection:
     """The driven twist of a commanded one, and the residuals of the difference."""
-    twist: Row = (given("vx"), given("vy"), given("omega"))
+    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     fixed = [w for w in robot.wheels if w.kind.fixed_axle]
     picked = mobility.admissible
     if len(picked.chosen) == 1 and mobility.rank_C1f.value == 1:

@@ -155,6 +155,6 @@ def _angles(robot: Robot) -> set[str]:
     return {g.name for f in functions for a in f.args for g in a.generators if g.kind == "param"}
 
 
-def given(name: str) -> Poly:
+def signal_poly(name: str) -> Poly:
     """An input as a polynomial."""
     return Poly.gen("input", name)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from wmrgen.constraints import heading, rolling_row, sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, has_angles
-from wmrgen.kinematics.records import given
+from wmrgen.kinematics.records import signal_poly
 from wmrgen.layout.records import Robot, Wheel
 
 Measured = tuple[Row, Poly]  # row . xi = value
@@ -53,8 +53,8 @@ def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
         joints = sensed_joints(w)
         if w.turns and "steer" not in joints:
             continue
-        rate = given(f"{w.name}.steer_rate") if "steer_rate" in joints else Poly({})
-        spin = given(f"{w.name}.spin") if "spin" in joints else None
+        rate = signal_poly(f"{w.name}.steer_rate") if "steer_rate" in joints else Poly({})
+        spin = signal_poly(f"{w.name}.spin") if "spin" in joints else None
         if spin is not None and w.kind.sliding_row:
             contacts.append(_contact(w, spin, rate))
         elif spin is not None:

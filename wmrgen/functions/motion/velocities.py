@@ -28,7 +28,7 @@ from wmrgen.functions.registry import function
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.inverse import inverse
 from wmrgen.kinematics.pose import POSE, RATES
-from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Limits, Port, Role, output
@@ -115,10 +115,10 @@ def steering_matrix(robot: Robot) -> sympy.Matrix:
 
 def velocities(points: tuple[ContactPoint, ...], names: Locals) -> list[tuple[Poly, Poly]]:
     """(x, y) velocity of every contact in the robot frame, named."""
-    twist: Row = (given("vx"), given("vy"), given("omega"))
+    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     result = []
     for p in points:
-        rate = given(f"{p.wheel.name}.steer_rate") if p.swings else ZERO
+        rate = signal_poly(f"{p.wheel.name}.steer_rate") if p.swings else ZERO
         a, b = (dot(row, twist) + k * rate for row, k in zip(p.rows, p.swing, strict=True))
         result.append((names.poly(f"{p.wheel.name}_x", a), names.poly(f"{p.wheel.name}_y", b)))
     return result
@@ -196,17 +196,17 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
 
     The twist is not projected: what the wheels do not roll they slip.
     """
-    twist: Row = (given("vx"), given("vy"), given("omega"))
+    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     inputs = [*twist_ports()]
     inputs += [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns]
     inputs += [joint_port(w, "steer_rate", Role.COMMAND) for w in robot.wheels if _swings(w)]
     outputs: list[tuple[Port, Expr]] = []
     for w in robot.wheels:
         g = working_view(w)
-        rate = given(f"{w.name}.steer_rate") if _swings(w) else Poly({})
+        rate = signal_poly(f"{w.name}.steer_rate") if _swings(w) else Poly({})
         if w.has_spin:
             inputs.append(_slip_port(w, "slip_x"))
-            rim = dot(rolling_row(w, g).row, twist) - g.o * rate + given(f"{w.name}.slip_x")
+            rim = dot(rolling_row(w, g).row, twist) - g.o * rate + signal_poly(f"{w.name}.slip_x")
             spin = expression(rim * g.rolling_radius.inverse())
             outputs.append((joint_port(w, "spin", Role.COMMAND), spin))
         if w.kind.sliding_row:

@@ -27,7 +27,7 @@ from wmrgen.exact.linalg import determinant
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.records import Formula, Locals, given, joint_port, tunable_ports
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.basis import IDENTITY, primitive
 from wmrgen.mobility.ranks import independent, numeric_rank, to_array, unit_rows
@@ -145,7 +145,7 @@ def compatibility(robot: Robot, mobility: Mobility) -> Formula:
             robot, "compatibility rows",
             f"no driven wheel depends on others (driven: {', '.join(w.name for w in driven) or 'none'})",
         )  # fmt: skip
-    spins = [given(f"{w.name}.spin") for w in driven]
+    spins = [signal_poly(f"{w.name}.spin") for w in driven]
     outputs = []
     for k, row in enumerate(rows, 1):
         port = output(f"residual{k}", "rad/s", f"compatibility row {k} times the wheel speeds")

@@ -10,16 +10,13 @@ outside the package is known as soon as its module is imported.
 
 from __future__ import annotations
 
-import pkgutil
 import re
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from importlib import import_module
-from importlib.abc import InspectLoader
-from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from wmrgen.errors import NotDerivableError, RobotFileError
@@ -171,9 +168,10 @@ def _declared(name: str, table: dict[str, Declaration] | dict[str, SystemBuilder
 @cache
 def _sources() -> dict[str, str]:
     """Import path of each module below this package -> its text."""
-    texts = {}
-    for module in pkgutil.walk_packages(sys.modules[__package__].__path__, f"{__package__}."):
-        spec = find_spec(module.name)
-        assert spec is not None and isinstance(spec.loader, InspectLoader)
-        texts[module.name] = spec.loader.get_source(module.name) or ""
-    return dict(sorted(texts.items()))
+    folder = Path(__file__).parent
+    files = {file.relative_to(folder).with_suffix("").parts: file for file in sorted(folder.rglob("*.py"))}
+    return {
+        ".".join((__package__, *parts)): file.read_text(encoding="utf-8")
+        for parts, file in files.items()
+        if parts[-1] != "__init__"
+    }

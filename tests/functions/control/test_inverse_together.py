@@ -152,14 +152,6 @@ def test_coupled_pairs_are_one_module(tmp_path: Path) -> None:
         assert got["slip"] < 1e-9
 
 
-def test_c_agrees(free: Derivation) -> None:
-    cases = [twist | present for twist, present in zip(twists(20), presents(20, 3.0), strict=True)]
-    answers = evaluate_c(free.c_module, "inverse_together", cases, Choice("double"))
-    for case, answer in zip(cases, answers, strict=True):
-        expected = call(free, "inverse_together", case)
-        assert answer == pytest.approx(expected, abs=1e-12)
-
-
 def test_one_motor_needs_no_agreement(tmp_path: Path) -> None:
     text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer, bl.steer, br.steer]}]")
     with pytest.raises(NotDerivableError, match="one motor"):

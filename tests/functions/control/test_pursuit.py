@@ -23,7 +23,6 @@ from tests.functions.control.common import (
     write,
 )
 from wmrgen.errors import NotDerivableError
-from wmrgen.ir.passes.guards import findings
 from wmrgen.symbolic import signal
 
 ACKERMANN = next(p for p in ROBOTS if p.stem == "ackermann_car")
@@ -184,11 +183,3 @@ def test_limits_that_are_needed_are_named(text: str, words: str, tmp_path: Path)
     with pytest.raises(NotDerivableError) as found:
         derived(write(tmp_path, text), "input_limits").formula("input_limits")
     assert words in str(found.value)
-
-
-def test_every_quotient_and_root_is_defined(tmp_path: Path) -> None:
-    tuned = "parameters: {{b: {{value: 1.1, tunable: true}}}}\nwheels:"
-    text = limited(1.0, 1.7, 0.6).replace("wheels:", tuned.format()).replace("x: 1.0", "x: b")
-    for path in (ACKERMANN, write(tmp_path, text)):
-        function = derived(path, "input_limits").raw_module.function("input_limits")
-        assert not [f for f in findings(function) if not f.geometry]

@@ -11,7 +11,6 @@ import pytest
 import sympy
 
 from tests.functions.control.common import BACKENDS, ROBOTS, TRICYCLE, call, derived, write
-from wmrgen.ir.passes.guards import findings
 from wmrgen.layout.records import Wheel
 from wmrgen.symbolic import signal
 
@@ -67,6 +66,21 @@ class Drive:
 
 def offset(w: Wheel) -> float:
     return float(w.nominal.o) if w.type == "steered" else 0.0
+
+
+ON_ONE_BELT = """\
+wmrgen: 1
+name: belt
+wheels:
+  - {name: a, type: steered, x: 0.3,  y: 0.25, heading: 0,    r: 0.05, offset_y: 0.04}
+  - {name: b, type: steered, x: -0.3, y: 0.1,  heading: pi/2, r: 0.05, offset_y: -0.03}
+couplings: [{equal: [a.steer, b.steer]}]
+"""
+
+
+def test_rates_of_wheels_that_see_different_velocities_on_one_belt(tmp_path: Path) -> None:
+    """Their angle is half of a sum's double angle."""
+    test_rates_are_differences_of_inverse(write(tmp_path, ON_ONE_BELT))
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda p: p.stem)
@@ -141,21 +155,3 @@ def test_steering_rate_is_the_closed_form(tmp_path: Path) -> None:
         lambda e: isinstance(e, sympy.Max), lambda e: max(e.args, key=lambda p: len(p.free_symbols))
     )
     assert sympy.simplify(moving - (a * b1 - b * a1) / (a**2 + b**2)) == 0
-
-
-@pytest.mark.parametrize("robot", ROBOTS, ids=lambda p: p.stem)
-def test_every_quotient_and_root_is_defined(robot: Path) -> None:
-    function = derived(robot, "accelerations").raw_module.function("accelerations")
-    assert not [f for f in findings(function) if not f.geometry]
-
-
-@pytest.mark.parametrize("stem", ["kelly_4ws", "ackermann_car", "nomad_xr4000", "synchro_drive"])
-def test_backends_agree(stem: str) -> None:
-    path = next(p for p in ROBOTS if p.stem == stem)
-    drive = Drive(path)
-    given = twist(drive.profile, 0.3, 0) | twist(drive.profile, 0.3, 1) | drive.start
-    given |= twist(drive.profile, 0.3, 2) if drive.jerks else {}
-    exact, casadi, c = (call(path, "accelerations", given, b) for b in BACKENDS)
-    for name, value in exact.items():
-        assert casadi[name] == pytest.approx(value, rel=1e-9, abs=1e-9)
-        assert c[name] == pytest.approx(value, rel=1e-9, abs=1e-9)

@@ -15,7 +15,6 @@ from tests.conftest import Outcome
 from tests.functions.control.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.space.support import polygon
-from wmrgen.ir.passes.guards import findings
 
 Array = NDArray[np.float64]
 CG = "cg: {{x: {x}, y: {y}, z: {z}}}\n"
@@ -160,20 +159,6 @@ def test_twin_wheels_take_turns_at_the_corners(tmp_path: Path) -> None:
     found = call(path, "stability", {"fz": 9.81} | {f"{w.name}.steer": 0.3 for w in base.wheels})
     for w in base.wheels:
         assert (found[f"{w.name}.margin"] < 3.14) == (w.name in names)
-
-
-@pytest.mark.parametrize("stem", ["pr2", "nomad_xr4000", "jpl_osr"])
-def test_backends_agree_and_every_quotient_is_defined(stem: str, tmp_path: Path) -> None:
-    robot = next(p for p in ROBOTS if p.stem == stem)
-    path = write(tmp_path, robot.read_text(encoding="utf-8") + CG.format(x=0.02, y=0.01, z=0.6))
-    function = derived(path, "stability").raw_module.function("stability")
-    assert not [f for f in findings(function) if not f.geometry]
-    given = {"fx": 1.0, "fy": -0.5, "fz": 9.81}
-    given |= {p.name: 0.1 + 0.2 * k for k, p in enumerate(function.inputs) if p.name.endswith(".steer")}
-    exact, casadi, c = (call(path, "stability", given, b) for b in BACKENDS)
-    for name, value in exact.items():
-        assert casadi[name] == pytest.approx(value, rel=1e-9, abs=1e-9)
-        assert c[name] == pytest.approx(value, rel=1e-9, abs=1e-9)
 
 
 LINE = PAIR + "  - {name: middle, type: spherical, x: 0, y: 0}\n"

@@ -1,0 +1,117 @@
+"""Every function of control, motion and space: defined for every input, the same numbers on every backend."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import casadi
+import numpy as np
+import pytest
+
+import wmrgen
+from tests.conftest import GALLERY
+from tests.functions.motion.common import CAR, DIFFERENTIAL, FOUR_WS, MECANUM_T, OMNI_K, SKEWED, TRICYCLE
+from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.registry import declaration, names
+from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate_module
+from wmrgen.ir.kernels.choice import Choice
+from wmrgen.ir.passes.guards import findings
+from wmrgen.layout import build
+from wmrgen.layout.records import Robot
+from wmrgen.robot import Derivation
+from wmrgen.spec.load import read_text
+
+FAMILIES = tuple(f"wmrgen.functions.{family}." for family in ("control", "motion", "space"))
+FUNCTIONS = [n for n in names() if declaration(n).build.__module__.startswith(FAMILIES)]
+TEXTS = {
+    "car": CAR + "limits: {steer: 0.6, spin: 20}\n",
+    "differential": DIFFERENTIAL,
+    "four_ws": FOUR_WS,
+    "mecanum": MECANUM_T + "limits: {spin: [-11, 12]}\n",
+    "omni": OMNI_K,
+    "skewed": SKEWED,
+    "tricycle": TRICYCLE + "limits: {steer: 0.6, vx: 1.7}\n",
+}
+TEXTS |= {p.stem: p.read_text(encoding="utf-8") for p in GALLERY}
+MADE = [name for name in TEXTS if name not in {p.stem for p in GALLERY}]
+TINY = 1e-9
+
+
+@cache
+def robot(name: str) -> Robot:
+    """With a centre of gravity."""
+    text = TEXTS[name]
+    return build(
+        read_text(text if "cg:" in text else f"{text}cg: {{x: 0.02, y: 0.01, z: 0.6}}\n", f"{name}.yaml")
+    )
+
+
+def derivation(name: str, function: str) -> Derivation | None:
+    """That function alone; None where the robot does not have it, which the error explains."""
+    derived = wmrgen.derive(robot(name), [function])
+    try:
+        derived.formula(function)
+    except NotDerivableError as error:
+        assert str(error).startswith(f"{robot(name).name} ") and len(str(error)) > 40
+        return None
+    return derived
+
+
+def test_a_function_can_be_tried() -> None:
+    """Each on some robot."""
+    assert not [f for f in FUNCTIONS if not any(derivation(name, f) for name in (*MADE, "wpilib_swervebot"))]
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("name", TEXTS)
+def test_every_function_is_defined_everywhere(name: str, function: str) -> None:
+    """No division or root without proof; finite in float at rest and far out; Jacobians without NaN."""
+    derived = derivation(name, function)
+    if derived is None:
+        return
+    for f in derived.module.functions:
+        assert not findings(f)
+    assert not [f for f in findings(derived.raw_module.function(function)) if not f.geometry]
+    ports = [p for p in derived.formula(function).inputs if p.default is None]
+    for value in (0.0, 1e-30, 1.0, -1e6):
+        found = evaluate_module(derived.module, function, {p.name: value for p in ports}, FLOAT32)
+        assert all(math.isfinite(v) for v in found.values()), (value, found)
+    f = derived.casadi()[function]
+    x = casadi.SX.sym("x", f.n_in())
+    jacobian = casadi.Function("j", [x], [casadi.jacobian(casadi.vertcat(*f.call(casadi.vertsplit(x))), x)])
+    nominal = {p.name: float(p.nominal) for p in derived.robot.parameters}
+    assert np.isfinite(np.array(jacobian([nominal.get(n, 0.3) for n in f.name_in()]))).all()
+
+
+CASTORS_AND_COUPLINGS = [
+    ("ackermann_car", "accelerations"), ("kelly_4ws", "accelerations"), ("nomad_xr4000", "accelerations"),
+    ("synchro_drive", "accelerations"), ("jpl_osr", "stability"), ("nomad_xr4000", "stability"), ("pr2", "stability"),
+    ("wpilib_swervebot", "inverse_together"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "function"), [*((n, f) for n in MADE for f in FUNCTIONS), *CASTORS_AND_COUPLINGS]
+)
+def test_backends_agree(name: str, function: str) -> None:
+    derived = derivation(name, function)
+    if derived is None:
+        return
+    rng = np.random.default_rng(3)
+    ports = derived.formula(function).inputs
+    nominal = {p.name: float(p.default) for p in ports if p.default is not None}
+    cases = [{p.name: round(float(rng.uniform(-1, 1)), 6) for p in ports} | nominal for _ in range(3)]
+    exact = [
+        {k: float(v) for k, v in evaluate_module(derived.raw_module, function, case, EXACT).items()}
+        for case in cases
+    ]
+    f = derived.casadi()[function]
+    in_casadi = [
+        dict(zip(f.name_out(), f.call([case[n] for n in f.name_in()]), strict=True)) for case in cases
+    ]
+    for found in (in_casadi, evaluate_c(derived.c_module, function, cases, Choice("double"))):
+        for a, b in zip(exact, found, strict=True):
+            assert a.keys() == b.keys()
+            np.testing.assert_allclose([float(b[k]) for k in a], list(a.values()), rtol=TINY, atol=TINY)

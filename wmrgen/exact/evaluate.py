@@ -110,7 +110,7 @@ def cos_sin(angle: Poly) -> CosSin:
                 power = monomial[0][1] if monomial else 0
                 number += coefficient.rational() * pi_rational() ** power
         elif gen and gen.kind in ("param", "atan2") and times in _TIMES:
-            result = add_angles(result, _multiple(_base(gen), int(coefficient.parts[0])))
+            result = add_angles(result, multiple(_base(gen), int(coefficient.parts[0])))
         else:
             rest = rest + Poly({monomial: coefficient})
     if rest:
@@ -137,7 +137,7 @@ def _base(gen: Gen) -> CosSin:
     return x * hypotenuse, y * hypotenuse
 
 
-def _multiple(base: CosSin, k: int) -> CosSin:
+def multiple(base: CosSin, k: int) -> CosSin:
     """(cos, sin) of k times an angle."""
     step: CosSin = base if k > 0 else (base[0], -base[1])
     result: CosSin = (Poly.of(1), Poly.of(0))

@@ -30,6 +30,7 @@ from wmrgen.functions.models.polynomials import (
     nominal_at,
     straight,
 )
+from wmrgen.functions.registry import underivable
 from wmrgen.kinematics.records import parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.analyse import fixed
@@ -73,11 +74,11 @@ def frame(robot: Robot, mobility: Mobility, symbolic: bool, virtual: tuple[Wheel
     if not mobility.degree_of_mobility:
         raise NotDerivableError(f"{robot.name} cannot move (degree of mobility 0): it has no model of motion")
     if len(mobility.basis_wheels) > mobility.degree_of_steerability:
-        raise NotDerivableError(
-            f"{robot.name} has no model of motion with free steering rates: its couplings tie the angles of "
-            f"{', '.join(mobility.basis_wheels)} together, and the degree of steerability is "
-            f"{mobility.degree_of_steerability}"
-        )
+        raise underivable(
+            robot, "model of motion with free steering rates",
+            f"its couplings tie the angles of {', '.join(mobility.basis_wheels)} together, and the degree of "
+            f"steerability is {mobility.degree_of_steerability}",
+        )  # fmt: skip
     if virtual:
         rows = list(constant_rows(robot, mobility))
         rows += [sliding_row(w, symbolic_view(w)).row for w in virtual]
@@ -111,12 +112,12 @@ def velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly]:
     a, b, _ = cleaned((dot(along((ONE, ZERO), g), column), dot(along((ZERO, ONE), g), column), ZERO))
     terms = len(a.terms) + len(b.terms)
     if terms > MOST_TERMS:
-        raise NotDerivableError(
-            f"{frame.robot.name} has no model of motion that can be written out: the velocity of {wheel.name} has "
-            f"{terms} terms in the parameters, more than {MOST_TERMS}.\n"
+        raise underivable(
+            frame.robot, "model of motion that can be written out",
+            f"the velocity of {wheel.name} has {terms} terms in the parameters, more than {MOST_TERMS}.\n"
             "  Give numbers for some of the lengths and angles, or simpler expressions; inverse and forward do not "
-            "need it."
-        )
+            "need it.",
+        )  # fmt: skip
     return a, b
 
 

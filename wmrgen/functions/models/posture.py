@@ -24,13 +24,12 @@ from dataclasses import replace
 import sympy
 
 from wmrgen.constraints import along, heading
-from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.models.frame import ZERO, Frame, castor_rate, direct, in_coordinates, rate_row, rim_row
 from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
 from wmrgen.functions.models.polynomials import clean, domain_of, essential, quotient
 from wmrgen.functions.models.virtual import steering_frame
-from wmrgen.functions.registry import function, system
+from wmrgen.functions.registry import function, system, underivable
 from wmrgen.functions.system import System
 from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, joint_port
@@ -144,15 +143,13 @@ def zeta_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Sys
     """State xp yp theta zeta, inputs v1 v2. NotDerivableError unless one angle steers and one freedom drives."""
     degrees = (mobility.degree_of_mobility, mobility.degree_of_steerability)
     if degrees != (1, 1):
-        raise NotDerivableError(
-            f"{robot.name} has no zeta form: it needs one freedom of driving and one steering coordinate, "
-            f"degrees (1, 1), and the robot has {degrees}."
-        )
+        raise underivable(
+            robot, "zeta form", "it needs one freedom of driving and one steering coordinate, degrees (1, 1), and the "
+            f"robot has {degrees}.",
+        )  # fmt: skip
     frame = steering_frame(robot, mobility, symbolic)
     if len(frame.wheels) != 1:
-        raise NotDerivableError(
-            f"{robot.name} has no zeta form: its steering coordinate is not one wheel's angle."
-        )
+        raise underivable(robot, "zeta form", "its steering coordinate is not one wheel's angle.")
     wheel = frame.wheels[0]
     turn, speed = _turn(frame, wheel)
     zeta = signal("zeta")

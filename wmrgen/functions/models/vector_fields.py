@@ -15,9 +15,9 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.errors import NotDerivableError
-from wmrgen.exact.evaluate import circle, number
+from wmrgen.exact.evaluate import CosSin, add_angles, circle, multiple, number, sqrt_poly
 from wmrgen.exact.linalg import rank
-from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt
+from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, derivative
 from wmrgen.functions.models.sheet import tidy
 from wmrgen.functions.registry import system_builder
@@ -67,10 +67,7 @@ def _power(expr: Expr) -> Poly:
     if exponent.is_Integer:
         return base ** int(exponent)
     if exponent.is_Rational and exponent.q == 2:
-        number = base.constant
-        root = exact_sqrt(number) if number is not None else None
-        kept = Poly.of(root) if root is not None else Poly.gen("sqrt", "", base)
-        return kept ** int(exponent.p)
+        return sqrt_poly(base) ** int(exponent.p)
     raise ValueError(f"no polynomial: {expr}")
 
 
@@ -121,20 +118,19 @@ def at_point(poly: Poly, point: Mapping[str, Exact], numbers: Mapping[str, Exact
     """``poly`` with states at ``point`` and parameters at ``numbers`` put in: a number wherever the field has it."""
 
     def value(g: Gen) -> Poly | None:
-        number: Exact | None = None
-        if g.kind == "input":
-            number = point[g.name]
-        elif g.kind == "param":
-            number = numbers.get(g.name)
-        elif g.kind in ("cosf", "sinf"):
-            cos_sin = _on_circle(g.args[0], point)
-            number = None if cos_sin is None else cos_sin[g.kind == "sinf"]
-        elif g.kind == "inv":
-            return g.args[0].substitute(value).inverse()
-        elif g.kind == "sqrt":
-            square = g.args[0].substitute(value).constant
-            number = None if square is None else exact_sqrt(square)
-        return None if number is None else Poly.of(number)
+        match g.kind:
+            case "input":
+                return Poly.of(point[g.name])
+            case "param":
+                return Poly.of(numbers[g.name]) if g.name in numbers else None
+            case "cosf" | "sinf":
+                cos_sin = _on_circle(g.args[0], point)
+                return None if cos_sin is None else cos_sin[g.kind == "sinf"]
+            case "inv":
+                return g.args[0].substitute(value).inverse()
+            case "sqrt":
+                return sqrt_poly(g.args[0].substitute(value))
+        return None
 
     return poly.substitute(value)
 
@@ -144,18 +140,16 @@ def value_at(poly: Poly, point: Mapping[str, Exact], numbers: Mapping[str, Exact
     return number(at_point(poly, point, numbers), {name: Poly.of(n) for name, n in numbers.items()})
 
 
-def _on_circle(angle: Poly, point: Mapping[str, Exact]) -> tuple[Exact, Exact] | None:
+def _on_circle(angle: Poly, point: Mapping[str, Exact]) -> CosSin | None:
     """(cos, sin) of a whole-numbered sum of states; None for an angle of parameters."""
-    c, s = ONE, ZERO
+    total: CosSin = Poly.of(1), Poly({})
     for monomial, count in angle.terms.items():
         ((g, e),) = monomial
         if g.kind != "input" or e != 1 or count.den != 1 or not count.is_rational:
             return None
-        p, q = circle(point[g.name].rational())
-        q = q if count.num[0] > 0 else -q
-        for _ in range(abs(count.num[0])):
-            c, s = c * p - s * q, s * p + c * q
-    return c, s
+        c, s = circle(point[g.name].rational())
+        total = add_angles(total, multiple((Poly.of(c), Poly.of(s)), count.num[0]))
+    return total
 
 
 @dataclass(frozen=True, slots=True)

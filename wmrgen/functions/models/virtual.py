@@ -13,7 +13,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.functions.models.frame import Frame, constant_rows, frame, heading_row
 from wmrgen.functions.models.polynomials import generic, nominal_at, straight
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
 from wmrgen.layout.records import Geometry, Robot, T, Virtual, Wheel
 from wmrgen.mobility.admissible import along
@@ -169,10 +169,10 @@ def virtual_steering(robot: Robot, mobility: Mobility) -> Formula:
     """Virtual angles to the steering angles of the real wheels: cot differences are the Ackermann condition."""
     wheels = steering(robot)
     if not wheels:
-        raise NotDerivableError(
-            f"{robot.name} has no virtual steering: its file names no virtual wheel that steers.\n"
-            "  Write virtual: [{name: front, steers: [front_left, front_right]}]."
-        )
+        raise underivable(
+            robot, "virtual steering", "its file names no virtual wheel that steers.\n"
+            "  Write virtual: [{name: front, steers: [front_left, front_right]}].",
+        )  # fmt: skip
     coordinates = steering_frame(robot, mobility)
     followers = [w for w in robot.wheels if w.kind.steers]
     followers += [as_wheel(robot, v) for v in wheels[mobility.degree_of_steerability :]]

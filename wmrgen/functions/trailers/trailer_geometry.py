@@ -16,9 +16,8 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.constraints import working_view
-from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import function, underivable
 from wmrgen.functions.trailers.trailer import THROUGH_P, Vector, fixed_axle, require_trailers, state_ports
 from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
@@ -86,9 +85,8 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
     """
     require_trailers(robot, mobility)
     if fixed_axle(robot, mobility, working_view) is None:
-        raise NotDerivableError(
-            f"{robot.name} has no steady circle in closed form: its body has no fixed axle that leads the trailers."
-        )
+        why = "its body has no fixed axle that leads the trailers."
+        raise underivable(robot, "steady circle in closed form", why)
     names = Locals()
     kappa = signal("curvature")
     bend = names.define("curvature_squared", square(kappa))

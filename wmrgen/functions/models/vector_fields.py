@@ -243,9 +243,7 @@ def growth(system: System, seed: int = 0) -> Growth:
     newest = [b for b in inputs if adds_a_dimension(b)]
     vector, products = [len(reached)], 0
     while newest and len(reached) < len(state):
-        pairs = [(g, b) for b in newest for g in inputs if g.name != b.name]
-        if len(vector) == 1:
-            pairs = [(a, b) for i, a in enumerate(inputs) for b in inputs[i + 1 :]]
+        pairs = _pairs(inputs, newest)
         products += sum(_products(a.polys, b.polys) for a, b in pairs)
         if products > MOST_PRODUCTS:
             raise NotDerivableError(
@@ -260,6 +258,13 @@ def growth(system: System, seed: int = 0) -> Growth:
         if newest:
             vector.append(len(reached))
     return Growth(state, tuple(p.name for p in system.inputs), tuple(vector), tuple(reached))
+
+
+def _pairs(inputs: list[Bracket], newest: list[Bracket]) -> list[tuple[Bracket, Bracket]]:
+    """What may add a dimension: the bracket of each input with each field that added one last."""
+    if newest[0].order == 1:
+        return [(a, b) for i, a in enumerate(inputs) for b in inputs[i + 1 :]]
+    return [(g, b) for b in newest for g in inputs]
 
 
 def _products(f: Field, g: Field) -> int:

@@ -1,1 +1,1 @@
-"""The functions of a robot beyond its kinematics: models, trailers, structure, motion, control and space."""
+"""The functions of a robot beyond its kinematics: models, trailers, motion, control and space."""

@@ -1,1 +1,1 @@
-"""Models of a robot as control systems: posture, configuration, zeta form, slip, virtual wheels."""
+"""A robot as a control system: coordinates and inputs, posture to zeta form, Lie brackets, integrability."""

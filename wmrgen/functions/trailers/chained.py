@@ -18,7 +18,7 @@ import sympy
 
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
-from wmrgen.functions.trailers.train import V, Written, train, write
+from wmrgen.functions.trailers.train import TrainTerms, V, terms_of, train
 from wmrgen.kinematics.records import Formula, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
@@ -52,7 +52,7 @@ def _rates(letter: str, values: Iterable[Expr]) -> Outputs:
 @function(SOURCE)
 def chained(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta, steering, trailers to z1 ... zn."""
-    w = write(train(robot, mobility))
+    w = terms_of(train(robot, mobility))
     n = w.train.size
     inputs = (*w.train.state, *tunable_ports(robot))
     outputs = _states("z", coordinates(w), "the chain")
@@ -60,7 +60,7 @@ def chained(robot: Robot, mobility: Mobility) -> Formula:
     return Formula("chained", inputs, tuple(w.names.items), outputs, f"state of the (2,{n}) chain; {cite}")
 
 
-def coordinates(w: Written) -> tuple[Expr, ...]:
+def coordinates(w: TrainTerms) -> tuple[Expr, ...]:
     """z1 ... zn in the state."""
     if w.path is None:
         along = add(times(w.x, w.cosine), times(w.y, w.sine))
@@ -73,7 +73,7 @@ def coordinates(w: Written) -> tuple[Expr, ...]:
 @function(SOURCE)
 def chained_input(robot: Robot, mobility: Mobility) -> Formula:
     """State and u1, u2 to v, the steering rate, and the twist of P that `inverse` turns into wheel commands."""
-    w = write(train(robot, mobility))
+    w = terms_of(train(robot, mobility))
     u1, u2 = (signal(p.name) for p in U)
     v, turning = own_inputs(w, u1, u2)
     v = w.names.define("axle_speed", v)
@@ -83,7 +83,7 @@ def chained_input(robot: Robot, mobility: Mobility) -> Formula:
     return Formula("chained_input", inputs, tuple(w.names.items), outputs, text)
 
 
-def own_inputs(w: Written, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
+def own_inputs(w: TrainTerms, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
     """v, and the yaw rate or the steering rate."""
     p = w.path
     if p is None:
@@ -93,7 +93,7 @@ def own_inputs(w: Written, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
     return times(u1, p.speed), times(p.inverse_gain, bend, rest)
 
 
-def commands(w: Written, v: Expr, turning: Expr) -> Outputs:
+def commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
     """v, vx, vy, omega of P and the steering rate, where there is one."""
     omega = turning if w.curvature is None else times(w.curvature, v)
     omega = w.names.define("yaw_rate", omega)
@@ -105,7 +105,7 @@ def commands(w: Written, v: Expr, turning: Expr) -> Outputs:
 @function(SOURCE)
 def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
     """State and the robot's own inputs (v and the yaw or steering rate) to z1' ... zn'; u1, u2 are the first two."""
-    w = write(train(robot, mobility))
+    w = terms_of(train(robot, mobility))
     inputs = (*w.train.state, V, w.train.turning, *tunable_ports(robot))
     u1, u2 = chain_inputs(w, signal("v"), signal(w.train.turning.name))
     z = coordinates(w)
@@ -115,7 +115,7 @@ def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
     return Formula("chained_rates", inputs, tuple(w.names.items), _rates("z", rates), text)
 
 
-def chain_inputs(w: Written, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
+def chain_inputs(w: TrainTerms, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
     """u1, u2 of the robot's own inputs."""
     p = w.path
     if p is None:
@@ -125,17 +125,17 @@ def chain_inputs(w: Written, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
     return u1, add(times(p.slopes[-1], u1), times(p.gain, leverage, turning))
 
 
-def _chain_of_three(robot: Robot, mobility: Mobility) -> Written:
+def _chain_of_three(robot: Robot, mobility: Mobility) -> TrainTerms:
     t = train(robot, mobility, what=INTEGRATOR)
     if not t.by_heading:
         raise NotDerivableError(
             f"{robot.name}: {INTEGRATOR} is equivalent to the (2,3) chain of a (2, 0) robot without trailers "
             f"(Tzafestas (2.65)); this one has {t.size} states and becomes the (2,{t.size}) chain: `chained`"
         )
-    return write(t)
+    return terms_of(t)
 
 
-def _integrator(w: Written) -> tuple[Expr, Expr, Expr]:
+def _integrator(w: TrainTerms) -> tuple[Expr, Expr, Expr]:
     z1, z2, z3 = (w.names.define(f"chain_z{k}", z) for k, z in enumerate(coordinates(w), 1))
     return z1, z2, add(times(sympy.Integer(-2), z3), times(z1, z2))
 

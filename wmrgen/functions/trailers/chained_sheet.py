@@ -77,11 +77,14 @@ def _by_position(t: Train) -> tuple[list[Equation], list[Equation], Domain]:
 
 @dataclass(frozen=True, slots=True)
 class _Path:
-    """``slopes[m]``: the derivative m + 1 of y by x of the last axle; ``speed``: w_0; ``answer``: 1/(dz2/d turning)."""
+    """``slopes[m]``: derivative m + 1 of y by x of the last axle; ``speed``: w_0.
+
+    ``inverse_gain``: 1/(dz2/d turning).
+    """
 
     slopes: list[Poly]
     speed: Poly
-    answer: Poly
+    inverse_gain: Poly
 
 
 def _path(t: Train) -> tuple[_Path, Domain]:
@@ -89,20 +92,20 @@ def _path(t: Train) -> tuple[_Path, Domain]:
     last, *hitches = [tuple(map(to_poly, (x.cosine, x.sine, x.inverse_length))) for x in links_of(t)]
     c, s, _ = last
     domain = [(expression(c), "the last axle drives at a right angle to world x: turn the world frame")]
-    slope, w, answer = s * c.inverse(), c.inverse(), c * c
+    slope, w, inverse_gain = s * c.inverse(), c.inverse(), c * c
     rates: dict[str, Poly] = {}
     for trailer, (c, s, inverse_length) in zip(reversed(t.robot.trailers), hitches, strict=True):
         rates[f"{trailer.name}.theta"] = s * c.inverse() * w * inverse_length
-        answer = answer * c * c * inverse_length.inverse() * w.inverse()
+        inverse_gain = inverse_gain * c * c * inverse_length.inverse() * w.inverse()
         w = w * c.inverse()
         domain.append((expression(c), f"{trailer.name} is jack-knifed"))
     if t.steering is not None:
         rates["theta"] = Poly.gen("local", "kappa") * w
-        answer = answer * w.inverse()
+        inverse_gain = inverse_gain * w.inverse()
     slopes = [slope]
     while len(slopes) < t.size - 1 and len(slopes[-1].terms) < MOST_TERMS:
         slopes.append(Poly.sum(by_state(slopes[-1], q) * rate for q, rate in rates.items()))
-    return _Path(slopes, w, answer), domain
+    return _Path(slopes, w, inverse_gain), domain
 
 
 def _transformation(t: Train, slopes: list[Poly]) -> list[Equation]:
@@ -120,7 +123,7 @@ def _inputs(t: Train, path: _Path, bend: Expr) -> list[Equation]:
     u1, u2 = (signal(p.name) for p in U)
     complete = len(path.slopes) == t.size - 1
     drift = tidy(expression(path.slopes[-1])) if complete else local("dz2/dz1")
-    rate = tidy(bend) * tidy(expression(path.answer)) * (u2 - drift * u1)
+    rate = tidy(bend) * tidy(expression(path.inverse_gain)) * (u2 - drift * u1)
     return [Equation(V.name, tidy(expression(path.speed)) * u1), Equation(t.turning.name, rate)]
 
 

@@ -111,7 +111,7 @@ def train(robot: Robot, mobility: Mobility, symbolic: bool = False, what: str = 
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
+class TrainTerms:
     """A train with its axle's direction, position, curvature and path written down."""
 
     train: Train
@@ -126,7 +126,7 @@ class Written:
     path: Path | None  # None where z1 is the heading
 
 
-def write(t: Train) -> Written:
+def terms_of(t: Train) -> TrainTerms:
     """Everything that the functions below share."""
     names, axle = Locals(), t.axle
     c, s = axle.turned(sympy.cos(signal("theta")), sympy.sin(signal("theta")))
@@ -135,11 +135,11 @@ def write(t: Train) -> Written:
     curvature: Expr | None = None
     leverage = inverse_leverage = sympy.S.One
     if t.steering is not None:
-        curvature, leverage, inverse_leverage = bending(t.steering, names)
+        curvature, leverage, inverse_leverage = curvature_of(t.steering, names)
     x, y = last_axle(t)
     x, y = names.define("last_x", x), names.define("last_y", y)
     driven = None if t.by_heading else path(names, links_of(t), curvature)
-    return Written(t, names, c, s, x, y, curvature, leverage, inverse_leverage, driven)
+    return TrainTerms(t, names, c, s, x, y, curvature, leverage, inverse_leverage, driven)
 
 
 def last_axle(t: Train) -> Vector:
@@ -152,7 +152,7 @@ def last_axle(t: Train) -> Vector:
     return point
 
 
-def bending(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
+def curvature_of(s: Steering, names: Locals) -> tuple[Expr, Expr, Expr]:
     """kappa [1/m] of the axle's path, dkappa/dbeta and dbeta/dkappa, for the steering angle beta."""
     beta = signal(f"{s.name}.steer")
     c, n = sympy.cos(beta), sympy.sin(beta)

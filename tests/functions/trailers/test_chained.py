@@ -33,6 +33,7 @@ from wmrgen.functions.trailers import chained_sheet
 from wmrgen.functions.trailers.chained import chained
 from wmrgen.functions.trailers.chained_sheet import verify
 from wmrgen.robot import Derivation, derive
+from wmrgen.symbolic import AtLeast
 
 FREE = {k: f"{{value: {v}, tunable: true}}" for k, v in (("base", "1.4"), ("b", "0.3"), ("a", "0.27"))}
 LENGTHS = {f"l{k}": f"{{value: {1.5 - 0.2 * k:.1f}, tunable: true}}" for k in range(1, 4)}
@@ -45,6 +46,8 @@ def inside(expr: Any) -> Any:
     """The expression inside its domain: every guard open."""
     if isinstance(expr, sympy.Piecewise):
         return inside(expr.args[-1][0])
+    if isinstance(expr, AtLeast):
+        return inside(expr.args[0])
     return expr.func(*(inside(a) for a in expr.args)) if expr.args else expr
 
 

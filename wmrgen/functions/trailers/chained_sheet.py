@@ -27,7 +27,7 @@ from wmrgen.kinematics.records import Formula, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port
-from wmrgen.symbolic import Expr, expression, local, rotated, signal
+from wmrgen.symbolic import AtLeast, Expr, expression, local, rotated, signal
 
 POINTS = 3
 MANY_TRAILERS = 8  # beyond, one exact point takes seconds
@@ -192,12 +192,23 @@ class _Place:
         return [here._value_and_rate(expr) for _, expr in formula.outputs]
 
     def _value_and_rate(self, expr: Expr) -> tuple[Exact, Exact]:
-        if isinstance(expr, sympy.Piecewise):  # a guard: |divisor| < least decides
-            (closed, condition), (opened, _) = expr.args
-            divisor, least = self.value(to_poly(condition.lts.args[0])), self.value(to_poly(condition.gts))
-            expr = closed if abs(divisor) < least else opened
+        expr = self._unguarded(expr)
         poly = to_poly(expr)
         return self.value(poly), self.rate(expr, poly)
+
+    def _unguarded(self, expr: Expr) -> Expr:
+        """What a guard of a divisor lets through here; ValueError where it is closed."""
+        if isinstance(expr, sympy.Piecewise):
+            (_, condition), (opened, _) = expr.args
+            divisor, least = condition.lts.args[0], condition.gts
+        elif isinstance(expr, AtLeast):
+            divisor, least = expr.args
+            opened = divisor
+        else:
+            return expr
+        if abs(self.value(to_poly(divisor))) < self.value(to_poly(least)):
+            raise ValueError(f"{divisor} is too small here")
+        return opened
 
 
 def _residuals(t: Train, mobility: Mobility, functions: tuple[Formula, ...], seed: int) -> list[Exact]:

@@ -273,3 +273,16 @@ def test_the_centroid_of_belt_steered_wheels_keeps_its_velocity() -> None:
         assert abs(along - v) < 1e-12
     places = [complex(w["x"] - 0.4, w["y"] - 0.5) for w in shifted]
     assert found["slip"] == pytest.approx(0.7 * math.sqrt(sum(abs(p) ** 2 for p in places) / 3))
+
+
+@pytest.mark.parametrize("heading", [0.7, -0.7])
+def test_of_motions_of_equal_freedom_the_straightest_is_taken(heading: float) -> None:
+    """A fixed wheel and two that a belt steers, not parallel: two turns are left, and the wider one is driven."""
+    wheels = [
+        wheel("f", "fixed", 0.0, 0.2),
+        wheel("a", "steered", 0.5, 0.3, heading=heading),
+        wheel("b", "steered", -0.5, -0.3),
+    ]
+    m = derived({"wheels": wheels, "couplings": [("steer", ["a", "b"])]}).derivation.mobility
+    vx, _, omega = m.admissible.sample
+    assert m.degree_of_mobility == 1 and vx > abs(omega) > 0

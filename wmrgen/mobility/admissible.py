@@ -23,6 +23,7 @@ from wmrgen.mobility.ranks import null_basis
 from wmrgen.mobility.records import Array
 
 SMALL = 1e-9
+NOISE = 1e-15  # of a unit twist, of rounding alone
 _WEIGHTS = (0.83, -0.41, 0.57)  # of a generic twist
 
 
@@ -162,9 +163,10 @@ def _speed_form(w: Wheel) -> Array:
 
 def components(rows: Array, forms: Sequence[Array], tolerance: float = SMALL) -> list[Component]:
     """Components of {xi: rows xi = 0 and every form vanishes}; forms on that space below ``tolerance`` are none."""
-    space = null_basis(rows) + 0.0  # no negative zeros
+    space = null_basis(rows)
     if not len(space):
         return []
+    space = np.where(np.abs(space) < NOISE, 0.0, _oriented(space[0])[None, :] if len(space) == 1 else space)
     seen = [space @ f @ space.T for f in forms]
     reduced = [f for f, g in zip(seen, forms, strict=True) if np.abs(f).max() > tolerance * np.abs(g).max()]
     if not reduced:

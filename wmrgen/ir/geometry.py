@@ -18,11 +18,11 @@ Form = dict[Monomial, Exact]  # a sum of monomials with non-zero coefficients
 
 def geometry_only(function: Function) -> list[bool]:
     """For every node whether it depends on constants, geometry and prepared inputs alone."""
-    early = {port.name for port in function.inputs if port.role in (Role.GEOMETRY, Role.PREPARED)}
-    known: list[bool] = []
+    names = {port.name for port in function.inputs if port.role in (Role.GEOMETRY, Role.PREPARED)}
+    early: list[bool] = []
     for node in function.nodes:
-        known.append(node.name in early if node.op is Op.INPUT else all(known[arg] for arg in node.args))
-    return known
+        early.append(node.name in names if node.op is Op.INPUT else all(early[arg] for arg in node.args))
+    return early
 
 
 def times(a: Monomial, b: Monomial, power: int = 1) -> Monomial:
@@ -49,10 +49,10 @@ class Scalars:
 
     __slots__ = ("_builder", "_forms", "_function")
 
-    def __init__(self, function: Function, builder: Builder, known: list[bool]) -> None:
+    def __init__(self, function: Function, builder: Builder, early: list[bool]) -> None:
         self._function, self._builder = function, builder
         self._forms: dict[int, Form] = {}
-        for i, geometry in enumerate(known):
+        for i, geometry in enumerate(early):
             if geometry:
                 self._forms[i] = self._form(i)
 
@@ -79,9 +79,9 @@ class Scalars:
                 return {}
             power = 1 if node.op is Op.MUL else -1
             return {times(a, b, power): p * q if power > 0 else p / q}
-        made = builder.copy(node, [self.node_of(arg) for arg in args])
-        constant = builder.value(made)
-        return self._atom(made) if constant is None else ({(): constant} if constant else {})
+        atom = builder.copy(node, [self.node_of(arg) for arg in args])
+        constant = builder.value(atom)
+        return self._atom(atom) if constant is None else ({(): constant} if constant else {})
 
     def _atom(self, node: int) -> Form:
         scaled = self._builder.scaled(node)

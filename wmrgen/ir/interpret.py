@@ -105,10 +105,10 @@ def evaluate_module(
 ) -> dict[str, Any]:
     """`evaluate` of the function called ``name``, without calls, after ``prepare`` where the module has one."""
     function = inlined(module.function(name), by_name(module.kernels))
-    known: dict[str, Number] = dict(inputs)
+    whole: dict[str, Number] = dict(inputs)
     if module.prepare is not None and any(port.role is Role.PREPARED for port in function.inputs):
-        known.update(evaluate(module.prepare, inputs, arithmetic))
-    return evaluate(function, known, arithmetic)
+        whole.update(evaluate(module.prepare, inputs, arithmetic))
+    return evaluate(function, whole, arithmetic)
 
 
 def values_of(function: Function, inputs: Mapping[str, Any], kind: Any) -> list[Any]:

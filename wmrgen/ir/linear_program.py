@@ -47,11 +47,11 @@ class Magnitudes:
                     value, sign = -value, -1
                 break
         key = (value, coefficient.atom)
-        found = self._index.get(key)
-        if found is None:
-            found = self._index[key] = len(self.table)
+        index = self._index.get(key)
+        if index is None:
+            index = self._index[key] = len(self.table)
             self.table.append(Coefficient(value, coefficient.atom))
-        return found, sign
+        return index, sign
 
     def ratio(self, a: int, b: int) -> tuple[int, int] | None:
         """a / b as (magnitude, sign); None where it is no coefficient."""
@@ -61,9 +61,9 @@ class Magnitudes:
             return a, 1
         if (a, b) not in self._ratios:
             p, q = self.table[a], self.table[b]
-            known = q.atom is None or q.atom == p.atom
+            comparable = q.atom is None or q.atom == p.atom
             atom = None if q.atom == p.atom else p.atom
-            self._ratios[a, b] = self.split(Coefficient(p.value / q.value, atom)) if known else None
+            self._ratios[a, b] = self.split(Coefficient(p.value / q.value, atom)) if comparable else None
         return self._ratios[a, b]
 
 
@@ -108,16 +108,16 @@ def transpose(graph: Graph) -> Graph:
     for i, output in enumerate(graph.outputs):
         if output is not None:
             place[output[0]].append((i, output[1]))
-    made: list[Edge | None] = [None] * size
+    turned_edges: list[Edge | None] = [None] * size
     for node in range(size - 1, -1, -1):
         inflow = list(place[node])
         for user, sign in users[node]:
-            edge = made[user]
+            edge = turned_edges[user]
             if edge is not None:
                 inflow.append((edge[0], edge[1] * sign))
         if inflow:
-            made[node] = turned.add(inflow, graph.factors[node])
-    turned.outputs = [made[i] for i in range(graph.inputs)]
+            turned_edges[node] = turned.add(inflow, graph.factors[node])
+    turned.outputs = [turned_edges[i] for i in range(graph.inputs)]
     return turned
 
 
@@ -138,18 +138,18 @@ class Emitter:
         edge = self._graph.outputs[index]
         if edge is None:
             return self._builder.const(Exact(0))
-        made, graph = self._made, self._graph
+        nodes, graph = self._made, self._graph
         stack = [edge[0]]
         while stack:
             node = stack[-1]
-            missing = [source for source, _ in graph.sources[node] if source not in made]
-            if node in made or not missing:
+            missing = [source for source, _ in graph.sources[node] if source not in nodes]
+            if node in nodes or not missing:
                 stack.pop()
-                if node not in made:
-                    made[node] = term(node) if node < graph.inputs else self._emit(node)
+                if node not in nodes:
+                    nodes[node] = term(node) if node < graph.inputs else self._emit(node)
             else:
                 stack += missing
-        result = made[edge[0]]
+        result = nodes[edge[0]]
         return result if edge[1] == self._signs[edge[0]] else self._builder.neg(result)
 
     def _emit(self, node: int) -> int:
@@ -166,13 +166,13 @@ class Emitter:
     def _sum(self, edges: Sequence[Edge]) -> int:
         """The sum of the signed nodes, a positive one first."""
         first = next((k for k, (_, sign) in enumerate(edges) if sign > 0), None)
-        builder, made = self._builder, self._made
+        builder, nodes = self._builder, self._made
         if first is None:
             return builder.neg(self._sum([(node, -sign) for node, sign in edges]))
-        total = made[edges[first][0]]
+        total = nodes[edges[first][0]]
         for k, (node, sign) in enumerate(edges):
             if k != first:
-                total = builder.add(total, made[node]) if sign > 0 else builder.sub(total, made[node])
+                total = builder.add(total, nodes[node]) if sign > 0 else builder.sub(total, nodes[node])
         return total
 
 

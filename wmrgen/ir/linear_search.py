@@ -88,7 +88,7 @@ def by_products(columns: int, rows: Sequence[Row], scales: Sequence[int]) -> Gra
 def by_ratios(columns: int, rows: Sequence[Row], magnitudes: Magnitudes) -> Graph:
     """The graph of  y_i = sum_j rows[i][j] t_j  that shares pairs of any ratio first."""
     graph = Graph(columns)
-    left = [dict(row) for row in rows]
+    rest = [dict(row) for row in rows]
     products: dict[tuple[int, int], int] = {}
 
     def product(column: int, magnitude: int) -> int:
@@ -100,10 +100,10 @@ def by_ratios(columns: int, rows: Sequence[Row], magnitudes: Magnitudes) -> Grap
         ratio = magnitudes.ratio(b[0], a[0])
         return None if ratio is None else (i, j, ratio[0], ratio[1] * a[1] * b[1])
 
-    if len(left) > 1:
-        _merge_pairs(left, key_of, lambda key: graph.add([(key[0], 1), (product(key[1], key[2]), key[3])]))
-    uses = Counter((column, magnitude) for row in left for column, (magnitude, _) in row.items())
-    for row in left:
+    if len(rest) > 1:
+        _merge_pairs(rest, key_of, lambda key: graph.add([(key[0], 1), (product(key[1], key[2]), key[3])]))
+    uses = Counter((column, magnitude) for row in rest for column, (magnitude, _) in row.items())
+    for row in rest:
         graph.outputs.append(_factored(graph, row, uses, product))
     return graph
 
@@ -142,11 +142,11 @@ def cheapest(rows: Sequence[Mapping[int, Coefficient]], columns: int, magnitudes
             best = graph
     if best is None:
         best = by_products(columns, distinct, [0] * len(distinct))
-    made = best.outputs
+    outputs = best.outputs
     best.outputs = []
     scaled: dict[tuple[int, int], int] = {}
     for k, magnitude, sign in copies:
-        edge = made[k]
+        edge = outputs[k]
         if edge is not None and magnitude:
             if (k, magnitude) not in scaled:
                 scaled[k, magnitude] = best.add([(edge[0], 1)], magnitude)[0]
@@ -214,10 +214,9 @@ def _candidates(rows: Sequence[Row], columns: int, magnitudes: Magnitudes) -> It
 
 def _with_copies(graph: Graph, copies: Sequence[tuple[int, int, int]]) -> Graph:
     """``graph`` with its outputs copied out to the proportional rows that it stands for."""
-    made = graph.outputs
-    outputs = []
+    outputs: list[Edge | None] = []
     for k, magnitude, sign in copies:
-        edge = made[k]
+        edge = graph.outputs[k]
         if edge is not None:
             edge = graph.add([edge], magnitude) if magnitude else edge
             edge = (edge[0], edge[1] * sign)

@@ -74,16 +74,16 @@ def _hoist_one(
     wanted.update(function.results)
     moved: dict[int, int] = {}
     own = Builder()
-    made: list[int] = []
+    built: list[int] = []
     used: dict[str, Port] = {}
     for i, node in enumerate(function.nodes):
         if not early[i]:
-            args = [made[arg] for arg in node.args]
-            made.append(own.again(node, args))
+            args = [built[arg] for arg in node.args]
+            built.append(own.again(node, args))
             continue
         _move(function, i, moved, builder)
-        made.append(_reference(own, builder, moved[i], prepared, used) if i in wanted else -1)
-    results = [made[result] for result in function.results]
+        built.append(_reference(own, builder, moved[i], prepared, used) if i in wanted else -1)
+    results = [built[result] for result in function.results]
     inputs = tuple(port for port in function.inputs if port.role is not Role.GEOMETRY)
     return own.function(
         function.name, inputs + tuple(used.values()), function.outputs, results, function.text
@@ -92,11 +92,11 @@ def _hoist_one(
 
 def _tunable(function: Function, names: set[str]) -> list[bool]:
     """Nodes that depend on tunable parameters, and on nothing else that changes."""
-    known = geometry_only(function)
+    early = geometry_only(function)
     touched: list[bool] = []
     for i, node in enumerate(function.nodes):
         reads = node.name in names if node.op is Op.INPUT else any(touched[arg] for arg in node.args)
-        touched.append(known[i] and reads)
+        touched.append(early[i] and reads)
     return touched
 
 

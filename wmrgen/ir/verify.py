@@ -101,9 +101,9 @@ def _arbitrary(op: Op, enter: Callable[[Any], Any], folds: bool) -> Callable[...
     salt = mix(*op.name.encode())
 
     def value(*args: Any) -> Any:
-        known = op.fold(*args) if folds and op.fold is not None else None
-        if known is not None:
-            return enter(known)
+        folded = op.fold(*args) if folds and op.fold is not None else None
+        if folded is not None:
+            return enter(folded)
         if op.parity < 0 and not args[0]:
             return enter(0)
         if op.parity and args[0].sign < 0:

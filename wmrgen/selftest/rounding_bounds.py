@@ -47,28 +47,28 @@ def bounds(function: Function, inputs: Mapping[str, Bounded], scalar: str, count
     """Every node of ``function`` at ``count`` points; ``inputs`` by name."""
     unit = np.array([[UNITS[scalar] + _HALF], [_HALF]])
     largest = LARGEST_ANGLE[scalar]
-    known: list[Bounded] = []
+    nodes: list[Bounded] = []
     with np.errstate(all="ignore"):
         for node in function.nodes:
             if node.value is not None:
                 value, error = _constant(node.value, scalar)
-                known.append(Bounded(np.full(count, value), np.broadcast_to(error, (2, count))))
+                nodes.append(Bounded(np.full(count, value), np.broadcast_to(error, (2, count))))
             elif node.op is Op.INPUT:
-                known.append(inputs[node.name or ""])
+                nodes.append(inputs[node.name or ""])
             else:
                 op, args = node.meaning
                 assert op.running is not None
-                known.append(op.running(unit, *(known[a] for a in args)))
+                nodes.append(op.running(unit, *(nodes[a] for a in args)))
                 if op in (Op.SIN, Op.COS):
-                    known[-1] = _within(known[-1], known[args[0]], largest)
-    return known
+                    nodes[-1] = _within(nodes[-1], nodes[args[0]], largest)
+    return nodes
 
 
-def outputs(function: Function, known: list[Bounded]) -> dict[str, Bounded]:
+def outputs(function: Function, nodes: list[Bounded]) -> dict[str, Bounded]:
     """The outputs by name."""
-    return {port.name: known[i] for port, i in zip(function.outputs, function.results, strict=True)}
+    return {port.name: nodes[i] for port, i in zip(function.outputs, function.results, strict=True)}
 
 
-def _within(made: Bounded, angle: Bounded, largest: float) -> Bounded:
+def _within(wave: Bounded, angle: Bounded, largest: float) -> Bounded:
     """No bound where the angle is beyond ``largest``."""
-    return Bounded(made.value, np.where(np.abs(angle.value) <= largest, made.error, np.inf))
+    return Bounded(wave.value, np.where(np.abs(angle.value) <= largest, wave.error, np.inf))

@@ -62,9 +62,9 @@ def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ..
     """A table per function with inputs and outputs (a variant in that of its function), then one for the law."""
     module = inlined_calls(module)
     prepared = prepared_of(module, scalar)
-    found = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
+    computed = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
     laws = [_law(module, name, scalar, site, prepared) for name in INVERSES]
-    return tuple(t for t in (*found, *laws) if t is not None and t.vectors)
+    return tuple(t for t in (*computed, *laws) if t is not None and t.vectors)
 
 
 def contract(function: Function) -> tuple[Port, ...]:
@@ -93,10 +93,10 @@ def _names(ports: Sequence[Port]) -> tuple[str, ...]:
 def prepared_of(module: Module, scalar: str) -> dict[str, Bounded]:
     """Tunable parameters at their nominal values, and what prepare() makes of them; one point."""
     ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
-    known = {p.name: _nominal(p, scalar) for p in ports if p.default is not None}
+    nominal = {p.name: _nominal(p, scalar) for p in ports if p.default is not None}
     if module.prepare is not None:
-        known |= outputs(module.prepare, bounds(module.prepare, known, scalar, 1))
-    return known
+        nominal |= outputs(module.prepare, bounds(module.prepare, nominal, scalar, 1))
+    return nominal
 
 
 def _nominal(port: Port, scalar: str) -> Bounded:
@@ -114,23 +114,23 @@ def _table(
         rows_, fixed = np.array([values for _, values in tried]), {n: b.value for n, b in prepared.items()}
         tried += [point for f in group for point in near_thresholds(f, ports, rows_, fixed)]
     columns = _columns(ports, tried, prepared)
-    known = [bounds(function, columns, scalar, len(tried)) for function in group]
-    made: dict[str, Bounded] = {}
-    for function, nodes in zip(group, known, strict=True):
+    nodes_of = [bounds(function, columns, scalar, len(tried)) for function in group]
+    results: dict[str, Bounded] = {}
+    for function, nodes in zip(group, nodes_of, strict=True):
         for name, b in outputs(function, nodes).items():
-            before = made.get(name, b)
-            made[name] = Bounded(before.value, np.maximum(before.error, b.error))
-    rows = _kept([b for nodes in known for b in nodes], tried, _sound(made.values(), scalar))
+            before = results.get(name, b)
+            results[name] = Bounded(before.value, np.maximum(before.error, b.error))
+    rows = _kept([b for nodes in nodes_of for b in nodes], tried, _sound(results.values(), scalar))
 
     def exactly(point: Array) -> dict[str, Exact]:
-        given = {p.name: Exact(Fraction(x)) for p, x in zip(ports, point.tolist(), strict=True)}
-        each = [evaluate_module(module, f.name, given, EXACT) for f in group]
+        inputs = {p.name: Exact(Fraction(x)) for p, x in zip(ports, point.tolist(), strict=True)}
+        each = [evaluate_module(module, f.name, inputs, EXACT) for f in group]
         return {name: value for values in each for name, value in values.items()}
 
-    most = max(_LEAST, _NUMBERS // (len(ports) + 2 * len(made)))
+    most = max(_LEAST, _NUMBERS // (len(ports) + 2 * len(results)))
     rows = rows[:: -(-len(rows) // most)] if len(rows) > most else rows
-    vectors = tuple(_vectors(tried, made, rows, scalar, exactly))
-    return Table(tuple(f.name for f in group), _names(ports), tuple(made), vectors)
+    vectors = tuple(_vectors(tried, results, rows, scalar, exactly))
+    return Table(tuple(f.name for f in group), _names(ports), tuple(results), vectors)
 
 
 def _columns(
@@ -146,16 +146,16 @@ def _columns(
     return columns
 
 
-def _sound(made: Iterable[Bounded], scalar: str) -> Array:
+def _sound(results: Iterable[Bounded], scalar: str) -> Array:
     """Per point: every output is finite and its bound small."""
     worst = _WORST * UNITS[scalar]
-    good = [np.isfinite(b.value) & (b.error[0] <= worst * (1 + np.abs(b.value))) for b in made]
+    good = [np.isfinite(b.value) & (b.error[0] <= worst * (1 + np.abs(b.value))) for b in results]
     return np.logical_and.reduce(good)
 
 
-def _kept(known: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
+def _kept(nodes: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> list[int]:
     """The first points that are sound; of the pool those with two outcomes of choices that are rare together."""
-    choices = [b.taken[0] for b in known if b.taken is not None]
+    choices = [b.taken[0] for b in nodes if b.taken is not None]
     taken = np.array(choices).reshape(len(choices), len(tried))
     outcomes = np.concatenate([taken == 1, taken == -1])
     seen = np.zeros((len(outcomes), len(outcomes)), dtype=int)
@@ -173,14 +173,14 @@ def _kept(known: Sequence[Bounded], tried: Sequence[Point], sound: Array) -> lis
 
 def _vectors(
     tried: Sequence[Point],
-    made: Mapping[str, Bounded],
+    results: Mapping[str, Bounded],
     rows: Sequence[int],
     scalar: str,
     exactly: Callable[[Array], Mapping[str, Exact]],
 ) -> Iterator[Vector]:
     """The rows of the table; the rounding of the printed expectation counts in the tolerance."""
-    value = np.array([b.value for b in made.values()])[:, rows]
-    error = np.array([b.error for b in made.values()])[:, :, rows]
+    value = np.array([b.value for b in results.values()])[:, rows]
+    error = np.array([b.error for b in results.values()])[:, :, rows]
     expected, sure = _rounded(value, error[:, 1], scalar)
     slack = _SLACK * (error[:, 0] + (UNITS[scalar] + 2.0**-53) * np.abs(value)) + _FLOOR
     enter = to_float32 if scalar == "float" else to_float64
@@ -189,7 +189,7 @@ def _vectors(
         wanted = expected[:, k]
         if not sure[:, k].all():
             exact = exactly(point)
-            wanted = np.where(sure[:, k], wanted, [enter(exact[name]) for name in made])
+            wanted = np.where(sure[:, k], wanted, [enter(exact[name]) for name in results])
         yield Vector(text, tuple(point.tolist()), tuple(wanted.tolist()), tuple(slack[:, k].tolist()))
 
 
@@ -211,24 +211,24 @@ def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[s
     inverse, forward = by_name[name], by_name["forward"]
     ports = contract(inverse)
     names = _names(ports)
-    given = {*names, *(p.name for p in inverse.outputs)}
-    if not (set(TWIST) <= set(names) and {p.name for p in contract(forward)} <= given):
+    names_there = {*names, *(p.name for p in inverse.outputs)}
+    if not (set(TWIST) <= set(names) and {p.name for p in contract(forward)} <= names_there):
         return None
     tried = list(_there_and_back(ports, site))
     # Zeros of both signs are one number to the law: which way a wheel then rolls does not matter.
     columns = _columns(ports, [(text, row + 0.0) for text, row in tried], prepared)
     there = outputs(inverse, bounds(inverse, columns, scalar, len(tried)))
     back = outputs(forward, bounds(forward, {**columns, **there}, scalar, len(tried)))
-    made = {n: Bounded(columns[n].value, back[n].error) for n in TWIST}
+    results = {n: Bounded(columns[n].value, back[n].error) for n in TWIST}
     missed = np.logical_or.reduce([np.abs(back[n].value - columns[n].value) > 1e-9 for n in TWIST])
-    sound = np.flatnonzero(_sound(made.values(), scalar) & ~missed).tolist()
+    sound = np.flatnonzero(_sound(results.values(), scalar) & ~missed).tolist()
     generic = [k for k in sound if tried[k][0] == THERE]
     picked = generic[:_LAWS] + [k for k in sound if tried[k][0] != THERE]
 
     def exactly(point: Array) -> dict[str, Exact]:
         return {n: Exact(Fraction(float(x))) for n, x in zip(names, point, strict=True)}
 
-    vectors = tuple(_vectors(tried, made, picked, scalar, exactly))
+    vectors = tuple(_vectors(tried, results, picked, scalar, exactly))
     return Table((name, "forward"), names, TWIST, vectors, law=True)
 
 

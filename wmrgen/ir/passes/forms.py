@@ -29,15 +29,15 @@ def share_linear_forms(function: Function) -> Function:
     """``function`` with every sum computed by the cheapest program found."""
     shape = _Shape.of(function)
     builder = Builder()
-    scalars = Scalars(function, builder, shape.known)
+    scalars = Scalars(function, builder, shape.early)
     best: _Plan | None = None
     tried: list[Rows] = []
     search = _Search()
     limit = len(function.nodes)
     boundaries = list(shape.boundaries())
-    early = _early(function, shape, scalars, builder, boundaries[0])
-    if early:
-        boundaries.insert(1, boundaries[0] | early)
+    nested = _early(function, shape, scalars, builder, boundaries[0])
+    if nested:
+        boundaries.insert(1, boundaries[0] | nested)
     for kept in boundaries:
         rows = _rows(function, shape, scalars, kept, limit)
         if rows is None or rows in tried:
@@ -56,7 +56,7 @@ def share_linear_forms(function: Function) -> Function:
 class _Shape:
     """What kind every node is: known before the step, part of a sum, a row."""
 
-    known: list[bool]
+    early: list[bool]
     linear: list[bool]
     sums: list[bool]
     rows: list[int]
@@ -64,7 +64,7 @@ class _Shape:
 
     @staticmethod
     def of(function: Function) -> _Shape:
-        known = geometry_only(function)
+        early = geometry_only(function)
         nodes = function.nodes
         linear: list[bool] = []
         sums: list[bool] = []
@@ -72,21 +72,21 @@ class _Shape:
         wanted = set(function.results)
         for i, node in enumerate(nodes):
             args = node.args
-            part = not known[i] and (
+            part = not early[i] and (
                 node.op in _SUMS
                 or node.op is Op.NEG
-                or (node.op is Op.MUL and (known[args[0]] or known[args[1]]))
-                or (node.op is Op.DIV and known[args[1]])
+                or (node.op is Op.MUL and (early[args[0]] or early[args[1]]))
+                or (node.op is Op.DIV and early[args[1]])
             )
             linear.append(part)
             sums.append(part and (node.op in _SUMS or any(sums[arg] for arg in args)))
             for arg in set(args):
                 uses[arg] += 1
-            if not part and not known[i]:
+            if not part and not early[i]:
                 wanted.update(args)
         rows = [i for i in sorted(wanted) if linear[i]]
         shared = [i for i, node in enumerate(nodes) if linear[i] and node.op in _SUMS and uses[i] > 1]
-        return _Shape(known, linear, sums, rows, shared)
+        return _Shape(early, linear, sums, rows, shared)
 
     def boundaries(self) -> Iterator[frozenset[int]]:
         """Where expansion stops, from the nearest stop to none."""
@@ -107,15 +107,15 @@ def _early(
     """
     nodes, linear = function.nodes, shape.linear
     depth: list[int] = []
-    found: set[int] = set()
+    nested: set[int] = set()
     for i, node in enumerate(nodes):
         below = max((depth[arg] for arg in node.args), default=0)
         depth.append(below + (bool(node.args) and not linear[i]))
         if linear[i] and node.op in _SUMS:
-            found.update(a for a in node.args if linear[a] and nodes[a].op in _SUMS and depth[a] < below)
-    rows = _rows(function, shape, scalars, kept | found, len(nodes)) or {}
-    others = [row.keys() for i, row in rows.items() if i not in found]
-    return frozenset(i for i in found & rows.keys() if any(len(rows[i].keys() & row) > 1 for row in others))
+            nested.update(a for a in node.args if linear[a] and nodes[a].op in _SUMS and depth[a] < below)
+    rows = _rows(function, shape, scalars, kept | nested, len(nodes)) or {}
+    others = [row.keys() for i, row in rows.items() if i not in nested]
+    return frozenset(i for i in nested & rows.keys() if any(len(rows[i].keys() & row) > 1 for row in others))
 
 
 def _rows(
@@ -159,7 +159,7 @@ def _expand(
         visits += 1
         if visits > 4 * limit:
             return None
-        if shape.known[i]:
+        if shape.early[i]:
             for m, c in scalars.form(i).items():
                 accumulate(constant, times(monomial, m), value * c)
         elif not shape.linear[i] or (i != root and i in kept):
@@ -183,7 +183,7 @@ def _parts(
     if node.op is Op.DIV:
         c, m = scalars.single(scalars.form(b))
         return [(a, value / c, times(monomial, m, -1))]
-    scalar, other = (a, b) if shape.known[a] else (b, a)
+    scalar, other = (a, b) if shape.early[a] else (b, a)
     c, m = scalars.single(scalars.form(scalar))
     return [(other, value * c, times(monomial, m))] if c else []
 
@@ -196,13 +196,13 @@ class _Search:
     """Programs by matrix: most groups of rows come up in every way of expanding."""
 
     magnitudes: Magnitudes = field(default_factory=Magnitudes)
-    known: dict[tuple[tuple[tuple[int, Coefficient], ...], ...], Graph] = field(default_factory=dict)
+    programs: dict[tuple[tuple[tuple[int, Coefficient], ...], ...], Graph] = field(default_factory=dict)
 
     def cheapest(self, matrix: Matrix, columns: int) -> Graph:
         key = tuple(tuple(row.items()) for row in matrix)
-        if key not in self.known:
-            self.known[key] = cheapest(matrix, columns, self.magnitudes)
-        return self.known[key]
+        if key not in self.programs:
+            self.programs[key] = cheapest(matrix, columns, self.magnitudes)
+        return self.programs[key]
 
 
 @dataclass(slots=True)
@@ -262,21 +262,21 @@ def _groups(function: Function, rows: Rows) -> list[list[int]]:
 
 def _emit(function: Function, shape: _Shape, scalars: Scalars, builder: Builder, plan: _Plan) -> Function:
     emitters = [Emitter(graph, plan.magnitudes, builder, scalars.scale) for graph, _ in plan.groups]
-    made: dict[int, int] = {}
+    built: dict[int, int] = {}
 
     def value(i: int) -> int:
-        return scalars.node_of(scalars.form(i)) if shape.known[i] else made[i]
+        return scalars.node_of(scalars.form(i)) if shape.early[i] else built[i]
 
     for i, node in enumerate(function.nodes):
-        if shape.known[i]:
+        if shape.early[i]:
             continue
         if i in plan.place:
             group, k = plan.place[i]
-            terms = [-1 - term if term < 0 else made.get(term, -1) for term in plan.groups[group][1]]
-            made[i] = emitters[group].output(k, terms.__getitem__)
+            terms = [-1 - term if term < 0 else built.get(term, -1) for term in plan.groups[group][1]]
+            built[i] = emitters[group].output(k, terms.__getitem__)
         elif node.op is Op.INPUT:
-            made[i] = builder.copy(node, ())
+            built[i] = builder.copy(node, ())
         elif not shape.linear[i]:
-            made[i] = builder.again(node, [value(arg) for arg in node.args])
+            built[i] = builder.again(node, [value(arg) for arg in node.args])
     results = [value(result) for result in function.results]
     return builder.function(function.name, function.inputs, function.outputs, results, function.text)

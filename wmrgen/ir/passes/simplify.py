@@ -19,27 +19,27 @@ from wmrgen.ir.passes.guards import facts
 _FAR = Fraction(1, 2**64)
 _SUMS = (Op.ADD, Op.SUB)
 
-Made = list[int]  # what the nodes of a function are in the builder, as far as it has come
-Rule = Callable[[Builder, int, Node, Made], int]
+Built = list[int]  # what the nodes of a function are in the builder, as far as it has come
+Rule = Callable[[Builder, int, Node, Built], int]
 
 
 def _rewritten(function: Function, rule: Rule) -> Function:
     """``function`` with the node that ``rule`` makes of each of its nodes."""
     builder = Builder()
-    made: Made = []
+    built: Built = []
     for i, node in enumerate(function.nodes):
-        made.append(rule(builder, i, node, made))
-    results = [made[result] for result in function.results]
+        built.append(rule(builder, i, node, built))
+    results = [built[result] for result in function.results]
     return builder.function(function.name, function.inputs, function.outputs, results, function.text)
 
 
 def canonicalise(function: Function) -> Function:
     """Constants folded, equal operations shared, constant factors in front, unneeded nodes gone."""
-    return _rewritten(function, lambda builder, i, node, made: builder.copy(node, _args(node, made)))
+    return _rewritten(function, lambda builder, i, node, built: builder.copy(node, _args(node, built)))
 
 
-def _args(node: Node, made: Made) -> list[int]:
-    return [made[arg] for arg in node.args]
+def _args(node: Node, built: Built) -> list[int]:
+    return [built[arg] for arg in node.args]
 
 
 # ---- divisions
@@ -54,11 +54,11 @@ def reduce_strength(function: Function) -> Function:
     """
     if all(node.op is not Op.DIV for node in function.nodes):
         return function
-    known, shared = geometry_only(function), _shared_divisors(function)
+    early, shared = geometry_only(function), _shared_divisors(function)
 
-    def rule(builder: Builder, i: int, node: Node, made: Made) -> int:
-        args = _args(node, made)
-        if node.op is Op.DIV and ((known[node.args[1]] and not known[i]) or node.args[1] in shared):
+    def rule(builder: Builder, i: int, node: Node, built: Built) -> int:
+        args = _args(node, built)
+        if node.op is Op.DIV and ((early[node.args[1]] and not early[i]) or node.args[1] in shared):
             return builder.mul(args[0], builder.div(builder.const(ONE), args[1]))
         return builder.copy(node, args)
 
@@ -117,15 +117,15 @@ class _Factoring:
         return self._function.nodes[i].op in (*_SUMS, Op.NEG) and not self._known[i]
 
     def run(self) -> Function:
-        function, builder, made = self._function, self._builder, self._made
+        function, builder, built = self._function, self._builder, self._made
         for i, node in enumerate(function.nodes):
             plain = not self._is_sum(i) or i in self._inside
             terms = None if plain else self._terms(i)
             if terms is not None and self._common(terms) is not None:
-                made.append(self._sum(terms))
+                built.append(self._sum(terms))
             else:
-                made.append(builder.copy(node, [made[arg] for arg in node.args]))
-        results = [made[result] for result in function.results]
+                built.append(builder.copy(node, [built[arg] for arg in node.args]))
+        results = [built[result] for result in function.results]
         return builder.function(function.name, function.inputs, function.outputs, results, function.text)
 
     def _terms(self, root: int) -> list[_Term]:
@@ -202,10 +202,10 @@ def regroup_products(function: Function) -> Function:
     if not chosen:
         return function
 
-    def rule(builder: Builder, i: int, node: Node, made: Made) -> int:
+    def rule(builder: Builder, i: int, node: Node, built: Built) -> int:
         if i not in chosen:
-            return builder.again(node, _args(node, made))
-        scalar, common, other = (made[arg] for arg in chosen[i])
+            return builder.again(node, _args(node, built))
+        scalar, common, other = (built[arg] for arg in chosen[i])
         return builder.make(Op.MUL, (builder.make(Op.MUL, (scalar, common)), other))
 
     return _rewritten(function, rule)
@@ -213,22 +213,22 @@ def regroup_products(function: Function) -> Function:
 
 def _choices(function: Function) -> dict[int, tuple[int, int, int]]:
     """Node of c (x y) to (c, x, y), for every (c, x) that occurs twice."""
-    nodes, known, uses = function.nodes, geometry_only(function), uses_of(function)
+    nodes, early, uses = function.nodes, geometry_only(function), uses_of(function)
     places: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
     for i, node in enumerate(nodes):
-        if node.op is not Op.MUL or known[i]:
+        if node.op is not Op.MUL or early[i]:
             continue
         for scalar, product in (node.args, node.args[::-1]):
             inner = nodes[product]
-            if known[scalar] and inner.op is Op.MUL and not known[product] and uses[product] == 1:
+            if early[scalar] and inner.op is Op.MUL and not early[product] and uses[product] == 1:
                 a, b = inner.args
-                if not known[a] and not known[b]:
+                if not early[a] and not early[b]:
                     places[scalar, a].append((i, b))
                     if a != b:
                         places[scalar, b].append((i, a))
     chosen: dict[int, tuple[int, int, int]] = {}
-    for (scalar, common), found in sorted(places.items(), key=lambda item: (-len(item[1]), item[0])):
-        free = [(i, other) for i, other in found if i not in chosen]
+    for (scalar, common), products in sorted(places.items(), key=lambda item: (-len(item[1]), item[0])):
+        free = [(i, other) for i, other in products if i not in chosen]
         if len(free) > 1:
             chosen.update({i: (scalar, common, other) for i, other in free})
     return chosen
@@ -241,22 +241,22 @@ def settle_signs(function: Function) -> Function:
     """``function`` with signs where a reader expects them: a + (-20) x becomes a - 20 x; counts and bits stay."""
     nodes, uses = function.nodes, uses_of(function)
 
-    def positive(builder: Builder, i: int, made: Made) -> int | None:
+    def positive(builder: Builder, i: int, built: Built) -> int | None:
         """The product at ``i`` with its constant positive; None when it has none or others need it."""
         value = nodes[nodes[i].args[0]].value if nodes[i].op is Op.MUL and uses[i] == 1 else None
         if value is None or value.sign > 0:
             return None
-        return builder.make(Op.MUL, (builder.const(-value), made[nodes[i].args[1]]))
+        return builder.make(Op.MUL, (builder.const(-value), built[nodes[i].args[1]]))
 
-    def rule(builder: Builder, i: int, node: Node, made: Made) -> int:
+    def rule(builder: Builder, i: int, node: Node, built: Built) -> int:
         if node.op in _SUMS:
             a, b = node.args
-            term = positive(builder, b, made)
+            term = positive(builder, b, built)
             if term is not None:
-                return builder.make(Op.SUB if node.op is Op.ADD else Op.ADD, (made[a], term))
-            term = positive(builder, a, made) if node.op is Op.ADD else None
+                return builder.make(Op.SUB if node.op is Op.ADD else Op.ADD, (built[a], term))
+            term = positive(builder, a, built) if node.op is Op.ADD else None
             if term is not None:
-                return builder.make(Op.SUB, (made[b], term))
-        return builder.again(node, _args(node, made))
+                return builder.make(Op.SUB, (built[b], term))
+        return builder.again(node, _args(node, built))
 
     return _rewritten(function, rule)

@@ -78,7 +78,7 @@ class _Lowering:
     def _local(self, expr: Expr) -> int:
         if expr in self.calls:
             call, number = self.calls[expr]
-            made = self.builder.call(call.kernel.name, [self.node(a) for a in call.args])
+            made = self.builder.call(call.kernel.name, *(self.node(a) for a in call.args))
             return self.builder.result(made, number) if len(call.results) > 1 else made
         return self.node(self.locals[expr])
 

@@ -35,8 +35,8 @@ def swap() -> Function:
 def twice() -> Function:
     """Two calls, one of the result of the other: (x - 1) - (1 - x)."""
     b = Builder()
-    inner = b.call("swap", [b.input("x"), b.const(1)])
-    outer = b.call("swap", [b.result(inner, 0), b.result(inner, 1)])
+    inner = b.call("swap", b.input("x"), b.const(1))
+    outer = b.call("swap", b.result(inner, 0), b.result(inner, 1))
     return b.function("twice", ports("x"), ports("y"), [b.result(outer, 0)])
 
 
@@ -57,13 +57,13 @@ def test_places_are_where_values_are() -> None:
 def test_equal_calls_are_one_and_a_factor_of_one_is_none() -> None:
     b = Builder()
     x = b.input("x")
-    results = [b.result(b.call("swap", [x, b.const(2)]), k) for k in (0, 1, 0)]
+    results = [b.result(b.call("swap", x, b.const(2)), k) for k in (0, 1, 0)]
     assert results[0] == results[2]
     scaled = Builder()
     a, c = scaled.input("a"), scaled.input("c")
     kernel = scaled.function("scaled", ports("a", "c"), ports("y"), [scaled.mul(c, a)])
     one = Builder()
-    call = one.call("scaled", [one.input("x"), one.const(1)])
+    call = one.call("scaled", one.input("x"), one.const(1))
     f = one.function("f", ports("x"), ports("y"), [call])
     assert all(node.op is not Op.MUL for node in inlined(f, by_name([kernel])).nodes)
 

@@ -7,33 +7,18 @@ Sums keep constants last, products first; otherwise arguments stand in order of 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from fractions import Fraction
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.nodes import Function, Node, Op, Port, prune
+from wmrgen.ir.tape import Tape
 
 MINUS_ONE = -ONE
-Key = tuple[Op, tuple[int, ...], Exact | None, str | None]
 
 
-class Builder:
-    """Makes nodes and hands out their ids; `function` cuts out what some results need."""
+class Builder(Tape):
+    """Makes nodes, simplified, and hands out their ids; `function` cuts out what some results need."""
 
-    __slots__ = ("_index", "nodes")
-
-    def __init__(self) -> None:
-        self.nodes: list[Node] = []
-        self._index: dict[Key, int] = {}
-
-    # ---- leaves
-
-    def const(self, value: Exact | Fraction | int) -> int:
-        """The node of a constant."""
-        return self._node(Op.CONST, value=Exact.of(value))
-
-    def input(self, name: str) -> int:
-        """The node of an input port."""
-        return self._node(Op.INPUT, name=name)
+    __slots__ = ()
 
     # ---- ring operations
 
@@ -53,7 +38,7 @@ class Builder:
             return self.sub(a, nb)
         if na is not None:
             return self.sub(b, na)
-        return self._node(Op.ADD, (a, b) if a < b else (b, a))
+        return self.put(Op.ADD, min(a, b), max(a, b))
 
     def sub(self, a: int, b: int) -> int:
         """a - b."""
@@ -69,7 +54,7 @@ class Builder:
             return self.add(a, nb)
         if na is not None:
             return self.neg(self.add(na, b))
-        return self._node(Op.SUB, (a, b))
+        return self.put(Op.SUB, a, b)
 
     def neg(self, a: int) -> int:
         """-a; swaps a difference and flips a constant factor instead of adding a node."""
@@ -83,7 +68,7 @@ class Builder:
         scaled = self.scaled(a)
         if scaled is not None:
             return self.mul(self.const(-scaled[0]), scaled[1])
-        return self._node(Op.NEG, (a,))
+        return self.put(Op.NEG, a)
 
     def mul(self, a: int, b: int) -> int:
         """a * b; constant factors move to the front and merge."""
@@ -104,7 +89,7 @@ class Builder:
             return self._scale(sa[0], self.mul(sa[1], b))
         if sb is not None:
             return self._scale(sb[0], self.mul(a, sb[1]))
-        return self._node(Op.MUL, (a, b) if a < b else (b, a))
+        return self.put(Op.MUL, min(a, b), max(a, b))
 
     def div(self, a: int, b: int) -> int:
         """a / b. A constant divisor becomes a factor; a constant zero divisor is an error."""
@@ -121,16 +106,14 @@ class Builder:
             return self.neg(self.div(na, b))
         if nb is not None:
             return self.neg(self.div(a, nb))
-        if x is not None and x not in (ONE, MINUS_ONE):
+        if x is not None and x != ONE:
             return self._scale(x, self.div(self.const(ONE), b))
-        if x == MINUS_ONE:
-            return self.neg(self.div(self.const(ONE), b))
         sa, sb = self.scaled(a), self.scaled(b)
         if sa is not None:
             return self._scale(sa[0], self.div(sa[1], b))
         if sb is not None:
             return self._scale(sb[0].inverse(), self.div(a, sb[1]))
-        return self._node(Op.DIV, (a, b))
+        return self.put(Op.DIV, a, b)
 
     # ---- order
 
@@ -148,35 +131,29 @@ class Builder:
         scaled = self.scaled(a)
         if scaled is not None and scaled[0].sign < 0:
             return self.abs(self._scale(-scaled[0], scaled[1]))
-        return self._node(Op.ABS, (a,))
+        return self.put(Op.ABS, a)
 
     def min(self, a: int, b: int) -> int:
         """The smaller of a and b."""
-        x, y = self.value(a), self.value(b)
-        if x is not None and y is not None:
-            return self.const(min(x, y))
-        return a if a == b else self._node(Op.MIN, (a, b) if a < b else (b, a))
+        return a if a == b else self._plain(Op.MIN, a, b)
 
     def max(self, a: int, b: int) -> int:
         """The larger of a and b."""
-        x, y = self.value(a), self.value(b)
-        if x is not None and y is not None:
-            return self.const(max(x, y))
-        return a if a == b else self._node(Op.MAX, (a, b) if a < b else (b, a))
+        return a if a == b else self._plain(Op.MAX, a, b)
 
     def select(self, a: int, b: int, x: int, y: int) -> int:
         """x where a < b, else y. Both are always computed."""
         p, q = self.value(a), self.value(b)
         if a == b or (p is not None and q is not None):
             return x if p is not None and q is not None and p < q else y
-        return x if x == y else self._node(Op.SELECT, (a, b, x, y))
+        return x if x == y else self.put(Op.SELECT, a, b, x, y)
 
     def with_sign_of(self, a: int, b: int) -> int:
         """-a where b < 0, else a."""
         value = self.value(b)
         if value is not None:
             return self.neg(a) if value.sign < 0 else a
-        return self._node(Op.WITH_SIGN_OF, (a, b))
+        return self.put(Op.WITH_SIGN_OF, a, b)
 
     # ---- functions
 
@@ -212,7 +189,7 @@ class Builder:
         value, inner = self.value(n), self._positive(n)
         if value is not None and value.is_rational:
             return self.neg(a) if value.parts[0] % 2 else a
-        return self._node(Op.FLIP, (a, n)) if inner is None else self.flip(a, inner)
+        return self.put(Op.FLIP, a, n) if inner is None else self.flip(a, inner)
 
     def _plain(self, op: Op, *args: int) -> int:
         """Constants folded, the sign of the argument of an odd or even function taken out of it."""
@@ -224,7 +201,7 @@ class Builder:
         if inner is not None:
             result = self._plain(op, inner)
             return self.neg(result) if op.parity < 0 else result
-        return self._node(op, tuple(sorted(args)) if op.commutative else args)
+        return self.put(op, *(sorted(args) if op.commutative else args))
 
     # ---- helpers
 
@@ -260,24 +237,12 @@ class Builder:
         return _RULES[op](self, *args) if op in _RULES else self._plain(op, *args)
 
     def copy(self, node: Node, args: Sequence[int]) -> int:
-        """``node`` of another function over ``args``, ids of this builder."""
-        if node.op.exact is None:
-            return self._node(node.op, tuple(args), node.value, node.name)
-        return self.apply(node.op, args)
-
-    def call(self, kernel: str, args: Sequence[int]) -> int:
-        """A call of a kernel, see `wmrgen.ir.calls`."""
-        return self._node(Op.CALL, tuple(args), name=kernel)
-
-    def result(self, call: int, number: int) -> int:
-        """One of several results of a call."""
-        return self._node(Op.RESULT, (call,), name=str(number))
+        """``node`` of another function over ``args``, ids of this builder, simplified."""
+        return super().copy(node, args) if node.op.exact is None else self.apply(node.op, args)
 
     def again(self, node: Node, args: Sequence[int]) -> int:
         """``node`` of another function over ``args``, as `make` makes it."""
-        if node.op.exact is None:
-            return self._node(node.op, tuple(args), node.value, node.name)
-        return self.make(node.op, args)
+        return super().copy(node, args) if node.op.exact is None else self.make(node.op, args)
 
     def make(self, op: Op, args: Sequence[int]) -> int:
         """Operation ``op`` as it stands: shared, but simplified only over a constant or a negation.
@@ -286,7 +251,7 @@ class Builder:
         """
         if any(self.nodes[arg].op in (Op.CONST, Op.NEG) for arg in args):
             return self.apply(op, args)
-        return self._node(op, tuple(sorted(args)) if op.commutative else tuple(args))
+        return self.put(op, *(sorted(args) if op.commutative else args))
 
     def value(self, a: int) -> Exact | None:
         """The constant that node ``a`` is, else None."""
@@ -306,16 +271,6 @@ class Builder:
 
     # ---- shapes of nodes
 
-    def _node(
-        self, op: Op, args: tuple[int, ...] = (), value: Exact | None = None, name: str | None = None
-    ) -> int:
-        key = (op, args, value, name)
-        found = self._index.get(key)
-        if found is None:
-            found = self._index[key] = len(self.nodes)
-            self.nodes.append(Node(op, args, value, name))
-        return found
-
     def _constant(self, a: int) -> Exact:
         value = self.nodes[a].value
         if value is None:
@@ -326,9 +281,9 @@ class Builder:
         """a + value, value not 0: x + c, x - c with c > 0, or c - x."""
         inner = self._negated(a)
         if inner is not None:
-            return self._node(Op.SUB, (self.const(value), inner))
+            return self.put(Op.SUB, self.const(value), inner)
         op = Op.ADD if value.sign > 0 else Op.SUB
-        return self._node(op, (a, self.const(abs(value))))
+        return self.put(op, a, self.const(abs(value)))
 
     def _scale(self, factor: Exact, a: int) -> int:
         """factor * a, merged into a constant factor that ``a`` already has."""
@@ -345,7 +300,7 @@ class Builder:
         if inner is not None:
             return self._scale(-factor, inner)
         value = self.value(a)
-        return self._node(Op.MUL, (self.const(factor), a)) if value is None else self.const(factor * value)
+        return self.put(Op.MUL, self.const(factor), a) if value is None else self.const(factor * value)
 
     def scaled(self, a: int) -> tuple[Exact, int] | None:
         """(c, x) when node ``a`` is constant c times x."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from fractions import Fraction
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Node, Op
 from wmrgen.ir.rounding import round_rational, to_float32
+from wmrgen.ir.tape import Tape
 
 _SPLIT = Exact(4097)  # 2**12 + 1: Veltkamp's constant for halves of 12 bits
 _CLOSE = 8
@@ -118,12 +118,12 @@ def compensated_sum(tape: Tape, op: Op, a: int, b: int, fused: bool) -> int:
     factor, y = tape.nodes[product].args
     value = tape.nodes[factor].value
     if op is Op.SUB and first:
-        x = tape.opposite(x)
+        x = tape.neg(x)
     sign = -1 if op is Op.SUB and not first else 1
     if value is not None:
         return (_fused if fused else _split)(tape, x, value * sign, y)
     if sign < 0:
-        factor = tape.opposite(factor)
+        factor = tape.neg(factor)
     if fused:
         return tape.put(Op.FMA, factor, y, x)
     parts = _halves(tape, factor)

@@ -16,9 +16,9 @@ from wmrgen.ir.kernels.compensated import compensated_sum, compensated_sums
 from wmrgen.ir.kernels.constants import EVEN32, RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.order import ordered
-from wmrgen.ir.kernels.tape import Tape, compared
 from wmrgen.ir.kernels.trigonometry import Processor, flipped, library, soft
 from wmrgen.ir.nodes import Function, Module, Node, Op
+from wmrgen.ir.tape import Tape, compared
 
 _INTEGER = {Op.SIN: Op.ISIN, Op.COS: Op.ICOS, Op.ATAN: Op.IATAN}
 

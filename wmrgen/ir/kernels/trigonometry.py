@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.kernels import constants as c
 from wmrgen.ir.kernels.fuse import fuse
-from wmrgen.ir.kernels.tape import Tape
 from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.tape import Tape
 from wmrgen.ports import Port, Role
 
 _TWO = Exact(2)

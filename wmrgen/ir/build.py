@@ -12,8 +12,6 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.nodes import Function, Node, Op, Port, prune
 from wmrgen.ir.tape import Tape
 
-MINUS_ONE = -ONE
-
 
 class Builder(Tape):
     """Makes nodes, simplified, and hands out their ids; `function` cuts out what some results need."""
@@ -59,8 +57,8 @@ class Builder(Tape):
     def neg(self, a: int) -> int:
         """-a; swaps a difference and flips a constant factor instead of adding a node."""
         node = self.nodes[a]
-        if node.op is Op.CONST:
-            return self.const(-self._constant(a))
+        if node.value is not None:
+            return self.const(-node.value)
         if node.op is Op.NEG:
             return node.args[0]
         if node.op is Op.SUB:
@@ -79,16 +77,9 @@ class Builder(Tape):
             a, b, x = b, a, y
         if x is not None:
             return self._scale(x, b)
-        na, nb = self._negated(a), self._negated(b)
-        if na is not None:
-            return self.neg(self.mul(na, b))
-        if nb is not None:
-            return self.neg(self.mul(a, nb))
-        sa, sb = self.scaled(a), self.scaled(b)
-        if sa is not None:
-            return self._scale(sa[0], self.mul(sa[1], b))
-        if sb is not None:
-            return self._scale(sb[0], self.mul(a, sb[1]))
+        (c, p), (d, q) = self._split(a), self._split(b)
+        if (p, q) != (a, b):
+            return self._scale(c * d, self.mul(p, q))
         return self.put(Op.MUL, min(a, b), max(a, b))
 
     def div(self, a: int, b: int) -> int:
@@ -101,18 +92,11 @@ class Builder(Tape):
         x = self.value(a)
         if x is not None and not x:
             return a
-        na, nb = self._negated(a), self._negated(b)
-        if na is not None:
-            return self.neg(self.div(na, b))
-        if nb is not None:
-            return self.neg(self.div(a, nb))
         if x is not None and x != ONE:
             return self._scale(x, self.div(self.const(ONE), b))
-        sa, sb = self.scaled(a), self.scaled(b)
-        if sa is not None:
-            return self._scale(sa[0], self.div(sa[1], b))
-        if sb is not None:
-            return self._scale(sb[0].inverse(), self.div(a, sb[1]))
+        (c, p), (d, q) = self._split(a), self._split(b)
+        if (p, q) != (a, b):
+            return self._scale(c / d, self.div(p, q))
         return self.put(Op.DIV, a, b)
 
     # ---- order
@@ -120,18 +104,11 @@ class Builder(Tape):
     def abs(self, a: int) -> int:
         """|a|."""
         node = self.nodes[a]
-        if node.op is Op.CONST:
-            return self.const(abs(self._constant(a)))
-        if node.op is Op.NEG:
-            return self.abs(node.args[0])
         if node.op in (Op.ABS, Op.SQRT):
             return a
         if node.op is Op.SUB and node.args[0] > node.args[1]:
             return self.abs(self.sub(node.args[1], node.args[0]))
-        scaled = self.scaled(a)
-        if scaled is not None and scaled[0].sign < 0:
-            return self.abs(self._scale(-scaled[0], scaled[1]))
-        return self.put(Op.ABS, a)
+        return self._plain(Op.ABS, a)
 
     def min(self, a: int, b: int) -> int:
         """The smaller of a and b."""
@@ -199,7 +176,7 @@ class Builder(Tape):
             return self.const(folded)
         inner = self._positive(args[0]) if op.parity else None
         if inner is not None:
-            result = self._plain(op, inner)
+            result = self.apply(op, (inner,))
             return self.neg(result) if op.parity < 0 else result
         return self.put(op, *(sorted(args) if op.commutative else args))
 
@@ -253,10 +230,6 @@ class Builder(Tape):
             return self.apply(op, args)
         return self.put(op, *(sorted(args) if op.commutative else args))
 
-    def value(self, a: int) -> Exact | None:
-        """The constant that node ``a`` is, else None."""
-        return self.nodes[a].value
-
     def function(
         self,
         name: str,
@@ -271,12 +244,6 @@ class Builder(Tape):
 
     # ---- shapes of nodes
 
-    def _constant(self, a: int) -> Exact:
-        value = self.nodes[a].value
-        if value is None:
-            raise TypeError(f"node {a} is no constant")
-        return value
-
     def _with_constant(self, a: int, value: Exact) -> int:
         """a + value, value not 0: x + c, x - c with c > 0, or c - x."""
         inner = self._negated(a)
@@ -287,18 +254,15 @@ class Builder(Tape):
 
     def _scale(self, factor: Exact, a: int) -> int:
         """factor * a, merged into a constant factor that ``a`` already has."""
-        scaled = self.scaled(a)
-        if scaled is not None:
-            return self._scale(factor * scaled[0], scaled[1])
+        own, inner = self._split(a)
+        if inner != a:
+            return self._scale(factor * own, inner)
         if not factor:
             return self.const(ZERO)
         if factor == ONE:
             return a
-        if factor == MINUS_ONE:
+        if factor == -ONE:
             return self.neg(a)
-        inner = self._negated(a)
-        if inner is not None:
-            return self._scale(-factor, inner)
         value = self.value(a)
         return self.put(Op.MUL, self.const(factor), a) if value is None else self.const(factor * value)
 
@@ -315,18 +279,18 @@ class Builder(Tape):
         node = self.nodes[a]
         return node.args[0] if node.op is Op.NEG else None
 
-    def _positive_product(self, a: int) -> int | None:
-        """|c| x when node ``a`` is c x with c < 0."""
-        scaled = self.scaled(a)
-        return self._scale(-scaled[0], scaled[1]) if scaled is not None and scaled[0].sign < 0 else None
+    def _split(self, a: int) -> tuple[Exact, int]:
+        """(c, x) of node ``a``, which is c x, -x, or x itself with c = 1."""
+        inner = self._negated(a)
+        return (-ONE, inner) if inner is not None else self.scaled(a) or (ONE, a)
 
     def _positive(self, a: int) -> int | None:
         """-a when that form is the simpler one: a negation, a negative constant or factor."""
         value = self.value(a)
         if value is not None:
             return self.const(-value) if value.sign < 0 else None
-        inner = self._negated(a)
-        return inner if inner is not None else self._positive_product(a)
+        factor, inner = self._split(a)
+        return self._scale(-factor, inner) if factor.sign < 0 else None
 
 
 # The operations that are more than `Builder._plain` of what their record says.

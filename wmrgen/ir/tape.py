@@ -36,6 +36,10 @@ class Tape:
         """The node of an input port."""
         return self.put(Op.INPUT, name=name)
 
+    def value(self, a: int) -> Exact | None:
+        """The constant that node ``a`` is, else None."""
+        return self.nodes[a].value
+
     # ---- operations
 
     def put(self, op: Op, *args: int, name: str | None = None) -> int:

@@ -9,25 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from wmrgen import derive, load
+from tests.report.common import FACTS, ROBOTS, derivation, derived
 from wmrgen.backends import drawing
 from wmrgen.backends.drawing.example import example
 from wmrgen.backends.drawing.marks import contact
-from wmrgen.backends.registry import Facts
-from wmrgen.robot import Derivation
 
-ROBOTS = {p.stem: p for p in sorted((Path(__file__).resolve().parents[2] / "robots").glob("*.yaml"))}
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 @cache
-def derivation(name: str) -> Derivation:
-    return derive(load(ROBOTS[name]))
-
-
-@cache
 def root(name: str) -> ET.Element:
-    return ET.fromstring(drawing.emit(derivation(name), Facts())["layout.svg"])
+    return ET.fromstring(drawing.emit(derivation(name), FACTS)["layout.svg"])
 
 
 def frame(svg: ET.Element) -> tuple[float, float, float]:
@@ -131,16 +123,10 @@ def test_rollers_lean_as_they_do_at_the_ground() -> None:
         assert dx * dy < 0  # on paper y points down
 
 
-def test_same_bytes() -> None:
-    first = drawing.emit(derive(load(ROBOTS["pr2"])), Facts())
-    assert first == drawing.emit(derivation("pr2"), Facts())
-
-
 def test_sixty_four_wheels(tmp_path: Path) -> None:
     wheels = "".join(
         f"  - {{name: w{k}, type: steered, l: 2, alpha: 2*pi*{k}/64, beta: 0, r: 0.05}}\n" for k in range(64)
     )
-    path = tmp_path / "many.yaml"
-    path.write_text(f"wmrgen: 1\nname: many\nwheels:\n{wheels}", encoding="utf-8")
-    svg = ET.fromstring(drawing.emit(derive(load(path)), Facts())["layout.svg"])
+    many = derived(tmp_path, f"wmrgen: 1\nname: many\nwheels:\n{wheels}")
+    svg = ET.fromstring(drawing.emit(many, FACTS)["layout.svg"])
     assert len([g for g in svg.iter(f"{SVG}g") if "data-wheel" in g.attrib]) == 64

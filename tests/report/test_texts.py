@@ -1,19 +1,22 @@
-"""Equations are cited for the layouts that the texts write out, and for no others."""
+"""Every formula of a report names its equation; layouts are said to be in a text where they are, and nowhere else."""
 
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-import wmrgen
 from tests.oracle.harness import robot_text
+from tests.report.common import ROBOTS, derived, page_of, page_written
 from tests.seeds import layouts
 from wmrgen.backends.report.mobility import integrability
 from wmrgen.backends.report.texts import citations
+from wmrgen.functions.registry import declaration, names
 
+TEXTS = ("Tzafestas", "Konstantinov", "Kelly", "Siegwart", "AA274", "ours")
 SEEDS = Path(__file__).parents[1] / "seeds" / "cases.json"
 CASES = {c["id"]: c for c in json.loads(SEEDS.read_text(encoding="utf-8"))["cases"]}
 CITED = {
@@ -36,9 +39,7 @@ CITED = {
 
 
 def cited(layout: dict[str, Any], folder: Path) -> set[str]:
-    path = folder / "robot.yaml"
-    path.write_text(robot_text(layout, polar=True), encoding="utf-8")
-    return {c.equation for c in citations(wmrgen.load(path))}
+    return {c.equation for c in citations(derived(folder, robot_text(layout, polar=True)).robot)}
 
 
 @pytest.mark.parametrize("case", sorted(CITED))
@@ -62,11 +63,35 @@ def test_another_geometry_is_not(case: str, key: str, tmp_path: Path) -> None:
 ])  # fmt: skip
 def test_frobenius_is_printed(case: str, words: str | None, tmp_path: Path) -> None:
     layout, _ = layouts.of(CASES[case], "polar")
-    path = tmp_path / "robot.yaml"
-    path.write_text(robot_text(layout, polar=True), encoding="utf-8")
-    page = " ".join(integrability(wmrgen.derive(wmrgen.load(path))))
+    page = " ".join(integrability(derived(tmp_path, robot_text(layout, polar=True))))
     if words is None:
         assert "Frobenius" not in page
     else:
         assert words in page
         assert r"-\sin^2(\theta+h) - \cos^2(\theta+h) = -1" in page
+
+
+def test_every_function_has_its_source() -> None:
+    for name in names():
+        assert any(text in declaration(name).source for text in TEXTS), name
+
+
+def test_the_report_shows_it(tmp_path: Path) -> None:
+    text = ROBOTS["unicycle"].read_text(encoding="utf-8").split("functions:")[0]
+    page = page_written(tmp_path, text + "functions: [motion, circle, goto_pose, icr]\n")
+    for part in re.split(r"^### ", page.split("## 11 ")[1].split("\n## ")[0], flags=re.M)[1:]:
+        assert "In the texts: " in part and any(t in part for t in TEXTS)
+
+
+@pytest.mark.parametrize(
+    ("robot", "count", "condition"),
+    [
+        ("festo_robotino", "As many rows as unknowns", "full column rank 3 (Tzafestas (2.8a))"),
+        ("kuka_youbot", "More rows than unknowns", "det(HᵀH) ≠ 0:"),
+        ("ackermann_car", "", "Tzafestas (2.8a)"),
+        ("nomad_xr4000", "", "Kelly Box 4.2"),
+    ],
+)
+def test_the_condition_on_the_rank_is_said(robot: str, count: str, condition: str) -> None:
+    section = page_of(robot).split("## 7 Forward kinematics")[1].split("\n## ")[0]
+    assert count in section and condition in section

@@ -16,7 +16,6 @@ from wmrgen.spec.numbers import (
     UNITS,
     Kind,
     Scope,
-    Unit,
     facts_of,
     number,
     plain_number,
@@ -144,11 +143,10 @@ class _Parser:
             return word
         if word in ARITY:
             raise self._error(f"the function {word} needs its argument", "", f"Write {word}(…).", at)
-        known = [*self._names, "pi"]
         raise self._error(
             f"{quoted(word)} is not a declared parameter",
             "Every name in an expression stands under parameters: or is pi.",
-            suggestion(word, known),
+            suggestion(word, [*self._names, "pi"]),
             at,
         )
 
@@ -231,10 +229,10 @@ def scalar_of(node: Node, what: str) -> Scalar:
 def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> tuple[Expr, bool]:
     """The tree of a value and whether it was written with a unit."""
     refuse_lookalikes(node)
-    found = plain_number(node)
-    if not found:
+    plain = plain_number(node)
+    if plain is None:
         return parse_expression(node, names), False
-    value, unit = found
+    value, unit = plain
     if unit is None:
         return Num(value), False
     if kind not in (unit.kind, Kind.ANY):
@@ -243,16 +241,12 @@ def parse_value(node: Scalar, names: Collection[str], kind: Kind, what: str) -> 
             "",
             f"Use one of {' '.join(units_of(kind))}.",
         )
-    return _with_unit(value, unit), True
+    scaled = Num(value * unit.factor)
+    return Binary("*", scaled, Pi()) if unit.pi else scaled, True
 
 
 def _article(kind: Kind) -> str:
     return f"an {kind}" if kind[0] == "a" else f"a {kind}"
-
-
-def _with_unit(value: Fraction, unit: Unit) -> Expr:
-    scaled = Num(value * unit.factor)
-    return Binary("*", scaled, Pi()) if unit.pi else scaled
 
 
 def _degrees(expr: Expr) -> Expr:

@@ -39,6 +39,7 @@ from wmrgen.spec.wheels import read_couplings, read_limits, read_wheels
 from wmrgen.wheels import WHEEL_TYPES
 
 _DUNDER = re.compile(r"__\w+__")
+_ROLE, _POINT = VIRTUAL.choices
 
 
 def read_robot(path: str | Path) -> RobotSpec:
@@ -84,12 +85,12 @@ def read_text(text: str, file_name: str) -> RobotSpec:
         couplings=read_couplings(table, wheels),
         limits=read_limits(table.get("limits"), "the robot", scope),
         mark=table.mark,
-        virtual=read_virtual(table, wheels, scope),
-        trailers=read_trailers(table, wheels, scope),
+        virtual=_virtual(table, wheels, scope),
+        trailers=_trailers(table, wheels, scope),
         slip=table.word("slip"),
-        cg=read_point(table.get("cg"), scope),
-        gains=read_gains(table.get("gains"), scope),
-        functions=read_functions(table),
+        cg=_point(table.get("cg"), scope),
+        gains=_gains(table.get("gains"), scope),
+        functions=tuple(FunctionSpec(item.text, item.mark) for item in table.scalars("functions")),
     )
 
 
@@ -145,14 +146,14 @@ def _parameters(node: Node | None, scope: Scope) -> tuple[tuple[ParameterSpec, .
         nodes[name], tunable[name] = _entry(name, entry)
         trees[name] = parse_value(nodes[name], names, Kind.ANY, f"parameter {name}")
     order = _dependency_order({name: parameters_in(tree) for name, (tree, _) in trees.items()}, nodes)
-    found = []
+    parameters = []
     for name in order:
         expr, has_unit = trees[name]
         facts = facts_of(expr, has_unit, scope, nodes[name])
         scope = replace(scope, facts={**scope.facts, name: facts})
         quantity = Quantity(expr, nodes[name].text.strip(), nodes[name].mark)
-        found.append(ParameterSpec(name, quantity, tunable[name]))
-    return tuple(found), scope
+        parameters.append(ParameterSpec(name, quantity, tunable[name]))
+    return tuple(parameters), scope
 
 
 def _dependency_order(uses: Mapping[str, set[str]], nodes: Mapping[str, Scalar]) -> list[str]:
@@ -194,10 +195,7 @@ def _entry(name: str, node: Node) -> tuple[Scalar, bool]:
     return scalar_of(table.require("value", what), what), table.word("tunable")
 
 
-_ROLE, _POINT = VIRTUAL.choices
-
-
-def read_trailers(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[TrailerSpec, ...]:
+def _trailers(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[TrailerSpec, ...]:
     """Trailers from the robot backwards; without a name they are trailer1, trailer2, …"""
     taken = {w.name: "a wheel" for w in wheels}
     trailers = []
@@ -210,7 +208,7 @@ def read_trailers(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tu
     return tuple(trailers)
 
 
-def read_virtual(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[VirtualSpec, ...]:
+def _virtual(robot: Table, wheels: Sequence[WheelSpec], scope: Scope) -> tuple[VirtualSpec, ...]:
     """Virtual wheels: each steers or drives in place of real ones."""
     taken = {w.name: "a wheel" for w in wheels}
     virtual = []
@@ -241,7 +239,7 @@ def _members(table: Table, role: str, wheels: Sequence[WheelSpec]) -> tuple[str,
     return tuple(scalar.text for scalar in scalars)
 
 
-def read_point(node: Node | None, scope: Scope) -> PointSpec | None:
+def _point(node: Node | None, scope: Scope) -> PointSpec | None:
     """``cg``: x, y from P in the robot frame, z above the ground."""
     if node is None:
         return None
@@ -251,7 +249,7 @@ def read_point(node: Node | None, scope: Scope) -> PointSpec | None:
     return PointSpec(x, y, z)
 
 
-def read_gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], ...]:
+def _gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], ...]:
     """Gains of the control laws, as expressions over parameters."""
     if node is None:
         return ()
@@ -261,19 +259,14 @@ def read_gains(node: Node | None, scope: Scope) -> tuple[tuple[str, Quantity], .
 
 def _gain(node: Node, key: str, scope: Scope) -> Quantity:
     scalar = scalar_of(node, key)
-    found = plain_number(scalar)
-    if found and found[1] is not None:
+    plain = plain_number(scalar)
+    if plain and plain[1] is not None:
         raise scalar.error(
             f"{key} is a number per second, and {quoted(scalar.text.strip())} has a unit",
             "",
             f"Write the number alone, as {key}: 3.",
         )
     return read_quantity(scalar, Kind.ANY, key, scope)
-
-
-def read_functions(robot: Table) -> tuple[FunctionSpec, ...]:
-    """Optional functions to be generated, in the order of the file."""
-    return tuple(FunctionSpec(scalar.text, scalar.mark) for scalar in robot.scalars("functions"))
 
 
 def _own_name(table: Table, default: str, taken: dict[str, str], what: str) -> str:

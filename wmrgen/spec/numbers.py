@@ -49,7 +49,6 @@ def _unit(kind: Kind, factor: str, pi: bool = False) -> Unit:
     return Unit(kind, Fraction(factor), pi)
 
 
-_DEGREE = _unit(Kind.ANGLE, "1/180", True)
 UNITS: dict[str, Unit] = {
     "m": _unit(Kind.LENGTH, "1"),
     "mm": _unit(Kind.LENGTH, "1/1000"),
@@ -59,7 +58,7 @@ UNITS: dict[str, Unit] = {
     "in": _unit(Kind.LENGTH, "0.0254"),
     "ft": _unit(Kind.LENGTH, "0.3048"),
     "rad": _unit(Kind.ANGLE, "1"),
-    "deg": _DEGREE,
+    "deg": _unit(Kind.ANGLE, "1/180", True),
     "m/s": _unit(Kind.SPEED, "1"),
     "cm/s": _unit(Kind.SPEED, "1/100"),
     "mm/s": _unit(Kind.SPEED, "1/1000"),
@@ -134,10 +133,10 @@ def plain_number(node: Scalar) -> tuple[Fraction, Unit | None] | None:
     text = node.text.strip()
     if _SIGNED.fullmatch(text):
         return number(text, node), None
-    found = _WITH_UNIT.fullmatch(text)
-    if not found or found[2] in ("pi", "π"):
+    match = _WITH_UNIT.fullmatch(text)
+    if not match or match[2] in ("pi", "π"):
         return None
-    digits, name = found.groups()
+    digits, name = match.groups()
     unit = UNITS.get(_SPELLINGS.get(name, name))
     if not unit:
         raise _unknown_unit(node, digits, name)

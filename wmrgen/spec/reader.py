@@ -37,24 +37,16 @@ _DEPTH = (
 # What PyYAML says, and the same for people: (part of its text, what, instead).
 _PLAIN_WORDS = (
     ("'\\t'", "a tab where spaces are needed", "YAML indents with spaces: replace the tab."),
-    (
-        "mapping values are not allowed",
-        "a ':' where none can stand",
-        "Put text that contains ': ' in quotes.",
-    ),
+    ("mapping values are not allowed", "a ':' where none can stand", "Put text that contains ': ' in quotes."),
     ("could not find expected ':'", "a line without ':'", "Write key: value, and indent lists and mappings."),
     ("unexpected end of stream", "a quote that is never closed", "Close the quote."),
-    (
-        "expected ',' or ']'",
-        "a list that is not closed here",
-        "Separate items by ',' and end the list with ']'.",
-    ),
+    ("expected ',' or ']'", "a list that is not closed here", "Separate items by ',' and end the list with ']'."),
     ("expected ',' or '}'", "a mapping that is not closed here", "Separate keys by ',' and end with '}'."),
     ("expected <block end>", "this line does not fit the indentation above", "Align it with its neighbours."),
     ("did not find expected <document start>", "text after the end of the document", "Delete it."),
     ("expected the node content", "a value is missing here", "Write the value, or delete what asks for one."),
     ("escape", "an unknown escape in double quotes", "Use single quotes, or none."),
-)
+)  # fmt: skip
 
 
 class _Composer(Reader, Scanner, Parser):

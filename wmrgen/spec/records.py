@@ -83,15 +83,11 @@ class Limit:
 @dataclass(frozen=True, slots=True)
 class WheelSpec:
     """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both;
-    a castor or spherical wheel may have neither.
-
-    ``marks`` gives the place of each key that was written, Greek letters spelled out.
-    """
+    a castor or spherical wheel may have neither."""
 
     name: str
     type: str  # a name of WHEEL_TYPES
     mark: Mark
-    marks: dict[str, Mark]
     r: Quantity | None  # None where the type does not require it
     l: Quantity | None = None
     alpha: Quantity | None = None

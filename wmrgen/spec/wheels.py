@@ -1,4 +1,4 @@
-"""Wheels: one mapping of the file to one WheelSpec."""
+"""Wheels and their joints: which are driven, measured, limited or coupled."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def read_wheels(robot: Table, scope: Scope) -> tuple[WheelSpec, ...]:
     """The list of wheels, names distinct."""
     wheels: dict[str, WheelSpec] = {}
     for item in robot.items("wheels"):
-        wheel = _wheel(item, scope)
+        table = table_of(item, WHEEL)
+        wheel = _wheel(table, scope)
         if wheel.name in wheels:
-            raise RobotFileError(
+            raise table.keys["name"].error(
                 f"a second wheel has the name {quoted(wheel.name)}",
-                wheel.marks["name"],
                 f"The first stands on line {wheels[wheel.name].mark.line}; joints bear their wheel's name.",
                 "Give each wheel a name of its own.",
             )
@@ -35,8 +35,7 @@ def read_wheels(robot: Table, scope: Scope) -> tuple[WheelSpec, ...]:
     return tuple(wheels.values())
 
 
-def _wheel(node: Node, scope: Scope) -> WheelSpec:
-    table = table_of(node, WHEEL)
+def _wheel(table: Table, scope: Scope) -> WheelSpec:
     name = wheel_name(scalar_of(table.require("name", "the wheel"), "name"))
     kind = _type(table, name)
     what = f"the {kind.name} wheel {name}"
@@ -51,7 +50,6 @@ def _wheel(node: Node, scope: Scope) -> WheelSpec:
         name=name,
         type=kind.name,
         mark=table.mark,
-        marks={key: node.mark for key, node in table.keys.items()},
         **quantities,
         actuated=actuated,
         sensed=read_joints(table, "sensed", kind, actuated),

@@ -17,7 +17,7 @@ def library(name: str) -> Textbook:
     """One function of the library. UsageError for a name that it does not have."""
     if name not in FUNCTIONS:
         hint = suggestion(name, list(FUNCTIONS))
-        every = "" if hint.startswith("Valid") else f" It has: {' '.join(FUNCTIONS)}"
+        every = "" if hint.startswith("Valid") else f" It has: {' '.join(FUNCTIONS)}."
         raise UsageError(f"the textbook library has no function {name!r}. {hint}{every}")
     return textbook(name)
 

@@ -17,7 +17,7 @@ from typing import Any
 from wmrgen.errors import EnvironmentFailure
 
 _USUAL = ("cc", "gcc", "clang")
-_HOW = "install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC"
+_HOW = "Install one (Debian, Ubuntu: apt-get install gcc; macOS: xcode-select --install) or set CC."
 # Contraction to fused multiply-add is off so that results are those of the printed operations.
 DEFAULT_FLAGS = ("-std=c99", "-O1", "-ffp-contract=off")
 _TIMEOUT = 300
@@ -32,7 +32,7 @@ def find_compiler(cc: str | None = None) -> str:
         path = shutil.which(name)
         if path:
             return path
-    raise EnvironmentFailure(f"no C compiler found: looked for {', '.join(names)}; {_HOW}")
+    raise EnvironmentFailure(f"no C compiler found: looked for {', '.join(names)}. {_HOW}")
 
 
 def _run(
@@ -41,7 +41,7 @@ def _run(
     stdin: str = "",
     env: Mapping[str, str] | None = None,
     folder: str | None = None,
-    how: str = f"; {_HOW}",
+    how: str = f". {_HOW}",
     both: bool = False,
 ) -> str:
     try:

@@ -21,7 +21,7 @@ def template_folder() -> Path:
         if folder.is_dir():
             return folder
     raise EnvironmentFailure(f"the templates of wmrgen are missing: neither {_PACKAGE / 'templates'} nor "
-                             f"{_PACKAGE.parent / 'templates'} exists; install wmrgen again")  # fmt: skip
+                             f"{_PACKAGE.parent / 'templates'} exists. Install wmrgen again.")  # fmt: skip
 
 
 @lru_cache(maxsize=1)

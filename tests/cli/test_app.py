@@ -1,22 +1,52 @@
-"""The commands: what each declares is what the function that does its work takes."""
+"""The commands: help, version, usage; what each declares is what the function that does its work takes."""
 
 from __future__ import annotations
 
 import pkgutil
+from collections.abc import Callable
 from importlib import import_module
 from inspect import isfunction, signature
 
 import pytest
 
+import wmrgen
 import wmrgen.cli
+from tests.conftest import Outcome
 from wmrgen.cli.app import app
 
+Cli = Callable[..., Outcome]
+
+
 COMMANDS = [command.callback for command in app.registered_commands if command.callback]
+
+
 MODULES = [
     import_module(f"wmrgen.cli.{m.name}")
     for m in pkgutil.iter_modules(wmrgen.cli.__path__)
     if m.name != "app"
 ]
+
+
+@pytest.mark.parametrize("command", [(), ("derive",), ("eval",), ("check",)])
+def test_help_starts_with_an_example(wmrgen_cli: Cli, command: tuple[str, ...]) -> None:
+    done = wmrgen_cli(*command, "--help")
+    assert done.code == 0
+    lines = [line.strip() for line in done.out.splitlines() if line.strip()]
+    assert lines[0].startswith("Usage: wmrgen")
+    assert lines[1].startswith("Example:  wmrgen")
+
+
+def test_version(wmrgen_cli: Cli) -> None:
+    assert wmrgen_cli("--version").out == f"wmrgen {wmrgen.__version__}\n"
+
+
+@pytest.mark.parametrize(
+    "words", [("derive",), ("fly",), ("eval", "x.yaml"), ("derive", "--scalar", "half", "x.yaml")]
+)
+def test_bad_usage(wmrgen_cli: Cli, words: tuple[str, ...]) -> None:
+    done = wmrgen_cli(*words)
+    assert done.code == 2
+    assert "Usage:" in done.err
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.__name__)

@@ -209,7 +209,7 @@ def outcome(work: Callable[[], int]) -> int:
         failure(str(error))
         return error.exit_code
     except OverflowError:
-        failure("a result is beyond the range of a double: give smaller values")
+        failure("a result is beyond the range of a double. Give smaller values.")
         return UsageError.exit_code
     except KeyboardInterrupt:
         return stopped(Stopped("SIGINT", 2))

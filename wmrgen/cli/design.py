@@ -79,7 +79,7 @@ def gains(values: Sequence[str] | None, as_json: bool) -> int:
     chosen |= from_words(words, [Port(name, Role.COMMAND, "1/s") for name in chosen])
     if any(abs(value) > LARGEST for value in chosen.values()):
         raise UsageError(
-            f"a gain is beyond {float(LARGEST):g} in magnitude; gains of robots are near 1 to 10"
+            f"a gain is beyond {float(LARGEST):g} in magnitude. Gains of robots are near 1 to 10."
         )
     verdict = judge(**chosen)
     facts: dict[str, Any] = {name: float(value) for name, value in chosen.items()}

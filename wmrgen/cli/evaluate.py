@@ -50,7 +50,7 @@ def evaluate(
     """Evaluate one case from the words ``values``, or every case of the file ``cases``."""
     chosen = choice(scalar, math, target)
     if cases is not None and values:
-        raise UsageError("give NAME=VALUE words or --cases, not both")
+        raise UsageError("there are NAME=VALUE words and --cases. Give one of them, not both.")
     _entry(backend)  # which says what there is
     with console.progress() as step:
         step(f"deriving {robot}")
@@ -84,7 +84,7 @@ def _modules(path: Path, name: str) -> Modules:
         warn_of_gains(robot)
     if not has_function(name):
         every = " ".join(names())
-        raise UsageError(f"{robot.name} has no function {name!r}; functions that a robot may have: {every}")
+        raise UsageError(f"{robot.name} has no function {name!r}. Functions that a robot may have: {every}.")
     return wmrgen.derive(robot, [name])
 
 
@@ -112,7 +112,7 @@ def computed(
     parts = [f.name for f in module.functions if (f.variant_of or f.name) == function.name]
     if not parts:
         has = " ".join(f.name for f in module.functions)
-        raise UsageError(f"{backend} has no function {function.name!r} of {module.name}; it has: {has}")
+        raise UsageError(f"{backend} has no function {function.name!r} of {module.name}. It has: {has}.")
     doubles = [_doubles(case) for case in cases]
     results: list[dict[str, float]] = [{} for _ in cases]
     for part in parts:
@@ -137,7 +137,7 @@ def _entry(word: str) -> Entry | None:
     """The backend that the command line calls ``word``; None is exact arithmetic. UsageError where there is none."""
     entry = of_word(word)
     if entry is None and word != EXACT_WORD:
-        raise UsageError(f"there is no backend {word!r}; there are: {' '.join(known_words())}")
+        raise UsageError(f"there is no backend {word!r}. There are: {' '.join(known_words())}.")
     return entry
 
 

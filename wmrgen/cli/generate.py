@@ -90,7 +90,7 @@ def check(robots: Sequence[Path] | None, out: Path) -> int:
     """Compare byte for byte; without ``robots``, every robots/*.yaml, and nothing else may stand under ``out``."""
     paths = robots or sorted(Path("robots").glob("*.yaml"))
     if not paths:
-        raise UsageError("no robot file given, and no robots/*.yaml here")
+        raise UsageError("no robot file is given, and there is no robots/*.yaml here. Name a robot file.")
     stale: list[Difference] = []
     names: set[str] = set()
     code = 0
@@ -117,7 +117,7 @@ def check(robots: Sequence[Path] | None, out: Path) -> int:
     for difference in stale:
         console.result(f"{difference.path.as_posix()}: {_WHY[difference.why]}")
     if stale:
-        console.note("run `wmrgen derive` on the robot files (make generate), or remove what has none")
+        console.note("Run `wmrgen derive` on the robot files (make generate), or remove what has none.")
     elif not code:
         count = f"{len(paths)} robot{'s' * (len(paths) != 1)}"
         console.result(f"{count}: everything under {out.as_posix()}/ is up to date")

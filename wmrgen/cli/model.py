@@ -57,7 +57,7 @@ def schema(as_markdown: bool, as_json: bool) -> int:
     from wmrgen.spec.schema import json_schema, reference
 
     if as_markdown and as_json:
-        raise UsageError("give --json or --markdown, not both")
+        raise UsageError("there are --json and --markdown. Give one of them, not both.")
     if as_markdown:
         console.result(reference().rstrip("\n"))
     else:

@@ -35,7 +35,12 @@ def motion(
 ) -> int:
     """Pose and path after ``time`` at the given joint speeds, or the phases of a file of segments."""
     if (time is None) == (segments is None):
-        raise UsageError("give wheel speeds and --time, or --segments FILE.json")
+        both = (
+            "neither --time nor --segments is given"
+            if time is None
+            else "--time and --segments are both given"
+        )
+        raise UsageError(f"{both}. Give wheel speeds and --time, or --segments FILE.json.")
     with derived(robot, []) as derivation:
         if segments is None:
             result = _constant(derivation, [*(values or ()), f"dt={time}"])
@@ -107,7 +112,7 @@ def _segments(derivation: Derivation, words: Sequence[str], file: str) -> dict[s
         console.note(text)
     if any(p.action == "steer" and not p.dt for p in phases):
         console.note(
-            f"{robot.name}: wheels without a steer_rate limit turn at once; write limits: {{steer_rate: …}}"
+            f"{robot.name}: wheels without a steer_rate limit turn at once. Write limits: {{steer_rate: …}}"
         )
     return {"phases": [_phase(p) for p in phases]}
 
@@ -137,7 +142,9 @@ def _table(phases: Sequence[Mapping[str, Any]]) -> list[str]:
 def icr(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
     """What ``values`` name decides: vx vy omega, steering angles, or icr.x icr.y."""
     if not values:
-        raise UsageError("give vx= vy= omega=, or steering angles <wheel>.steer=, or icr.x= icr.y=")
+        raise UsageError(
+            "nothing is given. Give vx= vy= omega=, or steering angles <wheel>.steer=, or icr.x= icr.y=."
+        )
     with derived(robot, []) as derivation:
         words = spelled(values, derivation.robot, "steer")
         names = [word.partition("=")[0].strip() for word in words]

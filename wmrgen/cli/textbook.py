@@ -34,7 +34,7 @@ def installed() -> Library:
             raise
         raise EnvironmentFailure(
             "the textbook library is not installed: it is a package of its own. Install wmrgen[textbook], or from a "
-            "checkout: pip install ./textbook; or run wmrgen from a checkout"
+            "checkout: pip install ./textbook. In a checkout itself it is there."
         ) from error
 
 

@@ -44,7 +44,7 @@ def from_words(words: Iterable[str], ports: Sequence[Port]) -> Case:
     for word in words:
         name, equals, text = word.partition("=")
         if not equals:
-            raise UsageError(f"{word!r} is not NAME=VALUE; inputs are: {_names(ports)}")
+            raise UsageError(f"{word!r} is not NAME=VALUE. Inputs are: {_names(ports)}.")
         port = _port(name.strip(), ports, "")
         if port.name in case:
             raise UsageError(f"{port.name} is given twice")

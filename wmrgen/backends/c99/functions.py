@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 
-from wmrgen.backends.c99.style import style
 from wmrgen.backends.c99.text import Struct, alias, block_comment, literal, prototype, struct
 from wmrgen.backends.c99.trace import quantity
-from wmrgen.backends.expression import Results, body
+from wmrgen.backends.expression import Results, Style, body
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Cost, Function, Module, Op, Port, Role, pruned
 
@@ -166,7 +166,7 @@ def _step(
         quantities.setdefault(k, []).append(quantity(label))
     notes = {k: ", ".join(texts) for k, texts in quantities.items()}
     notes = {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE}
-    code = body(function, reads.__getitem__, style(scalar), notes, kernels, _names(function))
+    code = body(function, reads.__getitem__, _style(scalar), notes, kernels, _names(function))
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
     lines = [f"(void){p};" for p in inputs if not read & set(arguments[p].members)]
     lines += code.statements
@@ -177,6 +177,20 @@ def _step(
     ]
     comment = block_comment([_sentence(function.text), f"Operations of the formula: {cost}."])
     return Step(name, tuple(own), tuple(comment), tuple(lines), arguments, code.ops)
+
+
+@cache
+def _style(scalar: str) -> Style:
+    """How C writes operations in ``scalar``: ``float`` (libm names end in f) or ``double``."""
+    suffix = "f" if scalar == "float" else ""
+    return Style(
+        literal=partial(literal, scalar=scalar),
+        form=lambda op: type(op.c)(op.c.replace("{f}", suffix)),
+        declare="const {2} {0} = {1};",
+        temporary="t{0}",
+        grouped=True,
+        scalar=scalar,
+    )
 
 
 def _sentence(text: str) -> str:
@@ -232,7 +246,7 @@ def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results]) -> Ke
     names = {k: name for name, k in reversed(kernel.named) if name not in taken}
     if len(set(names.values())) < len(names):
         names = {}
-    code = body(kernel, str, style(scalar), kernels=results, names=names, apart=_shared(kernel))
+    code = body(kernel, str, _style(scalar), kernels=results, names=names, apart=_shared(kernel))
     own = results[kernel.name]
     lines = [*code.statements, *([""] if code.statements else [])]
     several = None

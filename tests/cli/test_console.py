@@ -1,4 +1,4 @@
-"""Help, colour, stack traces, pipes: how the command line behaves."""
+"""How the command line behaves: bugs, colour, locales, and the progress line on a terminal."""
 
 from __future__ import annotations
 
@@ -6,37 +6,19 @@ import os
 import re
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import wmrgen
+import wmrgen.cli
 from tests.conftest import Outcome, process
+from wmrgen.cli import console
 
 Cli = Callable[..., Outcome]
-
-
-@pytest.mark.parametrize("command", [(), ("derive",), ("eval",), ("check",)])
-def test_help_starts_with_an_example(wmrgen_cli: Cli, command: tuple[str, ...]) -> None:
-    done = wmrgen_cli(*command, "--help")
-    assert done.code == 0
-    lines = [line.strip() for line in done.out.splitlines() if line.strip()]
-    assert lines[0].startswith("Usage: wmrgen")
-    assert lines[1].startswith("Example:  wmrgen")
-
-
-def test_version(wmrgen_cli: Cli) -> None:
-    assert wmrgen_cli("--version").out == f"wmrgen {wmrgen.__version__}\n"
-
-
-@pytest.mark.parametrize(
-    "words", [("derive",), ("fly",), ("eval", "x.yaml"), ("derive", "--scalar", "half", "x.yaml")]
-)
-def test_bad_usage(wmrgen_cli: Cli, words: tuple[str, ...]) -> None:
-    done = wmrgen_cli(*words)
-    assert done.code == 2
-    assert "Usage:" in done.err
+TERMINALS = pytest.mark.skipif(os.name != "posix", reason="terminals")
 
 
 def test_a_bug_is_one_line_and_a_log(
@@ -67,14 +49,6 @@ def test_an_interrupt_is_no_stack_trace(
     assert wmrgen_cli("derive", robot_file) == Outcome(130, "", "interrupted\n")
 
 
-def test_a_missing_robot_file(tmp_path: Path) -> None:
-    done = process("derive", "nowhere.yaml", cwd=tmp_path)
-    assert done.code == 2
-    assert "nowhere.yaml" in done.err
-    assert "Traceback" not in done.err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_no_colour_when_piped(robot_file: Path, tmp_path: Path) -> None:
     done = process("derive", robot_file, "-o", tmp_path / "out", env={"TERM": "xterm-256color"})
     bad = process("eval", robot_file, "inverse", "q=1", env={"TERM": "xterm-256color"})
@@ -87,27 +61,7 @@ def test_a_name_from_a_file_cannot_steer_the_terminal(robot_file: Path) -> None:
     assert "\x1b" not in done.err
 
 
-@pytest.mark.skipif(os.name != "posix", reason="pipes")
-def test_a_reader_that_goes_away(robot_file: Path, tmp_path: Path) -> None:
-    read, write = os.pipe()
-    os.close(read)
-    command = [
-        sys.executable,
-        "-m",
-        "wmrgen",
-        "derive",
-        str(robot_file),
-        "-o",
-        str(tmp_path / "out"),
-        "--json",
-    ]
-    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, check=False)
-    os.close(write)
-    assert "Traceback" not in done.stderr
-    assert "BrokenPipe" not in done.stderr
-
-
-@pytest.mark.skipif(os.name != "posix", reason="terminals")
+@TERMINALS
 def test_colour_on_a_terminal(robot_file: Path, tmp_path: Path) -> None:
     import pty
 
@@ -140,3 +94,65 @@ def test_output_is_utf8_in_any_locale(robot_file: Path) -> None:
     )
     assert done.code == 2
     assert "Traceback" not in done.err
+
+
+SLOW = """
+import sys, time
+import wmrgen
+from wmrgen import __main__
+
+from wmrgen.cli import console
+plain, seconds, patience = wmrgen.derive, float(sys.argv.pop(1)), float(sys.argv.pop(1))
+console.PATIENCE = patience
+
+def slow(robot):
+    time.sleep(seconds)
+    return plain(robot)
+
+wmrgen.derive = slow
+sys.argv[0] = "wmrgen"
+__main__.main()
+"""
+
+
+def stderr_of(
+    robot: object, out: object, seconds: float, terminal: bool, patience: float = 1.0
+) -> tuple[bytes, float | None]:
+    """What a run whose derivation takes ``seconds`` longer writes to stderr, and when the first of it came."""
+    read, write = os.openpty() if terminal else os.pipe()
+    command = [sys.executable, "-c", SLOW, str(seconds), str(patience), "derive", str(robot), "-o", str(out)]
+    start = time.monotonic()
+    running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=write)
+    os.close(write)
+    shown, first = b"", None
+    while True:
+        try:
+            piece = os.read(read, 4096)
+        except OSError:  # Linux says so when the other side of a terminal is closed
+            break
+        if not piece:
+            break
+        first = first or time.monotonic() - start
+        shown += piece
+    os.close(read)
+    assert running.wait() == 0
+    return shown, first
+
+
+@TERMINALS
+def test_progress_on_a_terminal_after_a_second(robot_file: object, tmp_path: object) -> None:
+    shown, first = stderr_of(robot_file, f"{tmp_path}/out", 2.0, terminal=True)
+    assert b"deriving pair (1 of 1)" in shown
+    assert first is not None and first >= 1.0
+    assert shown.endswith(b"\r\x1b[K")
+
+
+@TERMINALS
+def test_no_progress_for_quick_work(robot_file: object, tmp_path: object) -> None:
+    assert console.PATIENCE == 1.0
+    assert stderr_of(robot_file, f"{tmp_path}/out", 0.0, terminal=True, patience=600.0)[0] == b""
+
+
+@TERMINALS
+def test_no_progress_when_piped(robot_file: object, tmp_path: object) -> None:
+    assert stderr_of(robot_file, f"{tmp_path}/out", 2.0, terminal=False)[0] == b""

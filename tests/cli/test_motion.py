@@ -1,4 +1,4 @@
-"""NAME=VALUE words of the commands: units, bare wheel names, and notes on what cannot be."""
+"""motion and icr: units, bare wheel names, and notes on what cannot be."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ import pytest
 from tests.conftest import ROOT, Outcome
 
 Cli = Callable[..., Outcome]
+
+
 PIONEER = ROOT / "robots" / "pioneer3dx.yaml"
+
+
 CAR = """\
 wmrgen: 1
 name: car
@@ -75,12 +79,6 @@ def test_no_segments_and_a_wrong_unit_in_one(tmp_path: Path, wmrgen_cli: Cli) ->
     file.write_text('[{"theta_rate": "90 deg", "dt": 1}]')
     done = wmrgen_cli("motion", PIONEER, "--segments", file)
     assert done.code == 2 and done.err.count("segments.json") == 1 and "deg/s" in done.err
-
-
-@pytest.mark.parametrize("words", [(PIONEER, "goto_pose", "x=-1"), ("textbook", "polar_gains", "k_rho=2")])
-def test_eval_computes_with_numpy_too(words: tuple[str, ...], wmrgen_cli: Cli) -> None:
-    found = [json.loads(wmrgen_cli("eval", *words, "--json", "--backend", b).out) for b in ("exact", "numpy")]
-    assert found[1] == pytest.approx(found[0], abs=1e-12)
 
 
 def test_beyond_a_double_is_no_bug(wmrgen_cli: Cli) -> None:

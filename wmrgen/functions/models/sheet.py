@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from wmrgen.functions.system import System, rate_port
+from wmrgen.functions.system import Domain, System, rate_port
 from wmrgen.ports import Port
 from wmrgen.printing import Latex, Reader, Text, Writer, exact, size
 from wmrgen.symbolic import Expr, signal
@@ -36,7 +36,7 @@ class Sheet:
     where: tuple[Equation, ...]
     equations: tuple[Equation, ...]
     fields: tuple[tuple[str, tuple[Expr, ...]], ...]
-    domain: tuple[tuple[Expr, str], ...]
+    domain: tuple[Domain, ...]
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -52,7 +52,7 @@ def sheet_of(form: str, system: System) -> Sheet:
     return Sheet(
         form, system.text, system.state, system.inputs, system.geometry, (), equations,
         tuple((p.name, tuple(tidy(e) for e in f)) for p, f in zip(system.inputs, system.fields, strict=True)),
-        tuple((tidy(d.expression), d.text) for d in system.domain),
+        tuple(Domain(tidy(d.expression), d.text) for d in system.domain),
     )  # fmt: skip
 
 
@@ -106,8 +106,7 @@ def lines(sheet: Sheet) -> list[str]:
             rows.append(f"  {name}: [{', '.join(_written(printer, e) for e in field)}]")
     if sheet.state:
         rows += ["", "singular:" if sheet.domain else "singular: nowhere"]
-        for condition, text in sheet.domain:
-            rows.append(f"  {_written(printer, condition)} = 0: {text}")
+        rows += [f"  {_written(printer, d.expression)} = 0: {d.text}" for d in sheet.domain]
     return [*rows, "", printer.note] if printer.note else rows
 
 
@@ -138,7 +137,7 @@ def data(sheet: Sheet) -> dict[str, Any]:
             for e in sheet.equations
         },
         "fields": {name: [shown(e) for e in field] for name, field in sheet.fields},
-        "domain": [{"condition": f"{shown(c)} = 0", "meaning": text} for c, text in sheet.domain],
+        "domain": [{"condition": f"{shown(d.expression)} = 0", "meaning": d.text} for d in sheet.domain],
     }
 
 

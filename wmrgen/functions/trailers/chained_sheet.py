@@ -19,6 +19,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.inputs import eta_motion
 from wmrgen.functions.models.sheet import Equation, Sheet, tidy
 from wmrgen.functions.models.vector_fields import at_point, by_state, to_poly
+from wmrgen.functions.system import Domain
 from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import towing_system
 from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, links_of, train
@@ -32,8 +33,6 @@ from wmrgen.symbolic import AtLeast, Expr, expression, local, rotated, signal
 POINTS = 3
 MANY_TRAILERS = 8  # beyond, one exact point takes seconds
 MOST_TERMS = 40  # a derivative with more is not written out
-
-Domain = list[tuple[Expr, str]]
 
 
 def chained_sheet(robot: Robot, mobility: Mobility) -> Sheet:
@@ -58,7 +57,7 @@ def _by_heading(t: Train) -> list[Equation]:
     return [Equation(name, e) for name, e in formulas.items()]
 
 
-def _by_position(t: Train) -> tuple[list[Equation], list[Equation], Domain]:
+def _by_position(t: Train) -> tuple[list[Equation], list[Equation], list[Domain]]:
     """Tzafestas (2.66)-(2.69); Sordalen (1993) with trailers, derivatives taken one by one."""
     path, domain = _path(t)
     where = []
@@ -71,7 +70,8 @@ def _by_position(t: Train) -> tuple[list[Equation], list[Equation], Domain]:
         divisor = x * cosine + y * sine
         bend = divisor**2 / x
         where.append(Equation("kappa", tidy(sine / divisor)))
-        domain.insert(1, (tidy(divisor), f"the steering angle of {s.name} asks for an infinite curvature"))
+        lost = f"the steering angle of {s.name} asks for an infinite curvature"
+        domain.insert(1, Domain(tidy(divisor), lost))
     return where, [*_transformation(t, path.slopes), *_inputs(t, path, bend)], domain
 
 
@@ -87,18 +87,19 @@ class _Path:
     inverse_gain: Poly
 
 
-def _path(t: Train) -> tuple[_Path, Domain]:
+def _path(t: Train) -> tuple[_Path, list[Domain]]:
     """Derivatives along the path of the last axle up to the drift of z2, as far as they can be written out."""
     last, *hitches = [tuple(map(to_poly, (x.cosine, x.sine, x.inverse_length))) for x in links_of(t)]
     c, s, _ = last
-    domain = [(expression(c), "the last axle drives at a right angle to world x: turn the world frame")]
+    across = "the last axle drives at a right angle to world x: turn the world frame"
+    domain = [Domain(expression(c), across)]
     slope, w, inverse_gain = s * c.inverse(), c.inverse(), c * c
     rates: dict[str, Poly] = {}
     for trailer, (c, s, inverse_length) in zip(reversed(t.robot.trailers), hitches, strict=True):
         rates[f"{trailer.name}.theta"] = s * c.inverse() * w * inverse_length
         inverse_gain = inverse_gain * c * c * inverse_length.inverse() * w.inverse()
         w = w * c.inverse()
-        domain.append((expression(c), f"{trailer.name} is jack-knifed"))
+        domain.append(Domain(expression(c), f"{trailer.name} is jack-knifed"))
     if t.steering is not None:
         rates["theta"] = Poly.gen("local", "kappa") * w
         inverse_gain = inverse_gain * w.inverse()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from math import cos, pi, sin
 
-from wmrgen.exact.evaluate import number
+from wmrgen.exact.evaluate import fix, number
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, by_angle
 from wmrgen.functions.system import Domain
@@ -137,21 +137,17 @@ def never_zero(poly: Poly, robot: Robot) -> bool:
     """True for a constant, and for a function of one steering angle that keeps clear of zero all the way round."""
     if poly.constant is not None:
         return True
-    names = sorted(angles_in((poly,)))
+    names = angles_in((poly,))
     if len(names) != 1:
         return False
-    values = {p.name: p.value for p in robot.parameters}
-    powers: dict[tuple[int, int], float] = {}
-    cosine, sine = Gen("cos", names[0]), Gen("sin", names[0])
-    for monomial, coefficient in poly.terms.items():
-        rest = tuple((g, e) for g, e in monomial if g not in (cosine, sine))
-        exponents = dict(monomial)
-        if any(g.args for g, _ in rest):
-            return False
-        key = (exponents.get(cosine, 0), exponents.get(sine, 0))
-        powers[key] = powers.get(key, 0.0) + float(number(Poly({rest: coefficient}), values))
+    (name,) = names
+    cosine, sine = Gen("cos", name), Gen("sin", name)
+    valued = fix(poly, {p.name: p.value for p in robot.parameters})
+    if not {*valued.generators} <= {cosine, sine}:
+        return False
+    terms = [(float(c), dict(m)) for m, c in valued.terms.items()]
     samples = [
-        sum(k * cos(a) ** i * sin(a) ** j for (i, j), k in powers.items())
+        sum(k * cos(a) ** powers.get(cosine, 0) * sin(a) ** powers.get(sine, 0) for k, powers in terms)
         for a in (2 * pi * step / _STEPS for step in range(_STEPS))
     ]
     top = max(abs(v) for v in samples)

@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 from tests.functions.models.robots import FOUR_REAR, VIRTUAL_REAR, call, derived, loaded, s, zero
-from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.errors import NotDerivableError
 from wmrgen.robot import derive
 
 A, D = sympy.Rational(27, 100), sympy.Rational(7, 5)
@@ -110,30 +110,6 @@ def test_two_virtual_wheels_steer_a_two_steer_robot() -> None:
     radius = 1.0 / math.tan(0.3)
     assert angles["fl.steer"] == pytest.approx(math.atan(1 / (radius - 0.5)), abs=1e-12)
     assert angles["rr.steer"] == pytest.approx(math.atan(-1 / (radius + 0.5)), abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        HEAD + "".join(
-            f"  - {{name: w{k}, type: swedish, l: 0.2, alpha: {a}, beta: 0, gamma: 0, r: 0.1}}\n"
-            for k, a in enumerate(("0", "2*pi/3", "-2*pi/3"))
-        ),
-        HEAD + "".join(
-            f"  - {{name: w{k}, type: castor, x: {x}, y: {y}, d: 0.05, r: 0.1, actuated: [spin, steer]}}\n"
-            for k, (x, y) in enumerate(((0.3, 0), (-0.2, 0.2), (-0.2, -0.2)))
-        ),
-    ],
-)  # fmt: skip
-def test_a_robot_that_can_move_sideways_tows_nothing(text: str) -> None:
-    with pytest.raises(NotDerivableError, match="move sideways"):
-        derive(loaded(text + "trailers: [{length: 1}]")).formula("inverse")
-
-
-def test_a_trailer_needs_a_length() -> None:
-    text = HEAD + "  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\ntrailers: [{length: 0}]"
-    with pytest.raises(RobotFileError, match="not positive"):
-        loaded(text)
 
 
 @pytest.mark.parametrize(

@@ -13,13 +13,16 @@ from tests.functions.models.robots import (
     VIRTUAL_REAR,
     derived,
     evaluated,
+    loaded,
     on_axle,
     p,
     s,
     zero,
 )
-from wmrgen.robot import Derivation
+from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.robot import Derivation, derive
 
+HEAD = "wmrgen: 1\nname: sample\nwheels:\n"
 D, R, A = p("base"), p("r"), p("a")
 ANGLES = [s("theta"), *(s(f"trailer{k}.theta") for k in (1, 2, 3))]
 LENGTHS = [p("l1"), p("l2"), p("l3")]
@@ -163,3 +166,27 @@ def test_steady_circle_exists_while_the_radius_is_not_imaginary() -> None:
     margin = derived(CAR_REAR, on_axle(2)).formula("steady_circle").closed()["margin"]
     expected = 1 - kappa**2 * (sympy.Rational(11, 10) ** 2 + sympy.Rational(9, 10) ** 2)
     assert zero(margin.args[1] - expected) or zero(margin.args[0] - expected)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        HEAD + "".join(
+            f"  - {{name: w{k}, type: swedish, l: 0.2, alpha: {a}, beta: 0, gamma: 0, r: 0.1}}\n"
+            for k, a in enumerate(("0", "2*pi/3", "-2*pi/3"))
+        ),
+        HEAD + "".join(
+            f"  - {{name: w{k}, type: castor, x: {x}, y: {y}, d: 0.05, r: 0.1, actuated: [spin, steer]}}\n"
+            for k, (x, y) in enumerate(((0.3, 0), (-0.2, 0.2), (-0.2, -0.2)))
+        ),
+    ],
+)  # fmt: skip
+def test_a_robot_that_can_move_sideways_tows_nothing(text: str) -> None:
+    with pytest.raises(NotDerivableError, match="move sideways"):
+        derive(loaded(text + "trailers: [{length: 1}]")).formula("inverse")
+
+
+def test_a_trailer_needs_a_length() -> None:
+    text = HEAD + "  - {name: a, type: fixed, x: 0, y: 0, heading: 0, r: 0.1}\ntrailers: [{length: 0}]"
+    with pytest.raises(RobotFileError, match="not positive"):
+        loaded(text)

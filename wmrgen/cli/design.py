@@ -110,7 +110,7 @@ def gains(values: Sequence[str] | None, as_json: bool) -> int:
 
 def stability(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
     """Margin of every edge of the support polygon, and the one about which the robot tips over first."""
-    from wmrgen.functions.space.support import polygon
+    from wmrgen.functions.space.stability import polygon
 
     with derived(robot, ["stability"]) as derivation:
         words = spelled(values or (), derivation.robot, "steer")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tests.conftest import Outcome
 from tests.functions.control.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.errors import NotDerivableError
-from wmrgen.functions.space.support import polygon
+from wmrgen.functions.space.stability import polygon
 
 Array = NDArray[np.float64]
 CG = "cg: {{x: {x}, y: {y}, z: {z}}}\n"

@@ -1,9 +1,12 @@
-"""`wheel_motion`: what the wheels' contacts do in space, through world, body, suspension and steering.
+"""Motion in space through moving frames: of the contacts, `wheel_motion`, and what a sensor measures, `cg_force`.
 
 The recursion through moving frames, Kelly (4.23)-(4.29), taken twice is the articulated wheel, Kelly (4.30), (4.31).
 The body frame stands at P on the ground. The frame of a wheel has its origin on the steering axis at the height of the
 axle, travels along z with the suspension and turns about z with the steering. In it the contact is at
 d e + o n - r z, e along and n across the wheel. All vectors are triples of expressions in body axes.
+
+A sensor elsewhere in the body than the centre of gravity c measures another specific force than the one there, t:
+t = t_s + alpha x r + omega x (omega x r), r from the sensor to c (Kelly 4.1.3).
 """
 
 from __future__ import annotations
@@ -15,7 +18,7 @@ import sympy
 from wmrgen.constraints import arm, working_view
 from wmrgen.exact.evaluate import add_angles
 from wmrgen.exact.poly import Poly
-from wmrgen.functions.registry import function
+from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -173,3 +176,34 @@ def rolling_direction(w: Wheel, angle: Expr, names: Locals) -> tuple[Poly, Poly]
     g = working_view(w)
     c = names.poly(f"{w.name}_cosine", sympy.cos(angle))
     return add_angles((g.ch, g.sh), (c, names.poly(f"{w.name}_sine", sympy.sin(angle))))
+
+
+FORCE = vector_ports("f", "", "m/s^2", "specific force a - g at the centre of gravity, robot frame")
+_MEASURED = vector_ports("f", "", "m/s^2", "specific force a - g at the sensor, robot frame")
+SENSOR = tuple(Port(f"sensor.{k}", Role.STATE, "m", "place of the sensor, z above the ground") for k in AXES)
+
+
+def centre_of_gravity(robot: Robot, name: str) -> Vector:
+    """``cg`` of the robot file for the function ``name``. NotDerivableError without one, or with one on the ground."""
+    if robot.cg is None:
+        why = "it needs the centre of gravity; write cg: {x: 0, y: 0, z: 0.3}, z above the ground"
+        raise underivable(robot, name, why)
+    if robot.cg.z.nominal.sign <= 0:
+        raise underivable(robot, name, "cg is not above the ground (z > 0)")
+    x, y, z = (expression(p.working) for p in (robot.cg.x, robot.cg.y, robot.cg.z))
+    return x, y, z
+
+
+@function("Kelly 4.1.3")
+def cg_force(robot: Robot, _: Mobility) -> Formula:
+    """What an accelerometer and a gyroscope measure to the specific force at the centre of gravity."""
+    c = centre_of_gravity(robot, "cg_force")
+    x, y, z = (subtract(entry, signal(port.name)) for entry, port in zip(c, SENSOR, strict=True))
+    body = Frame(NOTHING, input_vector("w"), input_vector("f"), input_vector("w", "_rate"))
+    force = seen_from_before(body, NOTHING, Point((x, y, z), NOTHING, NOTHING)).a
+    turning = tuple(p for p in BODY if p.name.startswith("w"))
+    return Formula(
+        "cg_force", (*_MEASURED, *SENSOR, *turning, *tunable_ports(robot)), (),
+        tuple(zip(FORCE, force, strict=True)),
+        "specific force at a sensor to that at the centre of gravity (Kelly 4.1.3)",
+    )  # fmt: skip

@@ -64,7 +64,7 @@ wheels:
     found = []
     for x in ("0.15", "0.25", "0.9"):
         path.write_text(text.format(x=x))
-        found.append(rigid.spread(measurements(load(path))[0]))
+        found.append(rigid.spread(measurements(load(path)).contacts))
     assert found[0] is None
     for case, x in zip(found[1:], (Fraction(5, 2), Fraction(9)), strict=True):
         assert case is not None

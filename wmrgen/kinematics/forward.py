@@ -26,7 +26,7 @@ from wmrgen.kinematics.records import (
     twist_ports,
 )
 from wmrgen.kinematics.rigid import fit_rigid
-from wmrgen.kinematics.sensing import Measured, constant_normal, measured_rows, measurements, sensed_joints
+from wmrgen.kinematics.sensing import Measured, measurements, sensed_joints
 from wmrgen.kinematics.solve import Twist, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
@@ -49,14 +49,13 @@ class NominalRank:
 def forward(robot: Robot) -> Formula:
     """Sensed joint rates to vx vy omega and the residual norm ``slip``."""
     names = Locals()
-    contacts, components = measurements(robot)
-    rows = measured_rows(contacts, components)
-    if constant_normal(rows):
-        twist, slip = _constant(rows, robot, names)
-    elif not components:
-        twist, slip = fit_rigid(contacts, names)
+    measured = measurements(robot)
+    if measured.constant_normal:
+        twist, slip = _constant(measured.rows, robot, names)
+    elif not measured.components:
+        twist, slip = fit_rigid(measured.contacts, names)
     else:
-        twist, slip = solve_general(contacts, components, names)
+        twist, slip = solve_general(measured, names)
     inputs = tuple(joint_port(w, j, _JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
     outputs = (
         *zip(twist_ports(), twist, strict=True),

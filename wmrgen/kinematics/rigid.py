@@ -12,7 +12,7 @@ Nothing cancels where the pivots stand well apart. Where they do not, the means 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -41,7 +41,7 @@ class Spread:
     least: Exact
 
 
-def spread(contacts: list[Contact]) -> Spread | None:
+def spread(contacts: Sequence[Contact]) -> Spread | None:
     """The pivots of ``contacts``; None where they are tunable or stand too close for their offsets."""
     shapes = [c.wheel.working for c in contacts]
     numbers = [[p.constant for p in (g.x, g.y, g.d, g.o)] for g in shapes]
@@ -66,7 +66,7 @@ def _total(values: Iterable[Exact]) -> Exact:
     return sum(values, ZERO)
 
 
-def fit_rigid(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
+def fit_rigid(contacts: Sequence[Contact], names: Locals) -> tuple[Twist, Expr]:
     """Twist and residual norm of the rigid motion nearest to ``contacts``."""
     if len(contacts) == 1:
         return _single(contacts[0], names)
@@ -83,7 +83,7 @@ def _single(contact: Contact, names: Locals) -> tuple[Twist, Expr]:
     return (expression(vx), expression(vy), expression(omega)), sympy.S.Zero
 
 
-def _centred(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
+def _centred(contacts: Sequence[Contact], names: Locals) -> tuple[Twist, Expr]:
     """From contact points as they stand about their mean."""
     points = named_contacts(contacts, names)
     share = Fraction(1, len(points))
@@ -104,7 +104,7 @@ def _centred(contacts: list[Contact], names: Locals) -> tuple[Twist, Expr]:
     return (expression(vx), expression(vy), expression(omega)), _norm(errors, names)
 
 
-def _collapsed(contacts: list[Contact], pivots: Spread, names: Locals) -> tuple[Twist, Expr]:
+def _collapsed(contacts: Sequence[Contact], pivots: Spread, names: Locals) -> tuple[Twist, Expr]:
     """From sums over pivots and offsets; lengths in ``pivots.unit``, both sums n times as large."""
     n, over = len(contacts), pivots.unit.inverse()
     offsets, speeds = [], []

@@ -36,6 +36,36 @@ class Component:
     value: Poly
 
 
+@dataclass(frozen=True, slots=True)
+class Measurements:
+    """All that the sensed joints of a robot measure."""
+
+    contacts: tuple[Contact, ...]
+    components: tuple[Component, ...]
+
+    @property
+    def wheels(self) -> tuple[Wheel, ...]:
+        """Those that measure something."""
+        return (*(c.wheel for c in self.contacts), *(c.wheel for c in self.components))
+
+    @property
+    def rows(self) -> list[Measured]:
+        """Every measured row over the twist, with its value [m/s]."""
+        rows = [row for c in self.contacts for row in contact_rows(c.bx, c.by, c.wx, c.wy)]
+        return rows + [(c.row, c.value) for c in self.components]
+
+    @property
+    def constant_normal(self) -> bool:
+        """Whether the normal matrix depends on no joint angle."""
+        return not any(has_angles(row) for row, _ in self.rows)
+
+
+def contact_rows(bx: Poly, by: Poly, wx: Poly, wy: Poly) -> list[Measured]:
+    """The velocity (wx, wy) of a point B, a row for each component."""
+    one, zero = Poly.of(1), Poly({})
+    return [((one, zero, -by), wx), ((zero, one, bx), wy)]
+
+
 def sensed_joints(w: Wheel) -> tuple[str, ...]:
     """The joints of a wheel that are inputs of ``forward``."""
     joints: list[str] = [j for j in ("spin", "steer") if j in w.sensed]
@@ -44,7 +74,7 @@ def sensed_joints(w: Wheel) -> tuple[str, ...]:
     return tuple(joints)
 
 
-def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
+def measurements(robot: Robot) -> Measurements:
     """What the sensed joints measure of the twist. Passive castors and spheres measure nothing."""
     contacts: list[Contact] = []
     components: list[Component] = []
@@ -61,21 +91,7 @@ def measurements(robot: Robot) -> tuple[list[Contact], list[Component]]:
             components.append(Component(w, rolling_row(w, g).row, g.rolling_radius * spin + g.o * rate))
         elif w.kind.sliding_row:
             components.append(Component(w, sliding_row(w, g).row, -(g.d * rate)))
-    return contacts, components
-
-
-def measured_rows(contacts: list[Contact], components: list[Component]) -> list[Measured]:
-    """Every measured row over the twist, with its value [m/s]."""
-    one, zero = Poly.of(1), Poly({})
-    rows: list[Measured] = []
-    for c in contacts:
-        rows += [((one, zero, -c.by), c.wx), ((zero, one, c.bx), c.wy)]
-    return rows + [(c.row, c.value) for c in components]
-
-
-def constant_normal(rows: list[Measured]) -> bool:
-    """Whether the normal matrix depends on no joint angle."""
-    return not any(has_angles(row) for row, _ in rows)
+    return Measurements(tuple(contacts), tuple(components))
 
 
 def _contact(w: Wheel, spin: Poly, rate: Poly) -> Contact:

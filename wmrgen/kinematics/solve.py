@@ -14,6 +14,7 @@ value that a real robot takes, so that no input divides by zero.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -24,7 +25,7 @@ from wmrgen.exact.linalg import cofactor
 from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.sensing import Component, Contact, Measured, measured_rows
+from wmrgen.kinematics.sensing import Contact, Measured, Measurements, contact_rows
 from wmrgen.layout.records import Wheel
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
@@ -45,13 +46,13 @@ class System:
     reach: Exact
 
 
-def solve_general(contacts: list[Contact], components: list[Component], names: Locals) -> tuple[Twist, Expr]:
+def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     """Any mix of contact velocities and single rows, by cofactors of the 3x3 normal matrix N.
 
     Where the rows leave a direction unseen (a rear-driven bicycle steered by 90 degrees) the smallest twist
     is taken. The rank that the rows have in general decides at derivation time which formulas are needed.
     """
-    rows = _named_rows(contacts, components, names)
+    rows = _named_rows(measured, names)
     upper = {
         (i, j): names.poly(f"n{i}{j}", Poly.sum(r[i] * r[j] for r, _ in rows))
         for i in range(3)
@@ -59,10 +60,8 @@ def solve_general(contacts: list[Contact], components: list[Component], names: L
     }
     n = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
     b = [names.poly(f"b{i}", Poly.sum(r[i] * z for r, z in rows)) for i in range(3)]
-    squared = _reach(_wheels(contacts, components))
-    twist = smallest_twist(
-        System(n, b, generic_rank(contacts, components), squared), lower_bound(contacts, components), names
-    )
+    system = System(n, b, generic_rank(measured), _reach(measured.wheels))
+    twist = smallest_twist(system, lower_bound(measured), names)
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     xi: Row = (fitted[0], fitted[1], fitted[2])
     errors = [names.poly(f"error_{i}", z - dot(r, xi)) for i, (r, z) in enumerate(rows)]
@@ -70,7 +69,7 @@ def solve_general(contacts: list[Contact], components: list[Component], names: L
     return (expression(xi[0]), expression(xi[1]), expression(xi[2])), slip
 
 
-def named_contacts(contacts: list[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:
+def named_contacts(contacts: Sequence[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:
     """Contact points and velocities with names, so that each is computed once."""
     named = []
     for c in contacts:
@@ -84,12 +83,9 @@ def _named(names: Locals, name: str, value: Poly) -> Poly:
     return names.poly(name, value) if value.generators else value
 
 
-def _named_rows(contacts: list[Contact], components: list[Component], names: Locals) -> list[Measured]:
-    one, zero = Poly.of(1), Poly({})
-    rows: list[Measured] = []
-    for bx, by, wx, wy in named_contacts(contacts, names):
-        rows += [((one, zero, -by), wx), ((zero, one, bx), wy)]
-    for c in components:
+def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
+    rows = [row for parts in named_contacts(measured.contacts, names) for row in contact_rows(*parts)]
+    for c in measured.components:
         x, y, w = (
             _named(names, f"{c.wheel.name}_{k}", p) for k, p in zip(("rx", "ry", "rw"), c.row, strict=True)
         )
@@ -97,22 +93,17 @@ def _named_rows(contacts: list[Contact], components: list[Component], names: Loc
     return rows
 
 
-def _wheels(contacts: list[Contact], components: list[Component]) -> list[Wheel]:
-    return [c.wheel for c in contacts] + [c.wheel for c in components]
-
-
-def _reach(wheels: list[Wheel]) -> Exact:
+def _reach(wheels: Sequence[Wheel]) -> Exact:
     """The mean square distance of the measured wheels from P, offsets included; 1 when all stand at P."""
     shapes = [w.nominal for w in wheels]
     total = sum((g.x * g.x + g.y * g.y + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
     return total / len(wheels) if total else ONE
 
 
-def generic_rank(contacts: list[Contact], components: list[Component]) -> int:
+def generic_rank(measured: Measurements) -> int:
     """The rank of the measured rows at general joint angles."""
-    wheels = _wheels(contacts, components)
-    rows = [row for row, _ in measured_rows(contacts, components)]
-    return max(_rank([[_at(p, k) for p in row] for row in rows], wheels) for k in range(len(_POINTS)))
+    points = range(len(_POINTS))
+    return max(_rank([[_at(p, k) for p in row] for row, _ in measured.rows], measured.wheels) for k in points)
 
 
 def _at(poly: Poly, point: int) -> float:
@@ -130,16 +121,16 @@ def _at(poly: Poly, point: int) -> float:
     return float(number) if number is not None else 0.0
 
 
-def _rank(rows: list[list[float]], wheels: list[Wheel]) -> int:
+def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:
     """The rank of rows with lengths in the reach of the wheels, so that it does not depend on the unit."""
     return numeric_rank(np.array(rows).reshape(-1, 3) / [1.0, 1.0, float(_reach(wheels)) ** 0.5])[0]
 
 
-def lower_bound(contacts: list[Contact], components: list[Component]) -> float:
+def lower_bound(measured: Measurements) -> float:
     """A bound under det N from the rows that do not move; 0 when they alone do not have rank 3."""
-    numbers = [[p.constant for p in row] for row, _ in measured_rows(contacts, components)]
+    numbers = [[p.constant for p in row] for row, _ in measured.rows]
     rows = [[float(v) for v in row if v is not None] for row in numbers if None not in row]
-    if _rank(rows, _wheels(contacts, components)) < 3:
+    if _rank(rows, measured.wheels) < 3:
         return 0.0
     a, b, c = ([sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3))
     return (

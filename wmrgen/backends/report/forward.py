@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
@@ -13,14 +14,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 from wmrgen.kinematics.rigid import spread
-from wmrgen.kinematics.sensing import (
-    Component,
-    Contact,
-    Measured,
-    constant_normal,
-    measured_rows,
-    measurements,
-)
+from wmrgen.kinematics.sensing import Contact, Measured, Measurements, measurements
 from wmrgen.kinematics.solve import generic_rank
 from wmrgen.printing import symbol_names
 
@@ -38,39 +32,39 @@ _INVARIANTS = r"M = H^T H,\quad c_1 = \mathrm{tr}\,M,\quad c_2 = \mathrm{tr}\,\m
 
 def forward(d: Derivation) -> list[str]:
     """Section 7."""
-    contacts, components = measurements(seen(d.robot, symbolic_view))
+    measured = measurements(seen(d.robot, symbolic_view))
     blocks = ["## 7 Forward kinematics"]
-    if not contacts and not components:
+    if not measured.rows:
         return [*blocks, "No joint is sensed, so nothing is known of the twist: `forward` returns 0."]
-    blocks += _sources(contacts, components)
-    rows = measured_rows(contacts, components)
-    if not constant_normal(rows) and not components:
-        return [*blocks, *_rigid(d, contacts)]
-    blocks += ["Stacked,", *_stacked(rows)]
-    if constant_normal(rows):
-        return [*blocks, *_constant(d, rows), *_closed(d), *cut_note(d.robot.wheels)]
+    blocks += _sources(measured)
+    if not measured.constant_normal and not measured.components:
+        return [*blocks, *_rigid(d, measured.contacts)]
+    blocks += ["Stacked,", *_stacked(measured.rows)]
+    if measured.constant_normal:
+        return [*blocks, *_constant(d, measured.rows), *_closed(d), *cut_note(d.robot.wheels)]
     locals_ = {symbol.name for symbol, _ in d.program.formula("forward").locals}
     return [
         *blocks,
-        *_solution(generic_rank(contacts, components), "over_c2" in locals_),
+        *_solution(generic_rank(measured), "over_c2" in locals_),
         "The residual `slip`, the norm of z − H ξ [m/s], is a signal for slip, a dead encoder or crossed wires.",
     ]
 
 
-def _sources(contacts: list[Contact], components: list[Component]) -> list[str]:
+def _sources(measured: Measurements) -> list[str]:
     """Which rows are known of which wheels."""
     sources = []
-    if contacts:
-        moving = any(c.wheel.nominal.d or c.wheel.nominal.o for c in contacts)
+    if measured.contacts:
+        wheels = [c.wheel for c in measured.contacts]
+        moving = any(w.nominal.d or w.nominal.o for w in wheels)
         sources.append(
-            f"Both rows are known of {some([c.wheel for c in contacts])}. Turned into the robot's axes they say "
+            f"Both rows are known of {some(wheels)}. Turned into the robot's axes they say "
             "how fast the contact point B moves: v + ω ẑ × B = "
             + ("(r φ̇ + o ψ̇) e − d ψ̇ n" if moving else "r φ̇ e")
             + ", with e the rolling direction"
             + (" and n = ẑ × e." if moving else ".")
         )
     for kind in ("rolling", "sliding"):
-        alone = [c.wheel for c in components if c.wheel.kind.sliding_row == (kind == "sliding")]
+        alone = [c.wheel for c in measured.components if c.wheel.kind.sliding_row == (kind == "sliding")]
         if alone:
             sources.append(f"Only the {kind} row is known of {some(alone)}.")
     return [
@@ -92,15 +86,15 @@ def _stacked(rows: list[Measured]) -> list[str]:
 
 def _constant(d: Derivation, rows: list[Measured]) -> list[str]:
     """Everything but z is known at derivation time."""
-    contacts, components = measurements(seen(d.robot, nominal_view))
-    normal, _ = normal_equations(measured_rows(contacts, components))
+    measured = measurements(seen(d.robot, nominal_view))
+    normal, _ = normal_equations(measured.rows)
     det, trace = (
         float(p.constant or 0) for p in (determinant(normal), Poly.sum(normal[i][i] for i in range(3)))
     )
     singular = abs(det) < 1e-12 * max(trace, 1e-30) ** 3
     count = "More rows than unknowns" if len(rows) > 3 else "As many rows as unknowns"
     why = "The matrix does not depend on any joint angle."
-    if any(c.wheel.turns for c in contacts):
+    if any(c.wheel.turns for c in measured.contacts):
         why = (
             "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the "
             "matrix is constant whatever the steering does."
@@ -148,7 +142,7 @@ def _closed(d: Derivation) -> list[str]:
     ]
 
 
-def _rigid(d: Derivation, contacts: list[Contact]) -> list[str]:
+def _rigid(d: Derivation, contacts: Sequence[Contact]) -> list[str]:
     """Rigid motion through measured contact velocities."""
     blocks = ["Contact point B and measured velocity w of each of these wheels, in the robot frame:"]
     for c in contacts[:3]:
@@ -171,7 +165,7 @@ def _rigid(d: Derivation, contacts: list[Contact]) -> list[str]:
         "out, with the pivots measured from their mean: B<sub>i</sub> × w<sub>i</sub> and |B<sub>i</sub>|² then "
         "lose their products of sines."
     )
-    if spread(measurements(d.robot)[0]) is None:
+    if spread(measurements(d.robot).contacts) is None:
         divisor = "its denominator is kept above 10⁻¹² m²."
     return [
         *blocks,

@@ -30,7 +30,7 @@ from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.pose import POSE, odometry
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
-from wmrgen.kinematics.sensing import constant_normal, measured_rows, measurements
+from wmrgen.kinematics.sensing import measurements
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import numeric_rank, unit_of
 from wmrgen.mobility.records import Mobility
@@ -171,12 +171,12 @@ def reach(_: Robot, __: Mobility) -> Formula:
 @function("Konstantinov (6); Tzafestas (2.36)")
 def heading(robot: Robot, _: Mobility) -> Formula:
     """Wheel angles turned since the heading was theta, to the heading now."""
-    rows = measured_rows(*measurements(robot))
-    if not constant_normal(rows):
+    measured = measurements(robot)
+    if not measured.constant_normal:
         raise underivable(
             robot, "heading function", "its yaw rate depends on joint angles that change on the way"
         )
-    if not _sees_yaw(robot, [row for row, _ in rows]):
+    if not _sees_yaw(robot, [row for row, _ in measured.rows]):
         raise underivable(robot, "heading function", "the sensed wheel speeds do not determine its yaw rate")
     formula, names = forward(robot), Locals()
     joints = {signal(p.name) for p in formula.inputs if p.name.endswith((".steer", ".steer_rate"))}

@@ -10,7 +10,6 @@ each add a quadratic equation in the twist; their common zeros are planes, cones
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,25 +19,11 @@ from wmrgen.exact.number import ZERO
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import null_basis
-from wmrgen.mobility.records import Array
+from wmrgen.mobility.records import Admissible, Array
 
 SMALL = 1e-9
 NOISE = 1e-15  # of a unit twist, of rounding alone
 _WEIGHTS = (0.83, -0.41, 0.57)  # of a generic twist
-
-
-@dataclass(frozen=True, slots=True)
-class Component:
-    """One component of the admissible twists: ``basis`` rows span it; ``sample`` is a generic twist in it.
-
-    ``tangent`` spans the tangent space at the sample.
-    """
-
-    dimension: int
-    basis: Array
-    sample: Array
-    linear: bool
-    tangent: Array
 
 
 def zero_heading(w: Wheel) -> complex:
@@ -161,7 +146,7 @@ def _speed_form(w: Wheel) -> Array:
     return np.outer(rolling, rolling)
 
 
-def components(rows: Array, forms: Sequence[Array], tolerance: float = SMALL) -> list[Component]:
+def components(rows: Array, forms: Sequence[Array], tolerance: float = SMALL) -> list[Admissible]:
     """Components of {xi: rows xi = 0 and every form vanishes}; forms on that space below ``tolerance`` are none."""
     space = null_basis(rows)
     if not len(space):
@@ -170,7 +155,7 @@ def components(rows: Array, forms: Sequence[Array], tolerance: float = SMALL) ->
     seen = [space @ f @ space.T for f in forms]
     reduced = [f for f, g in zip(seen, forms, strict=True) if np.abs(f).max() > tolerance * np.abs(g).max()]
     if not reduced:
-        return [Component(len(space), space, np.array(_WEIGHTS[: len(space)]) @ space, True, space)]
+        return [Admissible(space, np.array(_WEIGHTS[: len(space)]) @ space, True, space)]
     first = reduced[0]
     normals = _normals(first)
     if normals is None:
@@ -209,7 +194,7 @@ def _oriented(v: Array) -> Array:
     return v if lead > 0 else -v
 
 
-def _conic(form: Array, space: Array) -> list[Component]:
+def _conic(form: Array, space: Array) -> list[Admissible]:
     """A real, non-degenerate cone of twists: dimension 2, not linear."""
     values, vectors = np.linalg.eigh(form)
     if (values > 0).all() or (values < 0).all():
@@ -221,4 +206,4 @@ def _conic(form: Array, space: Array) -> list[Component]:
     z[odd] = np.sqrt(-sum(values[k] * z[k] ** 2 for k in others) / values[odd])
     point = _oriented(vectors @ z)
     tangent = null_basis((form @ point)[None, :])
-    return [Component(2, space, point @ space, False, tangent @ space)]
+    return [Admissible(space, point @ space, False, tangent @ space)]

@@ -19,7 +19,6 @@ from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Gen, Poly, Row, has_angles
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.admissible import (
-    Component,
     along,
     components,
     constant_rows,
@@ -127,19 +126,16 @@ def _admissible(robot: Robot, rows: Sequence[Row], seed: int = 0) -> tuple[Admis
     array = unit_rows(to_array(numbers))
     chosen = independent(array, numeric_rank(array)[0])
     best = _freest(robot, array[chosen], components(array[chosen], quadrics(robot)))
-    picked = Admissible(
-        chosen=tuple(chosen), normal=_normal(best, array[chosen]), dimension=best.dimension,
-        basis=best.basis, sample=best.sample, linear=best.linear, tangent=best.tangent,
-    )  # fmt: skip
+    picked = replace(best, chosen=tuple(chosen), normal=_normal(best, array[chosen]))
     return picked, [numbers[i] for i in chosen]
 
 
-def _freest(robot: Robot, constant: Array, candidates: list[Component]) -> Component:
+def _freest(robot: Robot, constant: Array, candidates: list[Admissible]) -> Admissible:
     """The component with most freedom of steering, then of motion, then the straightest; none where nothing can move.
 
     The forms know speeds up to their sign: a component is dropped where wheels would roll against one another.
     """
-    empty = Component(0, np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
+    empty = Admissible(np.zeros((0, 3)), np.zeros(3), True, np.zeros((0, 3)))
     best, score = empty, (-1, 0, 0, 0.0)
     for component in candidates:
         rows = unit_rows(_rows_at(robot, component.sample, constant))
@@ -153,7 +149,7 @@ def _freest(robot: Robot, constant: Array, candidates: list[Component]) -> Compo
     return best
 
 
-def _normal(best: Component, constant: Array) -> Row | None:
+def _normal(best: Admissible, constant: Array) -> Row | None:
     """The extra row that coupled steering imposes: orthogonal to the admissible plane or line."""
     if not best.linear or best.dimension == 0 or len(constant) + best.dimension != 2:
         return None

@@ -40,21 +40,25 @@ class Rank:
 
 @dataclass(frozen=True, slots=True)
 class Admissible:
-    """The twists that some steering permits: a cone of dimension ``dimension`` inside null(C0).
+    """The twists that some steering permits: a cone inside null(C0).
 
-    ``chosen``: indices of independent constant rows (fixed wheels and couplings). ``normal``: the row of a further
-    linear constraint that coupled steering imposes, or None. ``basis``: spans the cone (rows, numbers).
-    ``sample``: one generic twist of the cone. ``linear`` is False when the cone is a conic;
-    ``tangent``: spans its tangent space at the sample.
+    ``basis``: spans the cone (rows, numbers). ``sample``: one generic twist of the cone. ``linear`` is False when the
+    cone is a conic; ``tangent``: spans its tangent space at the sample. ``chosen``: indices of independent constant
+    rows (fixed wheels and couplings). ``normal``: the row of a further linear constraint that coupled steering
+    imposes, or None.
     """
 
-    chosen: tuple[int, ...]
-    normal: Row | None
-    dimension: int
     basis: Array
     sample: Array
     linear: bool
     tangent: Array
+    chosen: tuple[int, ...] = ()
+    normal: Row | None = None
+
+    @property
+    def dimension(self) -> int:
+        """Of the cone."""
+        return len(self.basis) if self.linear else len(self.basis) - 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,13 @@ from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op, places
 from wmrgen.kinematics.records import Call, Formula
-from wmrgen.symbolic import AtLeast, Clamp, Expr, Input, Local, Nearest, Parameter, WithSignOf
+from wmrgen.symbolic import Expr, Input, Local, Nearest, Parameter
 
+# Operations that are functions of sympy; functions of ours name theirs, see `wmrgen.symbolic.Operation`.
+_OPERATIONS: dict[type, Op] = {
+    sympy.sin: Op.SIN, sympy.cos: Op.COS, sympy.atan: Op.ATAN, sympy.atan2: Op.ATAN2,
+    sympy.Abs: Op.ABS, sympy.Max: Op.MAX, sympy.Min: Op.MIN,
+}  # fmt: skip
 _TINY = Exact(Fraction(1, 10**12))
 
 
@@ -45,11 +50,8 @@ class _Lowering:
         self.parameters: set[str] = set()
         self.geometric: list[bool] = []  # of the first nodes: whether they depend on no input but geometry
         self.rules: dict[type, Callable[[Expr], int]] = {
-            sympy.Add: self._add, sympy.Mul: self._mul, sympy.Pow: self._pow, sympy.sin: self._sin,
-            sympy.cos: self._cos, sympy.tan: self._tan, sympy.atan2: self._atan2, sympy.Abs: self._abs,
-            sympy.atan: self._atan, Nearest: self._nearest,
-            sympy.Max: self._max, sympy.Min: self._min, sympy.Piecewise: self._select,
-            Clamp: self._two(Op.CLAMP), AtLeast: self._two(Op.AT_LEAST), WithSignOf: self._two(Op.WITH_SIGN_OF),
+            sympy.Add: self._add, sympy.Mul: self._mul, sympy.Pow: self._pow, sympy.tan: self._tan,
+            sympy.Piecewise: self._select,
             Input: self._input, Parameter: self._parameter, Local: self._local,
         }  # fmt: skip
 
@@ -57,10 +59,17 @@ class _Lowering:
         """The node of an expression."""
         found = self.memo.get(expr)
         if found is None:
-            value = _number(expr)
-            found = self.builder.const(value) if value is not None else self.rules[type(expr)](expr)
-            self.memo[expr] = found
+            found = self.memo[expr] = self._new(expr)
         return found
+
+    def _new(self, expr: Expr) -> int:
+        value = _number(expr)
+        if value is not None:
+            return self.builder.const(value)
+        op = _OPERATIONS.get(type(expr)) or getattr(expr, "op", None)
+        if op is None:
+            return self.rules[type(expr)](expr)
+        return self.builder.apply(op, [self.node(a) for a in expr.args])
 
     def named(self, results: Sequence[int]) -> tuple[tuple[str, int], ...]:
         """The intermediate results that ``results`` need, by the node they have in the finished function."""
@@ -81,10 +90,6 @@ class _Lowering:
             made = self.builder.call(call.kernel.name, *(self.node(a) for a in call.args))
             return self.builder.result(made, number) if len(call.results) > 1 else made
         return self.node(self.locals[expr])
-
-    def _two(self, op: Op) -> Callable[[Expr], int]:
-        """The rule of an operation of two arguments."""
-        return lambda expr: self.builder.apply(op, [self.node(a) for a in expr.args])
 
     def _add(self, expr: Expr) -> int:
         return self.builder.sum(self.node(a) for a in expr.args)
@@ -138,35 +143,9 @@ class _Lowering:
             )
         return known[a]
 
-    def _sin(self, expr: Expr) -> int:
-        return self.builder.sin(self.node(expr.args[0]))
-
-    def _cos(self, expr: Expr) -> int:
-        return self.builder.cos(self.node(expr.args[0]))
-
     def _tan(self, expr: Expr) -> int:
         a = self.node(expr.args[0])
         return self.builder.div(self.builder.sin(a), self._nonzero(self.builder.cos(a)))
-
-    def _atan2(self, expr: Expr) -> int:
-        return self.builder.atan2(self.node(expr.args[0]), self.node(expr.args[1]))
-
-    def _atan(self, expr: Expr) -> int:
-        return self.builder.atan(self.node(expr.args[0]))
-
-    def _nearest(self, expr: Expr) -> int:
-        return self.builder.rint(self.node(expr.args[0]))
-
-    def _abs(self, expr: Expr) -> int:
-        return self.builder.abs(self.node(expr.args[0]))
-
-    def _max(self, expr: Expr) -> int:
-        a, b = expr.args
-        return self.builder.max(self.node(a), self.node(b))
-
-    def _min(self, expr: Expr) -> int:
-        a, b = expr.args
-        return self.builder.min(self.node(a), self.node(b))
 
     def _select(self, expr: Expr) -> int:
         (then, condition), (otherwise, _) = expr.args

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import sympy
 from sympy.functions.elementary.piecewise import ExprCondPair
@@ -13,6 +13,7 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from wmrgen import notation
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Gen, Poly, Row
+from wmrgen.ir.nodes import Op
 
 Expr: TypeAlias = Any  # sympy.Expr; sympy ships no types
 
@@ -41,11 +42,18 @@ class Local(Quantity):
     """A named intermediate result."""
 
 
-class Nearest(sympy.Function):  # type: ignore[misc]
+class Operation(sympy.Function):  # type: ignore[misc]
+    """A function that is one operation of the code, ``op``, and keeps its meaning down to it."""
+
+    op: ClassVar[Op]
+    is_real = True
+
+
+class Nearest(Operation):
     """The nearest whole number, ties to even. Nothing evaluates it; its derivative is 0."""
 
+    op = Op.RINT
     nargs = 1
-    is_real = True
     is_integer = True
 
     @classmethod
@@ -57,31 +65,33 @@ class Nearest(sympy.Function):  # type: ignore[misc]
         return sympy.S.Zero
 
 
-class _Kept(sympy.Function):  # type: ignore[misc]
-    """An operation that keeps its meaning down to the code. Only numbers are evaluated."""
-
-    nargs = 2
-    is_real = True
-
-
-class Clamp(_Kept):
+class Clamp(Operation):
     """Clamp(a, m): a, or the end of [-m, m] that it lies beyond; m > 0."""
+
+    op = Op.CLAMP
+    nargs = 2
 
     @classmethod
     def eval(cls, a: Expr, m: Expr) -> Expr | None:
         return sympy.Max(-m, sympy.Min(m, a)) if a.is_number and m.is_number else None
 
 
-class AtLeast(_Kept):
+class AtLeast(Operation):
     """AtLeast(a, m): a where |a| >= m, else m with the sign of a, m where a is 0; m > 0. A divisor off zero."""
+
+    op = Op.AT_LEAST
+    nargs = 2
 
     @classmethod
     def eval(cls, a: Expr, m: Expr) -> Expr | None:
         return (-1 if a < 0 else 1) * sympy.Max(abs(a), m) if a.is_number and m.is_number else None
 
 
-class WithSignOf(_Kept):
+class WithSignOf(Operation):
     """WithSignOf(a, b): -a where b < 0, else a. Code may take a zero b for negative if it is -0."""
+
+    op = Op.WITH_SIGN_OF
+    nargs = 2
 
     @classmethod
     def eval(cls, a: Expr, b: Expr) -> Expr | None:

@@ -28,8 +28,11 @@ from wmrgen.ir.ops.analysis import Bounded, Fact
 from wmrgen.ir.passes.guards import facts, findings
 from wmrgen.ir.pipeline import optimise
 from wmrgen.ir.verify import PassError, verify_function
+from wmrgen.kinematics.records import Formula
+from wmrgen.lower import lower
 from wmrgen.selftest.rounding_bounds import bounds
 from wmrgen.selftest.vectors import tables
+from wmrgen.symbolic import Operation, signal
 
 NAMES = ("x", "y", "z")
 
@@ -97,6 +100,22 @@ def test_the_interpreter_knows_it(excess: Op) -> None:
     assert EXACT.of(excess)(Exact(3), ONE) == 2
     single = 1 / 3 - ctypes.c_float(1e-3).value
     assert FLOAT32.of(excess)(1 / 3, ctypes.c_float(1e-3).value) == ctypes.c_float(single).value
+
+
+def test_a_formula_names_it(excess: Op) -> None:
+    class Excess(Operation):
+        """What the first has more than the second."""
+
+        op = excess
+        nargs = 2
+
+    ports = tuple(Port(name, Role.COMMAND, "m/s", "an input") for name in NAMES)
+    x, y, z = (signal(name) for name in NAMES)
+    outputs = ((Port("u", Role.COMMAND, "1", "an output"), Excess(x * y, 2 * z) / (Excess(y, x) + 1)),)
+    f = lower(Formula("rates", ports, (), outputs, "A formula with an operation from outside."))
+    assert sum(node.op is excess for node in f.nodes) == 2
+    for p in points():
+        assert evaluate(f, p, FLOAT64)["u"] == expected(p)[0]
 
 
 def test_passes_keep_it_and_their_checks_see_it(excess: Op) -> None:

@@ -79,12 +79,12 @@ def differences(
 ) -> list[Difference]:
     """How ``directory`` differs from what `write_tree` would leave there, by file, in order; `BUDGET` may be there."""
     wanted = with_manifest(files, made_with)
-    found = []
+    unlike = []
     for name, content in wanted.items():
-        found += file_difference(directory / name, content)
+        unlike += file_difference(directory / name, content)
     kept = {directory / name for name in (*wanted, BUDGET)}
     extra = [p for p in sorted(directory.rglob("*")) if not p.is_dir() and p not in kept]
-    return found + [Difference(p, "not produced") for p in extra]
+    return unlike + [Difference(p, "not produced") for p in extra]
 
 
 def write_file(path: Path, content: bytes) -> bool:
@@ -208,18 +208,18 @@ def _listed(directory: Path) -> list[str]:
 
 def made_with(directory: Path) -> dict[str, str]:
     """The options that the manifest in ``directory`` notes; none where there is no readable one."""
-    found = _manifest(directory).get("made_with")
-    pairs = found.items() if isinstance(found, dict) else ()
+    options = _manifest(directory).get("made_with")
+    pairs = options.items() if isinstance(options, dict) else ()
     return {key: value for key, value in pairs if isinstance(value, str)}
 
 
 def _manifest(directory: Path) -> dict[str, Any]:
     path = directory / MANIFEST
     try:
-        found = json.loads(path.read_bytes()) if path.is_file() else {}
+        manifest = json.loads(path.read_bytes()) if path.is_file() else {}
     except (OSError, ValueError, RecursionError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return manifest if isinstance(manifest, dict) else {}
 
 
 def _sync_directory(directory: Path) -> None:

@@ -9,7 +9,7 @@ from fractions import Fraction
 import sympy
 
 from wmrgen.exact.evaluate import pi_rational
-from wmrgen.exact.number import ONE, Exact, exact_sqrt, sqrt_rational
+from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt, sqrt_rational
 from wmrgen.ir.build import Builder
 from wmrgen.ir.nodes import Function, Op, places
 from wmrgen.kinematics.records import Call, Formula
@@ -57,13 +57,13 @@ class _Lowering:
 
     def node(self, expr: Expr) -> int:
         """The node of an expression."""
-        found = self.memo.get(expr)
-        if found is None:
-            found = self.memo[expr] = self._new(expr)
-        return found
+        node = self.memo.get(expr)
+        if node is None:
+            node = self.memo[expr] = self._new(expr)
+        return node
 
     def _new(self, expr: Expr) -> int:
-        value = _number(expr)
+        value = number_of(expr, _rounded)
         if value is not None:
             return self.builder.const(value)
         op = _OPERATIONS.get(type(expr)) or getattr(expr, "op", None)
@@ -73,9 +73,9 @@ class _Lowering:
 
     def named(self, results: Sequence[int]) -> tuple[tuple[str, int], ...]:
         """The intermediate results that ``results`` need, by the node they have in the finished function."""
-        found = [(str(symbol), self.memo[symbol]) for symbol in self.locals if symbol in self.memo]
+        lowered = [(str(symbol), self.memo[symbol]) for symbol in self.locals if symbol in self.memo]
         place = places(self.builder.nodes, results)
-        return tuple((name, place[node]) for name, node in found if node in place)
+        return tuple((name, place[node]) for name, node in lowered if node in place)
 
     def _input(self, expr: Expr) -> int:
         return self.builder.input(self.names[expr.name])
@@ -97,7 +97,7 @@ class _Lowering:
     def _mul(self, expr: Expr) -> int:
         factor, above, below, turns = ONE, [], [], []
         for arg in expr.args:
-            value = _number(arg)
+            value = number_of(arg, _rounded)
             if value is not None:
                 factor = factor * value
             elif isinstance(arg, sympy.Pow) and arg.exp.is_Rational and arg.exp < 0:
@@ -153,33 +153,31 @@ class _Lowering:
         return self.builder.select(low, high, self.node(then), self.node(otherwise))
 
 
-def _number(expr: Expr) -> Exact | None:
-    """A sympy number as a field element; roots outside the field to 60 digits. None when it has symbols."""
+def number_of(expr: Expr, other: Callable[[Expr], Exact | None] = lambda _: None) -> Exact | None:
+    """A sympy number as a field element, ``other`` of a constant that the field does not hold. None with symbols."""
     if isinstance(expr, sympy.Rational):
         return Exact(Fraction(int(expr.p), int(expr.q)))
+    if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and expr.exp == sympy.S.Half:
+        root = exact_sqrt(Fraction(int(expr.base.p), int(expr.base.q)))
+        return other(expr) if root is None else root
+    if not isinstance(expr, sympy.Add | sympy.Mul):
+        return other(expr)
+    result = ZERO if isinstance(expr, sympy.Add) else ONE
+    for arg in expr.args:
+        value = number_of(arg, other)
+        if value is None:
+            return None
+        result = result + value if isinstance(expr, sympy.Add) else result * value
+    return result
+
+
+def _rounded(expr: Expr) -> Exact | None:
+    """pi and powers of rationals that leave the field, to 60 digits."""
     if expr is sympy.pi:
         return Exact(pi_rational())
-    if (
-        isinstance(expr, sympy.Pow)
-        and isinstance(expr.base, sympy.Rational)
-        and isinstance(expr.exp, sympy.Rational)
-    ):
-        return _root(Fraction(int(expr.base.p), int(expr.base.q)), expr.exp)
-    if isinstance(expr, sympy.Add | sympy.Mul):
-        known = []
-        for arg in expr.args:
-            value = _number(arg)
-            if value is None:
-                return None
-            known.append(value)
-        total = Exact(0) if isinstance(expr, sympy.Add) else ONE
-        for p in known:
-            total = total + p if isinstance(expr, sympy.Add) else total * p
-        return total
-    return None
-
-
-def _root(base: Fraction, exponent: sympy.Rational) -> Exact:
+    if not isinstance(expr, sympy.Pow) or not (expr.base.is_Rational and expr.exp.is_Rational):
+        return None
+    base, exponent = Fraction(int(expr.base.p), int(expr.base.q)), expr.exp
     if exponent.q == 1:
         return Exact(base) ** int(exponent.p)
     if exponent.q != 2:

@@ -253,8 +253,8 @@ class Derivation:
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""
-        made: dict[str, Any] = BACKENDS["casadi"].offers("functions")(self.module)
-        return made
+        functions: dict[str, Any] = BACKENDS["casadi"].offers("functions")(self.module)
+        return functions
 
     def numpy(self) -> Any:
         """The functions, vectorised over NumPy arrays."""

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 import sympy
 
 from wmrgen import notation
-from wmrgen.exact.number import ONE, ZERO, Exact, exact_sqrt
+from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly
+from wmrgen.lower import number_of
 from wmrgen.symbolic import Expr, Parameter
 
 WIDE = 80  # characters of a line before a sum is broken
@@ -97,7 +97,7 @@ def terms(value: Poly | Expr, ports: Ports | None = None) -> list[Term]:
     for arg in sympy.Add.make_args(value):
         number, factors, inner = ONE, [], None
         for factor in sympy.Mul.make_args(arg):
-            own = _number(factor)
+            own = number_of(factor)
             if own is not None:
                 number = number * own
             elif isinstance(factor, sympy.Add) and inner is None:
@@ -160,23 +160,6 @@ def _factor(expr: Expr, ports: Ports) -> Factor:
         y, x = (latex(a, ports) for a in base.args)
         return Factor(rf"\mathrm{{atan2}}\left({y},\, {x}\right)", n, 1, (8, ""))
     return Factor(latex(base, ports), n, 0, (2, ""), True)
-
-
-def _number(expr: Expr) -> Exact | None:
-    """A number of the field; None for anything else."""
-    if isinstance(expr, sympy.Rational):
-        return Exact(Fraction(int(expr.p), int(expr.q)))
-    if isinstance(expr, sympy.Pow) and isinstance(expr.base, sympy.Rational) and expr.exp == sympy.S.Half:
-        return exact_sqrt(Fraction(int(expr.base.p), int(expr.base.q)))
-    if not isinstance(expr, sympy.Add | sympy.Mul) or expr.free_symbols:
-        return None
-    value = ZERO if isinstance(expr, sympy.Add) else ONE
-    for arg in expr.args:
-        part = _number(arg)
-        if part is None:
-            return None
-        value = value + part if isinstance(expr, sympy.Add) else value * part
-    return value
 
 
 # From terms to LaTeX.

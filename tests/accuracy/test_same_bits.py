@@ -35,7 +35,7 @@ def mismatches(folder: Path, target: str, count: int) -> tuple[int, list[str]]:
     for processor in (M4F, M0):
         place = folder / processor.name
         place.mkdir()
-        made = Fleet.build(
+        fleet = Fleet.build(
             place,
             modules,
             {"sqrtf": _root},
@@ -43,7 +43,7 @@ def mismatches(folder: Path, target: str, count: int) -> tuple[int, list[str]]:
             processor,
             counts=False,
         )
-        fleets.append(made)
+        fleets.append(fleet)
     for module in modules:
         for function in (f for f in module.functions if f.outputs):
             source = random.Random(f"{target} {function.name}")

@@ -21,12 +21,12 @@ CHOICES = [("inline", target) for target in TARGETS] + [("libm", "m4f")]
 
 @pytest.mark.parametrize(("math", "target"), CHOICES)
 def test_heading_and_speed(math: str, target: str) -> None:
-    made = expand(module(), "float", math, target)
+    expanded = expand(module(), "float", math, target)
 
     def predicted(code: Module, name: str, cases: Sequence[Values]) -> list[Values]:
         return [evaluate(code.function(name), case, FLOAT32) for case in cases]
 
-    heading, speed, near = worst(made, twists(150, random.Random(f"{math} {target}")), predicted)
+    heading, speed, near = worst(expanded, twists(150, random.Random(f"{math} {target}")), predicted)
     assert heading <= HEADING
     assert speed <= SPEED
     assert near > 40

@@ -1,4 +1,4 @@
-"""Every robot file of the gallery: readable, named after its file, and with the mobility that is known for it."""
+"""Every robot file of the gallery: readable, named after its file, and with the mobility that is expected for it."""
 
 from __future__ import annotations
 
@@ -51,12 +51,12 @@ def test_layout_is_what_a_second_reader_reads(path: Path) -> None:
 
 @pytest.mark.parametrize("path", ROBOTS, ids=lambda p: p.stem)
 def test_mobility(path: Path) -> None:
-    data, known = Model(path).data, EXPECTED[path.stem]
+    data, expected = Model(path).data, EXPECTED[path.stem]
     found = [data["degree_of_mobility"], data["degree_of_steerability"], data["rank_C1f"], data["dof"]]
-    assert found == known["mobility"]
-    kind = known["mobility"][:2]
-    assert data["robot_type"] == (kind if kind in TYPES and not known["degenerate"] else None)
-    assert data["degenerate"] == known["degenerate"]
+    assert found == expected["mobility"]
+    kind = expected["mobility"][:2]
+    assert data["robot_type"] == (kind if kind in TYPES and not expected["degenerate"] else None)
+    assert data["degenerate"] == expected["degenerate"]
     assert data["degree_of_maneuverability"] == sum(kind)
     assert data["omnidirectional"] == (kind[0] == 3)
     assert data["holonomic"] == (data["ddof"] == data["dof"])

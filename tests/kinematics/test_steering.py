@@ -24,14 +24,14 @@ SIZES = (1e-45, 1e-38, 1e-30, 1e-23, 1e-10, 1.0, 1e9)
 def every(robot: str) -> tuple[tuple[str, object], ...]:
     derivation = derive(load(ROOT / "robots" / f"{robot}.yaml"))
     c = derivation.c_module
-    made: list[tuple[str, object]] = [
+    evaluators: list[tuple[str, object]] = [
         (f"float {target} {math_}", expand(c, "float", math_, target))
         for target in TARGETS
         for math_ in ("inline", "libm")
     ]
-    made.append(("double", expand(c, "double", "libm")))
+    evaluators.append(("double", expand(c, "double", "libm")))
     return (
-        *made,
+        *evaluators,
         ("exact", derivation.raw_module),
         ("casadi", derivation.module),
         ("numpy", derivation.module),

@@ -21,20 +21,20 @@ CIRCLE = [Fraction(2, 7), Fraction(-5, 3)]  # half-angle tangents: rational poin
 
 def at_point(matrix: sympy.Matrix, model: Model, half: Fraction) -> sympy.Matrix:
     """The matrix with every steering angle at another exact point of the circle, parameters exact."""
-    known: dict[Any, Any] = {}
+    values: dict[Any, Any] = {}
     order = [w.name + "_steer" for w in model.robot.wheels]
     for symbol in matrix.free_symbols:
         t = half + Fraction(order.index(symbol.name), 11) if symbol.name in order else half
         c, s = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
-        known[sympy.cos(symbol)] = sympy.Rational(c.numerator, c.denominator)
-        known[sympy.sin(symbol)] = sympy.Rational(s.numerator, s.denominator)
+        values[sympy.cos(symbol)] = sympy.Rational(c.numerator, c.denominator)
+        values[sympy.sin(symbol)] = sympy.Rational(s.numerator, s.denominator)
         parameter = {p.name: p.nominal for p in model.robot.parameters}.get(symbol.name)
         if parameter is not None:
-            known[symbol] = sympy.Add(*(
+            values[symbol] = sympy.Add(*(
                 sympy.Rational(q.numerator, q.denominator) * sympy.sqrt(n)
                 for q, n in zip(parameter.parts, (1, 2, 3, 6), strict=True)
             ))  # fmt: skip
-    return matrix.xreplace(known)
+    return matrix.xreplace(values)
 
 
 def check_null_space(model: Model, layout: Layout) -> None:

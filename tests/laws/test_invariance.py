@@ -122,7 +122,7 @@ def check_same(
 
 def well_posed(layout: Layout, rates: dict[str, float]) -> bool:
     """All of the twist is seen, and not only just: a lever of a micrometre counts as none."""
-    found = oracle.known_rows(layout, rates)[0]
+    found = oracle.measured_rows(layout, rates)[0]
     singular = np.linalg.svd(found, compute_uv=False) if len(found) >= 3 else np.zeros(3)
     return bool(singular[-1] > 1e-4 * singular[0])
 

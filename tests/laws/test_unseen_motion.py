@@ -24,7 +24,7 @@ def wheel(name: str, kind: str, x: float, y: float, **more: Any) -> dict[str, An
     return {"name": name, "type": kind, "x": x, "y": y, "heading": 0.0, "r": 0.1} | more
 
 
-# (layout, rank of the known rows at unequal steering)
+# (layout, rank of the measured rows at unequal steering)
 UNSEEN: dict[str, tuple[list[dict[str, Any]], int]] = {
     "one castor, its swivel alone": ([wheel("a", "castor", 0.3, 0.1, d=-0.05, sensed=["steer"])], 1),
     "two castors abreast, their swivels alone": (
@@ -76,12 +76,12 @@ def test_smallest_least_squares_twist(name: str, backend: str, accuracy: float) 
     layout = {"wheels": wheels}
     derivation = derived(layout).derivation
     function = next(f for f in derivation.raw_module.functions if f.name == "forward")
-    known = cases(layout)
-    given = [{p.name: Exact.of(Fraction(case[p.name])) for p in function.inputs} for case in known]
-    for case, result in zip(known, computed(derivation, function, given, backend), strict=True):
+    samples = cases(layout)
+    inputs = [{p.name: Exact.of(Fraction(case[p.name])) for p in function.inputs} for case in samples]
+    for case, result in zip(samples, computed(derivation, function, inputs, backend), strict=True):
         twist, residual, found = oracle.forward(layout, case)
         assert found <= rank
-        rows, values = oracle.known_rows(layout, case)
+        rows, values = oracle.measured_rows(layout, case)
         singular = np.linalg.svd(rows, compute_uv=False)
         if singular[0] > 30 * singular[found - 1]:
             continue  # too near a lower rank for a comparison

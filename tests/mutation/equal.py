@@ -70,10 +70,10 @@ def _python(text: str) -> str:
 
 def _kernels(source: str) -> dict[str, Callable[..., Any]]:
     """The kernels of a file as functions of NumPy, in their order."""
-    made: dict[str, Callable[..., Any]] = {}
+    functions: dict[str, Callable[..., Any]] = {}
     for name, parameters, text in _KERNEL.findall(source):
-        made[name] = _kernel([p.split()[-1] for p in parameters.split(",")], text, dict(made))
-    return made
+        functions[name] = _kernel([p.split()[-1] for p in parameters.split(",")], text, dict(functions))
+    return functions
 
 
 def _kernel(parameters: Sequence[str], text: str, others: Mapping[str, Any]) -> Callable[..., Any]:
@@ -81,17 +81,17 @@ def _kernel(parameters: Sequence[str], text: str, others: Mapping[str, Any]) -> 
     last = re.search(r"^    return ([^;]+);$", text, flags=re.M)
 
     def call(*args: Array) -> Any:
-        known: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS, **others}
-        known |= dict(zip(parameters, args, strict=True))
+        scope: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS, **others}
+        scope |= dict(zip(parameters, args, strict=True))
         result = SimpleNamespace()
         for target, expression in lines:
-            value = eval(_python(expression), {}, known)
+            value = eval(_python(expression), {}, scope)
             if target.startswith("result."):
                 setattr(result, target.removeprefix("result."), value)
             else:
-                known[target] = value
+                scope[target] = value
         assert last is not None
-        return result if last[1] == "result" else eval(_python(last[1]), {}, known)
+        return result if last[1] == "result" else eval(_python(last[1]), {}, scope)
 
     return call
 
@@ -108,17 +108,17 @@ class Body:
 
     def run(self, mutant: Mutant, given: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
         """What is stored, by member, with the line that ``mutant`` changes as it wants it."""
-        known: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS, **self.kernels}
-        known |= {f"{name}_": values for name, values in given.items()}
+        scope: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS, **self.kernels}
+        scope |= {f"{name}_": values for name, values in given.items()}
         stored = {}
         changed = mutant.before.removeprefix("const float ")
         for target, text in self.lines:
             own = mutant.after if f"{target} = {text}" == changed else text
-            value = eval(_python(own), {}, known)
+            value = eval(_python(own), {}, scope)
             if "->" in target:
                 stored[target.partition("->")[2]] = value
             else:
-                known[target] = value
+                scope[target] = value
         return stored
 
 
@@ -146,9 +146,9 @@ class Judge:
             self._known[name] = cases, Body(self.source, mutant.function)
         cases, body = self._known[name]
         with np.errstate(all="ignore"):
-            made = body.run(mutant, cases.given)
+            stored = body.run(mutant, cases.given)
         return all(
-            bool(np.all((np.abs(made[key] - value) <= tolerance) | ~cases.sound))
+            bool(np.all((np.abs(stored[key] - value) <= tolerance) | ~cases.sound))
             for key, (value, tolerance) in cases.expected.items()
         )
 
@@ -164,21 +164,21 @@ class Judge:
             scale = 2.0 ** random.integers(-6, 2, POINTS) * (random.random(POINTS) > 0.05)
             values = (size * scale * random.uniform(-1, 1, POINTS)).astype(np.float32).astype(np.float64)
             columns[port.name] = Bounded(values, np.zeros((2, POINTS)))
-        made = outputs(function, bounds(function, columns, "float", POINTS))
-        good = [b.error[0] <= 2.0**13 * UNITS["float"] * (1 + np.abs(b.value)) for b in made.values()]
+        bounded = outputs(function, bounds(function, columns, "float", POINTS))
+        good = [b.error[0] <= 2.0**13 * UNITS["float"] * (1 + np.abs(b.value)) for b in bounded.values()]
         prepared = [p.name for p in function.inputs if p.role is Role.PREPARED]
         given = {
             "in": {p.name: columns[p.name].value.astype(np.float32) for p in ports},
             "prepared": {name: columns[name].value.astype(np.float32) for name in prepared},
         }
-        return Cases(given, {n: _expected(b) for n, b in made.items()}, np.logical_and.reduce(good))
+        return Cases(given, {n: _expected(b) for n, b in bounded.items()}, np.logical_and.reduce(good))
 
     def _preparation(self) -> Cases:
         """The nominal parameters: the only ones that a self-test has."""
-        known, prepare = prepared_of(self.module, "float"), self.module.prepare
+        prepared, prepare = prepared_of(self.module, "float"), self.module.prepare
         assert prepare
-        params = {p.name: known[p.name].value.astype(np.float32) for p in prepare.inputs}
-        expected = {p.name: _expected(known[p.name]) for p in prepare.outputs}
+        params = {p.name: prepared[p.name].value.astype(np.float32) for p in prepare.inputs}
+        expected = {p.name: _expected(prepared[p.name]) for p in prepare.outputs}
         return Cases({"params": params}, expected, np.ones(1, dtype=bool))
 
 

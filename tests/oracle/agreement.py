@@ -218,15 +218,15 @@ def _check_way(layout: Layout, group: list[Any], turning: Array, tol: float) -> 
             assert rate * way >= -tol, ("runs backwards", w["name"], rate, way)
 
 
-def check_forward(layout: Layout, known: Case, out: Case, tol: float) -> None:
-    """The least-squares twist of the known rows and what it leaves over."""
-    rows, _ = oracle.known_rows(layout, known)
-    twist, residual, rank = oracle.forward(layout, known)
+def check_forward(layout: Layout, sensed: Case, out: Case, tol: float) -> None:
+    """The least-squares twist of the sensed rows and what it leaves over."""
+    rows, _ = oracle.measured_rows(layout, sensed)
+    twist, residual, rank = oracle.forward(layout, sensed)
     if len(rows):
         s = np.linalg.svd(rows / np.array([1.0, 1.0, _reach(layout)]), compute_uv=False)
         if any(1e-9 < v / s[0] < 5e-3 for v in s):
             return  # too near to a lost rank, which is taken for one at run time
-    size = 1.0 + max((abs(v) for v in known.values()), default=0.0)
+    size = 1.0 + max((abs(v) for v in sensed.values()), default=0.0)
     found = np.array([out[k] for k in ("vx", "vy", "omega")])
     low = min((v for v in np.linalg.svd(rows, compute_uv=False) if v > 1e-9), default=1.0) if rank else 1.0
     slack = tol * size * max(1.0, 1 / float(low) ** 2)

@@ -109,8 +109,8 @@ class Model:
 
     def evaluate(self, matrix: sympy.Matrix, steer: dict[str, float] | None = None) -> Array:
         """A sympy matrix of the derivation at the steering angles (by wheel name), parameters nominal."""
-        known = self.nominal | {f"{w.name}_steer": (steer or {}).get(w.name, 0.0) for w in self.robot.wheels}
-        at = {symbol: known[symbol.name] for symbol in matrix.free_symbols}
+        values = self.nominal | {f"{w.name}_steer": (steer or {}).get(w.name, 0.0) for w in self.robot.wheels}
+        at = {symbol: values[symbol.name] for symbol in matrix.free_symbols}
         return np.array(matrix.xreplace(at).evalf(), dtype=float).reshape(matrix.shape)
 
 

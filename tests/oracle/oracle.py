@@ -59,28 +59,28 @@ def wheel_rows(wheel: Wheel, steer: float) -> list[tuple[str, Array, float, floa
     return rows
 
 
-def known_rows(layout: Layout, known: dict[str, float]) -> tuple[Array, Array]:
-    """Every row whose rates are all in ``known``, and its value [m/s]."""
+def measured_rows(layout: Layout, sensed: dict[str, float]) -> tuple[Array, Array]:
+    """Every row whose rates are all in ``sensed``, and its value [m/s]."""
     rows, values = [], []
     for wheel in layout["wheels"]:
         name = wheel["name"]
-        if wheel["type"] in STEERABLE and f"{name}.steer" not in known:
+        if wheel["type"] in STEERABLE and f"{name}.steer" not in sensed:
             continue
-        for _, r, spin, rate in wheel_rows(wheel, known.get(f"{name}.steer", 0.0)):
-            if spin and f"{name}.spin" not in known:
+        for _, r, spin, rate in wheel_rows(wheel, sensed.get(f"{name}.steer", 0.0)):
+            if spin and f"{name}.spin" not in sensed:
                 continue
-            if abs(rate) > 1e-15 and f"{name}.steer_rate" not in known:
+            if abs(rate) > 1e-15 and f"{name}.steer_rate" not in sensed:
                 continue
             rows.append(r)
             values.append(
-                -spin * known.get(f"{name}.spin", 0.0) - rate * known.get(f"{name}.steer_rate", 0.0)
+                -spin * sensed.get(f"{name}.spin", 0.0) - rate * sensed.get(f"{name}.steer_rate", 0.0)
             )
     return np.array(rows).reshape(-1, 3), np.array(values)
 
 
-def forward(layout: Layout, known: dict[str, float]) -> tuple[Array, float, int]:
-    """Least-squares twist, residual norm [m/s] and rank over every known row."""
-    h, z = known_rows(layout, known)
+def forward(layout: Layout, sensed: dict[str, float]) -> tuple[Array, float, int]:
+    """Least-squares twist, residual norm [m/s] and rank over every sensed row."""
+    h, z = measured_rows(layout, sensed)
     if not len(h):
         return np.zeros(3), 0.0, 0
     twist, _, rank, _ = np.linalg.lstsq(h, z, rcond=1e-9)

@@ -53,11 +53,11 @@ def test_s_3_44(tmp_path: Path) -> None:
     rng = random.Random(44)
     a, b, l, r = (rng.uniform(0.1, 1.0) for _ in range(4))
     vx, vy, w, f = (rng.uniform(-1.0, 1.0) for _ in range(4))
-    made = Model.of(
+    engine = Model.of(
         f"wmrgen: 1\nname: one\nwheels:\n  - {{name: w, type: fixed, l: {l}, alpha: {a}, beta: {b}, r: {r}}}\n",
         tmp_path,
     )
-    j1, j2 = made.matrix("J1")[0], made.matrix("J2")[0, 0]
+    j1, j2 = engine.matrix("J1")[0], engine.matrix("J2")[0, 0]
     values = dict(zip(case["given"]["symbols"], (a, b, l, vx, vy, w, r, f), strict=True))
     for side in ("lhs", "rhs"):
         printed = eval(case["given"][side], {"sin": math.sin, "cos": math.cos}, values)
@@ -67,9 +67,9 @@ def test_s_3_44(tmp_path: Path) -> None:
 def test_t_2_81_printed_singular(tmp_path: Path) -> None:
     """Tzafestas (2.81) as printed with d1 = d2: the rank of the inverse is 2, and it is reported."""
     case = BY_ID["T-2.81-printed-singular"]
-    made = model(case, tmp_path)
-    assert np.linalg.matrix_rank(made.matrix("J1"), tol=1e-9) == case["expect"]["rank_IK"]
-    mobility = made.derivation.mobility
+    engine = model(case, tmp_path)
+    assert np.linalg.matrix_rank(engine.matrix("J1"), tol=1e-9) == case["expect"]["rank_IK"]
+    mobility = engine.derivation.mobility
     assert any("short by 1" in text for text in mobility.actuation)
     assert any(f.kind == "rolling_rank" and "rank 2" in f.meaning for f in mobility.singularities)
 

@@ -68,13 +68,15 @@ def exact(robot: str, name: str) -> dict[str, float]:
 def in_c(robot: str) -> dict[str, dict[str, float]]:
     """Every function asked of a robot, from one compiled program in double."""
     module = derivation(robot).c_module
-    made = calls(unit(module, Choice("double")))
+    available = calls(unit(module, Choice("double")))
     header, source = sources(module, Choice("double"))
-    files = {f"{module.name}.h": header, f"{module.name}.c": source, "driver.c": driver(made)}
-    wanted = [(n, k) for n in asked(robot) for k, c in enumerate(made) if c.function == f"{module.name}_{n}"]
-    lines = [request(k, made[k], samples(robot, n)) for n, k in wanted]
+    files = {f"{module.name}.h": header, f"{module.name}.c": source, "driver.c": driver(available)}
+    wanted = [
+        (n, k) for n in asked(robot) for k, c in enumerate(available) if c.function == f"{module.name}_{n}"
+    ]
+    lines = [request(k, available[k], samples(robot, n)) for n, k in wanted]
     printed = compile_and_run(files, "\n".join(lines) + "\n", None, DEFAULT_FLAGS).splitlines()
-    return {n: answer(made[k], line) for (n, k), line in zip(wanted, printed, strict=True)}
+    return {n: answer(available[k], line) for (n, k), line in zip(wanted, printed, strict=True)}
 
 
 def column(what: str, robot: str, name: str) -> bool:

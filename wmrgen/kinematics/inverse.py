@@ -20,8 +20,7 @@ import sympy
 
 from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.least_squares import norm
-from wmrgen.kinematics.project import Projection, project
+from wmrgen.kinematics.least_squares import Projection, norm, project
 from wmrgen.kinematics.records import (
     Formula,
     Locals,

@@ -10,7 +10,7 @@ from wmrgen.backends.report.latex import broken, latex
 from wmrgen.backends.report.markdown import CAP, aligned, cut_note, grouped, in_degrees, listed, math
 from wmrgen.constraints import TWIST, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.project import Projection, project
+from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import NARROW
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.registry import function
 from wmrgen.functions.space.wheel_motion import rolling_direction
 from wmrgen.kinematics.inverse import Joints, inverse, spins
-from wmrgen.kinematics.project import project
+from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import Velocity, pivot
 from wmrgen.layout.records import Interval, Robot, Wheel

@@ -1,27 +1,24 @@
-"""`wmrgen model`, and the time that trains take."""
+"""`wmrgen model`, and long trains."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import sympy
+
+from tests.functions.motion.common import run_cli
 
 ROBOTS = Path(__file__).parents[3] / "robots"
 SINGULAR = "cos(front.steer) = 0: G is unbounded"
 
 
 def wmrgen(*words: str | Path, code: int = 0) -> str:
-    done = subprocess.run(
-        [sys.executable, "-m", "wmrgen", *map(str, words)], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == code, done.stderr
-    return done.stdout if not code else done.stderr
+    out, error = run_cli(*map(str, words), code=code)
+    return error if code else out
 
 
 def test_posture_in_plain_notation() -> None:
@@ -62,7 +59,7 @@ def test_what_there_is_not_is_said() -> None:
     [("0", "chained, chained_input, chained_rates"), ("0", "trailer"), ("0.15", "trailer")],
 )
 def test_eight_trailers_derive(hitch: str, functions: str, tmp_path: Path) -> None:
-    """Whole process, C and CasADi included; each case of fewer trailers is quicker."""
+    """C and CasADi included; each case of fewer trailers is quicker."""
     text = (ROBOTS / "car_with_trailers.yaml").read_text(encoding="utf-8")
     head = text[: text.index("trailers:\n")]
     trailers = "".join(f"  - {{length: {0.5 + 0.1 * k:.1f}, hitch: {hitch}}}\n" for k in range(8))

@@ -61,6 +61,7 @@ REFERENCE = Arithmetic(
         Op.MIN: lambda a, b: a if a < b else b, Op.MAX: lambda a, b: b if a < b else a,
         Op.SIN: mpmath.sin, Op.COS: mpmath.cos, Op.ATAN: mpmath.atan, Op.ATAN2: _atan2, Op.RINT: mpmath.nint,
         Op.FLIP: lambda a, n: -a if int(n) % 2 else a, Op.SELECT: lambda a, b, x, y: x if a < b else y,
+        Op.COMPENSATED: lambda a, b: a + b,
         Op.CLAMP: lambda a, m: min(max(a, -m), m), Op.WITH_SIGN_OF: lambda a, b: -a if b < 0 else a,
         Op.AT_LEAST: lambda a, m: a if abs(a) >= m else -m if a < 0 else m,
     }.__getitem__,

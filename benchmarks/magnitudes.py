@@ -30,7 +30,7 @@ def magnitudes(function: Function, cases: Sequence[Mapping[str, float]]) -> list
 
 def _size(node: Node, value: Array, known: list[Array], args: list[Array]) -> Array:
     match node.op:
-        case Op.ADD | Op.SUB:
+        case Op.ADD | Op.SUB | Op.COMPENSATED:
             return np.asarray(known[0] + known[1])
         case Op.MUL:
             return np.asarray(known[0] * known[1])

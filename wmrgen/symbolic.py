@@ -98,6 +98,19 @@ class WithSignOf(Operation):
         return (-a if b < 0 else a) if b.is_number else None
 
 
+class Compensated(sympy.Add):  # type: ignore[misc]
+    """Compensated(x, c y): x + c y, of which code makes the rounding of the product good. To sympy it is a sum."""
+
+    op = Op.COMPENSATED
+
+    def __new__(cls, x: Expr, product: Expr) -> Compensated:
+        return sympy.Add.__new__(cls, x, product, evaluate=False)  # type: ignore[no-any-return]
+
+    @property
+    def func(self) -> Any:
+        return sympy.Add
+
+
 def parameter(name: str) -> Parameter:
     """The symbol of a parameter."""
     return Parameter(name, real=True)
@@ -227,7 +240,9 @@ def substituted(expr: Expr, known: dict[Expr, Expr], memo: dict[Expr, Expr]) -> 
         return known.get(expr, expr)
     if expr not in memo:
         args = [substituted(a, known, memo) for a in expr.args]
-        if isinstance(expr, (sympy.Piecewise, ExprCondPair)):
+        if isinstance(expr, Compensated):
+            memo[expr] = Compensated(*args)
+        elif isinstance(expr, (sympy.Piecewise, ExprCondPair)):
             # Their constructors fold every piecewise condition, even unevaluated.
             memo[expr] = sympy.Basic.__new__(type(expr), *args)
         elif isinstance(expr, _LAZY):

@@ -8,13 +8,19 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from fractions import Fraction
 
 import pytest
+import sympy
 
 from benchmarks.singularity import HEADING, SPEED, TARGETS, Values, module, nearby, twists, worst
+from wmrgen.exact.poly import Poly
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.nodes import Module
+from wmrgen.kinematics.records import Locals
+from wmrgen.kinematics.steer import components
+from wmrgen.symbolic import Compensated, expression
 
 CHOICES = [("inline", target) for target in TARGETS] + [("libm", "m4f")]
 
@@ -38,3 +44,38 @@ def test_compiled(target: str) -> None:
     heading, speed = nearby(target, 20_000)
     assert heading <= HEADING
     assert speed <= SPEED
+
+
+def _component(name: str, factor: Poly | int) -> Poly:
+    return Poly.gen("input", name) * factor
+
+
+@pytest.mark.parametrize(
+    ("velocity", "compensated"),
+    [
+        # The pivot may stand while the robot turns.
+        (
+            (_component("vx", 1) - _component("omega", 2), _component("vy", 1) + _component("omega", 3)),
+            (True, True),
+        ),
+        ((_component("vx", 1) - _component("omega", 2), _component("vy", 1)), (True, False)),
+        ((_component("vx", -1) - _component("omega", Poly.gen("param", "y")), Poly({})), (True, False)),
+        # The other component says that it does not, or makes it small beside itself.
+        ((_component("vx", 1) - _component("omega", 2), _component("omega", Fraction(1, 4))), (False, False)),
+        ((_component("vx", 1) - _component("omega", 2), _component("omega", Fraction(1, 5))), (True, False)),
+        # No sum of two inputs, one as it is.
+        ((_component("vx", 2) - _component("omega", 2), _component("vy", 1)), (False, False)),
+        ((_component("vx", 1) + _component("vy", 2) - _component("omega", 2), Poly({})), (False, False)),
+        ((_component("vx", 1) - _component("omega", Poly.gen("cos", "front")), Poly({})), (False, False)),
+        ((_component("vx", 1) - Poly.gen("local", "omega_driven") * 2, Poly({})), (False, False)),
+    ],
+)
+def test_sums_from_whose_ratio_a_direction_is_taken_are_compensated(
+    velocity: tuple[Poly, Poly], compensated: tuple[bool, bool]
+) -> None:
+    names = Locals()
+    results = components(velocity, names, "a", "b")
+    values = dict(names.items)
+    assert tuple(isinstance(values.get(r), Compensated) for r in results) == compensated
+    for result, form in zip(results, velocity, strict=True):
+        assert sympy.expand(values.get(result, result) - expression(form)) == 0

@@ -16,7 +16,7 @@ Ranges = Mapping[str, tuple[float, float]]
 EXACT = {
     "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
     "sqrt": np.sqrt, "min": np.minimum, "max": np.maximum, "sin": np.sin, "cos": np.cos, "atan": np.arctan,
-    "atan2": np.arctan2, "clamp": lambda a, m: np.clip(a, -m, m),
+    "atan2": np.arctan2, "compensated": np.add, "clamp": lambda a, m: np.clip(a, -m, m),
 }  # fmt: skip
 CHOICE = "library "  # and the number of a node: the input that chooses what the library gives there
 LIBRARY = ("sin", "cos", "atan", "atan2")  # as inexact as proofs allow them to be

@@ -15,7 +15,6 @@ from wmrgen.bounds.assumptions import SINGLE, Format, Library, Range
 from wmrgen.bounds.shapes import terms_below_root
 from wmrgen.bounds.walk import Walk
 from wmrgen.ir.interval import GROW, Array, Interval, magnitude
-from wmrgen.ir.kernels.compensated import compensated_sums
 from wmrgen.ir.nodes import Function, Node, Op, Role
 
 # Parts of each of so many angles; of more, a grid that one can afford is too coarse to help.
@@ -51,7 +50,6 @@ def analysed(
     ranges: Mapping[str, Range],
     form: Format,
     library: Library,
-    twice: Collection[int] = (),
 ) -> Outcome:
     """The analysis of a function over ``ranges``."""
     angles = _angles(function, ranges)
@@ -60,8 +58,8 @@ def analysed(
         boxes = boxed(_within_a_turn(function, ranges, angles, library), angles, PARTS[len(angles)])
     upper = {}
     if any(len(lo) > 1 for lo, _ in boxes.values()):
-        upper = errors_one_by_one(function, boxes, form, library, twice)
-    walk = Walk(function, boxes, form, library, twice, upper).run()
+        upper = errors_one_by_one(function, boxes, form, library)
+    walk = Walk(function, boxes, form, library, upper).run()
     errors = walk.errors(function.results)
     claims = []
     for row, k in enumerate(function.results):
@@ -132,7 +130,6 @@ def errors_one_by_one(
     inputs: Mapping[str, Interval],
     form: Format,
     library: Library,
-    twice: Collection[int],
 ) -> dict[int, Array]:
     """How far results and what they are the length of may be off, by node; nothing where the lemma does not hold."""
     nodes, rates = function.nodes, _rates(function)
@@ -154,7 +151,7 @@ def errors_one_by_one(
             values = np.zeros((count, boxes))
             values[rates.index(name)] = magnitude((lo, hi))
             alone[name] = values.ravel(), values.ravel()
-    walk = Walk(function, alone, replace(form, relative=True), library, twice).run(max(roots) + 1)
+    walk = Walk(function, alone, replace(form, relative=True), library).run(max(roots) + 1)
     if walk.lengths:
         return {}
     ordered = sorted(roots)
@@ -186,7 +183,7 @@ def _degrees(nodes: tuple[Node, ...], rates: Collection[str]) -> list[int]:
 
 def _is_linear(nodes: tuple[Node, ...], node: Node, args: list[int]) -> bool:
     """Whether a node with linear arguments is linear."""
-    if node.op in (Op.ADD, Op.SUB, Op.NEG):
+    if node.op in (Op.ADD, Op.SUB, Op.COMPENSATED, Op.NEG):
         return all(d == _LINEAR for d in args)
     if node.op in (Op.MUL, Op.DIV):
         return sorted(args) == [_FREE, _LINEAR] and (node.op is Op.MUL or args[1] == _FREE)
@@ -226,9 +223,7 @@ class Outcomes:
 
     def _analysed(self, function: Function, ranges: Mapping[str, Range]) -> Outcome:
         if function.name not in self.done:
-            self.done[function.name] = analysed(
-                function, ranges, SINGLE, self.library, compensated_sums(function)
-            )
+            self.done[function.name] = analysed(function, ranges, SINGLE, self.library)
         return self.done[function.name]
 
     def _numbered(self, function: Function) -> list[int]:

@@ -78,8 +78,8 @@ class Forms:
             return args[0].scaled(-1.0)
         if node.op is Op.RINT:
             return args[0].widened(0.5)
-        if node.op in (Op.ADD, Op.SUB):
-            return combined(args[0], args[1], 1 if node.op is Op.ADD else -1)
+        if node.op in (Op.ADD, Op.SUB, Op.COMPENSATED):
+            return combined(args[0], args[1], -1 if node.op is Op.SUB else 1)
         if node.op is Op.MUL:
             for c, x, k in ((args[0], args[1], 1), (args[1], args[0], 0)):
                 if not c.terms:

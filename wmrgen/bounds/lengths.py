@@ -19,6 +19,7 @@ from wmrgen.ir.interval import Array, magnitude
 from wmrgen.ir.nodes import Node, Op
 from wmrgen.ir.ops.analysis import Noise, Partial, Value, Walk
 
+_SUMS = (Op.ADD, Op.SUB, Op.COMPENSATED)
 Parts = tuple[tuple[float, int], ...]  # (f, x): the components f x of a vector
 Share = tuple[float, float]  # (s, a): a value is at most s h + a
 
@@ -172,13 +173,13 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
                 most = float(magnitude(w.ranges[other]).max()) * _ROOM
                 return inner[0] * most, inner[1] * most + w.form.tiny
         return None
-    if node.op not in (Op.SELECT, Op.MIN, Op.MAX, Op.ADD, Op.SUB):
+    if node.op not in (Op.SELECT, Op.MIN, Op.MAX, *_SUMS):
         return None
     parts = [share(w, length, k) for k in node.args[-2:]]
     both = [p for p in parts if p is not None]
     if len(both) < 2:
         return None
-    join = sum if node.op in (Op.ADD, Op.SUB) else max
+    join = sum if node.op in _SUMS else max
     return join(s for s, _ in both) * _ROOM, join(a for _, a in both) * _ROOM
 
 

@@ -13,7 +13,7 @@ claimed where h is 64 times its own error or more, so that h changes by at most 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,8 +58,7 @@ class Errors:
 class Walk:
     """One walk through the node list. ``inputs``: (lo, hi) arrays by input name, one entry per box.
 
-    ``twice``: sums that the code rounds once more than they stand here. ``upper``: bounds of errors from elsewhere, by
-    node.
+    ``upper``: bounds of errors from elsewhere, by node.
     """
 
     def __init__(
@@ -68,11 +67,10 @@ class Walk:
         inputs: Mapping[str, Interval],
         form: Format,
         library: Library,
-        twice: Collection[int] = (),
         upper: Mapping[int, Array] | None = None,
     ) -> None:
         self.results, self.nodes, self.inputs = function.results, function.nodes, inputs
-        self.form, self.library, self.twice = form, library, frozenset(twice)
+        self.form, self.library = form, library
         self.upper = upper or {}
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
         self.lengths: dict[int, Length] = lengths(self.nodes)
@@ -136,7 +134,7 @@ class Walk:
         size = iv.magnitude(value)
         if i in self.effective:
             size = np.minimum(size, max(map(abs, self.effective[i])))
-        return Noise(self.form.half_ulp(size) * (2.0 if i in self.twice else 1.0))
+        return Noise(self.form.half_ulp(size))
 
     def constant(self, value: Exact) -> tuple[float, float, float, bool]:
         """See `wmrgen.bounds.assumptions.constant`."""

@@ -26,6 +26,7 @@ from wmrgen.kinematics.records import Call, Formula, Locals
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.ports import Port, Role
 from wmrgen.symbolic import (
+    Compensated,
     Expr,
     absolute,
     add,
@@ -49,6 +50,8 @@ from wmrgen.symbolic import (
 
 Velocity = tuple[Poly, Poly]
 STILL = Exact(Fraction(1, 10**20))  # m/s
+_CLOSE = 8  # a coefficient so many times another one counts as much smaller
+_GEOMETRY = ("param", "pi", "sqrt", "inv", "atan2", "tan", "cosf", "sinf")  # kinds of generators
 # 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
 WIDE = Exact(Fraction(315, 100))  # rad between limits, just over half a turn
@@ -93,6 +96,46 @@ def pivot(w: Wheel, twist: Row) -> Velocity:
     return dot(along((one, zero), g), twist), dot(along((zero, one), g), twist)
 
 
+def components(velocity: Velocity, names: Locals, *called: str) -> tuple[Expr, Expr]:
+    """Both components of the velocity of a pivot, from whose ratio its direction is taken; a sum gets a name.
+
+    With the centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than a float resolves: such
+    a sum is compensated, unless the other component keeps it from mattering.
+    """
+    a, b = (
+        expression(one) if len(one.terms) < 2 else names.define(name, _compensated(one, other))
+        for one, other, name in zip(velocity, velocity[::-1], called, strict=True)
+    )
+    return a, b
+
+
+def _compensated(total: Poly, other: Poly) -> Expr | Poly:
+    """``total``, compensated where it is x + c y for two inputs and c of geometry alone."""
+    parts, single = _by_input(total), _by_input(other)
+    plain = [name for name, c in parts.items() if c.constant in (1, -1)]
+    if len(parts) != 2 or not plain:
+        return total
+    x, y = (plain[0], next(name for name in parts if name != plain[0]))
+    c, k = parts[y].constant, single[y].constant if list(single) == [y] else None
+    if c is not None and k is not None and abs(c) <= abs(k) * _CLOSE:
+        return total  # both cannot vanish together
+    first, coefficient = parts[x] * Poly.gen("input", x), expression(parts[y])
+    return Compensated(expression(first), times(coefficient, signal(y)))
+
+
+def _by_input(form: Poly) -> dict[str, Poly]:
+    """Coefficients, of geometry alone, of a linear form of inputs; nothing where it is none."""
+    parts: dict[str, Poly] = {}
+    for monomial, coefficient in form.terms.items():
+        inputs = [(g, e) for g, e in monomial if g.kind not in _GEOMETRY]
+        if len(inputs) != 1 or inputs[0][0].kind != "input" or inputs[0][1] != 1:
+            return {}
+        name = inputs[0][0].name
+        rest = Poly({tuple(p for p in monomial if p not in inputs): coefficient})
+        parts[name] = parts.get(name, Poly({})) + rest
+    return parts
+
+
 def turned_by(w: Wheel, velocity: Velocity, angle: Exact = ZERO) -> Velocity:
     """The velocity along and across the wheel at joint angle ``angle``."""
     g = working_view(w)
@@ -127,7 +170,7 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     if limits is not None and limits.high - limits.low <= NARROW:
         return _narrow(w, limits, velocity, names)
     (x, y), zero = near_zero(w, velocity)
-    a, b = expression(names.short(f"{w.name}_x", x)), expression(names.short(f"{w.name}_y", y))
+    a, b = components((x, y), names, f"{w.name}_x", f"{w.name}_y")
     alone = limits is None and not g.o and [w] in robot.together("spin", robot.wheels)
     per_rim = expression(g.r.inverse()) if alone else sympy.S.One
     now = present(w, limits)
@@ -230,7 +273,7 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     cosine, sine = circle_point(half.rational())
     most = number(sine / cosine)
     x, y = turned_by(w, velocity, middle)
-    u, v = expression(names.short(f"{w.name}_p", x)), expression(names.short(f"{w.name}_q", y))
+    u, v = components((x, y), names, f"{w.name}_p", f"{w.name}_q")
     slope = names.define(f"{w.name}_tangent", kept_between(-most, v / at_least(u, number(STILL)), most))
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))

@@ -12,7 +12,7 @@ from dataclasses import replace
 from wmrgen.exact.number import ONE
 from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
-from wmrgen.ir.kernels.compensated import compensated_sum, compensated_sums
+from wmrgen.ir.kernels.compensated import compensated_sum
 from wmrgen.ir.kernels.constants import EVEN32, RINT32, RINT64
 from wmrgen.ir.kernels.fuse import fuse
 from wmrgen.ir.kernels.order import ordered
@@ -35,10 +35,10 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     processor = processor_of(scalar, math, target)
     prepare = module.prepare
     if prepare is not None:
-        prepare = _Expansion(prepare, processor_of(scalar, LIBM, target), ()).run()
+        prepare = _Expansion(prepare, processor_of(scalar, LIBM, target)).run()
     vectors = any(map(_vectors, module.functions))
-    own = tuple(_Expansion(f, processor, module.kernels).run(kernel=True) for f in module.kernels)
-    functions = tuple(_Expansion(f, processor, module.kernels, vectors).run() for f in module.functions)
+    own = tuple(_Expansion(f, processor).run(kernel=True) for f in module.kernels)
+    functions = tuple(_Expansion(f, processor, vectors).run() for f in module.functions)
     return Module(module.name, functions, prepare, _needed(functions, (*library(processor), *own)))
 
 
@@ -78,7 +78,6 @@ class _Expansion:
         self,
         function: Function,
         processor: Processor,
-        kernels: tuple[Function, ...],
         vectors: bool = False,
     ) -> None:
         """``vectors``: the module has kernels for vectors, so that directions are those of size 1."""
@@ -93,7 +92,6 @@ class _Expansion:
             int, int
         ] = {}  # node of `function` that is a whole number -> that plus the magic number
         self.vectors = _vectors(function)
-        self.compensated = compensated_sums(function, kernels) if processor.magic == RINT32 else frozenset()
 
     def run(self, kernel: bool = False) -> Function:
         for i, node in enumerate(self.function.nodes):
@@ -105,9 +103,11 @@ class _Expansion:
 
     def _node(self, i: int, node: Node) -> int:
         tape, args, p = self.tape, tuple(self.made[a] for a in node.args), self.processor
-        if i in self.compensated:
-            return compensated_sum(tape, node.op, args[0], args[1], p.fused)
         match node.op:
+            case Op.COMPENSATED:
+                return (
+                    compensated_sum(tape, args[0], args[1], p.fused) if p.magic == RINT32 else tape.add(*args)
+                )
             case Op.RINT:
                 self.raised[i] = tape.add(args[0], tape.const(p.magic))
                 return tape.sub(self.raised[i], tape.const(p.magic))

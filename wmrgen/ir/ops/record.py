@@ -105,6 +105,7 @@ class Op:
     MUL: ClassVar[Op]
     SQUARE: ClassVar[Op]  # what MUL is of one value twice; no node has it, see `Node.meaning`
     DIV: ClassVar[Op]
+    COMPENSATED: ClassVar[Op]  # compensated(a, b): a + b, the rounding of b made good where b is a product
     NEG: ClassVar[Op]
     ABS: ClassVar[Op]
     MIN: ClassVar[Op]

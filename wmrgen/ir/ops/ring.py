@@ -42,14 +42,14 @@ def _sum_fact(a: Fact, b: Fact) -> Fact:
     return Fact.between(lo, hi, nonzero=one_sided and (a.nonzero or b.nonzero))
 
 
-def _sum(w: Walk, i: int, a: int, b: int) -> Value:
-    """d(a + b) = da + db, one rounding; terms that both have count together.
+def _sum(w: Walk, i: int, a: int, b: int, roundings: float = 1.0) -> Value:
+    """d(a + b) = da + db, one rounding, two where what b lost is added, too; terms that both have count together.
 
     What is added to a size is no smaller for it: of two terms that are not negative the rounding is relative.
     """
     x, y = w.ranges[a][0], w.ranges[b][0]
     value = w.cancelled(a, b, 1, iv.plus(w.ranges[a], w.ranges[b]))
-    noise = w.rounded(value, i)
+    noise = Noise(w.rounded(value, i).size * roundings)
     low, high = iv.widened(value, noise.size)
     least = np.maximum(low, np.maximum(x, y) * (1 - w.form.unit))
     value = np.where(np.minimum(x, y) >= 0, least, low), high
@@ -72,6 +72,12 @@ Op.SUB = Op(
     infix="-", casadi="OP_SUB",
     fact=lambda a, b: _sum_fact(a, -b), interval=iv.minus, lemma=_difference,
     running=lambda unit, a, b: rounded(a.value - b.value, a.error + b.error, unit),
+)  # fmt: skip
+Op.COMPENSATED = Op(
+    "compensated", 2, operator.add, rounds=True, many=np.add, cost="additions",
+    infix="+", casadi="OP_ADD",
+    fact=_sum_fact, interval=iv.plus, lemma=lambda w, i, a, b: _sum(w, i, a, b, 2.0),
+    running=lambda unit, a, b: rounded(a.value + b.value, a.error + b.error, 2 * unit),
 )  # fmt: skip
 Op.NEG = Op(
     "neg", 1, operator.neg, many=np.negative, parity=-1, cost="signs",

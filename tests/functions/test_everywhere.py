@@ -76,8 +76,8 @@ def test_every_function_is_defined_everywhere(name: str, function: str) -> None:
     assert not [f for f in findings(derived.raw_module.function(function)) if not f.geometry]
     ports = [p for p in derived.formula(function).inputs if p.default is None]
     for value in (0.0, 1e-30, 1.0, -1e6):
-        found = evaluate_module(derived.module, function, {p.name: value for p in ports}, FLOAT32)
-        assert all(math.isfinite(v) for v in found.values()), (value, found)
+        result = evaluate_module(derived.module, function, {p.name: value for p in ports}, FLOAT32)
+        assert all(math.isfinite(v) for v in result.values()), (value, result)
     f = derived.casadi()[function]
     x = casadi.SX.sym("x", f.n_in())
     jacobian = casadi.Function("j", [x], [casadi.jacobian(casadi.vertcat(*f.call(casadi.vertsplit(x))), x)])
@@ -111,7 +111,7 @@ def test_backends_agree(name: str, function: str) -> None:
     in_casadi = [
         dict(zip(f.name_out(), f.call([case[n] for n in f.name_in()]), strict=True)) for case in cases
     ]
-    for found in (in_casadi, evaluate_c(derived.c_module, function, cases, Choice("double"))):
-        for a, b in zip(exact, found, strict=True):
+    for result in (in_casadi, evaluate_c(derived.c_module, function, cases, Choice("double"))):
+        for a, b in zip(exact, result, strict=True):
             assert a.keys() == b.keys()
             np.testing.assert_allclose([float(b[k]) for k in a], list(a.values()), rtol=TINY, atol=TINY)

@@ -41,8 +41,8 @@ def presents(count: int, span: float) -> list[dict[str, float]]:
 
 def test_forward_gives_the_twist_back(free: Derivation) -> None:
     for twist, present in zip(twists(80), presents(80, 9.0), strict=True):
-        got = call(free, "forward", call(free, "inverse_together", twist | present))
-        assert all(got[n] == pytest.approx(v, abs=1e-12) for n, v in twist.items())
+        driven = call(free, "forward", call(free, "inverse_together", twist | present))
+        assert all(driven[n] == pytest.approx(v, abs=1e-12) for n, v in twist.items())
 
 
 def test_all_drive_the_same_way(free: Derivation) -> None:
@@ -82,16 +82,16 @@ def test_like_inverse_where_inverse_agrees_with_itself(free: Derivation) -> None
 
 def test_standstill_holds(free: Derivation) -> None:
     present = steers([0.1, -2.0, 7.0, 3.1])
-    got = call(free, "inverse_together", {"vx": 0.0, "vy": 0.0, "omega": 0.0, **present})
-    assert {k: v for k, v in got.items() if k.endswith("steer")} == present
-    assert all(got[f"{n}.spin"] == 0 for n in CORNERS)
+    commands = call(free, "inverse_together", {"vx": 0.0, "vy": 0.0, "omega": 0.0, **present})
+    assert {k: v for k, v in commands.items() if k.endswith("steer")} == present
+    assert all(commands[f"{n}.spin"] == 0 for n in CORNERS)
 
 
 def test_a_wheel_at_the_icr_holds(free: Derivation) -> None:
     """The ICR in one pivot; the others, turned backwards, do not turn that wheel."""
     present = steers([0.3, 2.0, 2.0, 2.0])
-    got = call(free, "inverse_together", {"vx": 0.25, "vy": -0.3, "omega": 1.0, **present})
-    assert got["fl.steer"] == 0.3 and got["fl.spin"] == 0
+    commands = call(free, "inverse_together", {"vx": 0.25, "vy": -0.3, "omega": 1.0, **present})
+    assert commands["fl.steer"] == 0.3 and commands["fl.spin"] == 0
 
 
 @pytest.mark.parametrize("limit", [95, 120, 170, 200])
@@ -101,12 +101,12 @@ def test_steering_limits(tmp_path: Path, limit: int) -> None:
     top = math.radians(limit)
     slid = 0
     for twist, present in zip(twists(150), presents(150, top), strict=True):
-        got = call(d, "inverse_together", twist | present)
-        assert all(abs(got[f"{n}.steer"]) <= top + 1e-12 for n in CORNERS)
-        slid += got["slip"] > 1e-9
-        assert (got["slip"] > 1e-9) <= (not _reachable(twist, top))
-        if got["slip"] < 1e-9:
-            spins = [got[f"{n}.spin"] for n in CORNERS]
+        commands = call(d, "inverse_together", twist | present)
+        assert all(abs(commands[f"{n}.steer"]) <= top + 1e-12 for n in CORNERS)
+        slid += commands["slip"] > 1e-9
+        assert (commands["slip"] > 1e-9) <= (not _reachable(twist, top))
+        if commands["slip"] < 1e-9:
+            spins = [commands[f"{n}.spin"] for n in CORNERS]
             assert all(s > 0 for s in spins) or all(s < 0 for s in spins)
     assert slid > 0 if limit < 130 else slid < 5
 
@@ -121,8 +121,8 @@ def test_both_ways_as_far_outside(tmp_path: Path, limit: int) -> None:
         standing = [top + source.uniform(-0.02, 0.02) for _ in CORNERS]
         cases.append({"vx": 0.0, "vy": source.uniform(0.2, 2), "omega": 0.0, **steers(standing)})
     for scalar in ("double", "float"):
-        for got in evaluate_c(d.c_module, "inverse_together", cases, Choice(scalar)):
-            assert all(got[f"{n}.steer"] == pytest.approx(top, abs=1e-6) for n in CORNERS)
+        for commands in evaluate_c(d.c_module, "inverse_together", cases, Choice(scalar)):
+            assert all(commands[f"{n}.steer"] == pytest.approx(top, abs=1e-6) for n in CORNERS)
     for case in cases[:10]:
         assert all(call(d, "inverse_together", case)[f"{n}.steer"] == pytest.approx(top) for n in CORNERS)
 
@@ -145,11 +145,11 @@ def test_coupled_pairs_are_one_module(tmp_path: Path) -> None:
     d = derived(tmp_path, text, "inverse_together")
     for twist, present in zip(twists(60), presents(60, 3.0), strict=True):
         now = {**present, "fr.steer": present["fl.steer"], "br.steer": present["bl.steer"]}
-        got = call(d, "inverse_together", {**twist, "omega": 0.0, **now})
-        assert got["fl.steer"] == got["fr.steer"] and got["bl.steer"] == got["br.steer"]
-        spins = [got[f"{n}.spin"] for n in CORNERS]
+        commands = call(d, "inverse_together", {**twist, "omega": 0.0, **now})
+        assert commands["fl.steer"] == commands["fr.steer"] and commands["bl.steer"] == commands["br.steer"]
+        spins = [commands[f"{n}.spin"] for n in CORNERS]
         assert all(s > 0 for s in spins) or all(s < 0 for s in spins)
-        assert got["slip"] < 1e-9
+        assert commands["slip"] < 1e-9
 
 
 def test_one_motor_needs_no_agreement(tmp_path: Path) -> None:
@@ -173,10 +173,10 @@ def test_zeros_of_both_signs_and_exact_quarter_turns(target: str, limits: str, t
     d = derived(tmp_path, robot_text(SWERVE, limits), "inverse_together")
     code = expand(d.c_module, "float", "inline", target)
     for case in ZEROS:
-        got = evaluate(code.function("inverse_together"), case, FLOAT32)
-        back = call(d, "forward", got)
+        commands = evaluate(code.function("inverse_together"), case, FLOAT32)
+        back = call(d, "forward", commands)
         assert all(back[n] == pytest.approx(case[n], abs=2e-6) for n in ("vx", "vy", "omega")), case
-        spins = [got[f"{n}.spin"] for n in CORNERS]
+        spins = [commands[f"{n}.spin"] for n in CORNERS]
         assert all(s >= 0 for s in spins) or all(s <= 0 for s in spins), case
 
 

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from tests.conftest import Outcome
 from tests.depth import everyday
-from tests.functions.control import polar
-from tests.functions.control.common import (
+from tests.functions.common import (
     BACKENDS,
     CASES,
     PAIR,
@@ -29,6 +28,7 @@ from tests.functions.control.common import (
     driven,
     write,
 )
+from tests.functions.control import polar
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.functions.control.gains import exceeds, judge
@@ -42,8 +42,8 @@ NO_LAW = {"locked_bicycle", "synchro_drive"}
 DRIVEN = [p for p in ROBOTS if p.stem not in NO_LAW]
 
 
-def vanishes(found: object, printed: object) -> bool:
-    return all(sympy.simplify(a - b) == 0 for a, b in zip(found, printed, strict=True))  # type: ignore[call-overload]
+def vanishes(result: object, printed: object) -> bool:
+    return all(sympy.simplify(a - b) == 0 for a, b in zip(result, printed, strict=True))  # type: ignore[call-overload]
 
 
 def test_siegwart_3_53_rates_driving_forward() -> None:
@@ -70,15 +70,17 @@ def test_case_of_gains(name: str, wmrgen_cli: Callable[..., Outcome]) -> None:
     words = [f"{k}={g!r}" for k, g in zip(("k_rho", "k_alpha", "k_beta"), given["k"], strict=True)]
     done = wmrgen_cli("gains", *words, "--json")
     assert done.code == 0
-    found = json.loads(done.out)
-    known = dict(zip((kr, ka, kb), (sympy.Rational(str(g)) for g in given["k"]), strict=True))
-    A = polar.linearisation().xreplace(known)
-    assert found["linearisation"] == np.array(A, float).tolist()
+    result = json.loads(done.out)
+    gains = dict(zip((kr, ka, kb), (sympy.Rational(str(g)) for g in given["k"]), strict=True))
+    A = polar.linearisation().xreplace(gains)
+    assert result["linearisation"] == np.array(A, float).tolist()
     s = sympy.Symbol("s")
-    assert found["polynomial"] == [float(c) for c in sympy.Poly((s * sympy.eye(3) - A).det(), s).all_coeffs()]
+    assert result["polynomial"] == [
+        float(c) for c in sympy.Poly((s * sympy.eye(3) - A).det(), s).all_coeffs()
+    ]
     for key in ("stable", "strong_3_65", "strong_all_beta"):
         if key in expect:
-            assert found[key] is expect[key]
+            assert result[key] is expect[key]
 
 
 def test_hurwitz_conditions_are_the_eigenvalues() -> None:
@@ -153,7 +155,7 @@ def test_goto_pose_is_the_law(backend: str, tmp_path: Path) -> None:
         (0.9, 0.2, 0.4, -1),
         (0.3, 1.5, -2.2, -1),
     ):
-        found = call(path, "goto_pose", {"x": x, "y": y, "theta": theta, "direction": way}, backend)
+        result = call(path, "goto_pose", {"x": x, "y": y, "theta": theta, "direction": way}, backend)
         r = math.hypot(x, y)
         toward = math.atan2(-y, -x) if way > 0 else math.atan2(y, x)
         a, b = math.remainder(toward - theta, math.tau), math.remainder(-toward, math.tau)
@@ -164,9 +166,9 @@ def test_goto_pose_is_the_law(backend: str, tmp_path: Path) -> None:
             "right.spin": (speed + 0.2 * turn) / 0.1,
             "slip": 0,
         }
-        assert found.keys() == expected.keys()
+        assert result.keys() == expected.keys()
         for key, value in expected.items():
-            assert found[key] == pytest.approx(value, abs=1e-12), key
+            assert result[key] == pytest.approx(value, abs=1e-12), key
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -181,12 +183,12 @@ def test_direction_is_decided_by_the_bearing(backend: str, tmp_path: Path) -> No
         (1e-3, 1.0, -1),
         (1.0, 0.0, -1),
     ):
-        found = call(path, "goto_pose", {"x": x, "y": y}, backend)
-        assert found["direction"] == way
-        assert abs(found["alpha"]) <= math.pi / 2 + 1e-6
+        result = call(path, "goto_pose", {"x": x, "y": y}, backend)
+        assert result["direction"] == way
+        assert abs(result["alpha"]) <= math.pi / 2 + 1e-6
     for way, x in ((1, 1.0), (-1, -1.0)):
-        found = call(path, "goto_pose", {"x": x, "direction": way}, backend)
-        assert found["alpha"] == pytest.approx(math.pi) and found["beta"] == pytest.approx(math.pi)
+        result = call(path, "goto_pose", {"x": x, "direction": way}, backend)
+        assert result["alpha"] == pytest.approx(math.pi) and result["beta"] == pytest.approx(math.pi)
 
 
 COMPILED = ("ackermann_car", "kuka_youbot", "pioneer3dx")  # in C, one of each kind is enough
@@ -197,10 +199,10 @@ RESTING = [(p, b) for p in DRIVEN for b in BACKENDS if b != "c" or p.stem in COM
 def test_every_wheel_rests_at_the_goal(robot: Path, backend: str) -> None:
     """On the goal, and where its direction is no longer known: driving on would leave it again."""
     for x, direction in product((0.0, 1e-10), (-1.0, 0.0, 1.0)):
-        found = call(robot, "goto_pose", {"x": x, "direction": direction}, backend)
+        result = call(robot, "goto_pose", {"x": x, "direction": direction}, backend)
         moving = {
             k: x
-            for k, x in found.items()
+            for k, x in result.items()
             if k.endswith((".spin", "_rate", ".steer")) or k in "v omega slip".split()
         }
         assert not any(moving.values())
@@ -229,8 +231,8 @@ def test_figure_3_20_by_wheel_commands(name: str, tmp_path: Path) -> None:
         pose = step(rate, pose, h)
     assert pose == pytest.approx(expect["pose"], abs=CASES[name]["tol"])
     last = dict(zip(("x", "y", "theta"), map(float, pose), strict=True)) | {"direction": first["direction"]}
-    found = call(path, "goto_pose", last)
-    assert [found[k] for k in ("rho", "alpha", "beta")] == pytest.approx(expect["state"], abs=2e-6)
+    result = call(path, "goto_pose", last)
+    assert [result[k] for k in ("rho", "alpha", "beta")] == pytest.approx(expect["state"], abs=2e-6)
 
 
 FREE = {"pair": PAIR, "skewed": SKEWED, "tricycle": TRICYCLE.format(base=0.8)}
@@ -256,15 +258,15 @@ def test_every_start_on_the_unit_circle_converges(name: str, tmp_path: Path) -> 
         steer = {f"{w.name}.steer": 0.0 for w in turning}
         direction = 0.0
         for _ in range(700):
-            found = call(path, "goto_pose", pose | steer | {"direction": direction})
-            direction = found["direction"]
-            sensed = steer | {j: x for j, x in found.items() if "." in j}
+            result = call(path, "goto_pose", pose | steer | {"direction": direction})
+            direction = result["direction"]
+            sensed = steer | {j: x for j, x in result.items() if "." in j}
             twist = driven(path, sensed)
             assert twist["slip"] < 1e-6
             pose = call(path, "odometry", pose | {j: twist[j] for j in ("vx", "vy", "omega")} | {"dt": dt})
             for w in turning:
                 j = f"{w.name}.steer"
-                steer[j] = found[j] if w.type == "steered" else steer[j] + dt * found[f"{j}_rate"]
+                steer[j] = result[j] if w.type == "steered" else steer[j] + dt * result[f"{j}_rate"]
         assert math.hypot(pose["x"], pose["y"]) < 2e-3 and abs(math.remainder(pose["theta"], math.tau)) < 5e-3
 
 
@@ -273,8 +275,8 @@ def test_gains_of_the_file_are_taken_and_tunable(tmp_path: Path) -> None:
         "wheels:", "parameters: {k: {value: 2, tunable: true}}\ngains: {k_rho: k, k_alpha: 4*k}\nwheels:"
     )
     path = write(tmp_path, text)
-    found = call(path, "goto_pose", {"x": -1.0})
-    assert found["v"] == pytest.approx(2.0)
+    result = call(path, "goto_pose", {"x": -1.0})
+    assert result["v"] == pytest.approx(2.0)
     assert call(path, "goto_pose", {"x": -1.0, "k": 2.5})["v"] == pytest.approx(2.5)
     assert "k" in [p.name for p in derived(path, "goto_pose").formula("goto_pose").inputs]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sympy
 
-from tests.functions.control.common import (
+from tests.functions.common import (
     BACKENDS,
     CASES,
     PAIR,
@@ -39,14 +39,14 @@ def test_tzafestas_2_57_case(backend: str, tmp_path: Path) -> None:
     given, expect = CASES["T-2.57b"]["given"], CASES["T-2.57b"]["expect"]
     path = write(tmp_path, TRICYCLE.format(base=given["D"]))
     x, y = given["L"] * math.cos(given["epsilon"]), given["L"] * math.sin(given["epsilon"])
-    found = call(path, "pursuit", {"goal_x": x, "goal_y": y, "v": 0.7}, backend)
-    assert found["psi"] == pytest.approx(expect["psi"], abs=1e-9)
-    assert found["front.steer"] == pytest.approx(expect["psi"], abs=1e-9)
-    assert found["curvature"] == pytest.approx(expect["curvature"], abs=1e-9)
-    assert found["curvature"] / y == pytest.approx(expect["gain"], abs=1e-9) and y == pytest.approx(
+    result = call(path, "pursuit", {"goal_x": x, "goal_y": y, "v": 0.7}, backend)
+    assert result["psi"] == pytest.approx(expect["psi"], abs=1e-9)
+    assert result["front.steer"] == pytest.approx(expect["psi"], abs=1e-9)
+    assert result["curvature"] == pytest.approx(expect["curvature"], abs=1e-9)
+    assert result["curvature"] / y == pytest.approx(expect["gain"], abs=1e-9) and y == pytest.approx(
         expect["d"]
     )
-    assert found["omega"] == pytest.approx(0.7 * expect["curvature"], abs=1e-9)
+    assert result["omega"] == pytest.approx(0.7 * expect["curvature"], abs=1e-9)
 
 
 def test_tzafestas_2_57_in_symbols(tmp_path: Path) -> None:
@@ -54,12 +54,12 @@ def test_tzafestas_2_57_in_symbols(tmp_path: Path) -> None:
     formula = derived(write(tmp_path, TRICYCLE.format(base=1.5)), "pursuit").formula("pursuit")
     length, eps = sympy.Symbol("L", positive=True), sympy.Symbol("epsilon", real=True)
     at = {signal("goal_x"): length * sympy.cos(eps), signal("goal_y"): length * sympy.sin(eps)}
-    found = {k: e.xreplace(at) for k, e in formula.closed().items() if k in ("psi", "curvature")}
-    psi = found["psi"]
+    result = {k: e.xreplace(at) for k, e in formula.closed().items() if k in ("psi", "curvature")}
+    psi = result["psi"]
     assert psi.func is sympy.atan2
     printed = 2 * sympy.Rational(3, 2) * sympy.sin(eps) / length
     assert sympy.simplify(psi.args[0] / psi.args[1] - printed) == 0
-    bend = found["curvature"].replace(lambda e: isinstance(e, sympy.Piecewise), lambda e: e.args[0][0])
+    bend = result["curvature"].replace(lambda e: isinstance(e, sympy.Piecewise), lambda e: e.args[0][0])
     assert sympy.simplify(bend - 2 * sympy.sin(eps) / length) == 0
 
 
@@ -74,10 +74,10 @@ def test_the_arc_meets_the_goal(stem: str, tmp_path: Path) -> None:
     limit = 0.5 if stem == "ackermann_car" else 2.5
     for far, eps, v in itertools.product((9.0, 12.0), (-limit, -0.2, 0.5), (1.0, 0.4)):
         goal = centre + far * np.array([math.cos(heading + eps), math.sin(heading + eps)])
-        found = call(path, "pursuit", {"goal_x": goal[0], "goal_y": goal[1], "v": v})
-        settled = {k: found[k] for k in found if k.endswith(".steer")}
-        found = call(path, "pursuit", {"goal_x": goal[0], "goal_y": goal[1], "v": v} | settled)
-        twist = driven(path, found | settled)
+        result = call(path, "pursuit", {"goal_x": goal[0], "goal_y": goal[1], "v": v})
+        settled = {k: result[k] for k in result if k.endswith(".steer")}
+        result = call(path, "pursuit", {"goal_x": goal[0], "goal_y": goal[1], "v": v} | settled)
+        twist = driven(path, result | settled)
         assert twist["slip"] < 1e-9
         time = far * eps / math.sin(eps) / v
         end = call(path, "odometry", {k: twist[k] for k in ("vx", "vy", "omega")} | {"dt": time})
@@ -97,9 +97,9 @@ def test_case_t_2_57_arc(tmp_path: Path) -> None:
         "goal_y": c * goal[1] - s * goal[0],
         "v": given["input"]["v1"],
     }
-    found = call(path, "pursuit", local)
-    assert found["psi"] == pytest.approx(psi, abs=1e-8)
-    twist = driven(path, found)
+    result = call(path, "pursuit", local)
+    assert result["psi"] == pytest.approx(psi, abs=1e-8)
+    twist = driven(path, result)
     start = {"x": x, "y": y, "theta": theta, "dt": given["t"]}
     end = call(path, "odometry", start | {k: twist[k] for k in ("vx", "vy", "omega")})
     assert [end["x"], end["y"]] == pytest.approx(expect["position"], abs=1e-8)
@@ -108,19 +108,19 @@ def test_case_t_2_57_arc(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_at_the_goal_the_robot_drives_straight(backend: str) -> None:
-    found = call(ACKERMANN, "pursuit", {"v": 1.0}, backend)
-    assert found["omega"] == found["curvature"] == found["psi"] == 0 and found["front_left.steer"] == 0
-    assert found["rear_left.spin"] == pytest.approx(1 / 0.3)
+    result = call(ACKERMANN, "pursuit", {"v": 1.0}, backend)
+    assert result["omega"] == result["curvature"] == result["psi"] == 0 and result["front_left.steer"] == 0
+    assert result["rear_left.spin"] == pytest.approx(1 / 0.3)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_case_a_bounds(backend: str, tmp_path: Path) -> None:
     given, expect = CASES["A-bounds"]["given"], CASES["A-bounds"]["expect"]
     path = write(tmp_path, limited(1.0, given["u1_max"], given["zeta_max"]))
-    found = call(path, "input_limits", {"v": given["v"]}, backend)
-    assert found["v_max"] == pytest.approx(expect["v_max"], abs=1e-9)
-    assert found["v_max"] == pytest.approx(expect["reeds_shepp_abs_v"], abs=1e-9)
-    assert found["omega_max"] == pytest.approx(expect["omega_max"], abs=1e-9)
+    result = call(path, "input_limits", {"v": given["v"]}, backend)
+    assert result["v_max"] == pytest.approx(expect["v_max"], abs=1e-9)
+    assert result["v_max"] == pytest.approx(expect["reeds_shepp_abs_v"], abs=1e-9)
+    assert result["omega_max"] == pytest.approx(expect["omega_max"], abs=1e-9)
 
 
 def test_case_a_reduction(tmp_path: Path) -> None:
@@ -147,14 +147,14 @@ def test_projections_are_the_nearest_points(base: float, tmp_path: Path) -> None
     inner = np.stack([v, np.abs(v) * math.tan(zeta) * share], -1).reshape(-1, 2)
     generator = np.random.default_rng(5)
     for speed, turn in generator.uniform(-2.5, 2.5, (60, 2)):
-        found = call(path, "input_limits", {"v": speed, "omega": turn / base})
+        result = call(path, "input_limits", {"v": speed, "omega": turn / base})
         for name, points in (("exact", exact), ("inner", inner)):
-            point = np.array([found[f"{name}.v"], base * found[f"{name}.omega"]])
+            point = np.array([result[f"{name}.v"], base * result[f"{name}.omega"]])
             here = np.array([speed, turn])
             least = np.hypot(*(points - here).T).min()
             assert np.hypot(*(point - here)) == pytest.approx(least, abs=6e-3)
             inside = least < 6e-3
-            assert (found[f"{name}.margin"] > -6e-3) == inside or abs(found[f"{name}.margin"]) < 6e-3
+            assert (result[f"{name}.margin"] > -6e-3) == inside or abs(result[f"{name}.margin"]) < 6e-3
             again = call(path, "input_limits", {"v": point[0], "omega": point[1] / base})
             assert again[f"{name}.margin"] > -1e-9
             assert [again[f"{name}.v"], base * again[f"{name}.omega"]] == pytest.approx(point, abs=1e-9)
@@ -163,10 +163,10 @@ def test_projections_are_the_nearest_points(base: float, tmp_path: Path) -> None
 
 def test_an_ackermann_pair_keeps_both_wheels_within_their_limits() -> None:
     """The centre wheel's bound is where the inner wheel reaches its 40 degrees."""
-    found = call(ACKERMANN, "input_limits", {"v": 1.0})
-    commands = call(ACKERMANN, "inverse", {"vx": 1.0, "omega": found["omega_max"]})
+    result = call(ACKERMANN, "input_limits", {"v": 1.0})
+    commands = call(ACKERMANN, "inverse", {"vx": 1.0, "omega": result["omega_max"]})
     assert commands["front_left.steer"] == pytest.approx(math.radians(40)) and commands["slip"] < 1e-9
-    more = call(ACKERMANN, "inverse", {"vx": 1.0, "omega": 1.01 * found["omega_max"]})
+    more = call(ACKERMANN, "inverse", {"vx": 1.0, "omega": 1.01 * result["omega_max"]})
     assert more["slip"] > 1e-4
 
 
@@ -180,6 +180,6 @@ def test_an_ackermann_pair_keeps_both_wheels_within_their_limits() -> None:
     ],
 )
 def test_limits_that_are_needed_are_named(text: str, words: str, tmp_path: Path) -> None:
-    with pytest.raises(NotDerivableError) as found:
+    with pytest.raises(NotDerivableError) as result:
         derived(write(tmp_path, text), "input_limits").formula("input_limits")
-    assert words in str(found.value)
+    assert words in str(result.value)

@@ -192,5 +192,5 @@ def compute(
         "--scalar",
         "double",
     )
-    found: list[dict[str, float]] = json.loads(out)
-    return found
+    result: list[dict[str, float]] = json.loads(out)
+    return result

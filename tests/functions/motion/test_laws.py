@@ -48,8 +48,8 @@ def call(name: str, function: str, values: dict[str, float]) -> dict[str, float]
     f = derivation.casadi()[function]
     nominal = {p.name: float(p.nominal) for p in derivation.robot.parameters}
     assert values.keys() <= set(f.name_in()), sorted(values.keys() - set(f.name_in()))
-    found = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])
-    return {n: float(v) for n, v in zip(f.name_out(), found, strict=True)}
+    result = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])
+    return {n: float(v) for n, v in zip(f.name_out(), result, strict=True)}
 
 
 def inputs(name: str, function: str, scale: float = 1.0) -> dict[str, float]:
@@ -60,8 +60,8 @@ def inputs(name: str, function: str, scale: float = 1.0) -> dict[str, float]:
     return {p.name: float(v) for p, v in zip(ports, scale * RANDOM.uniform(-1, 1, len(ports)), strict=True)}
 
 
-def close(found: Any, wanted: Any, tol: float = 1e-9) -> None:
-    np.testing.assert_allclose(np.asarray(found, float), np.asarray(wanted, float), rtol=tol, atol=tol)
+def close(result: Any, wanted: Any, tol: float = 1e-9) -> None:
+    np.testing.assert_allclose(np.asarray(result, float), np.asarray(wanted, float), rtol=tol, atol=tol)
 
 
 EVERY = [*NAMES, *TEXTS]
@@ -95,8 +95,8 @@ def test_who_has_a_function(function: str) -> None:
 
 
 def twist_world(name: str, joints: dict[str, float], theta: float) -> Array:
-    found = call(name, "forward_world", joints | {"theta": theta})
-    return np.array([found["x_rate"], found["y_rate"], found["theta_rate"]])
+    result = call(name, "forward_world", joints | {"theta": theta})
+    return np.array([result["x_rate"], result["y_rate"], result["theta_rate"]])
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -163,7 +163,7 @@ def contact(w: Any, steer: float) -> Array:
 @pytest.mark.parametrize("name", EVERY)
 def test_contact_velocities_by_finite_differences(name: str) -> None:
     values = inputs(name, "contact_velocity")
-    found = call(name, "contact_velocity", values)
+    result = call(name, "contact_velocity", values)
     twist = np.array([values["vx"], values["vy"], values["omega"]])
     derivation = with_function(name, "contact_velocity")
     assert derivation is not None
@@ -173,24 +173,24 @@ def test_contact_velocities_by_finite_differences(name: str) -> None:
         ends = []
         for dt in (-h, h):
             ends.append(twist[:2] * dt + turn(twist[2] * dt)[:2, :2] @ contact(w, steer + rate * dt))
-        close([found[f"{w.name}.vx"], found[f"{w.name}.vy"]], (ends[1] - ends[0]) / (2 * h), 1e-8)
+        close([result[f"{w.name}.vx"], result[f"{w.name}.vy"]], (ends[1] - ends[0]) / (2 * h), 1e-8)
 
 
 @pytest.mark.parametrize("name", EVERY)
 def test_projections_are_contact_velocities(name: str) -> None:
     values = inputs(name, "projections")
-    found = call(name, "projections", values)
+    result = call(name, "projections", values)
     derivation = with_function(name, "contact_velocity")
     assert derivation is not None
     have = {p.name for p in derivation.formula("contact_velocity").inputs}
     velocity = call(name, "contact_velocity", {k: v for k, v in values.items() if k in have})
     for w in derivation.robot.wheels:
         v = np.array([velocity[f"{w.name}.vx"], velocity[f"{w.name}.vy"]])
-        close([found[f"{w.name}.x_rate"], found[f"{w.name}.y_rate"]], turn(values["theta"])[:2, :2] @ v)
+        close([result[f"{w.name}.x_rate"], result[f"{w.name}.y_rate"]], turn(values["theta"])[:2, :2] @ v)
         if w.type != "spherical":
             h = w.heading + values.get(f"{w.name}.steer", 0.0)
             e = np.array([math.cos(h), math.sin(h)])
-            close([found[f"{w.name}.along"], found[f"{w.name}.across"]], [e @ v, e[0] * v[1] - e[1] * v[0]])
+            close([result[f"{w.name}.along"], result[f"{w.name}.across"]], [e @ v, e[0] * v[1] - e[1] * v[0]])
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -200,9 +200,9 @@ def test_world_functions_are_the_robot_ones_turned(name: str) -> None:
     theta = values.pop("theta")
     wanted = call(name, "inverse", values | named(body))
     rates = dict(zip(("x_rate", "y_rate", "theta_rate"), turn(theta) @ body, strict=True))
-    found = call(name, "inverse_world", values | rates | {"theta": theta})
+    result = call(name, "inverse_world", values | rates | {"theta": theta})
     for k, v in wanted.items():
-        close(found[k], v, 1e-7)
+        close(result[k], v, 1e-7)
 
 
 @pytest.mark.parametrize(
@@ -247,10 +247,10 @@ def test_axles_against_eigenvalues(name: str) -> None:
         metric = basis.T @ speeds.T @ speeds @ basis / count
         root = np.linalg.inv(np.linalg.cholesky(metric))
         values, vectors = np.linalg.eigh(root @ basis.T @ rows.T @ rows @ basis @ root.T / count)
-        found = call(name, "axles", steer)
-        twist = np.array([found["icr.y"], -found["icr.x"], found["icr.w"]])
+        result = call(name, "axles", steer)
+        twist = np.array([result["icr.y"], -result["icr.x"], result["icr.w"]])
         close(twist @ speeds.T @ speeds @ twist / count, 1.0, 1e-7)
-        close(found["mismatch"], math.sqrt(max(values[0], 0.0)), 1e-6)
+        close(result["mismatch"], math.sqrt(max(values[0], 0.0)), 1e-6)
         if len(values) == 1 or values[1] > 1e-3 + 2 * values[0]:
             best = basis @ root.T @ vectors[:, 0]
             sign = np.sign(best @ speeds.T @ speeds @ twist)
@@ -268,10 +268,10 @@ def test_steering_to_a_centre_meets_there(name: str) -> None:
         return
     for x, y in ((-0.3, 9.0), (0.2, -11.0)):
         to = call(name, "steer_to", {"icr.x": x, "icr.y": y, "icr.w": 1.0})
-        found = call(name, "axles", to)
-        close(found["mismatch"], 0.0, 1e-9)
-        close([v for k, v in found.items() if k.endswith(".error")], 0.0, 1e-9)
-        centre = np.array([found["icr.x"], found["icr.y"]]) / found["icr.w"]
+        result = call(name, "axles", to)
+        close(result["mismatch"], 0.0, 1e-9)
+        close([v for k, v in result.items() if k.endswith(".error")], 0.0, 1e-9)
+        centre = np.array([result["icr.x"], result["icr.y"]]) / result["icr.w"]
         fixed = sliding(derivation, to)[2].shape[1] < 3
         if not fixed:
             close(centre, [x, y], 1e-6)

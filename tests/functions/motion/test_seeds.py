@@ -60,9 +60,9 @@ class Run:
         """The case's world twist in the robot frame."""
         return named(turn(-self.given["phi"]) @ np.array(self.given["twist_world"], float))
 
-    def close(self, found: Any, wanted: Any) -> None:
+    def close(self, result: Any, wanted: Any) -> None:
         np.testing.assert_allclose(
-            np.asarray(found, float), np.asarray(wanted, float), rtol=self.case["tol"], atol=self.case["tol"]
+            np.asarray(result, float), np.asarray(wanted, float), rtol=self.case["tol"], atol=self.case["tol"]
         )
 
 
@@ -85,22 +85,22 @@ def test_constant_speeds(on: Callable[[str], Run], name: str) -> None:
         run.close(circle["speed"], run.expect["speed"])
     if "R" in run.expect:
         run.close([circle["x_centre"], circle["y_centre"]], run.expect["center"])
-        found = [circle[k] for k in ("radius", "speed", "direction", "curvature", "period")]
+        result = [circle[k] for k in ("radius", "speed", "direction", "curvature", "period")]
         e = run.expect
-        run.close(found, [e["R"], e["v"], e["theta"], -e["omega0"] / e["v"], 2 * math.pi / e["omega0"]])
+        run.close(result, [e["R"], e["v"], e["theta"], -e["omega0"] / e["v"], 2 * math.pi / e["omega0"]])
         assert circle["turns"] == -1
 
 
 def test_k_projections(on: Callable[[str], Run]) -> None:
     for name in ("K-3", "K-2", "K-vi2"):
         run = on(name)
-        found = run.call("projections", theta=run.given["phi"], **run.body())
+        result = run.call("projections", theta=run.given["phi"], **run.body())
         e = run.expect
-        velocities = [[found[f"{w}.{k}"] for k in ("x_rate", "y_rate")] for w in run.wheels]
+        velocities = [[result[f"{w}.{k}"] for k in ("x_rate", "y_rate")] for w in run.wheels]
         if name == "K-3":
-            run.close([found[f"{w}.along"] for w in run.wheels], e["lambda"])
-            run.close([found[f"{w}.across"] for w in run.wheels], e["mu"])
-            run.close(sum(found[f"{w}.across"] for w in run.wheels), e["sum_mu"])
+            run.close([result[f"{w}.along"] for w in run.wheels], e["lambda"])
+            run.close([result[f"{w}.across"] for w in run.wheels], e["mu"])
+            run.close(sum(result[f"{w}.across"] for w in run.wheels), e["sum_mu"])
         elif name == "K-2":
             run.close(velocities, e["wheel_velocities"])
         else:
@@ -111,8 +111,8 @@ def test_k_mu(on: Callable[[str], Run]) -> None:
     run = on("K-mu")
     twist = run.call("forward", **run.spins(run.given["wheel_rates"]))
     twist.pop("slip")
-    found = run.call("projections", **twist)
-    run.close([found[f"{w}.across"] for w in run.wheels], run.expect["mu"])
+    result = run.call("projections", **twist)
+    run.close([result[f"{w}.across"] for w in run.wheels], run.expect["mu"])
     run.close(twist["vx"] ** 2 + twist["vy"] ** 2, run.expect["v_squared"])
 
 
@@ -120,8 +120,8 @@ def test_k_mu(on: Callable[[str], Run]) -> None:
 def test_inverse_world(on: Callable[[str], Run], name: str) -> None:
     run = on(name)
     rates = dict(zip(("x_rate", "y_rate", "theta_rate"), run.given["twist_world"], strict=True))
-    found = run.call("inverse_world", theta=run.given["phi"], **rates)
-    run.close([found[f"{w}.spin"] for w in run.wheels], run.expect["wheel_rates"])
+    result = run.call("inverse_world", theta=run.given["phi"], **rates)
+    run.close([result[f"{w}.spin"] for w in run.wheels], run.expect["wheel_rates"])
 
 
 @pytest.mark.parametrize("name", ["T-2.41c", "T-2.75"])
@@ -138,8 +138,8 @@ def test_inverse_world_matrix(on: Callable[[str], Run], name: str) -> None:
 @pytest.mark.parametrize("name", ["K-5", "T-2.36", "S-3.33-world"])
 def test_forward_world(on: Callable[[str], Run], name: str) -> None:
     run = on(name)
-    found = run.call("forward_world", theta=run.given["phi"], **run.spins(run.given["wheel_rates"]))
-    run.close([found[k] for k in ("x_rate", "y_rate", "theta_rate")], run.expect["twist_world"])
+    result = run.call("forward_world", theta=run.given["phi"], **run.spins(run.given["wheel_rates"]))
+    run.close([result[k] for k in ("x_rate", "y_rate", "theta_rate")], run.expect["twist_world"])
 
 
 def test_forward_world_matrix(on: Callable[[str], Run]) -> None:
@@ -160,15 +160,15 @@ def test_mecanum_compatibility(on: Callable[[str], Run]) -> None:
 
 def test_mecanum_diagonal(on: Callable[[str], Run]) -> None:
     run = on("S-2.3.2.2-diag")
-    found = run.call("forward_world", theta=0.0, **run.spins(run.given["wheel_rates"]))
-    run.close([found[k] for k in ("x_rate", "y_rate", "theta_rate")], run.expect["twist_body"])
+    result = run.call("forward_world", theta=0.0, **run.spins(run.given["wheel_rates"]))
+    run.close([result[k] for k in ("x_rate", "y_rate", "theta_rate")], run.expect["twist_body"])
 
 
 def test_tricycle_radius(on: Callable[[str], Run]) -> None:
     run = on("T-2.48")
-    found = run.call("axles", front__steer=run.given["psi"])
-    run.close([found["radius"], found["curvature"]], [run.expect["R"], 1 / run.expect["R"]])
-    run.close(found["mismatch"], 0.0)
+    result = run.call("axles", front__steer=run.given["psi"])
+    run.close([result["radius"], result["curvature"]], [run.expect["R"], 1 / run.expect["R"]])
+    run.close(result["mismatch"], 0.0)
 
 
 ONE_WHEEL = "wmrgen: 1\nname: one\nwheels:\n  - {name: w, type: %s, x: 0, y: 0, heading: %r, r: %r}\n"
@@ -181,10 +181,10 @@ def test_icr_of_a_twist(on: Callable[[str], Run]) -> None:
     g, e = run.given, run.expect
     p, q = np.array(g["p"]), np.array(g["q"])
     values = {"vx": g["v_p"][0], "vy": g["v_p"][1], "omega": g["omega"]}
-    found = run.call("icr", **values, point__x=float((q - p)[0]), point__y=float((q - p)[1]))
-    run.close(p + np.array([found["icr.x"], found["icr.y"]]) / found["icr.w"], e["icr"])
-    run.close(found["radius"], e["radius_p"])
-    run.close([found["point.vx"], found["point.vy"]], e["v_q"])
+    result = run.call("icr", **values, point__x=float((q - p)[0]), point__y=float((q - p)[1]))
+    run.close(p + np.array([result["icr.x"], result["icr.y"]]) / result["icr.w"], e["icr"])
+    run.close(result["radius"], e["radius_p"])
+    run.close([result["point.vx"], result["point.vy"]], e["v_q"])
 
 
 def four_steered(places: list[list[float]]) -> str:
@@ -213,17 +213,17 @@ def test_crab_steering(on: Callable[[str], Run]) -> None:
 def test_sensed_velocity(on: Callable[[str], Run]) -> None:
     run = on("KE-sense")
     run.write(ONE_WHEEL % ("steered", 0.0, run.given["r"]))
-    found = run.call("forward_world", w__spin=run.given["omega_wheel"], w__steer=run.given["gamma"])
-    run.close([found["x_rate"], found["y_rate"]], run.expect["v_xy"])
-    run.close(math.hypot(found["x_rate"], found["y_rate"]), run.expect["v"])
+    result = run.call("forward_world", w__spin=run.given["omega_wheel"], w__steer=run.given["gamma"])
+    run.close([result["x_rate"], result["y_rate"]], run.expect["v_xy"])
+    run.close(math.hypot(result["x_rate"], result["y_rate"]), run.expect["v"])
 
 
 def test_roller_and_rim_speed(on: Callable[[str], Run]) -> None:
     run = on("T-2.71")
     g = run.given
     run.write(ONE_WHEEL % ("swedish", g["beta"], 1.0))
-    found = run.call("projections", vx=g["v_h"] * math.cos(g["gamma"]), vy=g["v_h"] * math.sin(g["gamma"]))
-    run.close([found["w.along"], abs(found["w.across"])], [run.expect["v_i"], run.expect["v_roller_abs"]])
+    result = run.call("projections", vx=g["v_h"] * math.cos(g["gamma"]), vy=g["v_h"] * math.sin(g["gamma"]))
+    run.close([result["w.along"], abs(result["w.across"])], [run.expect["v_i"], run.expect["v_roller_abs"]])
 
 
 def omni(directions: list[float]) -> str:
@@ -238,8 +238,8 @@ def omni(directions: list[float]) -> str:
 def test_velocity_augmentation_of_three(on: Callable[[str], Run]) -> None:
     run = on("T-VAF3")
     run.write(omni([run.given["beta_deg"], 180.0, 300.0]))
-    found = run.call("vaf", direction=math.radians(run.given["gamma_deg"]))
-    run.close(found["vaf"], run.expect["VAF"])
+    result = run.call("vaf", direction=math.radians(run.given["gamma_deg"]))
+    run.close(result["vaf"], run.expect["VAF"])
 
 
 def test_augmentation_extremes(tmp_path: Path) -> None:
@@ -281,14 +281,14 @@ def test_contact_velocities(on: Callable[[str], Run], name: str) -> None:
     values = {f"{k}__steer": v for k, v in run.steer.items()}
     rates = np.atleast_1d(run.given["gamma_dot"])
     values |= {f"{n}__steer_rate": float(v) for n, v in zip(run.wheels, rates, strict=True)}
-    found = run.call("contact_velocity", **named(run.given["twist_body"]), **values)
-    run.close([found[f"{n}.{k}"] for n in run.wheels for k in ("vx", "vy")], run.expect["v_c"])
+    result = run.call("contact_velocity", **named(run.given["twist_body"]), **values)
+    run.close([result[f"{n}.{k}"] for n in run.wheels for k in ("vx", "vy")], run.expect["v_c"])
 
 
 def test_generalized_bicycle_contacts(on: Callable[[str], Run]) -> None:
     run = on("KE-genbike-ik")
-    found = run.call("contact_velocity", **named(run.given["twist_body"]))
-    run.close([found[f"{n}.{k}"] for n in run.wheels for k in ("vx", "vy")], run.expect["v_c"])
+    result = run.call("contact_velocity", **named(run.given["twist_body"]))
+    run.close([result[f"{n}.{k}"] for n in run.wheels for k in ("vx", "vy")], run.expect["v_c"])
 
 
 def test_car_with_parallel_front_wheels_warns(tmp_path: Path) -> None:
@@ -296,11 +296,11 @@ def test_car_with_parallel_front_wheels_warns(tmp_path: Path) -> None:
     run = Run("S-car-incompatible", tmp_path)
     words = [f"{k}.steer={v!r}" for k, v in run.steer.items()]
     out, err = run_cli("icr", str(run.path), *words, "--json")
-    found = json.loads(out)
-    assert found["rank"] == run.expect["rank_C1"]
-    assert found["mobility"] == 0 and not found["consistent"]
+    result = json.loads(out)
+    assert result["rank"] == run.expect["rank_C1"]
+    assert result["mobility"] == 0 and not result["consistent"]
     assert "incompatible steering" in err
-    assert found["wheels"]["fr"]["error"] * found["wheels"]["fl"]["error"] < 0
+    assert result["wheels"]["fr"]["error"] * result["wheels"]["fl"]["error"] < 0
 
 
 def test_figure_3_15(tmp_path: Path) -> None:
@@ -345,5 +345,5 @@ def test_world_and_robot_rates(on: Callable[[str], Run]) -> None:
     """S-3.5: the contact of a wheel at P moves in the world as P does."""
     run = on("S-3.5")
     run.write(ONE_WHEEL % ("steered", 0.0, 0.1))
-    found = run.call("projections", theta=run.given["theta"], **named(run.expect["rate_robot"]))
-    run.close([found["w.x_rate"], found["w.y_rate"]], run.given["rate_world"][:2])
+    result = run.call("projections", theta=run.given["theta"], **named(run.expect["rate_robot"]))
+    run.close([result["w.x_rate"], result["w.y_rate"]], run.given["rate_world"][:2])

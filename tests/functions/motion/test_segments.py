@@ -36,9 +36,9 @@ def phases(text: str, *parts: Mapping[str, Exact]) -> list[Phase]:
 def test_waits_are_the_slowest_wheels() -> None:
     """Crab motion at 1 rad: every wheel turns by 1 at 2 rad/s; back by 1 at 1 rad/s."""
     crab = values(vx=math.cos(1.0), vy=math.sin(1.0), dt=1.0)
-    found = phases(SWERVE, crab, values(vx=1.0, dt=0.5))
-    assert [p.action for p in found] == ["steer", "drive", "steer", "drive"]
-    np.testing.assert_allclose([float(p.dt) for p in found], [0.5, 1.0, 1.0, 0.5], rtol=1e-12)
+    result = phases(SWERVE, crab, values(vx=1.0, dt=0.5))
+    assert [p.action for p in result] == ["steer", "drive", "steer", "drive"]
+    np.testing.assert_allclose([float(p.dt) for p in result], [0.5, 1.0, 1.0, 0.5], rtol=1e-12)
 
 
 def test_the_robot_stands_while_offset_wheels_steer() -> None:
@@ -54,12 +54,12 @@ def test_the_robot_stands_while_offset_wheels_steer() -> None:
 
 def test_displacements_are_reached_and_add_up() -> None:
     parts = [values(x=0.4, y=0.1, theta=0.8, dt=2.0), values(x=-0.2, y=0.3, theta=-2.0, dt=1.0)]
-    found = [p for p in phases(FOUR_WS, *parts) if p.action == "drive"]
+    result = [p for p in phases(FOUR_WS, *parts) if p.action == "drive"]
     pose = np.array([0.4, 0.1, 0.8])
-    np.testing.assert_allclose([float(v) for v in found[0].pose], pose, atol=1e-12)
+    np.testing.assert_allclose([float(v) for v in result[0].pose], pose, atol=1e-12)
     c, s = math.cos(0.8), math.sin(0.8)
     pose += [c * -0.2 - s * 0.3, s * -0.2 + c * 0.3, -2.0]
-    np.testing.assert_allclose([float(v) for v in found[1].pose], pose, atol=1e-12)
+    np.testing.assert_allclose([float(v) for v in result[1].pose], pose, atol=1e-12)
 
 
 def test_commands_drive_the_twist() -> None:
@@ -97,9 +97,9 @@ def test_driven_castors_have_no_segments() -> None:
 
 def test_motion_in_words() -> None:
     out, _ = run_cli("motion", DIFFERENTIAL, "left=4", "right.spin=2", "--time", "2.3", "--json")
-    found = json.loads(out)
-    assert found["path"] == "circle, clockwise"
-    assert set(found) == {"x", "y", "theta", "path", "centre", "radius", "period", "speed", "direction"}
+    result = json.loads(out)
+    assert result["path"] == "circle, clockwise"
+    assert set(result) == {"x", "y", "theta", "path", "centre", "radius", "period", "speed", "direction"}
     straight, _ = run_cli("motion", DIFFERENTIAL, "left=4", "right=4", "--time", "1")
     assert "straight line" in straight and "radius" not in straight
     rest, _ = run_cli("motion", DIFFERENTIAL, "left=0", "right=0", "--time", "1")
@@ -142,16 +142,18 @@ def test_icr_of_a_car(car: str) -> None:
         [to["fr.steer"], to["fl.steer"]], [math.atan2(2.4, 5.6), math.atan2(2.4, 4.4)], rtol=1e-12
     )
     out, err = run_cli("icr", car, *(f"{k}={v!r}" for k, v in to.items()), "--json")
-    found = json.loads(out)
-    assert found["consistent"] and found["rank"] == 2 and found["mobility"] == 1 and "incompatible" not in err
-    np.testing.assert_allclose(found["icr"], [0.1, 5.0], rtol=1e-9)
+    result = json.loads(out)
+    assert (
+        result["consistent"] and result["rank"] == 2 and result["mobility"] == 1 and "incompatible" not in err
+    )
+    np.testing.assert_allclose(result["icr"], [0.1, 5.0], rtol=1e-9)
 
 
 def test_icr_at_infinity(car: str) -> None:
     out, _ = run_cli("icr", car, "fr=0", "fl=0", "--json")
-    found = json.loads(out)
-    assert found["icr"] == "at infinity" and found["consistent"]
-    assert found["direction"] == pytest.approx(math.pi / 2)
+    result = json.loads(out)
+    assert result["icr"] == "at infinity" and result["consistent"]
+    assert result["direction"] == pytest.approx(math.pi / 2)
     out, _ = run_cli("icr", car, "vx=2", "--json")
     assert json.loads(out)["icr"] == "at infinity"
 
@@ -164,8 +166,8 @@ def test_collinear_two_steer_has_a_line_of_centres(tmp_path: Path) -> None:
         f"wmrgen: 1\nname: two\nwheels:\n  - {{name: a, x: 0.5, {wheel}}}\n  - {{name: b, x: -0.5, {wheel}}}\n"
     )
     out, _ = run_cli("icr", str(path), "a=0", "b=0", "--json")
-    found = json.loads(out)
-    assert found["rank"] == 1 and found["mobility"] == 2 and "anywhere" in found["icr"]
+    result = json.loads(out)
+    assert result["rank"] == 1 and result["mobility"] == 2 and "anywhere" in result["icr"]
     assert check_steering(derived(path.read_text()).robot, {"a": 0.2, "b": 0.2}).rank == 2
 
 

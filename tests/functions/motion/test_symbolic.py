@@ -78,9 +78,9 @@ def test_konstantinov_3_lambda_and_mu(projected: dict[str, Expr], i: int) -> Non
 
 @pytest.mark.parametrize("i", range(3))
 def test_konstantinov_v_i_squared(projected: dict[str, Expr], i: int) -> None:
-    found = projected[f"w{i + 1}.x_rate"] ** 2 + projected[f"w{i + 1}.y_rate"] ** 2
+    result = projected[f"w{i + 1}.x_rate"] ** 2 + projected[f"w{i + 1}.y_rate"] ** 2
     v2 = XD**2 + YD**2
-    assert vanishes(found - (v2 + A**2 * PD**2 - 2 * A * PD * (XD * sin(PHI_I[i]) - YD * cos(PHI_I[i]))))
+    assert vanishes(result - (v2 + A**2 * PD**2 - 2 * A * PD * (XD * sin(PHI_I[i]) - YD * cos(PHI_I[i]))))
 
 
 def test_konstantinov_sums(projected: dict[str, Expr]) -> None:
@@ -97,8 +97,8 @@ def test_konstantinov_sums(projected: dict[str, Expr]) -> None:
         (projected[f"w{i + 1}.across"] * Matrix([cos(p), sin(p)]) for i, p in enumerate(PHI_I)),
         sympy.zeros(2, 1),
     )
-    for found, wanted in ((total, 3 * v), (u, v * Rational(3, 2)), (w, v * Rational(3, 2))):
-        assert all(vanishes(e) for e in found - wanted)
+    for result, wanted in ((total, 3 * v), (u, v * Rational(3, 2)), (w, v * Rational(3, 2))):
+        assert all(vanishes(e) for e in result - wanted)
     assert vanishes(sum(projected[f"w{k}.across"] for k in (1, 2, 3)))
 
 
@@ -108,13 +108,13 @@ def test_konstantinov_4_inverse(i: int) -> None:
 
 
 def test_konstantinov_5_forward() -> None:
-    found = closed(OMNI_K, "forward_world")
-    assert vanishes(found["theta_rate"] + R / (3 * A) * sum(W[:3]))
+    result = closed(OMNI_K, "forward_world")
+    assert vanishes(result["theta_rate"] + R / (3 * A) * sum(W[:3]))
     assert vanishes(
-        found["x_rate"] - Rational(2, 3) * R * sum(w * sin(p) for w, p in zip(W, PHI_I, strict=False))
+        result["x_rate"] - Rational(2, 3) * R * sum(w * sin(p) for w, p in zip(W, PHI_I, strict=False))
     )
     assert vanishes(
-        found["y_rate"] + Rational(2, 3) * R * sum(w * cos(p) for w, p in zip(W, PHI_I, strict=False))
+        result["y_rate"] + Rational(2, 3) * R * sum(w * cos(p) for w, p in zip(W, PHI_I, strict=False))
     )
 
 
@@ -145,10 +145,10 @@ RIGHT, LEFT = sym("right.spin", "left.spin")
 
 
 def test_tzafestas_2_37d_and_2_41c() -> None:
-    found = closed(DIFFERENTIAL, "forward_world")
-    assert vanishes(found["x_rate"] - R / 2 * cos(PHI) * (RIGHT + LEFT))
-    assert vanishes(found["y_rate"] - R / 2 * sin(PHI) * (RIGHT + LEFT))
-    assert vanishes(found["theta_rate"] - R / (2 * A) * (RIGHT - LEFT))
+    result = closed(DIFFERENTIAL, "forward_world")
+    assert vanishes(result["x_rate"] - R / 2 * cos(PHI) * (RIGHT + LEFT))
+    assert vanishes(result["y_rate"] - R / 2 * sin(PHI) * (RIGHT + LEFT))
+    assert vanishes(result["theta_rate"] - R / (2 * A) * (RIGHT - LEFT))
     back = closed(DIFFERENTIAL, "inverse_world")
     assert vanishes(back["right.spin"] - (XD * cos(PHI) + YD * sin(PHI) + A * PD) / R)
     assert vanishes(back["left.spin"] - (XD * cos(PHI) + YD * sin(PHI) - A * PD) / R)
@@ -179,9 +179,9 @@ def test_tzafestas_2_48_radius() -> None:
 def test_tzafestas_2_72_to_2_74() -> None:
     vx, vy, omega = sym("vx", "vy", "omega")
     (half,) = par("half")
-    found = closed(OMNI_T, "inverse")
+    result = closed(OMNI_T, "inverse")
     for i, beta in enumerate((0, 2 * pi / 3, 4 * pi / 3)):
-        assert vanishes(found[f"w{i + 1}.spin"] - (vx * cos(beta) + vy * sin(beta) + half * omega) / R)
+        assert vanishes(result[f"w{i + 1}.spin"] - (vx * cos(beta) + vy * sin(beta) + half * omega) / R)
     back, third = closed(OMNI_T, "forward"), Rational(1, 3)
     assert vanishes(back["vx"] - R * third * (2 * W[0] - W[1] - W[2]))
     assert vanishes(back["vy"] - R / sqrt(3) * (W[1] - W[2]))
@@ -191,11 +191,11 @@ def test_tzafestas_2_72_to_2_74() -> None:
 def test_tzafestas_2_75_corrected() -> None:
     """J^-1 = (1/r) [U^T R^-1(phi) | D], u_i = (-sin b_i, cos b_i)."""
     half, b1, b2, b3 = par("half", "b1", "b2", "b3")
-    found = closed(OMNI4_T, "inverse_world")
+    result = closed(OMNI4_T, "inverse_world")
     body = Matrix([[cos(PHI), sin(PHI)], [-sin(PHI), cos(PHI)]]) * Matrix([XD, YD])
     for i, b in enumerate((b1, b2, b3, sympy.S.Zero)):
         along = (Matrix([[-sin(b), cos(b)]]) * body)[0]
-        assert vanishes(found[f"w{i + 1}.spin"] - (along + half * PD) / R)
+        assert vanishes(result[f"w{i + 1}.spin"] - (along + half * PD) / R)
 
 
 def test_tzafestas_2_82_to_2_85() -> None:
@@ -205,11 +205,11 @@ def test_tzafestas_2_82_to_2_85() -> None:
     inverse = Matrix([[-1, 1, s], [1, 1, -s], [-1, 1, -s], [1, 1, s]]) / R
     forward = R / 4 * Matrix([[-1, 1, -1, 1], [1, 1, 1, 1], [1 / s, -1 / s, -1 / s, 1 / s]])
     turn = Matrix([[cos(PHI), -sin(PHI), 0], [sin(PHI), cos(PHI), 0], [0, 0, 1]])
-    found = closed(MECANUM_T, "inverse")
+    result = closed(MECANUM_T, "inverse")
     world = closed(MECANUM_T, "inverse_world")
     in_body, in_world = inverse * Matrix([vx, vy, omega]), inverse * turn.T * Matrix([XD, YD, PD])
     for i in range(4):
-        assert vanishes(found[f"w{i + 1}.spin"] - in_body[i])
+        assert vanishes(result[f"w{i + 1}.spin"] - in_body[i])
         assert vanishes(world[f"w{i + 1}.spin"] - in_world[i])
     wanted = forward * Matrix(W)
     for name, e in zip(("vx", "vy", "omega"), wanted, strict=True):
@@ -242,10 +242,10 @@ def test_kelly_4_62_velocities_are_h_xi_plus_q_rate() -> None:
     d = derived(FOUR_WS)
     rates = Matrix(sym(*(f"w{k}.steer_rate" for k in range(1, 5))))
     stack = d.H * Matrix(sym("vx", "vy", "omega")) + d.Q * rates
-    found = closed(FOUR_WS, "contact_velocity")
+    result = closed(FOUR_WS, "contact_velocity")
     for i in range(4):
-        assert vanishes(found[f"w{i + 1}.vx"] - stack[2 * i])
-        assert vanishes(found[f"w{i + 1}.vy"] - stack[2 * i + 1])
+        assert vanishes(result[f"w{i + 1}.vx"] - stack[2 * i])
+        assert vanishes(result[f"w{i + 1}.vy"] - stack[2 * i + 1])
 
 
 def test_kelly_box_4_2_gram() -> None:
@@ -261,7 +261,7 @@ def test_kelly_box_4_2_gram() -> None:
         spin, steer = sym(f"w{k}.spin", f"w{k}.steer")
         velocity += [r * spin * cos(steer), r * spin * sin(steer)]
     wanted = (H.T * H).inv() * H.T * Matrix(velocity)
-    found = closed(TWO_WHEELS, "forward")
+    result = closed(TWO_WHEELS, "forward")
     at = {x1: Rational(9, 10), y1: Rational(1, 5), x2: Rational(-7, 10), y2: Rational(-1, 10)}
     for name, e in zip(("vx", "vy", "omega"), wanted, strict=True):
-        assert vanishes((found[name] - e).subs(at))
+        assert vanishes((result[name] - e).subs(at))

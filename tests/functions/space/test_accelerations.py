@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sympy
 
-from tests.functions.control.common import BACKENDS, ROBOTS, TRICYCLE, call, derived, write
+from tests.functions.common import BACKENDS, ROBOTS, TRICYCLE, call, derived, write
 from wmrgen.layout.records import Wheel
 from wmrgen.symbolic import signal
 
@@ -24,11 +24,11 @@ H = 1e-5
 def twist(profile: tuple[tuple[float, ...], ...], t: float, order: int) -> dict[str, float]:
     """The twist at t, or its first or second derivative."""
     suffix = ("", "_rate", "_jerk")[order]
-    found = {}
+    result = {}
     for name, (mean, size, pace, phase) in zip(TWIST, profile, strict=True):
         value = size * pace**order * math.sin(pace * t + phase + order * math.pi / 2)
-        found[name + suffix] = value + (mean if order == 0 else 0.0)
-    return found
+        result[name + suffix] = value + (mean if order == 0 else 0.0)
+    return result
 
 
 class Drive:
@@ -53,8 +53,8 @@ class Drive:
         return call(self.path, "inverse", twist(self.profile, t, 0) | dict(steer))
 
     def accelerations(self, t: float, steer: Mapping[str, float]) -> dict[str, float]:
-        given = twist(self.profile, t, 0) | twist(self.profile, t, 1) | dict(steer)
-        return call(self.path, "accelerations", given | (twist(self.profile, t, 2) if self.jerks else {}))
+        inputs = twist(self.profile, t, 0) | twist(self.profile, t, 1) | dict(steer)
+        return call(self.path, "accelerations", inputs | (twist(self.profile, t, 2) if self.jerks else {}))
 
     def at(self, t: float) -> dict[str, float]:
         """Steering angles a moment t later: castors by the midpoint rule."""
@@ -86,7 +86,7 @@ def test_rates_of_wheels_that_see_different_velocities_on_one_belt(tmp_path: Pat
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda p: p.stem)
 def test_rates_are_differences_of_inverse(robot: Path) -> None:
     drive = Drive(robot)
-    now, found = drive.inverse(0.0, drive.start), drive.accelerations(0.0, drive.start)
+    now, result = drive.inverse(0.0, drive.start), drive.accelerations(0.0, drive.start)
     sides = [(drive.inverse(t, drive.at(t)), drive.accelerations(t, drive.at(t))) for t in (H, -H)]
 
     def slope(kind: int, name: str) -> float:
@@ -95,10 +95,10 @@ def test_rates_are_differences_of_inverse(robot: Path) -> None:
     for w in drive.robot.wheels:
         if not w.has_spin:
             continue
-        size = max(1.0, abs(found[f"{w.name}.spin_rate"]), abs(found[f"{w.name}.spin"]))
+        size = max(1.0, abs(result[f"{w.name}.spin_rate"]), abs(result[f"{w.name}.spin"]))
         pairs = []
         if offset(w):
-            turn = offset(w) * found[f"{w.name}.steer_rate"] / float(w.nominal.r)
+            turn = offset(w) * result[f"{w.name}.steer_rate"] / float(w.nominal.r)
             pairs += [("spin", now[f"{w.name}.spin"] - turn), ("spin_rate", slope(1, f"{w.name}.spin"))]
             pairs.append(("steer_acceleration", slope(1, f"{w.name}.steer_rate")))
         else:
@@ -109,49 +109,49 @@ def test_rates_are_differences_of_inverse(robot: Path) -> None:
             pairs.append(("steer_rate", now[f"{w.name}.steer_rate"]))
             pairs.append(("steer_acceleration", slope(0, f"{w.name}.steer_rate")))
         for joint, value in pairs:
-            assert found[f"{w.name}.{joint}"] == pytest.approx(value, abs=2e-6 * size), (w.name, joint)
+            assert result[f"{w.name}.{joint}"] == pytest.approx(value, abs=2e-6 * size), (w.name, joint)
 
 
 def test_offset_wheels_roll_and_do_not_slide() -> None:
     """Kelly's four-wheel steering: the contact's own velocity, steering rate included, is r spin along the wheel."""
     path = next(p for p in ROBOTS if p.stem == "kelly_4ws")
     drive = Drive(path)
-    found, v = drive.accelerations(0.0, drive.start), twist(drive.profile, 0.0, 0)
+    result, v = drive.accelerations(0.0, drive.start), twist(drive.profile, 0.0, 0)
     for w in drive.robot.wheels:
-        h, o = found[f"{w.name}.steer"], offset(w)
+        h, o = result[f"{w.name}.steer"], offset(w)
         e, n = np.array([math.cos(h), math.sin(h)]), np.array([-math.sin(h), math.cos(h)])
         x, y = float(w.nominal.x), float(w.nominal.y)
         pivot = np.array([v["vx"] - v["omega"] * y, v["vy"] + v["omega"] * x])
-        contact = pivot - (v["omega"] + found[f"{w.name}.steer_rate"]) * o * e
+        contact = pivot - (v["omega"] + result[f"{w.name}.steer_rate"]) * o * e
         assert contact @ n == pytest.approx(0, abs=1e-9)
-        assert contact @ e == pytest.approx(0.1 * found[f"{w.name}.spin"], abs=1e-9)
+        assert contact @ e == pytest.approx(0.1 * result[f"{w.name}.spin"], abs=1e-9)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_wheel_held_by_its_limit_does_not_steer(backend: str, tmp_path: Path) -> None:
     path = write(tmp_path, TRICYCLE.format(base=1.0) + "limits: {steer: 0.5}\n")
-    given = {"vx": 0.5, "omega": 1.0, "omega_rate": 0.3, "vx_rate": 0.2, "front.steer": 0.4}
-    found = call(path, "accelerations", given, backend)
-    assert found["front.steer"] == pytest.approx(0.5) and found["front.steer_rate"] == 0
+    inputs = {"vx": 0.5, "omega": 1.0, "omega_rate": 0.3, "vx_rate": 0.2, "front.steer": 0.4}
+    result = call(path, "accelerations", inputs, backend)
+    assert result["front.steer"] == pytest.approx(0.5) and result["front.steer_rate"] == 0
     # the front pivot moves by (0.5, 1.0) and its velocity changes by (0.2, 0.3)
-    assert found["front.spin_rate"] == pytest.approx((0.2 * math.cos(0.5) + 0.3 * math.sin(0.5)) / 0.1)
+    assert result["front.spin_rate"] == pytest.approx((0.2 * math.cos(0.5) + 0.3 * math.sin(0.5)) / 0.1)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_from_standstill_a_wheel_speeds_up_as_it_stands(backend: str, tmp_path: Path) -> None:
     path = write(tmp_path, TRICYCLE.format(base=1.0))
-    found = call(path, "accelerations", {"vx_rate": 2.0, "omega_rate": 1.0, "front.steer": 0.3}, backend)
-    assert found["front.steer"] == pytest.approx(0.3) and found["front.steer_rate"] == 0
-    assert found["front.spin_rate"] == pytest.approx((2 * math.cos(0.3) + math.sin(0.3)) / 0.1)
-    assert found["rear_left.spin_rate"] == pytest.approx((2 - 0.3) / 0.1)
+    result = call(path, "accelerations", {"vx_rate": 2.0, "omega_rate": 1.0, "front.steer": 0.3}, backend)
+    assert result["front.steer"] == pytest.approx(0.3) and result["front.steer_rate"] == 0
+    assert result["front.spin_rate"] == pytest.approx((2 * math.cos(0.3) + math.sin(0.3)) / 0.1)
+    assert result["rear_left.spin_rate"] == pytest.approx((2 - 0.3) / 0.1)
 
 
 def test_steering_rate_is_the_closed_form(tmp_path: Path) -> None:
     """(vA x vA') / |vA|^2 of the pivot at (1, 0), away from standstill."""
     formula = derived(write(tmp_path, TRICYCLE.format(base=1.0)), "accelerations").formula("accelerations")
-    found = formula.closed()["front.steer_rate"]
+    result = formula.closed()["front.steer_rate"]
     a, b, a1, b1 = (signal(n) for n in ("vx", "omega", "vx_rate", "omega_rate"))
-    moving = found.replace(
+    moving = result.replace(
         lambda e: isinstance(e, sympy.Max), lambda e: max(e.args, key=lambda p: len(p.free_symbols))
     )
     assert sympy.simplify(moving - (a * b1 - b * a1) / (a**2 + b**2)) == 0

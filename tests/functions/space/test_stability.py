@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.conftest import Outcome
-from tests.functions.control.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
+from tests.functions.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.space.stability import polygon
 
@@ -37,11 +37,11 @@ def car(half_track: float, height: float) -> str:
 def test_case_ke_liftoff(backend: str, tmp_path: Path) -> None:
     g, expect = CASES["KE-liftoff"]["given"], CASES["KE-liftoff"]["expect"]
     path = write(tmp_path, car(g["half_track"], g["cg_height"]))
-    found = call(path, "stability", {"fy": g["a_lateral"], "fz": g["g"]}, backend)
-    assert found["margin"] == pytest.approx(expect["margin_angle"], abs=1e-9)
-    assert found["rear_right.margin"] == found["margin"]  # rear_right - front_right: out of a left turn
-    assert found["fy_max"] == pytest.approx(expect["a_lateral_limit"], abs=1e-9)
-    assert (found["margin"] <= 0) is expect["liftoff"]
+    result = call(path, "stability", {"fy": g["a_lateral"], "fz": g["g"]}, backend)
+    assert result["margin"] == pytest.approx(expect["margin_angle"], abs=1e-9)
+    assert result["rear_right.margin"] == result["margin"]  # rear_right - front_right: out of a left turn
+    assert result["fy_max"] == pytest.approx(expect["a_lateral_limit"], abs=1e-9)
+    assert (result["margin"] <= 0) is expect["liftoff"]
     beyond = call(path, "stability", {"fy": expect["a_lateral_limit"] + 1e-6, "fz": g["g"]}, backend)
     at = call(path, "stability", {"fy": expect["a_lateral_limit"], "fz": g["g"]}, backend)
     assert beyond["margin"] < 0 and at["margin"] == pytest.approx(0, abs=1e-9)
@@ -49,13 +49,13 @@ def test_case_ke_liftoff(backend: str, tmp_path: Path) -> None:
 
 def contacts(path: Path, steer: dict[str, float]) -> dict[str, Array]:
     """Where the wheels touch the ground, from the nominal geometry."""
-    found = {}
+    result = {}
     for w in derived(path, "stability").robot.wheels:
         h = w.heading + (steer.get(w.name, 0.0) if w.turns else 0.0)
         e, n = np.array([math.cos(h), math.sin(h)]), np.array([-math.sin(h), math.cos(h)])
         g = w.nominal
-        found[w.name] = np.array([float(g.x), float(g.y)]) + float(g.d) * e + float(g.o) * n
-    return found
+        result[w.name] = np.array([float(g.x), float(g.y)]) + float(g.d) * e + float(g.o) * n
+    return result
 
 
 def inside(points: list[Array], q: Array) -> float:
@@ -95,21 +95,19 @@ def test_margin_is_positive_where_the_force_meets_the_polygon(robot: Path, tmp_p
         steer = {n: float(generator.uniform(-3, 3)) for n in turning}
         steer = coupled(path, steer)
         f = np.array([*generator.normal(0, 9.81 * size / 0.4, 2), 9.81])
-        given = dict(zip(("fx", "fy", "fz"), map(float, f), strict=True))
-        given |= {f"{n}.steer": v for n, v in steer.items() if f"{n}.steer" in inputs}
-        found = call(path, "stability", given)
+        case = dict(zip(("fx", "fy", "fz"), map(float, f), strict=True))
+        case |= {f"{n}.steer": v for n, v in steer.items() if f"{n}.steer" in inputs}
+        result = call(path, "stability", case)
         meets = np.array([x, y]) - 0.4 * f[:2] / f[2]
         points = contacts(path, steer)
         depth = inside(list(points.values()), meets)
         if abs(depth) > 1e-7:
-            assert (found["margin"] > 0) == (depth > 0)
+            assert (result["margin"] > 0) == (depth > 0)
             seen.add(depth > 0)
         for axis in ("fx", "fy"):
-            for end in (found[f"{axis}_min"], found[f"{axis}_max"]):
-                if found["margin"] > 0 and abs(end) < 1e8:
-                    assert call(path, "stability", given | {axis: end})["margin"] == pytest.approx(
-                        0, abs=1e-7
-                    )
+            for end in (result[f"{axis}_min"], result[f"{axis}_max"]):
+                if result["margin"] > 0 and abs(end) < 1e8:
+                    assert call(path, "stability", case | {axis: end})["margin"] == pytest.approx(0, abs=1e-7)
     assert seen == {True, False}
 
 
@@ -131,11 +129,11 @@ def test_the_margin_is_the_tilt_that_is_left(tmp_path: Path) -> None:
             f"{a}.margin"
         ]
         ends = [tilted(force, points[b] - points[a], sign * margin) for sign in (1, -1)]
-        left = [
+        margins = [
             call(path, "stability", dict(zip(("fx", "fy", "fz"), map(float, f), strict=True)))[f"{a}.margin"]
             for f in ends
         ]
-        assert min(map(abs, left)) == pytest.approx(0, abs=1e-9)
+        assert min(map(abs, margins)) == pytest.approx(0, abs=1e-9)
 
 
 def test_castors_move_the_polygon(tmp_path: Path) -> None:
@@ -156,9 +154,9 @@ def test_twin_wheels_take_turns_at_the_corners(tmp_path: Path) -> None:
     corners = {polygon(base, {w.name: 0.01 + k * math.pi / 4 for w in base.wheels}) for k in range(8)}
     assert len(corners) > 2
     names = polygon(base, {w.name: 0.3 for w in base.wheels})
-    found = call(path, "stability", {"fz": 9.81} | {f"{w.name}.steer": 0.3 for w in base.wheels})
+    result = call(path, "stability", {"fz": 9.81} | {f"{w.name}.steer": 0.3 for w in base.wheels})
     for w in base.wheels:
-        assert (found[f"{w.name}.margin"] < 3.14) == (w.name in names)
+        assert (result[f"{w.name}.margin"] < 3.14) == (w.name in names)
 
 
 LINE = PAIR + "  - {name: middle, type: spherical, x: 0, y: 0}\n"
@@ -192,6 +190,6 @@ def test_the_command_names_the_line_of_liftoff(tmp_path: Path, wmrgen_cli: Calla
     )
     lifts = wmrgen_cli("stability", path, "fy=-6", "fz=9.81")
     assert "liftoff about the line front_left - rear_left at -0.0" in lifts.out
-    found = json.loads(wmrgen_cli("stability", path, "fy=4", "fz=9.81", "--json").out)
-    assert found["about"] == ["rear_right", "front_right"] and not found["liftoff"]
-    assert found["fy"] == pytest.approx([-5.7225, 5.7225])
+    result = json.loads(wmrgen_cli("stability", path, "fy=4", "fz=9.81", "--json").out)
+    assert result["about"] == ["rear_right", "front_right"] and not result["liftoff"]
+    assert result["fy"] == pytest.approx([-5.7225, 5.7225])

@@ -10,7 +10,7 @@ import pytest
 import sympy
 from numpy.typing import NDArray
 
-from tests.functions.control.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
+from tests.functions.common import BACKENDS, CASES, PAIR, ROBOTS, call, derived, write
 from wmrgen.functions.space.wheel_motion import Frame, Point, cross, plus, scaled, seen_from_before
 from wmrgen.symbolic import signal
 
@@ -41,13 +41,13 @@ def test_kelly_4_30_and_4_31_are_the_recursion_taken_twice() -> None:
     vs, ws, as_, alphas = (vector(n) for n in ("vs", "ws", "as", "alphas"))
     wheel = seen_from_before(Frame(vs, ws, as_, alphas), r_s, Point(r_c, v_o, a_o))
     nothing = (sympy.S.Zero,) * 3
-    found = seen_from_before(Frame(v, w, a, alpha), nothing, wheel)
+    result = seen_from_before(Frame(v, w, a, alpha), nothing, wheel)
     r_v = plus(r_s, r_c)
-    assert vanishes(found.v, plus(v, cross(w, r_v), vs, cross(ws, r_c), v_o))
+    assert vanishes(result.v, plus(v, cross(w, r_v), vs, cross(ws, r_c), v_o))
     seen = plus(vs, cross(ws, r_c), v_o)  # v_c^v
     steering = plus(as_, cross(alphas, r_c), cross(ws, cross(ws, r_c)), scaled(2, cross(ws, v_o)), a_o)
     body = plus(a, cross(alpha, r_v), cross(w, cross(w, r_v)), scaled(2, cross(w, seen)))
-    assert vanishes(found.a, plus(body, steering))
+    assert vanishes(result.a, plus(body, steering))
 
 
 def test_kelly_4_24_and_4_25_corrected_as_matrices() -> None:
@@ -57,13 +57,13 @@ def test_kelly_4_24_and_4_25_corrected_as_matrices() -> None:
         return sympy.Matrix([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
 
     r, v_o, a_o, v, w, a, alpha = (vector(n) for n in ("r", "v_o", "a_o", "v", "w", "a", "alpha"))
-    found = seen_from_before(Frame(v, w, a, alpha), (sympy.S.Zero,) * 3, Point(r, v_o, a_o))
+    result = seen_from_before(Frame(v, w, a, alpha), (sympy.S.Zero,) * 3, Point(r, v_o, a_o))
     columns = [sympy.Matrix(u) for u in (r, v_o, a_o, v, w, a, alpha)]
     mr, mv, mao, mvf, mw, ma, mal = columns
     h = sympy.Matrix.hstack(sympy.eye(3), -skew(mr))
     omega = sympy.Matrix.hstack(skew(mw) ** 2, 2 * skew(mw))
-    assert vanishes(found.v, h * sympy.Matrix([mvf, mw]) + mv)
-    assert vanishes(found.a, h * sympy.Matrix([ma, mal]) + omega * sympy.Matrix([mr, mv]) + mao)
+    assert vanishes(result.v, h * sympy.Matrix([mvf, mw]) + mv)
+    assert vanishes(result.a, h * sympy.Matrix([ma, mal]) + omega * sympy.Matrix([mr, mv]) + mao)
 
 
 def rotation(axis: Array, angle: float) -> Array:
@@ -109,23 +109,23 @@ def test_contacts_move_as_positions_in_the_world_do(backend: str, tmp_path: Path
         return np.array([spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1]]) / 2
 
     back = attitude(0.0).T
-    given: dict[str, float] = {}
+    inputs: dict[str, float] = {}
     for name, value in (("v", back @ origin[1]), ("w", omega(0.0)), ("a", back @ origin[2])):
-        given |= {f"{name}{k}": float(x) for k, x in zip("xyz", value, strict=True)}
+        inputs |= {f"{name}{k}": float(x) for k, x in zip("xyz", value, strict=True)}
     rate = (omega(1e-3) - omega(-1e-3)) / 2e-3
-    given |= {f"w{k}_rate": float(x) for k, x in zip("xyz", rate, strict=True)}
+    inputs |= {f"w{k}_rate": float(x) for k, x in zip("xyz", rate, strict=True)}
     for w in robot.wheels:
         for joint, c in zip(("steer", "travel"), joints[w.name], strict=True):
             if joint == "travel" or w.turns:
                 names = (joint, f"{joint}_rate", f"{joint}_acceleration")
-                given |= {f"{w.name}.{n}": float(x) for n, x in zip(names, c, strict=True)}
-    found = call(path, "wheel_motion", given, backend)
+                inputs |= {f"{w.name}.{n}": float(x) for n, x in zip(names, c, strict=True)}
+    result = call(path, "wheel_motion", inputs, backend)
     h = 1e-3
     for w in robot.wheels:
         before, at, after = (position(w.name, t) for t in (-h, 0.0, h))
         v, a = back @ (after - before) / (2 * h), back @ (after - 2 * at + before) / h**2
-        assert [found[f"{w.name}.v{k}"] for k in "xyz"] == pytest.approx(list(v), abs=1e-5)
-        assert [found[f"{w.name}.a{k}"] for k in "xyz"] == pytest.approx(list(a), abs=1e-5)
+        assert [result[f"{w.name}.v{k}"] for k in "xyz"] == pytest.approx(list(v), abs=1e-5)
+        assert [result[f"{w.name}.a{k}"] for k in "xyz"] == pytest.approx(list(a), abs=1e-5)
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda p: p.stem)
@@ -145,20 +145,20 @@ def test_in_the_plane_the_contacts_do_what_the_constraints_say(robot: Path) -> N
         joints = call(robot, "accelerations", plane | drive.start)
         if call(robot, "inverse", plane | drive.start)["slip"] > 1e-9:
             return
-    given = {"vx": plane["vx"], "vy": plane["vy"], "wz": plane["omega"]}
+    inputs = {"vx": plane["vx"], "vy": plane["vy"], "wz": plane["omega"]}
     for w in d.robot.wheels:
         if w.turns:
-            given[f"{w.name}.steer"] = joints.get(f"{w.name}.steer", drive.start[f"{w.name}.steer"])
-            given[f"{w.name}.steer_rate"] = joints[f"{w.name}.steer_rate"]
-    found = call(robot, "wheel_motion", given)
+            inputs[f"{w.name}.steer"] = joints.get(f"{w.name}.steer", drive.start[f"{w.name}.steer"])
+            inputs[f"{w.name}.steer_rate"] = joints[f"{w.name}.steer_rate"]
+    result = call(robot, "wheel_motion", inputs)
     for w in d.robot.wheels:
         if w.type in ("fixed", "steered", "castor"):
-            h = w.heading + given.get(f"{w.name}.steer", 0.0)
-            vx, vy = found[f"{w.name}.vx"], found[f"{w.name}.vy"]
+            h = w.heading + inputs.get(f"{w.name}.steer", 0.0)
+            vx, vy = result[f"{w.name}.vx"], result[f"{w.name}.vy"]
             assert vy * math.cos(h) - vx * math.sin(h) == pytest.approx(0, abs=1e-9)
             spin = float(w.nominal.r) * joints[f"{w.name}.spin"]
             assert vx * math.cos(h) + vy * math.sin(h) == pytest.approx(spin, abs=1e-9)
-        assert found[f"{w.name}.vz"] == 0
+        assert result[f"{w.name}.vz"] == 0
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -166,9 +166,9 @@ def test_case_ke_specific_force(backend: str, tmp_path: Path) -> None:
     """The robot's own function: the case's arm from the sensor to the centre of gravity."""
     g, expect = CASES["KE-specific-force"]["given"], CASES["KE-specific-force"]["expect"]
     path = write(tmp_path, PAIR + "cg: {x: 0.6, y: 0.3, z: 0.4}\n")
-    given = {f"f{k}": v for k, v in zip("xyz", g["t_sensor"], strict=True)}
-    given |= {f"w{k}": v for k, v in zip("xyz", g["omega"], strict=True)}
-    given |= {f"w{k}_rate": v for k, v in zip("xyz", g["alpha"], strict=True)}
-    given |= {f"sensor.{k}": c - r for k, c, r in zip("xyz", (0.6, 0.3, 0.4), g["r_cg"], strict=True)}
-    found = call(path, "cg_force", given, backend)
-    assert [found[f"f{k}"] for k in "xyz"] == pytest.approx(expect["t_cg"], abs=1e-9)
+    inputs = {f"f{k}": v for k, v in zip("xyz", g["t_sensor"], strict=True)}
+    inputs |= {f"w{k}": v for k, v in zip("xyz", g["omega"], strict=True)}
+    inputs |= {f"w{k}_rate": v for k, v in zip("xyz", g["alpha"], strict=True)}
+    inputs |= {f"sensor.{k}": c - r for k, c, r in zip("xyz", (0.6, 0.3, 0.4), g["r_cg"], strict=True)}
+    result = call(path, "cg_force", inputs, backend)
+    assert [result[f"f{k}"] for k in "xyz"] == pytest.approx(expect["t_cg"], abs=1e-9)

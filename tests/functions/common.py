@@ -15,7 +15,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.robot import Derivation
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 ROBOTS = sorted((ROOT / "robots").glob("*.yaml"))
 BACKENDS = ("exact", "casadi", "c")
 CASES: dict[str, dict[str, Any]] = {
@@ -72,8 +72,8 @@ def call(path: Path, name: str, values: Mapping[str, float], backend: str = "cas
         return evaluate_c(d.c_module, name, [full | dict(values)], Choice("double"))[0]
     f = _casadi(path, name)
     nominal = {p.name: float(p.nominal) for p in d.robot.tunable}
-    found = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])
-    return {n: float(v) for n, v in zip(f.name_out(), found, strict=True)}
+    result = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])
+    return {n: float(v) for n, v in zip(f.name_out(), result, strict=True)}
 
 
 @lru_cache(maxsize=256)

@@ -25,7 +25,7 @@ def analyse(robot: Robot) -> Mobility:
     """Degrees, ranks, reachable dimensions and the reasons for them."""
     at = configuration(robot)
     rows = basis(robot, at)
-    now = null_basis(unit_rows(at.at)) if at.mobility else np.zeros((0, 3))
+    now = null_basis(unit_rows(at.C1)) if at.mobility else np.zeros((0, 3))
     symbolic = null_columns([row.row(symbolic_view) for row in rows]) if at.mobility else ()
     columns = tuple(fixed(column, robot) for column in symbolic)
     leaders = (robot.wheels[robot.steer_group[w.index]].name for w in deciding(rows))

@@ -42,11 +42,11 @@ class BasisRow:
 def basis(robot: Robot, at: Configuration) -> tuple[BasisRow, ...]:
     """Constant rows first, then the coupling's own row, then as many steered wheels as the rank needs."""
     fixed = [_constant(robot, at.unit.row(row), index) for row, index in at.constant]
-    numbers = [at.at[: len(fixed)]]
+    numbers = [at.C1[: len(fixed)]]
     if at.admissible.normal is not None:
         fixed.append(_constant(robot, at.unit.row(at.admissible.normal), None))
         numbers.append(to_array([[p.constant or ZERO for p in at.admissible.normal]]))
-    numbers.append(at.at[len(at.constant) :])
+    numbers.append(at.C1[len(at.constant) :])
     steered = [w for w in robot.wheels if w.kind.steers]
     candidates = [*fixed, *(_slides(robot, w) for w in steered)]
     candidates += [_turns_alike(robot, robot.wheels[i], robot.wheels[k]) for i, k in geared(robot)]

@@ -49,10 +49,10 @@ _SEEDS = 3  # of castor angles, over which twists are collected
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """What is known of ``robot``, the robot in ``unit``, at a generic admissible configuration.
+    """A generic admissible configuration of ``robot``, the robot in ``unit``, and the ranks there.
 
-    ``constant``: independent rows that depend on no steered wheel. ``at``: rows of C1, those first. ``dof``: dimension
-    of the Lie algebra that all admissible twists generate.
+    ``constant``: independent rows that depend on no steered wheel. ``C1``: its rows, the constant ones first.
+    ``dof``: dimension of the Lie algebra that all admissible twists generate.
     """
 
     robot: Robot
@@ -61,7 +61,7 @@ class Configuration:
     admissible: Admissible
     rank_fixed: Rank
     rank: Rank
-    at: Array
+    C1: Array
     dof: int
 
     @property

@@ -229,7 +229,7 @@ def actuation(at: Configuration) -> tuple[str, ...]:
     robot = at.robot
     spins = [w for w in robot.wheels if "spin" in w.actuated]
     swivelled = [w for w in robot.wheels if w.kind.swivels and "steer" in w.actuated]
-    free = null_basis(unit_rows(at.at)) if at.at.size else np.eye(3)
+    free = null_basis(unit_rows(at.C1)) if at.C1.size else np.eye(3)
     rows = [_driving_row(w, at) for w in spins] + [_swivelling_row(w) for w in swivelled]
     independent = 0
     if rows and len(free):

@@ -26,8 +26,7 @@ from wmrgen.kinematics.records import (
     twist_ports,
 )
 from wmrgen.kinematics.rigid import fit_rigid
-from wmrgen.kinematics.sensing import Measured, measurements, sensed_joints
-from wmrgen.kinematics.solve import Twist, solve_general
+from wmrgen.kinematics.sensing import Measured, Twist, measurements, sensed_joints, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
 from wmrgen.ports import Role

@@ -21,8 +21,7 @@ import sympy
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly, has_angles
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.sensing import Contact
-from wmrgen.kinematics.solve import FLOOR, Twist, named_contacts
+from wmrgen.kinematics.sensing import FLOOR, Contact, Twist, named_contacts
 from wmrgen.symbolic import Expr, add, expression, maximum, number, root, square
 
 _APART = 4  # sum of |P|**2 over sum of |f|**2 from which the collapsed sums are taken

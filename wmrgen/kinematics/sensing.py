@@ -1,19 +1,44 @@
-"""What the sensed joint rates say about the twist: velocities of contact points, and single rows.
+"""What the sensed joint rates say about the twist, and the twist that explains them best.
 
-A wheel with a sliding row tells it, and a wheel whose spin is sensed its rolling row. Both together measure the
+A wheel with a sliding row measures it, and a wheel whose spin is sensed its rolling row. Both together measure the
 velocity of the contact point B: v_B = (r spin + o steer_rate) e - d steer_rate n. One row measures one component.
+
+In general the normal matrix N = H^T H of the rows moves with the steering, and one division at run time solves it. N
+is symmetric and perhaps singular. With c1, c2, det its invariants and adj its adjugate, the Moore-Penrose inverse is
+
+    rank 3   adj / det
+    rank 2   (c1 (I - adj / c2) - N) / c2
+    rank 1   I / c1                          (b lies in the range of N)
+
+A rank is lost at run time where an invariant falls under EDGE of what the ones before it allow: a singular value
+under a thousandth of the largest, far above the rounding of a float. Lengths are measured in the reach of the
+contacts for that decision, so that it does not depend on the unit. Denominators are kept above a floor far below any
+value that a real robot takes, so that no input divides by zero.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
 
 from wmrgen.constraints import heading, rolling_row, sliding_row, working_view
-from wmrgen.exact.poly import Poly, Row, has_angles
-from wmrgen.kinematics.records import signal_poly
+from wmrgen.exact.evaluate import circle, fix
+from wmrgen.exact.linalg import cofactor
+from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.poly import Gen, Poly, Row, dot, has_angles
+from wmrgen.kinematics.records import Locals, signal_poly
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility.ranks import numeric_rank
+from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
 
 Measured = tuple[Row, Poly]  # row . xi = value
+FLOOR = Exact(Fraction(1, 10**12))
+EDGE = Exact(Fraction(1, 10**6))
+_POINTS = ((3, 5), (-7, 4), (2, -9))  # half-angle tangents p/q of generic joint angles
+Twist = tuple[Expr, Expr, Expr]
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,3 +131,153 @@ def _contact(w: Wheel, spin: Poly, rate: Poly) -> Contact:
         along * c - across * s,
         along * s + across * c,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """N and b with names for their entries; ``rank``: of N in general; ``reach``: a length [m**2] of the contacts."""
+
+    n: list[list[Poly]]
+    b: list[Poly]
+    rank: int
+    reach: Exact
+
+
+def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
+    """Any mix of contact velocities and single rows, by cofactors of the 3x3 normal matrix N.
+
+    Where the rows leave a direction unseen (a rear-driven bicycle steered by 90 degrees) the smallest twist
+    is taken. The rank that the rows have in general decides at derivation time which formulas are needed.
+    """
+    rows = _named_rows(measured, names)
+    upper = {
+        (i, j): names.poly(f"n{i}{j}", Poly.sum(r[i] * r[j] for r, _ in rows))
+        for i in range(3)
+        for j in range(i, 3)
+    }
+    n = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+    b = [names.poly(f"b{i}", Poly.sum(r[i] * z for r, z in rows)) for i in range(3)]
+    system = System(n, b, generic_rank(measured), _reach(measured.wheels))
+    twist = smallest_twist(system, lower_bound(measured), names)
+    fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
+    xi: Row = (fitted[0], fitted[1], fitted[2])
+    errors = [names.poly(f"error_{i}", z - dot(r, xi)) for i, (r, z) in enumerate(rows)]
+    slip = root(add(*(square(expression(e)) for e in errors)))
+    return (expression(xi[0]), expression(xi[1]), expression(xi[2])), slip
+
+
+def named_contacts(contacts: Sequence[Contact], names: Locals) -> list[tuple[Poly, Poly, Poly, Poly]]:
+    """Contact points and velocities with names, so that each is computed once."""
+    named = []
+    for c in contacts:
+        parts = (("bx", c.bx), ("by", c.by), ("wx", c.wx), ("wy", c.wy))
+        bx, by, wx, wy = (_named(names, f"{c.wheel.name}_{k}", p) for k, p in parts)
+        named.append((bx, by, wx, wy))
+    return named
+
+
+def _named(names: Locals, name: str, value: Poly) -> Poly:
+    return names.poly(name, value) if value.generators else value
+
+
+def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
+    rows = [row for parts in named_contacts(measured.contacts, names) for row in contact_rows(*parts)]
+    for c in measured.components:
+        x, y, w = (
+            _named(names, f"{c.wheel.name}_{k}", p) for k, p in zip(("rx", "ry", "rw"), c.row, strict=True)
+        )
+        rows.append(((x, y, w), c.value))
+    return rows
+
+
+def _reach(wheels: Sequence[Wheel]) -> Exact:
+    """The mean square distance of the measured wheels from P, offsets included; 1 when all stand at P."""
+    shapes = [w.nominal for w in wheels]
+    total = sum((g.x * g.x + g.y * g.y + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
+    return total / len(wheels) if total else ONE
+
+
+def generic_rank(measured: Measurements) -> int:
+    """The rank of the measured rows at general joint angles."""
+    points = range(len(_POINTS))
+    return max(_rank([[_at(p, k) for p in row] for row, _ in measured.rows], measured.wheels) for k in points)
+
+
+def _at(poly: Poly, point: int) -> float:
+    """A polynomial at general joint angles, tunable parameters at 1 m."""
+
+    def value(gen: Gen) -> Poly | None:
+        if gen.kind not in ("cos", "sin"):
+            return None
+        index = sum(ord(c) * (k + 1) for k, c in enumerate(gen.name)) + 1
+        p, q = _POINTS[point]
+        return Poly.of(circle(Fraction(p * index, q + index))[gen.kind == "sin"])
+
+    there = poly.substitute(value)
+    number = fix(there, {g.name: Poly.of(1) for g in there.generators if g.kind == "param"}).constant
+    return float(number) if number is not None else 0.0
+
+
+def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:
+    """The rank of rows with lengths in the reach of the wheels, so that it does not depend on the unit."""
+    return numeric_rank(np.array(rows).reshape(-1, 3) / [1.0, 1.0, float(_reach(wheels)) ** 0.5])[0]
+
+
+def lower_bound(measured: Measurements) -> float:
+    """A bound under det N from the rows that do not move; 0 when they alone do not have rank 3."""
+    numbers = [[p.constant for p in row] for row, _ in measured.rows]
+    rows = [[float(v) for v in row if v is not None] for row in numbers if None not in row]
+    if _rank(rows, measured.wheels) < 3:
+        return 0.0
+    a, b, c = ([sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3))
+    return (
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+
+
+def smallest_twist(system: System, bound: float, names: Locals) -> list[Expr]:
+    """N^+ b. ``bound``: a lower bound of det N when positive; then nothing can be lost."""
+    n, b = system.n, system.b
+    c1 = names.define("c1", n[0][0] + n[1][1] + n[2][2])
+    low = [times(expression(v), _over(c1, names, "c1")) for v in b]
+    if system.rank == 1:
+        return low
+    adj = _adjugate(n, names)
+    projected = [names.define(f"p{i}", Poly.sum(adj[i][j] * b[j] for j in range(3))) for i in range(3)]
+    det = names.define("det", n[0][0] * adj[0][0] + n[0][1] * adj[0][1] + n[0][2] * adj[0][2])
+    if bound > 0:
+        below = maximum(det, number(Exact(Fraction(bound / 2).limit_denominator(10**9)) or FLOOR))
+        return [times(p, 1 / below) for p in projected]
+    c2 = names.define("c2", adj[0][0] + adj[1][1] + adj[2][2])
+    over_c2 = _over(c2, names, "c2")
+    middle = []
+    for i in range(3):
+        seen = expression(Poly.sum(n[i][j] * b[j] for j in range(3)))
+        rest = subtract(expression(b[i]), times(projected[i], over_c2))
+        middle.append(times(subtract(times(c1, rest), seen), over_c2))
+    s = system.reach
+    size1 = names.define("size1", n[0][0] + n[1][1] + n[2][2].scale(s.inverse()))
+    size2 = names.define("size2", (adj[0][0] + adj[1][1]).scale(s.inverse()) + adj[2][2])
+    edge2 = names.define("edge2", times(number(EDGE), size1, size1))
+    high = middle
+    if system.rank == 3:
+        over_det = _over(det, names, "det")
+        edge3 = names.define("edge3", times(number(EDGE * s), size1, size2))
+        high = [select(edge3, det, times(p, over_det), m) for p, m in zip(projected, middle, strict=True)]
+    return [select(edge2, size2, h, v) for h, v in zip(high, low, strict=True)]
+
+
+def _over(value: Expr, names: Locals, name: str) -> Expr:
+    return names.define(f"over_{name}", 1 / maximum(value, number(FLOOR)))
+
+
+def _adjugate(n: list[list[Poly]], names: Locals) -> list[list[Poly]]:
+    """The adjugate of a symmetric matrix, entries named."""
+
+    def minor(i: int, j: int) -> Poly:
+        return names.poly(f"adj{i}{j}", cofactor(n, i, j))
+
+    upper = {(i, j): minor(i, j) for i in range(3) for j in range(i, 3)}
+    return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]

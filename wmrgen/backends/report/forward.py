@@ -14,8 +14,7 @@ from wmrgen.exact.poly import Poly
 from wmrgen.kinematics.forward import normal_equations
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 from wmrgen.kinematics.rigid import spread
-from wmrgen.kinematics.sensing import Contact, Measured, Measurements, measurements
-from wmrgen.kinematics.solve import generic_rank
+from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
 from wmrgen.printing import symbol_names
 
 if TYPE_CHECKING:

@@ -20,9 +20,9 @@ from wmrgen.backends.registry import Facts
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import SQRT2, Exact
 from wmrgen.ir.calls import inlined_calls
+from wmrgen.ir.facts import findings
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Module, Port, Role
-from wmrgen.ir.passes.guards import findings
 from wmrgen.ir.rounding import to_float32
 
 LIBC = ctypes.CDLL(None)

@@ -15,9 +15,9 @@ from tests.functions.motion.common import CAR, DIFFERENTIAL, FOUR_WS, MECANUM_T,
 from wmrgen.backends.c99.driver import evaluate_c
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import declaration, names
+from wmrgen.ir.facts import findings
 from wmrgen.ir.interpret import EXACT, FLOAT32, evaluate_module
 from wmrgen.ir.kernels.choice import Choice
-from wmrgen.ir.passes.guards import findings
 from wmrgen.layout import build
 from wmrgen.layout.records import Robot
 from wmrgen.robot import Derivation

@@ -21,11 +21,11 @@ from wmrgen.bounds.partition import cases
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.build import Builder
+from wmrgen.ir.facts import facts, findings
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, count
 from wmrgen.ir.ops import OPERATIONS
 from wmrgen.ir.ops.analysis import Bounded, Fact
-from wmrgen.ir.passes.guards import facts, findings
 from wmrgen.ir.pipeline import optimise
 from wmrgen.ir.verify import PassError, verify_function
 from wmrgen.kinematics.records import Formula

@@ -9,11 +9,10 @@ from hypothesis import given, settings
 
 from tests.depth import examples
 from tests.ir.common import RING, build, functions
-from wmrgen.ir.geometry import geometry_only
+from wmrgen.ir.facts import findings, geometry_only
 from wmrgen.ir.interpret import EXACT, FLOAT64, evaluate
 from wmrgen.ir.nodes import Function, Op, Role, count
 from wmrgen.ir.passes.forms import share_linear_forms
-from wmrgen.ir.passes.guards import findings
 from wmrgen.ir.passes.schedule import schedule
 from wmrgen.ir.passes.simplify import factor, reduce_strength, regroup_products
 from wmrgen.ir.pipeline import AFTER_HOIST, BEFORE_HOIST, drop_dead_code, hoist, optimise

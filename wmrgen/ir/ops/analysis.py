@@ -1,6 +1,6 @@
 """What analyses hand to the rules of an operation, and what these give back.
 
-Three analyses ask: `wmrgen.ir.passes.guards`, without limits, in exact numbers (`Fact`); `wmrgen.selftest`, at many
+Three analyses ask: `wmrgen.ir.facts`, without limits, in exact numbers (`Fact`); `wmrgen.selftest`, at many
 points at once (`Bounded`); `wmrgen.bounds`, over boxes of inputs (`Value`).
 """
 

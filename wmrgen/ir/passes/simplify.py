@@ -12,9 +12,8 @@ from fractions import Fraction
 
 from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.ir.build import Builder
-from wmrgen.ir.geometry import geometry_only
+from wmrgen.ir.facts import facts, geometry_only
 from wmrgen.ir.nodes import Function, Node, Op, uses_of
-from wmrgen.ir.passes.guards import facts
 
 _FAR = Fraction(1, 2**64)
 _SUMS = (Op.ADD, Op.SUB)

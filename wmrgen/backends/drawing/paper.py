@@ -49,8 +49,9 @@ def bounds(points: list[Point], grow: float = 0.0) -> Box:
 
 def overlap(a: Box, b: Box) -> float:
     """The common area of two boxes."""
-    width, height = min(a[2], b[2]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[1], b[1])
-    return width * height if width > 0 and height > 0 else 0.0
+    if a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3]:
+        return 0.0
+    return (min(a[2], b[2]) - max(a[0], b[0])) * (min(a[3], b[3]) - max(a[1], b[1]))
 
 
 def clip(p: Point, direction: Point, area: Box) -> Segment | None:
@@ -184,7 +185,8 @@ class Paper:
 
 
 def _box(centre: Point, half: Point, grow: float = 0.0) -> Box:
-    return bounds([along(centre, half, -1), along(centre, half, 1)], grow)
+    x, y = half[0] + grow, half[1] + grow
+    return centre[0] - x, centre[1] - y, centre[0] + x, centre[1] + y
 
 
 def _clear_of(target: Box, half: Point, direction: Point, gap: float) -> Point:

@@ -245,6 +245,8 @@ def _pulled_out(terms: Sequence[Term]) -> tuple[Exact, tuple[Factor, ...], list[
     first = abs(terms[0].number)
     negative = all(t.number.sign < 0 for t in terms) and not any(map(_lead, terms))
     number = (-ONE if negative else ONE) * (first if all(abs(t.number) == first for t in terms) else ONE)
+    if not shared and number == ONE:
+        return ONE, (), list(terms)
     rest = []
     for t in terms:
         reduced = (replace(f, power=f.power - taken.get(f.base, 0)) for f in t.factors)

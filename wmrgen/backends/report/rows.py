@@ -161,9 +161,11 @@ def _diagonal(spins: list[str]) -> list[str]:
 
 def _shown(label: str, letters: Sequence[ConstraintRow], numbers: Sequence[ConstraintRow]) -> list[str]:
     """A matrix in letters and, where letters occur, in numbers."""
-    both = [[c.row for c in rows] for rows in (letters, numbers)]
-    first, second = (math(f"{label} = {_capped(rows)}") for rows in both)
-    return first if both[0] == both[1] else [*first, "With the values of section 1:", *second]
+    rows, values = [c.row for c in letters], [c.row for c in numbers]
+    blocks = math(f"{label} = {_capped(rows)}")
+    if rows != values:
+        blocks += ["With the values of section 1:", *math(f"{label} = {_capped(values)}")]
+    return blocks
 
 
 def _capped(rows: list[Row]) -> str:

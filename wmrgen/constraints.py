@@ -76,8 +76,7 @@ def working_view(wheel: Wheel) -> Geometry[Poly]:
 
 def nominal_view(wheel: Wheel) -> Geometry[Poly]:
     """Numbers only."""
-    g = wheel.nominal
-    return Geometry(*(Poly.of(v) for v in (g.x, g.y, g.ch, g.sh, g.cg, g.sg, g.r, g.d, g.o, g.r_sw)))
+    return wheel.nominal.mapped(Poly.of)
 
 
 def seen(robot: Robot, view: View) -> Robot:

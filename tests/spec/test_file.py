@@ -11,6 +11,7 @@ from tests.spec.files import HEAD, read, robot, wheel
 from wmrgen.errors import RobotFileError
 from wmrgen.spec.load import read_robot
 from wmrgen.spec.schema import json_schema
+from wmrgen.wheels import WHEEL_TYPES
 
 WHEELS = robot().removeprefix(HEAD)
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
@@ -223,7 +224,7 @@ def test_every_error_names_file_line_column_and_shows_the_line() -> None:
 def test_the_schema_lists_every_type_and_refuses_unknown_keys() -> None:
     schema = json_schema()
     names = [item["$ref"].rsplit("/", 1)[1] for item in schema["properties"]["wheels"]["items"]["oneOf"]]
-    assert names == ["fixed", "steered", "castor", "swedish", "spherical"]
+    assert names == list(WHEEL_TYPES)
     for name in names:
         wheel_schema = schema["$defs"][name]
         assert wheel_schema["additionalProperties"] is False

@@ -12,6 +12,7 @@ import re
 import shutil
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from math import atan2, cos, hypot, sin
 from pathlib import Path
 
@@ -19,6 +20,7 @@ import pytest
 
 from tests.conftest import Outcome
 from wmrgen import derive, load
+from wmrgen.backends.report.rows import general_rows
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import names
 from wmrgen.wheels import WHEEL_TYPES, Glyph, WheelType, Words, register
@@ -184,7 +186,7 @@ def test_the_reader_knows_it(wmrgen_cli: Cli, tmp_path: Path) -> None:
         SLEIGH.replace("heading: 0}\n  - {name: front", "heading: 0, gamma: 0}\n  - {name: front"):
             "the runner wheel blade has the key gamma",
         SLEIGH.replace("heading: 0}", "heading: 0, actuated: [spin]}", 1): "It has no joint.",
-        SLEIGH.replace(" type: runner,", ""): "fixed steered castor swedish spherical twin_castor runner",
+        SLEIGH.replace(" type: runner,", ""): " ".join(WHEEL_TYPES),
     }  # fmt: skip
     for text, words in trouble.items():
         done = wmrgen_cli("derive", written(tmp_path, text), "-o", tmp_path / "out")
@@ -195,3 +197,11 @@ def test_the_schema_knows_it() -> None:
     from wmrgen.spec.schema import json_schema
 
     assert json_schema()["$defs"]["runner"]["description"] == RUNNER.meaning
+
+
+def test_the_report_has_the_equations_of_a_wheel() -> None:
+    """A crawler rolls and slides across its line, a runner slides along it: one equation each."""
+    crawler = replace(WHEEL_TYPES["fixed"], sliding_row=False)
+    for kind, right in ((crawler, r"\dot{\varphi}"), (RUNNER, "0")):
+        (line,) = [line for line in "\n".join(general_rows(kind, False)).split("\n") if "&=" in line]
+        assert line.partition("&=")[2].split("&&")[0].strip().endswith(right)

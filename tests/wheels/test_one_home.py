@@ -65,7 +65,8 @@ def test_what_the_five_types_are(name: str) -> None:
     ],
 )
 def test_a_type_that_is_none_is_refused(change: dict[str, object], words: str) -> None:
+    before = tuple(WHEEL_TYPES)
     whole = {"name": "new", "meaning": "", "noun": "new wheel", "joints": ("spin",)} | change
     with pytest.raises(ValueError, match=words):
         register(WheelType(words=Words(""), glyph=Glyph("#000000"), **whole))  # type: ignore[arg-type]
-    assert tuple(WHEEL_TYPES) == NAMES
+    assert tuple(WHEEL_TYPES) == before

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from math import atan2, hypot, pi, remainder
 
 from wmrgen.errors import RobotFileError
-from wmrgen.exact.evaluate import cos_sin, number, parameters_in, substituted
+from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
@@ -140,14 +140,13 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
     gamma = angles.snapped(scope.poly(w.gamma), "gamma")
     lengths = (scope.poly(q) for q in (w.r, w.d, w.offset_y, w.r_sw))
     symbolic = Geometry(px, py, *cos_sin(heading), *cos_sin(gamma), *lengths)
-    views = [scope.views(getattr(symbolic, f.name)) for f in fields(Geometry)]
-    nominal = Geometry(*(view.nominal for view in views))
+    nominal = symbolic.mapped(scope.number)
     _check(w, nominal)
     x, y, shown = float(nominal.x), float(nominal.y), float(scope.number(heading))
     direction = float(scope.number(alpha)) or atan2(y, x)
     return Wheel(
         index=index, name=w.name, type=w.type,
-        symbolic=symbolic, working=Geometry(*(view.working for view in views)), nominal=nominal,
+        symbolic=symbolic, working=symbolic.mapped(lambda p: fix(p, scope.constants)), nominal=nominal,
         l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
         gamma=float(scope.number(gamma)), heading=shown,
         actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, scope),
@@ -160,8 +159,6 @@ def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
     if w.r is not None and "r" in kind.required and g.r.sign <= 0:
         raise RobotFileError(f"{w.name}: wheel radius r = {w.r.text} is not positive", w.r.mark, "",
                              "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
-    if w.r_sw is not None and g.r_sw.sign <= 0:
-        raise RobotFileError(f"{w.name}: roller radius r_sw = {w.r_sw.text} is not positive", w.r_sw.mark)
     for check in kind.checks:
         quantity = getattr(w, check.key)
         if quantity is not None and check.bad(g):

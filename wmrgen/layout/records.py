@@ -6,8 +6,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, fields, replace
+from fractions import Fraction
 from typing import Generic, TypeVar
 
 from wmrgen.errors import Mark
@@ -16,6 +17,8 @@ from wmrgen.exact.poly import Poly
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 T = TypeVar("T", Poly, Exact)
+U = TypeVar("U", Poly, Exact)
+_COSINES = ("ch", "sh", "cg", "sg")  # the constants of a wheel that are no lengths
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +40,16 @@ class Geometry(Generic[T]):
     d: T
     o: T
     r_sw: T
+
+    def mapped(self, function: Callable[[T], U]) -> Geometry[U]:
+        """Every constant put through a function."""
+        return Geometry(*(function(getattr(self, f.name)) for f in fields(self)))
+
+    def seen_from(self, x: Fraction, y: Fraction, unit: Fraction) -> Geometry[T]:
+        """The same wheel in a frame with its origin in (x, y) [m], and lengths in ``unit`` [m]."""
+        moved, per = replace(self, x=self.x - x, y=self.y - y), 1 / unit
+        lengths = [f.name for f in fields(self) if f.name not in _COSINES]
+        return replace(moved, **{name: getattr(moved, name) * per for name in lengths})
 
     @property
     def rolling_radius(self) -> T:

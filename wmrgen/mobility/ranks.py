@@ -19,7 +19,7 @@ from wmrgen.constraints import View
 from wmrgen.exact.linalg import rank as exact_rank
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row
-from wmrgen.layout.records import Geometry, Robot
+from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import TOLERANCE, Array, Rank
 
 T = TypeVar("T", Poly, Exact)
@@ -38,17 +38,15 @@ class Unit:
     def robot(self, robot: Robot) -> Robot:
         """The robot with its nominal geometry in this unit."""
         return replace(
-            robot, wheels=tuple(replace(w, nominal=self._geometry(w.nominal)) for w in robot.wheels)
+            robot,
+            wheels=tuple(
+                replace(w, nominal=w.nominal.seen_from(*self.centre, self.length)) for w in robot.wheels
+            ),
         )
 
     def view(self, view: View) -> View:
         """A view of a robot in metres, in this unit."""
-        return lambda wheel: self._geometry(view(wheel))
-
-    def _geometry(self, g: Geometry[T]) -> Geometry[T]:
-        (cx, cy), per = self.centre, 1 / self.length
-        x, y = (g.x - cx) * per, (g.y - cy) * per
-        return replace(g, x=x, y=y, r=g.r * per, d=g.d * per, o=g.o * per, r_sw=g.r_sw * per)
+        return lambda wheel: view(wheel).seen_from(*self.centre, self.length)
 
     def twists(self, rows: Array) -> Array:
         """Twists of P in SI units, from rows (or one row) in this unit."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from fractions import Fraction
 from itertools import combinations
 
@@ -202,7 +201,7 @@ def _coincidences(at: Configuration) -> list[str]:
     }
 
     def general(w: Wheel) -> Geometry[Poly]:
-        return Geometry(*(fix(getattr(w.symbolic, f.name), values) for f in fields(Geometry)))
+        return w.symbolic.mapped(lambda constant: fix(constant, values))
 
     here, there = constrain(at.robot, nominal_view), constrain(at.robot, at.unit.view(general))
     nominal = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in parameters)

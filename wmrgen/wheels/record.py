@@ -21,8 +21,8 @@ class Check:
     key: str
     bad: Callable[[Any], bool]
     problem: str
-    why: str
-    instead: str
+    why: str = ""
+    instead: str = ""
 
 
 @dataclass(frozen=True, slots=True)

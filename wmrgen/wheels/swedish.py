@@ -23,6 +23,7 @@ SWEDISH = WheelType(
         ),
     },
     checks=(
+        Check("r_sw", lambda g: g.r_sw.sign <= 0, "{name}: roller radius r_sw = {text} is not positive"),
         Check(
             "gamma",
             lambda g: abs(float(g.cg)) < 1e-9,

@@ -42,13 +42,13 @@ def wheel_rows(d: Derivation) -> list[str]:
         kind, offset = wheels[0].kind, any(w.nominal.o for w in wheels)
         title = kind.noun[0].upper() + kind.noun[1:]
         intro = kind.words.offset_intro if offset and kind.words.offset_intro else kind.words.intro
-        blocks += [f"### {title}s: {listed([w.name for w in wheels])}", intro, *_general(kind, offset)]
+        blocks += [f"### {title}s: {listed([w.name for w in wheels])}", intro, *general_rows(kind, offset)]
         blocks += [kind.words.note] if kind.words.note else []
         blocks += _worked(d, wheels) if kind.directed else []
     return blocks
 
 
-def _general(kind: WheelType, offset: bool) -> list[str]:
+def general_rows(kind: WheelType, offset: bool) -> list[str]:
     """The book's equations, the lateral offset added where it occurs."""
     first, second = (rf" && (3.{n})" for n in kind.words.equations) if kind.words.equations else ("", "")
     if kind.rollers:
@@ -63,7 +63,9 @@ def _general(kind: WheelType, offset: bool) -> list[str]:
     rolling = _row(rf"\sin({a})", rf"-\cos({a})", rf"-l\cos{b}{third}")
     sliding = _row(rf"\cos({a})", rf"\sin({a})", rf"{slide}l\sin{b}")
     both = [rf"{rolling} &= r\,\dot{{\varphi}}{rate}{first}", rf"{sliding}{swivel} &= 0{second}"]
-    return aligned(both if kind.has_spin or not kind.sliding_row else both[1:])
+    if kind.has_spin != kind.sliding_row:  # a ball has neither; its equations give what it does
+        return aligned(both[:1] if kind.has_spin else both[1:])
+    return aligned(both)
 
 
 def _row(*entries: str) -> str:

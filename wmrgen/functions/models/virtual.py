@@ -6,6 +6,8 @@ the Ackermann condition. A virtual drive is the speed of a point of the axle: wh
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from wmrgen.errors import NotDerivableError
@@ -32,8 +34,9 @@ def as_wheel(robot: Robot, virtual: Virtual) -> Wheel:
     lead = robot.wheel(virtual.wheels[0])
 
     def at(view: str, one: T, zero: T) -> Geometry[T]:
-        g, x, y = (getattr(q, view) for q in (lead, virtual.x, virtual.y))
-        return Geometry(x, y, g.ch, g.sh, one, zero, one, zero, zero, one)
+        g: Geometry[T] = getattr(lead, view)
+        x, y = getattr(virtual.x, view), getattr(virtual.y, view)
+        return replace(g.mapped(lambda _: zero), x=x, y=y, ch=g.ch, sh=g.sh, cg=one, r=one)
 
     one, zero = Poly.of(1), Poly({})
     return Wheel(

@@ -11,6 +11,7 @@ points where they have no derivative; there the derivative given is 0.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import casadi as ca
 
@@ -23,12 +24,12 @@ from wmrgen.ir.rounding import to_float64
 def _apply(op: Op, args: list[ca.SX]) -> ca.SX:
     """SX.binary and SX.unary are six times as fast as the operators, which try several conversions first."""
     if callable(op.casadi):
-        made: ca.SX = op.casadi(ca, *args)
+        result: ca.SX = op.casadi(ca, *args)
     elif op.arity == 2:
-        made = ca.SX.binary(getattr(ca, op.casadi), *args)
+        result = ca.SX.binary(getattr(ca, op.casadi), *args)
     else:
-        made = ca.SX.unary(getattr(ca, op.casadi), *args)
-    return made
+        result = ca.SX.unary(getattr(ca, op.casadi), *args)
+    return result
 
 
 def to_casadi(function: Function, name: str) -> ca.Function:
@@ -43,16 +44,16 @@ def to_casadi(function: Function, name: str) -> ca.Function:
         else:
             values.append(_apply(node.op, [values[a] for a in node.args]))
     nominal = defaults(function)
+    options: dict[str, Any] = {"allow_duplicate_io_names": True}  # a steering angle goes in and comes out
+    if symbols:
+        options["default_in"] = [nominal.get(key, 0.0) for key in symbols]
     return ca.Function(
         name,
         list(symbols.values()),
         [values[r] for r in function.results],
         list(symbols),
         [port.name for port in function.outputs],
-        {
-            "allow_duplicate_io_names": True
-        }  # steering angles are inputs and outputs; CasADi keeps the two apart
-        | ({"default_in": [nominal.get(key, 0.0) for key in symbols]} if symbols else {}),
+        options,
     )
 
 

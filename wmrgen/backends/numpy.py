@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import keyword
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -34,7 +33,7 @@ _STYLE = Style(
     form=lambda op: op.numpy,
     declare="{0} = {1}",
     temporary="_t{0}",  # no port or parameter begins with an underscore
-)  # fmt: skip
+)
 
 
 def argument_names(function: Function) -> dict[str, str]:
@@ -52,18 +51,6 @@ def argument_names(function: Function) -> dict[str, str]:
 # ---- as text
 
 
-@dataclass(frozen=True, slots=True)
-class _Printed:
-    """A function of the generated module, as finished lines."""
-
-    name: str
-    signature: tuple[str, ...]
-    document: tuple[str, ...]
-    lines: tuple[str, ...]
-    arguments: tuple[str, ...]
-    results: tuple[str, ...]
-
-
 def _plain(text: str) -> str:
     """``text`` for a docstring or comment: one line, without quotes or backslashes that could end it."""
     return " ".join(text.replace("\\", "/").replace('"', "'").split())
@@ -73,24 +60,33 @@ def _described(name: str, unit: str, text: str) -> str:
     return _plain(f"{name} [{unit}] {text}" if unit else f"{name} {text}")
 
 
-def _printed(function: Function) -> _Printed:
-    names = argument_names(function)
-    code = body(function, names.__getitem__, _STYLE)
-    signature = tuple(
-        names[p.name] if p.default is None else f"{names[p.name]}={_literal(p.default)}"
-        for p in function.inputs
-    )
-    document = [_plain(function.text) or f"{function.name}.", ""]
+def _document(function: Function, names: Mapping[str, str]) -> list[str]:
+    """Its docstring; ``names``: the arguments of the inputs."""
+    lines = [_plain(function.text) or f"{function.name}.", ""]
     for title, ports, shown in (
         ("Arguments:", function.inputs, names),
         ("Returns:", function.outputs, {p.name: p.name for p in function.outputs}),
     ):
         if ports:
-            document += [title, *(f"    {_described(shown[p.name], p.unit, p.text)}" for p in ports)]
-    results = tuple(f'"{p.name}": {text}' for p, text in zip(function.outputs, code.results, strict=True))
-    return _Printed(
-        function.name, signature, tuple(document), code.statements, tuple(names.values()), results
-    )
+            lines += [title, *(f"    {_described(shown[p.name], p.unit, p.text)}" for p in ports)]
+    return lines
+
+
+def _printed(function: Function) -> dict[str, Any]:
+    """A function of the generated module, as finished lines."""
+    names = argument_names(function)
+    code = body(function, names.__getitem__, _STYLE)
+    return {
+        "name": function.name,
+        "signature": [
+            names[p.name] if p.default is None else f"{names[p.name]}={_literal(p.default)}"
+            for p in function.inputs
+        ],
+        "document": _document(function, names),
+        "lines": code.statements,
+        "arguments": list(names.values()),
+        "results": [f'"{p.name}": {text}' for p, text in zip(function.outputs, code.results, strict=True)],
+    }
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
@@ -109,9 +105,9 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
 # ---- as callables
 
 
-def _columns(function: Function, given: Mapping[str, Any]) -> dict[str, Any]:
+def _columns(function: Function, inputs: Mapping[str, Any]) -> dict[str, Any]:
     """Every output of ``function`` for arrays by contract name, in the shape they broadcast to."""
-    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in given.items()}
+    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in inputs.items()}
     values = values_of(function, arrays, np.float64)
     shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     return {
@@ -128,22 +124,22 @@ def _callable(function: Function) -> Callable[..., dict[str, Any]]:
     def call(*positional: Any, **named: Any) -> dict[str, Any]:
         if len(positional) > len(names):
             raise TypeError(f"{function.name}() takes {len(names)} arguments, {len(positional)} were given")
-        given = dict(zip(names, positional, strict=False))
+        inputs = dict(zip(names, positional, strict=False))
         for key, value in named.items():
             name = contract.get(key, key)  # left_spin=… or **{"left.spin": …}
             if name not in names:
                 raise TypeError(f"{function.name}() has no argument {key}; it has {', '.join(contract)}")
-            if name in given:
+            if name in inputs:
                 raise TypeError(f"{function.name}() got {key} twice")
-            given[name] = value
-        given = {**nominal, **given}
-        missing = [argument for argument, name in contract.items() if name not in given]
+            inputs[name] = value
+        inputs = {**nominal, **inputs}
+        missing = [argument for argument, name in contract.items() if name not in inputs]
         if missing:
             raise TypeError(f"{function.name}() needs {', '.join(missing)}")
-        return _columns(function, given)
+        return _columns(function, inputs)
 
     call.__name__ = call.__qualname__ = function.name
-    call.__doc__ = "\n".join(_printed(function).document)
+    call.__doc__ = "\n".join(_document(function, names))
     return call
 
 

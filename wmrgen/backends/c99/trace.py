@@ -31,7 +31,6 @@ from wmrgen.selftest.vectors import contract
 Array = Any
 _POINTS = slice(20, 28)
 _NEAR = 2e-4  # of float32 code without and with kernels; unrelated values do not agree at eight points
-NO_KERNELS: Kernels = {}
 Names = Mapping[str, Array]  # name of an intermediate result -> its values at the points
 
 
@@ -43,61 +42,55 @@ def _inputs(function: Function) -> dict[str, Array]:
 
 
 @np.errstate(all="ignore")
-def nominal(module: Module) -> dict[str, Array]:
-    """Tunable parameters, and what prepare() makes of them."""
+def _tunables(module: Module) -> dict[str, Array]:
+    """Nominal values of the tunable parameters, and what prepare() makes of them."""
     ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
-    known = {p.name: np.full(1, to_float64(Exact.of(p.default))) for p in ports if p.default is not None}
+    values = {p.name: np.full(1, to_float64(Exact.of(p.default))) for p in ports if p.default is not None}
     if module.prepare is not None:
-        made = values_of(module.prepare, known, np.float64)
-        known |= {
-            p.name: np.atleast_1d(made[r])
-            for p, r in zip(module.prepare.outputs, module.prepare.results, strict=True)
-        }
-    return known
+        prepared = values_of(module.prepare, values, np.float64)
+        outputs = zip(module.prepare.outputs, module.prepare.results, strict=True)
+        values |= {port.name: np.atleast_1d(prepared[r]) for port, r in outputs}
+    return values
 
 
 @np.errstate(all="ignore")
-def names_of(raw: Function, known: Mapping[str, Array]) -> Names:
+def _names(formula: Function, tunables: Mapping[str, Array]) -> Names:
     """The values of the intermediate results of a formula as it was lowered."""
-    if not raw.named:
+    if not formula.named:
         return {}
-    values = values_of(raw, {**known, **_inputs(raw)}, np.float64)
-    return {name: values[k] for name, k in raw.named}
+    values = values_of(formula, {**tunables, **_inputs(formula)}, np.float64)
+    return {name: values[k] for name, k in formula.named}
 
 
 @np.errstate(all="ignore")
-def labels(
-    function: Function, names: Names, known: Mapping[str, Array], kernels: Kernels = NO_KERNELS
+def _labels(
+    function: Function, names: Names, tunables: Mapping[str, Array], kernels: Kernels
 ) -> tuple[tuple[str, int], ...]:
     """Every name whose value a node has, with the first such node, a shared one before others."""
-    wanted = [
+    named = [
         (name, v) for name, v in names.items() if np.ndim(v) == 1 and np.ptp(v) > 0 and np.isfinite(v).all()
     ]
     grouped = {node.args[0] for node in function.nodes if node.op is Op.RESULT}
-    every = [
+    nodes = [
         k
         for k, node in enumerate(function.nodes)
         if node.value is None and node.op is not Op.INPUT and k not in grouped
     ]
-    if not wanted or not every:
+    if not named or not nodes:
         return ()
     plain, place = with_places(function, kernels)
-    run = values_of(plain, {**known, **_inputs(function)}, np.float32)
-    values = [run[k] for k in place]
-    shape = wanted[0][1].shape
-    table = np.array([np.broadcast_to(np.asarray(values[k], dtype=np.float64), shape) for k in every])
-    order = np.argsort(table[:, 0], kind="stable")
-    first = table[order, 0]
+    run = values_of(plain, {**tunables, **_inputs(function)}, np.float32)
+    shape = named[0][1].shape
+    table = np.array([np.broadcast_to(np.asarray(run[place[k]], np.float64), shape) for k in nodes])
     uses = Counter(argument for node in function.nodes for argument in node.args)
-    found: list[tuple[str, int]] = []
-    for name, value in wanted:
-        room = _NEAR * np.abs(value).max()
-        low, high = np.searchsorted(first, (value[0] - room, value[0] + room))
-        near = np.sort(order[low:high])
-        hits = near[(np.abs(table[near] - value) <= room).all(axis=1)]
-        shared = [k for k in hits.tolist() if uses[every[k]] > 1]
-        found += [(name, every[k]) for k in (shared or hits.tolist())[:1]]
-    return tuple(found)
+    labels: list[tuple[str, int]] = []
+    for name, value in named:
+        tolerance = _NEAR * np.abs(value).max()
+        near = np.flatnonzero(np.abs(table[:, 0] - value[0]) <= tolerance)
+        same = [nodes[k] for k in near[(np.abs(table[near] - value) <= tolerance).all(axis=1)]]
+        shared = [k for k in same if uses[k] > 1]
+        labels += [(name, k) for k in (shared or same)[:1]]
+    return tuple(labels)
 
 
 def traced(module: Module, formulas: Sequence[Function]) -> Module:
@@ -106,14 +99,14 @@ def traced(module: Module, formulas: Sequence[Function]) -> Module:
     Variants of a function have the names of that one.
     """
     written = {f.name: f for f in formulas}
-    known = nominal(module) if formulas else {}
+    tunables = _tunables(module) if formulas else {}
     kernels = kernels_by_name(module.kernels)
 
     def named(function: Function) -> Function:
         formula = written.get(function.variant_of or function.name)
         if formula is None:
             return function
-        return replace(function, named=labels(function, names_of(formula, known), known, kernels))
+        return replace(function, named=_labels(function, _names(formula, tunables), tunables, kernels))
 
     functions, called = (tuple(map(named, each)) for each in (module.functions, module.kernels))
     return replace(module, functions=functions, kernels=called)

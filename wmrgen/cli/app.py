@@ -57,7 +57,7 @@ def _version(wanted: bool) -> None:
 
 
 def argument(metavar: str, text: str | None = None) -> Any:
-    """An argument whose default is nobody's concern."""
+    """A positional argument; help shows no default."""
     return typer.Argument(metavar=metavar, help=text, show_default=False)
 
 
@@ -67,7 +67,7 @@ def words(text: str) -> Any:
 
 
 def option(text: str, metavar: str | None = None) -> Any:
-    """An option whose default is nobody's concern."""
+    """An option with a value; help shows no default."""
     return typer.Option(metavar=metavar, help=text, show_default=False)
 
 
@@ -183,7 +183,7 @@ def rollers(
     """
 
 
-@verb("textbook", "Write the library of textbook formulas and the errata of the texts.")
+@verb("generate", "Write the library of textbook formulas and the errata of the texts.")
 def textbook(out: Out = Path("generated")) -> None:
     """Example:  wmrgen textbook -o generated
 

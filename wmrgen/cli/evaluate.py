@@ -51,7 +51,7 @@ def evaluate(
     chosen = choice(scalar, math, target)
     if cases is not None and values:
         raise UsageError("there are NAME=VALUE words and --cases. Give one of them, not both.")
-    _entry(backend)  # which says what there is
+    _entry(backend)  # before anything is derived: UsageError for an unknown word
     with console.progress() as step:
         step(f"deriving {robot}")
         modules = _modules(robot, function)
@@ -74,7 +74,7 @@ def evaluate(
 def _modules(path: Path, name: str) -> Modules:
     """The function of a robot; of the library where ``path`` is the word textbook and no such file is there."""
     if path == Path("textbook") and not path.is_file():
-        from wmrgen.cli.textbook import installed
+        from wmrgen.cli.generate import installed
 
         return cast(Modules, installed().library(name))
     from wmrgen.functions.registry import has_function, names

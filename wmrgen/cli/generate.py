@@ -1,21 +1,27 @@
-"""``wmrgen derive``: robot files in, folders of generated files out. ``wmrgen check``: are those of today?"""
+"""What stands in the output directory: robot files in, folders of generated files out.
+
+``wmrgen derive`` writes them, ``wmrgen check`` says whether they are those of today. ``wmrgen textbook`` writes the
+textbook library, a package of its own beside this one.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted, warn_of_gains
-from wmrgen.errors import StaleError, UsageError, WmrgenError
+from wmrgen.errors import EnvironmentFailure, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
 
+FOLDER, ERRATA = "textbook", "errata.md"  # of the textbook library, in the output directory
 _WHY = {
     "missing": "missing",
     "differs": "not what the robot file gives today",
@@ -98,7 +104,7 @@ def check(robots: Sequence[Path] | None, out: Path) -> int:
         for number, path in enumerate(paths, 1):
             step(f"checking {path} ({number} of {len(paths)})")
             try:
-                name, files = _differing(path, out)
+                name, files = _differing_robot(path, out)
             except WmrgenError as error:
                 console.failure(str(error))
                 code = code or error.exit_code
@@ -106,10 +112,8 @@ def check(robots: Sequence[Path] | None, out: Path) -> int:
             names.add(name)
             stale += files
     if not robots and not code:
-        from wmrgen.cli.textbook import ERRATA, FOLDER, differing
-
         try:
-            stale += differing(out)
+            stale += _differing_library(out)
         except WmrgenError as error:  # the folder is here, the library is not
             console.failure(str(error))
             code = error.exit_code
@@ -124,7 +128,7 @@ def check(robots: Sequence[Path] | None, out: Path) -> int:
     return code or (StaleError.exit_code if stale else 0)
 
 
-def _differing(path: Path, out: Path) -> tuple[str, list[Difference]]:
+def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
     """The name of a robot, and which files of its folder are not what its file gives today."""
     from wmrgen.emit import artifacts
     from wmrgen.ir.kernels.choice import noted as noted_choice
@@ -138,3 +142,44 @@ def _differing(path: Path, out: Path) -> tuple[str, list[Difference]]:
 def _strangers(out: Path, names: set[str]) -> list[Path]:
     """What stands under ``out`` and belongs to no robot."""
     return [p for p in sorted(out.iterdir()) if p.name not in names] if out.is_dir() else []
+
+
+# ---- the textbook library
+
+
+class Library(Protocol):
+    """What the module ``textbook.command`` offers."""
+
+    def library(self, name: str) -> Any:
+        """One function, with modules as a Derivation has them. UsageError for a name that there is not."""
+
+    def run(self, out: Path) -> int:
+        """Write the library and the errata into ``out``."""
+
+    def differing(self, out: Path) -> list[Difference]:
+        """What is not as `run` would leave it."""
+
+
+def installed() -> Library:
+    """The textbook library. EnvironmentFailure where it is not installed."""
+    try:
+        return cast(Library, import_module("textbook.command"))
+    except ModuleNotFoundError as error:
+        if error.name not in ("textbook", "textbook.command"):
+            raise
+        raise EnvironmentFailure(
+            "the textbook library is not installed: it is a package of its own. Install wmrgen[textbook], or from a "
+            "checkout: pip install ./textbook. In a checkout itself it is there."
+        ) from error
+
+
+def textbook(out: Path) -> int:
+    """Write the library and the errata."""
+    return installed().run(out)
+
+
+def _differing_library(out: Path) -> list[Difference]:
+    """What of the library under ``out`` is not fresh; nothing is asked of a directory that holds none of it."""
+    if not (out / FOLDER).is_dir() and not (out / ERRATA).exists():
+        return []
+    return installed().differing(out)

@@ -33,7 +33,6 @@ OPTIONS = (
 HARNESS = "eva_main.c"
 # Eva knows the C library's sines; it knows neither fmaf nor what the bits of a float mean.
 PLAIN = Choice(math=LIBM, target=HOST)
-_SHOW = "Frama_C_show_each_"
 # Known by their contracts in Frama-C's library: an interval, and functions whose results Eva bounds.
 _KNOWN = {f"{name}{end}" for name in ("fabs", "sqrt", "sin", "cos", "atan", "atan2") for end in ("", "f")} | {
     "Frama_C_float_interval",
@@ -155,7 +154,7 @@ def harness(module: Module, cases: Cases, choice: Choice = PLAIN, waves: bool = 
 
 
 def _case(unit: Unit, name: str, ranges: Ranges) -> list[str]:
-    """A call with all inputs of their ranges, and what Eva is to show."""
+    """A call with all inputs of their ranges."""
     step, end = unit.contract[name], "f" if unit.choice.scalar == "float" else ""
     variables = _variables(unit, step)
     lines = [f"{s.name} {p};" for p, s in variables.items()]
@@ -164,8 +163,7 @@ def _case(unit: Unit, name: str, ranges: Ranges) -> list[str]:
             low, high = (f"{float(v).hex()}{end}" for v in ranges[key])
             lines.append(f"{parameter}.{member} = Frama_C_{unit.choice.scalar}_interval({low}, {high});")
     lines += [f"{called.call()};" for called in (*unit.before([step])[-1:], step)]
-    outputs = ", ".join(f"out.{m}" for m in step.arguments["out"].members.values())
-    return [*lines, f"{_SHOW}{name}({outputs});"]
+    return lines
 
 
 def _waves(scalar: str) -> list[str]:
@@ -207,18 +205,3 @@ def alarms(output: str) -> tuple[str, ...]:
     if re.search(r"NON TERMINATING|assigns clause missing|Neither code nor specification", text):
         alarms.append("a function without code")
     return tuple(alarms)
-
-
-def shown(output: str) -> dict[str, tuple[tuple[float, float], ...]]:
-    """Function -> range of every output over all cases, in the order of the struct."""
-    text = re.sub(r"\n +", " ", output)
-    ranges: dict[str, tuple[tuple[float, float], ...]] = {}
-    for name, rest in re.findall(rf"{_SHOW}(\w+): *(.*)", text):
-        parts = re.findall(r"\[(\S+) \.\. (\S+?)\]|\{(.*?)\}", rest)
-        values = []
-        for low, high, single in parts:
-            numbers = [float(v) for v in (single.split(";") if single else (low, high))]
-            values.append((min(numbers), max(numbers)))
-        pairs = zip(ranges.get(name, values), values, strict=True)
-        ranges[name] = tuple((min(a[0], b[0]), max(a[1], b[1])) for a, b in pairs)
-    return ranges

@@ -11,7 +11,7 @@ from wmrgen.errors import UsageError
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
 from wmrgen.ir.nodes import Module
 
-META = Facts("a robot", ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0")
+FACTS = Facts("a robot", ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0")
 CODE = tuple(
     name for name, entry in BACKENDS.items() if entry.source != "itself"
 )  # the others are to be read
@@ -53,7 +53,7 @@ def test_a_missing_input_is_named(name: str) -> None:
 @pytest.mark.parametrize("name", CODE)
 def test_same_bytes_twice(name: str, module: Module) -> None:
     backend = BACKENDS[name].load()
-    files = backend.emit(module, META)
-    assert files == backend.emit(module, META)
+    files = backend.emit(module, FACTS)
+    assert files == backend.emit(module, FACTS)
     assert all(file.startswith(module.name) for file in files)
     assert all(content for content in files.values())

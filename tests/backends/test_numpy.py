@@ -18,12 +18,12 @@ from wmrgen.backends.numpy import argument_names, emit, functions
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.nodes import Function, Module, Port, Role
 
-META = Facts('"""\n evil \\', ("wheel é",), "0", "0", "0")
+FACTS = Facts('"""\n evil \\', ("wheel é",), "0", "0", "0")
 
 
 def imported(module: Module, folder: Path) -> ModuleType:
     path = folder / f"{module.name}.py"
-    path.write_bytes(emit(module, META)[path.name])
+    path.write_bytes(emit(module, FACTS)[path.name])
     spec = importlib.util.spec_from_file_location(f"generated_{module.name}", path)
     assert spec is not None and spec.loader is not None
     result = importlib.util.module_from_spec(spec)
@@ -95,7 +95,7 @@ def test_names_that_clash_or_are_keywords() -> None:
 
 
 def test_the_file_needs_nothing_but_numpy(tmp_path: Path) -> None:
-    text = emit(swerve(), META)["swerve.py"].decode()
+    text = emit(swerve(), FACTS)["swerve.py"].decode()
     assert [line for line in text.splitlines() if line.startswith(("import", "from"))] == [
         "import numpy as np"
     ]

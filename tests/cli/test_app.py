@@ -6,6 +6,7 @@ import pkgutil
 from collections.abc import Callable
 from importlib import import_module
 from inspect import isfunction, signature
+from pathlib import Path
 
 import pytest
 
@@ -55,3 +56,26 @@ def test_a_command_and_its_work_have_the_same_parameters(command: object) -> Non
     homes = [vars(module).get(command.__name__) for module in MODULES]
     (work,) = {f for f in homes if isfunction(f) and f.__module__.startswith("wmrgen.cli.")}
     assert set(signature(work).parameters) == set(signature(command).parameters)
+
+
+@pytest.mark.parametrize(
+    ("words", "what_to_do"),
+    [
+        ("check", "Name a robot file."),
+        ("schema --json --markdown", "Give one of them, not both."),
+        ("eval PAIR inverse vx=1 --cases x.json", "Give one of them, not both."),
+        ("motion PAIR", "Give wheel speeds and --time, or --segments FILE.json."),
+        ("motion PAIR --time 1 --segments x.json", "Give wheel speeds and --time, or --segments FILE.json."),
+        ("icr PAIR", "Give vx= vy= omega=, or steering angles <wheel>.steer=, or icr.x= icr.y=."),
+        ("gains k_rho=1e60", "Gains of robots are near 1 to 10."),
+    ],
+)
+def test_what_to_do_is_a_sentence_of_its_own(
+    wmrgen_cli: Cli, robot_file: Path, monkeypatch: pytest.MonkeyPatch, words: str, what_to_do: str
+) -> None:
+    """After what is wrong, a clause that begins small, as behind the place in a robot file."""
+    monkeypatch.chdir(robot_file.parent)
+    done = wmrgen_cli(*words.replace("PAIR", robot_file.name).split())
+    assert (done.code, done.out) == (2, "")
+    what, hint, end = done.err.partition(f". {what_to_do}\n")
+    assert what[:1] in "abcdefghijklmnopqrstuvwxyz-" and hint and not end

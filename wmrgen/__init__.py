@@ -38,6 +38,6 @@ def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
 
     ``functions``: only those, instead of the ones that are generated for the robot.
     """
-    from wmrgen.robot import derive as derive_robot
+    from wmrgen.robot import Derivation
 
-    return derive_robot(robot, functions)
+    return Derivation(robot, functions)

@@ -42,15 +42,11 @@ if TYPE_CHECKING:
     from wmrgen.functions.system import System
 
 
-def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:
-    """The model of a robot; ``functions``: only those instead of what is generated for it (see `wmrgen.program`)."""
-    return Derivation(robot, functions)
-
-
 class Derivation:
     """The exact model of a robot: matrices, mobility, kinematics and code.
 
-    Matrices (J1, J2, C1f, C1s, pfaffian, null_space) keep named parameters as symbols.
+    Matrices (J1, J2, C1f, C1s, pfaffian, null_space) keep named parameters as symbols. ``functions``: only those
+    instead of what is generated for the robot (see `wmrgen.program`).
     """
 
     def __init__(self, robot: Robot, functions: Sequence[str] | None = None) -> None:

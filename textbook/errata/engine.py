@@ -9,8 +9,9 @@ from types import MappingProxyType
 import sympy
 
 from textbook.errata.forms import symbol
+from wmrgen import derive
 from wmrgen.layout import build
-from wmrgen.robot import Derivation, derive
+from wmrgen.robot import Derivation
 from wmrgen.spec.load import read_text
 from wmrgen.symbolic import Expr, Parameter, signal
 

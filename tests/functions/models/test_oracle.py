@@ -211,7 +211,7 @@ def test_singular_configurations_give_finite_rates(backend: str) -> None:
 
 
 def test_jacobians_are_finite_at_the_singularity() -> None:
-    from wmrgen.robot import derive
+    from wmrgen import derive
 
     d = derive(derived(FOUR_REAR, VIRTUAL_REAR).robot, ["posture", "configuration", "virtual_steering"])
     for name, f in d.casadi().items():

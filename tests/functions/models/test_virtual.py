@@ -8,8 +8,8 @@ import pytest
 import sympy
 
 from tests.functions.models.robots import FOUR_REAR, VIRTUAL_REAR, call, derived, loaded, s, zero
+from wmrgen import derive
 from wmrgen.errors import NotDerivableError
-from wmrgen.robot import derive
 
 A, D = sympy.Rational(27, 100), sympy.Rational(7, 5)
 HEAD = "wmrgen: 1\nname: sample\nwheels:\n"

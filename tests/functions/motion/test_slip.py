@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 from tests.functions.models.robots import CAR_REAR, DIFFERENTIAL, derived, evaluated, p, s, zero
-from wmrgen.robot import derive
+from wmrgen import derive
 
 VX, VY, W = s("vx"), s("vy"), s("omega")
 SLIP = "slip: true"

@@ -27,12 +27,13 @@ from tests.functions.models.robots import (
     s,
     zero,
 )
+from wmrgen import derive
 from wmrgen.backends.c99 import evaluate as in_c
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.trailers import chained_sheet
 from wmrgen.functions.trailers.chained import chained
 from wmrgen.functions.trailers.chained_sheet import verify
-from wmrgen.robot import Derivation, derive
+from wmrgen.robot import Derivation
 from wmrgen.symbolic import AtLeast
 
 FREE = {k: f"{{value: {v}, tunable: true}}" for k, v in (("base", "1.4"), ("b", "0.3"), ("a", "0.27"))}

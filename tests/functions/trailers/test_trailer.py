@@ -19,8 +19,9 @@ from tests.functions.models.robots import (
     s,
     zero,
 )
+from wmrgen import derive
 from wmrgen.errors import NotDerivableError, RobotFileError
-from wmrgen.robot import Derivation, derive
+from wmrgen.robot import Derivation
 
 HEAD = "wmrgen: 1\nname: sample\nwheels:\n"
 D, R, A = p("base"), p("r"), p("a")

@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Sequence
 
 from wmrgen.backends.c99.checked import checked, fuzz
-from wmrgen.backends.c99.functions import Unit, contract_steps, prepare_steps, printed_kernels
+from wmrgen.backends.c99.functions import Unit, printed_kernels, steps_of
 from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.backends.c99.trace import traced
@@ -62,10 +62,8 @@ def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] 
     named = (*module.kernels, *formulas) if formulas else ()
     scalar = choice.scalar
     module = traced(with_kernels(module, scalar, choice.math, choice.target), named)
-    first = prepare_steps(module, scalar, costs)
-    prepared = first[-1].arguments["prepared"] if first else None
-    steps = (*first, *contract_steps(module, prepared, scalar, costs))
-    return Unit(module.name, choice, steps, printed_kernels(module.kernels, scalar), rounds(module), written)
+    steps, kernels = steps_of(module, scalar, costs), printed_kernels(module.kernels, scalar)
+    return Unit(module.name, choice, steps, kernels, rounds(module), written)
 
 
 def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:

@@ -92,7 +92,7 @@ class Unit:
         return tuple(step for step in self.steps if "out" not in step.arguments)
 
 
-def prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
+def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
     """``params_default`` and ``prepare``; nothing when nothing is tunable."""
     prepare = module.prepare
     if prepare is None or not prepare.outputs:
@@ -120,13 +120,12 @@ def prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tup
     return nominal, _step(prepare, f"{robot}_prepare", arguments, (prepared,), scalar, cost)
 
 
-def contract_steps(
-    module: Module, prepared: Struct | None, scalar: str, costs: Mapping[str, Cost]
-) -> tuple[Step, ...]:
-    """``<robot>_<function>`` for every function that has outputs; ``prepared``: what prepare gives."""
-    kernels = results_of(module.kernels, scalar)
+def steps_of(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
+    """params_default and prepare where a parameter is tunable, then every function that has outputs."""
+    steps = list(_prepare_steps(module, scalar, costs))
+    prepared = steps[-1].arguments["prepared"] if steps else None
+    kernels = _results_of(module.kernels, scalar)
     inputs_of: dict[tuple[Port, ...], Struct] = {}  # what gives the slip of a function takes that one's input
-    steps = []
     for function in (f for f in module.functions if f.outputs):
         name = f"{module.name}_{function.name}"
         arguments: dict[str, Struct] = {}
@@ -224,7 +223,7 @@ def _names(function: Function) -> dict[int, str]:
 # ---- kernels
 
 
-def results_of(kernels: Sequence[Function], scalar: str) -> dict[str, Results]:
+def _results_of(kernels: Sequence[Function], scalar: str) -> dict[str, Results]:
     """How the results of each kernel are named in C."""
     results = {}
     for kernel in kernels:
@@ -237,7 +236,7 @@ def results_of(kernels: Sequence[Function], scalar: str) -> dict[str, Results]:
 
 def printed_kernels(kernels: Sequence[Function], scalar: str) -> tuple[Kernel, ...]:
     """``kernels``, those that are called before those that call."""
-    results = results_of(kernels, scalar)
+    results = _results_of(kernels, scalar)
     return tuple(_kernel(kernel, scalar, results) for kernel in kernels)
 
 

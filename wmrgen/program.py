@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
+from wmrgen.ir.calls import keep_outputs, select
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.ir.pipeline import optimise
-from wmrgen.ir.select import keep_outputs, select
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
 from wmrgen.lower import kernels_of, lower

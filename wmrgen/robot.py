@@ -14,10 +14,10 @@ from wmrgen.bounds.robot import Bounds, bounds
 from wmrgen.constraints import ConstraintRow, Constraints, constrain, pfaffian, pfaffian_rates, symbolic_view
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.registry import system_builder
+from wmrgen.ir.calls import select
 from wmrgen.ir.interpret import EXACT, evaluate
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.ir.nodes import Function, Module
-from wmrgen.ir.select import select
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
 from wmrgen.lower import lower

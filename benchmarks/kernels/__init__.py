@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from benchmarks.kernels import remez, verify
-from wmrgen.ir.kernels import constants
+from wmrgen.ir.kernels import trigonometry
 from wmrgen.ir.kernels.choice import HOST, M0, M4F
 
 
@@ -39,5 +39,5 @@ def table(step: int = 1) -> Iterator[str]:
 
 def stated(r: verify.Range, target: str) -> float:
     """What the header of generated C states for a range."""
-    worst = constants.worst(target)
+    worst = trigonometry.worst(target)
     return float(worst.circle if r.absolute else getattr(worst, r.function))

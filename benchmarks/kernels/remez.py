@@ -116,7 +116,7 @@ def _alternating(errors: Sequence[float], count: int) -> list[int]:
 
 @cache
 def coefficients(kernel: Kernel) -> tuple[tuple[str, ...], float]:
-    """The float32 coefficients as the decimals of constants.py, and their worst approximation error."""
+    """The float32 coefficients as the decimals of ir/kernels/trigonometry.py, and their worst approximation error."""
     with mpmath.workdps(DIGITS):
         fixed: list[Any] = []
         while len(fixed) < len(kernel.powers):

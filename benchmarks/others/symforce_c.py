@@ -7,7 +7,7 @@ import re
 
 import sympy
 
-from benchmarks.others.decimals import decimals
+from benchmarks.others.decimals import decimals, with_plain_functions
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import signal
 
@@ -30,7 +30,9 @@ def source(
     from symforce.values import Values
 
     formula = derivation.formula(function)
-    closed = formula.closed()
+    closed = {
+        name: with_plain_functions(value) for name, value in formula.closed().items() if name in outputs
+    }
     inputs = tuple(port.name for port in formula.inputs)
     plain = {signal(name): sympy.Symbol(f"x{k}", real=True) for k, name in enumerate(inputs)}
     plain |= decimals([closed[name] for name in outputs])

@@ -6,9 +6,9 @@ import sympy
 from sympy.codegen.ast import float32, real
 from sympy.printing.c import C99CodePrinter
 
-from benchmarks.others.decimals import decimals
+from benchmarks.others.decimals import decimals, with_plain_functions
 from wmrgen.robot import Derivation
-from wmrgen.symbolic import AtLeast, Clamp, WithSignOf, signal
+from wmrgen.symbolic import signal
 
 
 def source(
@@ -22,7 +22,8 @@ def source(
     own = [sympy.Symbol(f"own{k}", real=True) for k in range(len(formula.locals))]
     plain |= {symbol: mine for (symbol, _), mine in zip(formula.locals, own, strict=True)}
     values = [
-        _plain(value) for value in (*(v for _, v in formula.locals), *(results[name] for name in outputs))
+        with_plain_functions(value)
+        for value in (*(v for _, v in formula.locals), *(results[name] for name in outputs))
     ]
     plain |= decimals(values)
     shared, reduced = sympy.cse([value.xreplace(plain) for value in values])
@@ -36,17 +37,6 @@ def source(
     ]
     lines += [f"    y[{k}] = {printer.doprint(value)};" for k, value in enumerate(reduced[len(own) :])]
     return "\n".join([*lines, "}", ""]), name, inputs
-
-
-def _plain(value: sympy.Expr) -> sympy.Expr:
-    """``value`` in functions that sympy prints as C."""
-
-    def with_sign_of(a: sympy.Expr, b: sympy.Expr) -> sympy.Expr:
-        return sympy.Piecewise((-a, b < 0), (a, True))
-
-    value = value.replace(Clamp, lambda a, m: sympy.Max(-m, sympy.Min(m, a)))
-    value = value.replace(AtLeast, lambda a, m: with_sign_of(sympy.Max(abs(a), m), a))
-    return value.replace(WithSignOf, with_sign_of)
 
 
 def _in_order(items: list[tuple[sympy.Symbol, sympy.Expr]]) -> list[tuple[sympy.Symbol, sympy.Expr]]:

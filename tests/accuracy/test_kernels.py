@@ -11,7 +11,7 @@ import pytest
 from benchmarks.kernels import remez, stated, verify
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import FLOAT32, evaluate
-from wmrgen.ir.kernels import constants, expand
+from wmrgen.ir.kernels import expand, trigonometry
 from wmrgen.ir.kernels.choice import HOST, M0, M4F
 from wmrgen.ir.ops import integer
 from wmrgen.ir.rounding import nearest_float32, to_float32
@@ -27,7 +27,7 @@ def floats(texts: tuple[str, ...]) -> tuple[Exact, ...]:
 def test_coefficients(kernel: remez.Kernel) -> None:
     """And the degree is the smallest that is good enough."""
     texts, error = remez.coefficients(kernel)
-    own = getattr(constants, kernel.name)
+    own = getattr(trigonometry, kernel.name)
     assert floats(texts) == (own[1:] if kernel.name == "COS" else own)
     assert error <= remez.ENOUGH < remez.shorter(kernel)
 
@@ -43,15 +43,15 @@ def test_parts_of_pi() -> None:
 
     with mpmath.workdps(40):
         for high, less in (
-            (constants.HALF, constants.LESS_HALF_LOW),
-            (constants.PI_HIGH, constants.LESS_PI_LOW),
+            (trigonometry.HALF, trigonometry.LESS_HALF_LOW),
+            (trigonometry.PI_HIGH, trigonometry.LESS_PI_LOW),
         ):
             low = float(mpmath.mpf(float(high)) - mpmath.pi)
             assert float(less) == nearest_float32(low)
-    assert constants.QUARTER * Exact(2) == constants.HALF
-    assert constants.LESS_QUARTER_LOW * Exact(2) == constants.LESS_HALF_LOW
-    assert float(constants.PER_QUARTER) == nearest_float32(2 / math.pi) == 2 * float(constants.PER_PI)
-    assert (constants.PI_HIGH.num[0]).bit_length() <= 12
+    assert trigonometry.QUARTER * Exact(2) == trigonometry.HALF
+    assert trigonometry.LESS_QUARTER_LOW * Exact(2) == trigonometry.LESS_HALF_LOW
+    assert float(trigonometry.PER_QUARTER) == nearest_float32(2 / math.pi) == 2 * float(trigonometry.PER_PI)
+    assert (trigonometry.PI_HIGH.num[0]).bit_length() <= 12
 
 
 @pytest.mark.parametrize("target", [M4F, HOST, M0])
@@ -100,7 +100,7 @@ def test_every_float_of_vectors(tmp_path: Path) -> None:
 
 def test_a_worse_coefficient_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Negative control: one coefficient off by 2e-6 of it."""
-    first, *rest = constants.SIN
-    monkeypatch.setattr(constants, "SIN", (first * Exact(Fraction(500_001, 500_000)), *rest))
+    first, *rest = trigonometry.SIN
+    monkeypatch.setattr(trigonometry, "SIN", (first * Exact(Fraction(500_001, 500_000)), *rest))
     program = verify.build(tmp_path, M4F)
-    assert verify.worst(program, verify.RANGES[0], EVERYDAY).worst > float(constants.FUSED.sine)
+    assert verify.worst(program, verify.RANGES[0], EVERYDAY).worst > float(trigonometry.FUSED.sine)

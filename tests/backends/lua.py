@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from wmrgen.backends.expression import Style, body
 from wmrgen.backends.registry import Entry, Facts, Files, Place, reserved
 from wmrgen.exact.number import Exact
-from wmrgen.ir.inline import complete, inlined
+from wmrgen.ir.calls import complete, self_contained
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.ir.ops import Choice, Op
 from wmrgen.ir.rounding import to_float64
@@ -83,7 +83,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     """``<robot>.lua``."""
     lines = [f"-- wmrgen {facts.wmrgen_version}, {facts.options['scalar']}, {facts.model_hash}"]
     lines += ["local robot = {}", "local function choose(c, x, y) if c then return x end return y end"]
-    for function in inlined(module):
+    for function in self_contained(module):
         lines += _lines(function)
     return {f"{module.name}.lua": "\n".join([*lines, "return robot", ""]).encode()}
 
@@ -113,7 +113,7 @@ def evaluate(
 ) -> list[dict[str, float]]:
     """By running the printed text: of the operators in it, Lua and Python share the meaning."""
     assert scalar in ("float", "double")  # the option that the entry asks for arrives
-    wanted = next(f for f in inlined(module) if f.name == function)
+    wanted = next(f for f in self_contained(module) if f.name == function)
     lines = _lines(wanted)
     table = lines[-2].removeprefix("  return ").replace('["', '"').replace('"] = ', '": ')
     outputs = []

@@ -13,7 +13,7 @@ from wmrgen.ir.build import Builder
 from wmrgen.ir.interpret import FLOAT32, evaluate
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import HOST, LIBM
-from wmrgen.ir.kernels.order import kept_across, ordered
+from wmrgen.ir.kernels.expand import kept_across, ordered
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.passes.schedule import schedule
 from wmrgen.ir.rounding import nearest_float32

@@ -16,7 +16,7 @@ from typing import Any
 import casadi as ca
 
 from wmrgen.backends.registry import Facts
-from wmrgen.ir.inline import complete, defaults, inlined
+from wmrgen.ir.calls import complete, defaults, self_contained
 from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.rounding import to_float64
 
@@ -59,7 +59,9 @@ def to_casadi(function: Function, name: str) -> ca.Function:
 
 def functions(module: Module) -> dict[str, ca.Function]:
     """``<robot>_<function>`` by function name; `prepare` is part of each."""
-    return {f.name: to_casadi(f, ca.Function.fix_name(f"{module.name}_{f.name}")) for f in inlined(module)}
+    return {
+        f.name: to_casadi(f, ca.Function.fix_name(f"{module.name}_{f.name}")) for f in self_contained(module)
+    }
 
 
 def emit(module: Module, facts: Facts) -> dict[str, bytes]:
@@ -75,7 +77,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
 
 def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
     """Outputs by contract name for each case, in float64."""
-    wanted = next(f for f in inlined(module) if f.name == function)
+    wanted = next(f for f in self_contained(module) if f.name == function)
     call = to_casadi(wanted, "f")
     results = []
     for case in cases:

@@ -16,7 +16,7 @@ import numpy as np
 from wmrgen.backends.expression import Style, body
 from wmrgen.backends.registry import Facts
 from wmrgen.exact.number import Exact
-from wmrgen.ir.inline import complete, inlined
+from wmrgen.ir.calls import complete, self_contained
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.ir.rounding import to_float64
@@ -97,7 +97,7 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
         description=_plain(facts.description),
         wheels=[_plain(line) for line in facts.wheel_lines],
         meta=facts,
-        functions=[_printed(function) for function in inlined(module)],
+        functions=[_printed(function) for function in self_contained(module)],
     )
     return {f"{module.name}.py": text.encode()}
 
@@ -145,12 +145,12 @@ def _callable(function: Function) -> Callable[..., dict[str, Any]]:
 
 def functions(module: Module) -> SimpleNamespace:
     """The functions of ``module`` as attributes, as in the generated file; no text is executed."""
-    return SimpleNamespace(**{function.name: _callable(function) for function in inlined(module)})
+    return SimpleNamespace(**{function.name: _callable(function) for function in self_contained(module)})
 
 
 def evaluate(module: Module, function: str, cases: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
     """Outputs by contract name for each case, in float64, computed for all cases at once."""
-    wanted = next(f for f in inlined(module) if f.name == function)
+    wanted = next(f for f in self_contained(module) if f.name == function)
     rows = [complete(wanted, case) for case in cases]
     with np.errstate(all="ignore"):  # infinities and NaN are results
         columns = _columns(wanted, {p.name: [row[k] for row in rows] for k, p in enumerate(wanted.inputs)})

@@ -19,7 +19,7 @@ import numpy as np
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interval import Array
 from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
-from wmrgen.ir.kernels.constants import Worst, worst
+from wmrgen.ir.kernels.trigonometry import Worst, worst
 from wmrgen.ir.nodes import Function, Op, Port, Role
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.layout.records import Robot

@@ -10,8 +10,7 @@ import numpy as np
 from wmrgen.bounds.analysis import Claim, Outcomes
 from wmrgen.bounds.assumptions import Domain, Library, Range, domain
 from wmrgen.bounds.lengths import SMALL_ANGLE
-from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.inline import hand_through, inline_prepare
+from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
 

@@ -1,7 +1,8 @@
-"""Calls of kernels: operations that keep their meaning, and what they stand for.
+"""What the functions of a module call and are handed: kernels, `prepare`; a part of a module has what it needs of both.
 
 A node CALL names a kernel of its module (`Module.kernels`), which is a function over base operations and other calls.
-`inlined_calls` puts the meaning in their place, for everything that knows base operations alone.
+`inlined_calls` puts the meaning in their place, for everything that knows base operations alone. `inline_prepare` makes
+a step function self-contained: it computes what `prepare` would have handed it.
 """
 
 from __future__ import annotations
@@ -9,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from wmrgen.errors import UsageError
 from wmrgen.exact.number import ONE
-from wmrgen.ir.nodes import Function, Module, Node, Op
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, prune
 
 Kernels = Mapping[str, Function]
 
@@ -78,3 +80,100 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
     named = tuple((name, place[k]) for name, k in function.named)
     at = tuple(place[r] for r in function.results)
     return replace(function, nodes=tuple(nodes), results=at, named=named), place
+
+
+def select(module: Module, names: dict[str, str]) -> Module:
+    """The functions called by the keys of ``names``, renamed to its values, in that order."""
+    functions = tuple(replace(module.function(old), name=new) for old, new in names.items())
+    if module.prepare is None:
+        return _with_called(Module(module.name, functions), module.kernels)
+    used = {node.name for f in functions for node in f.nodes if node.op is Op.INPUT}
+    return _with_called(Module(module.name, functions, _outputs(module.prepare, used)), module.kernels)
+
+
+def _with_called(module: Module, kernels: tuple[Function, ...]) -> Module:
+    """``module`` with those of ``kernels`` that it calls."""
+    wanted = called(module.functions)
+    return replace(module, kernels=tuple(k for k in kernels if k.name in wanted))
+
+
+def _outputs(prepare: Function, used: set[str | None]) -> Function | None:
+    """prepare() with the outputs in ``used`` only; None when nothing is left."""
+    names = frozenset(name for name in used if name is not None)
+    kept = keep_outputs(prepare, names, prepare.name)
+    return kept if kept.outputs else None
+
+
+def keep_outputs(function: Function, names: frozenset[str], name: str) -> Function:
+    """The function with the outputs in ``names`` only, under another name."""
+    kept = [i for i, port in enumerate(function.outputs) if port.name in names]
+    nodes, results = prune(function.nodes, [function.results[i] for i in kept])
+    outputs = tuple(function.outputs[i] for i in kept)
+    return replace(function, name=name, nodes=nodes, outputs=outputs, results=results)
+
+
+def inline_prepare(function: Function, prepare: Function | None) -> Function:
+    """``function`` without PREPARED inputs: contract inputs first, then every tunable parameter it needs."""
+    wanted = {port.name for port in function.inputs if port.role is Role.PREPARED}
+    own = tuple(port for port in function.inputs if port.role is Role.GEOMETRY)
+    contract = tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
+    if prepare is None or not wanted:
+        return replace(function, inputs=contract + own)
+    nodes = list(prepare.nodes)
+    made = dict(zip((port.name for port in prepare.outputs), prepare.results, strict=True))
+    place: list[int] = []
+    for node in function.nodes:
+        if node.op is Op.INPUT and node.name in made:
+            place.append(made[node.name])
+            continue
+        nodes.append(Node(node.op, tuple(place[a] for a in node.args), node.value, node.name))
+        place.append(len(nodes) - 1)
+    tunables = prepare.inputs + tuple(p for p in own if p.name not in {q.name for q in prepare.inputs})
+    kept, results = prune(nodes, [place[r] for r in function.results])
+    return replace(function, inputs=contract + tunables, nodes=kept, results=results)
+
+
+def self_contained(module: Module) -> tuple[Function, ...]:
+    """Every function of ``module``, self-contained."""
+    return tuple(inline_prepare(function, module.prepare) for function in module.functions)
+
+
+def defaults(function: Function) -> dict[str, float]:
+    """Nominal values of the tunable inputs."""
+    return {port.name: float(port.default) for port in function.inputs if port.default is not None}
+
+
+def complete(function: Function, case: Mapping[str, float]) -> list[float]:
+    """The values of ``case`` in order of the inputs, tunables left out nominal. UsageError for a gap."""
+    known = {**defaults(function), **case}
+    missing = [port.name for port in function.inputs if port.name not in known]
+    if missing:
+        raise UsageError(f"{function.name} needs a value for {', '.join(missing)}")
+    return [float(known[port.name]) for port in function.inputs]
+
+
+def hand_through(module: Module) -> Module:
+    """``module`` whose step functions read geometry only from `prepare`, which hands raw values through."""
+    direct: dict[str, Port] = {}
+    for function in module.functions:
+        direct |= {port.name: port for port in function.inputs if port.role is Role.GEOMETRY}
+    if not direct:
+        return module
+    prepare = module.prepare or Function("prepare", (), (), (), ())
+    known = {port.name for port in prepare.inputs}
+    inputs = prepare.inputs + tuple(port for name, port in direct.items() if name not in known)
+    nodes = prepare.nodes + tuple(Node(Op.INPUT, name=name) for name in direct)
+    passed = {name: replace(port, role=Role.PREPARED, default=None) for name, port in direct.items()}
+    start = len(prepare.nodes)
+    prepare = replace(
+        prepare,
+        inputs=inputs,
+        nodes=nodes,
+        outputs=prepare.outputs + tuple(passed.values()),
+        results=prepare.results + tuple(range(start, start + len(direct))),
+    )
+    functions = tuple(
+        replace(f, inputs=tuple(passed.get(p.name, p) if p.role is Role.GEOMETRY else p for p in f.inputs))
+        for f in module.functions
+    )
+    return replace(module, functions=functions, prepare=prepare)

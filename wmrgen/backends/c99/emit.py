@@ -11,11 +11,10 @@ from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.registry import Facts
-from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.inline import hand_through
+from wmrgen.ir.calls import hand_through, inlined_calls
 from wmrgen.ir.kernels import rounds, with_kernels
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0, Choice
-from wmrgen.ir.kernels.constants import worst
+from wmrgen.ir.kernels.trigonometry import worst
 from wmrgen.ir.nodes import Function, Module, Op, count
 from wmrgen.ir.ops import integer
 from wmrgen.render import render

@@ -1,16 +1,70 @@
-"""Sine, cosine and arctangents as float kernels: functions without branches, tables or calls but of each other."""
+"""Sine, cosine and arctangents as float kernels: functions without branches, tables or calls but of each other.
+
+``python -m benchmarks kernels`` computes their coefficients and their worst errors. Every value is a float32, given as
+the decimal that reads back as it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ir.kernels import constants as c
-from wmrgen.ir.kernels.fuse import fuse
+from wmrgen.ir.kernels.choice import M0, M4F
+from wmrgen.ir.kernels.sums import fuse
 from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.rounding import to_float32
 from wmrgen.ir.tape import Tape
 from wmrgen.ports import Port, Role
+
+RINT32 = Exact(12582912)  # 1.5 * 2**23: floats this large are whole numbers
+EVEN32 = Exact(25165824)  # 1.5 * 2**24: floats this large are even
+RINT64 = Exact(6755399441055744)  # 1.5 * 2**52
+
+
+def _floats(*decimals: str) -> tuple[Exact, ...]:
+    return tuple(Exact(Fraction(to_float32(Exact(Fraction(text))))) for text in decimals)
+
+
+# sin(r) = r + r s (c3 + c5 s + c7 s**2 + c9 s**3), s = r**2, |r| <= pi/2
+SIN = _floats("-0.16666657", "0.008333009", "-0.0001980605", "2.5989211e-06")
+# cos(r) = 1 + s (c2 + c4 s + ... + c10 s**4)
+COS = _floats("1", "-0.5", "0.041666657", "-0.0013888585", "2.477018e-05", "-2.620902e-07")
+# atan(q) = q + q t (c3 + c5 t + ... + c17 t**7), t = q**2, |q| <= 1
+ATAN = _floats(
+    "-0.33333313", "0.1999624", "-0.14225537", "0.10709304", "-0.0762479", "0.04390253",
+    "-0.016716665", "0.002993259",
+)  # fmt: skip
+
+PER_PI, QUARTER, HALF = _floats("0.31830987", "1.5707964", "3.1415927")  # 1/pi, pi/2, pi
+# pi = PI_HIGH - LESS_PI_LOW within 3.4e-13. PI_HIGH has 12 bits, so k PI_HIGH is exact for |k| <= 4096.
+PI_HIGH, LESS_PI_LOW = _floats("3.1416016", "8.90891e-06")
+# pi = HALF - LESS_HALF_LOW within 1.5e-15, for a product that is not rounded.
+LESS_HALF_LOW = _floats("8.742278e-08")[0]
+# 2/pi, and pi/2 = QUARTER - LESS_QUARTER_LOW within 1e-15
+PER_QUARTER, LESS_QUARTER_LOW = _floats("0.63661975", "4.371139e-08")
+
+
+@dataclass(frozen=True, slots=True)
+class Worst:
+    """Worst errors over every float. ``sine``, ``arctangent``: of angles up to pi/2 and of arguments up to 1, in ulp;
+    ``circle``: of the sine and cosine of angles up to 100 rad, in units of 2**-24."""
+
+    sine: str
+    circle: str
+    arctangent: str
+
+
+FUSED = Worst(sine="1.68", circle="2.36", arctangent="1.19")  # where a product that is added is not rounded
+WHOLE = Worst(sine="15.34", circle="0.73", arctangent="6.67")  # in integers
+PLAIN = Worst(sine="1.90", circle="2.93", arctangent="1.23")
+
+
+def worst(target: str) -> Worst:
+    """Of the kernels of a target that has its own."""
+    return {M4F: FUSED, M0: WHOLE}.get(target, PLAIN)
+
 
 _TWO = Exact(2)
 VECTOR = ("x", "y")
@@ -55,7 +109,7 @@ def _direction(tape: Tape, p: Processor) -> list[int]:
     raised, r = _rest(tape, tape.input("angle"), p)
     sign, s = _sign(tape, raised, p), tape.mul(r, r)
     # sign (1 + s p) as sign + (sign s) p: a fused multiply-add overwrites what it adds to, and the 1 would be copied
-    cosine = tape.add(tape.mul(tape.mul(sign, s), tape.horner(s, c.COS[1:])), sign)
+    cosine = tape.add(tape.mul(tape.mul(sign, s), tape.horner(s, COS[1:])), sign)
     return [cosine, tape.mul(sign, tape.call("sine", r))]
 
 
@@ -73,7 +127,7 @@ def _vector_at(tape: Tape, p: Processor) -> list[int]:
 def _halves(tape: Tape, x: int, p: Processor) -> tuple[int, int, int]:
     """(raised, sin r, cos r) of `_rest`: sin x and cos x where k is even, else these are -sin r and -cos r."""
     raised, r = _rest(tape, x, p)
-    return raised, tape.call("sine", r), tape.horner(tape.mul(r, r), c.COS)
+    return raised, tape.call("sine", r), tape.horner(tape.mul(r, r), COS)
 
 
 def _quarters(tape: Tape, x: int) -> tuple[int, int, int]:
@@ -82,19 +136,19 @@ def _quarters(tape: Tape, x: int) -> tuple[int, int, int]:
     ``raised`` has the unit 2 in the last place: 2 k plus a multiple of 4. What pi/2 is rounded by, 0.73 * 2**-24,
     is not subtracted: the worst error stays where cosines are near 1.
     """
-    raised, quarters = _turns(tape, x, c.PER_QUARTER, c.EVEN32)
-    r = _fused_rest(tape, x, quarters, c.QUARTER, c.LESS_QUARTER_LOW)
-    across = tape.sub(tape.const(c.QUARTER), tape.put(Op.ABS, r))
+    raised, quarters = _turns(tape, x, PER_QUARTER, EVEN32)
+    r = _fused_rest(tape, x, quarters, QUARTER, LESS_QUARTER_LOW)
+    across = tape.sub(tape.const(QUARTER), tape.put(Op.ABS, r))
     return raised, tape.call("sine", r), tape.call("sine", across)
 
 
 def _rest(tape: Tape, x: int, p: Processor) -> tuple[int, int]:
     """(raised, r): x = r + k pi, k = rint(x / pi); the last bit of ``raised`` is that of k."""
-    raised, k = _turns(tape, x, c.PER_PI, c.RINT32)
+    raised, k = _turns(tape, x, PER_PI, RINT32)
     if p.fused:
-        return raised, _fused_rest(tape, x, k, c.HALF, c.LESS_HALF_LOW)
-    r = tape.sub(x, tape.mul(k, tape.const(c.PI_HIGH)))
-    return raised, tape.add(r, tape.mul(k, tape.const(c.LESS_PI_LOW)))
+        return raised, _fused_rest(tape, x, k, HALF, LESS_HALF_LOW)
+    r = tape.sub(x, tape.mul(k, tape.const(PI_HIGH)))
+    return raised, tape.add(r, tape.mul(k, tape.const(LESS_PI_LOW)))
 
 
 def _turns(tape: Tape, x: int, per: Exact, large: Exact) -> tuple[int, int]:
@@ -111,14 +165,14 @@ def _fused_rest(tape: Tape, x: int, k: int, high: Exact, less: Exact) -> int:
 
 def _sine_series(tape: Tape, r: int) -> int:
     s = tape.mul(r, r)
-    return tape.add(r, tape.mul(tape.mul(r, s), tape.horner(s, c.SIN)))
+    return tape.add(r, tape.mul(tape.mul(r, s), tape.horner(s, SIN)))
 
 
 def _arctangent(tape: Tape, p: Processor) -> list[int]:
     del p
     q = tape.input("q")
     t = tape.mul(q, q)
-    return [tape.add(q, tape.mul(tape.mul(q, t), tape.horner(t, c.ATAN)))]
+    return [tape.add(q, tape.mul(tape.mul(q, t), tape.horner(t, ATAN)))]
 
 
 def _arctangent2(tape: Tape, p: Processor) -> list[int]:
@@ -129,8 +183,8 @@ def _arctangent2(tape: Tape, p: Processor) -> list[int]:
     divisor = tape.select(zero, longer, longer, one)
     slope = tape.div(shorter, divisor)
     angle = tape.put(Op.IATAN, slope) if p.integer else tape.call("arctangent", slope)
-    angle = tape.select(a, b, tape.sub(tape.const(c.QUARTER), angle), angle)
-    angle = tape.select(x, zero, tape.sub(tape.const(c.HALF), angle), angle)
+    angle = tape.select(a, b, tape.sub(tape.const(QUARTER), angle), angle)
+    angle = tape.select(x, zero, tape.sub(tape.const(HALF), angle), angle)
     return [tape.select(y, zero, tape.put(Op.NEG, angle), angle)]
 
 

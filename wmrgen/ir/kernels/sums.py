@@ -1,0 +1,132 @@
+"""Sums of products as a processor has them: fused where that is an instruction, and compensated.
+
+A fused multiply-add does not round a product that is only added. A compensated sum must not lose what cancels: with the
+centre of rotation 10 nm from a wheel, vx - y omega is 1e-8 of its terms, less than a float resolves. The product is
+therefore formed in parts that are exact, and taken away one after the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from wmrgen.exact.number import Exact
+from wmrgen.ir.nodes import Function, Node, Op, prune
+from wmrgen.ir.rounding import round_rational, to_float32
+from wmrgen.ir.tape import Tape
+
+_TWO = Exact(2)
+
+
+def fuse(function: Function, kernel: bool = False) -> Function:
+    """``function`` with sums of a product that nothing else needs as one operation.
+
+    Squares of the inputs of a ``kernel`` stay: its calls have inputs in common, and a compiler shares the squares.
+    """
+    nodes, results = prune(function.nodes, function.results)
+    uses = [0] * len(nodes)
+    for i in (*results, *(arg for node in nodes for arg in node.args)):
+        uses[i] += 1
+    made: list[Node] = []
+    place: list[int] = []
+    opposites: dict[int, int] = {}
+
+    def opposite(a: int) -> int:
+        node = made[a]
+        if node.op is Op.NEG:
+            return node.args[0]
+        if a not in opposites:
+            opposites[a] = len(made)
+            made.append(Node(Op.NEG, (a,)) if node.value is None else Node(Op.CONST, value=-node.value))
+        return opposites[a]
+
+    for i, node in enumerate(nodes):
+        args = tuple(place[a] for a in node.args)
+        k = _product(nodes, i, uses, kernel) if node.op is Op.ADD or node.op is Op.SUB else None
+        if k is not None:
+            x, y = (place[a] for a in nodes[node.args[k]].args)
+            other = args[1 - k]
+            if node.op is Op.SUB:
+                x, other = (opposite(x), other) if k else (x, opposite(other))
+            node = Node(Op.FMA, (x, y, other))
+        elif args != node.args:
+            node = Node(node.op, args, node.value, node.name)
+        place.append(len(made))
+        made.append(node)
+    return replace(function, nodes=tuple(made), results=tuple(place[r] for r in results))
+
+
+def _product(nodes: Sequence[Node], i: int, uses: Sequence[int], kernel: bool) -> int | None:
+    """Which of the two arguments of sum ``i`` is a product for it alone. Twice x is better left as x + x."""
+    for k, arg in enumerate(nodes[i].args):
+        product = nodes[arg]
+        if (
+            kernel
+            and product.op is Op.MUL
+            and nodes[product.args[0]].op is Op.INPUT
+            and len(set(product.args)) == 1
+        ):
+            continue
+        if product.op is Op.MUL and uses[arg] == 1 and nodes[product.args[0]].value != _TWO:
+            return k
+    return None
+
+
+_SPLIT = Exact(4097)  # 2**12 + 1: Veltkamp's constant for halves of 12 bits
+
+
+def compensated_sum(tape: Tape, x: int, product: int, fused: bool) -> int:
+    """x + product, formed in parts that are exact."""
+    negative = tape.nodes[product].op is Op.NEG
+    node = tape.nodes[tape.nodes[product].args[0]] if negative else tape.nodes[product]
+    if node.op is not Op.MUL:
+        return tape.add(x, product)
+    factor, y = node.args
+    value = tape.nodes[factor].value
+    if value is not None:
+        return (_fused if fused else _split)(tape, x, -value if negative else value, y)
+    if negative:
+        factor = tape.neg(factor)
+    if fused:
+        return tape.put(Op.FMA, factor, y, x)
+    return _less_parts(tape, x, _halves(tape, factor), y, None)
+
+
+def _fused(tape: Tape, x: int, c: Exact, y: int) -> int:
+    high = Exact(Fraction(to_float32(c)))
+    low = Exact(Fraction(to_float32(c - high)))
+    total = tape.put(Op.FMA, tape.const(high), y, x)
+    return tape.put(Op.FMA, tape.const(low), y, total) if low else total
+
+
+def _split(tape: Tape, x: int, c: Exact, y: int) -> int:
+    single = Exact(Fraction(to_float32(c)))
+    first = Exact(Fraction(round_rational(c.rational(60), 12, -149, 128)))
+    parts = [first, single - first]
+    low = Exact(Fraction(to_float32(c - single)))
+    if not parts[1] and abs(parts[0].num[0]) == 1:  # a power of two
+        return tape.add(x, tape.mul(tape.const(parts[0]), y))
+    ids = [tape.const(part) for part in parts if part]
+    return _less_parts(tape, x, ids, y, tape.const(low) if low else None)
+
+
+def _less_parts(tape: Tape, x: int, parts: list[int], y: int, low: int | None) -> int:
+    """x + (parts + low) y; a product of two halves of 12 bits is exact, and so is the sum of the two middle ones."""
+    high_y, low_y = _halves(tape, y)
+    total = tape.add(x, tape.mul(parts[0], high_y))
+    middle = tape.mul(parts[0], low_y)
+    tail = None if low is None else tape.mul(low, y)
+    for part in parts[1:]:
+        middle = tape.add(middle, tape.mul(part, high_y))
+        last = tape.mul(part, low_y)
+        tail = last if tail is None else tape.add(last, tail)
+    total = tape.add(total, middle)
+    return total if tail is None else tape.add(total, tail)
+
+
+def _halves(tape: Tape, y: int) -> list[int]:
+    """y in two floats of 12 bits (Veltkamp)."""
+    t = tape.mul(tape.const(_SPLIT), y)
+    high = tape.sub(t, tape.sub(t, y))
+    return [high, tape.sub(y, high)]

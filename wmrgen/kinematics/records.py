@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 
 from wmrgen.exact.poly import Poly
@@ -84,6 +84,12 @@ class Locals:
     def short(self, name: str, value: Poly) -> Poly:
         """A sum as a new intermediate result; a single term as it stands."""
         return self.poly(name, value) if len(value.terms) > 1 else value
+
+    def formula(
+        self, name: str, inputs: Iterable[Port], outputs: Iterable[tuple[Port, Expr]], text: str
+    ) -> Formula:
+        """The function of these intermediate results."""
+        return Formula(name, tuple(inputs), tuple(self.items), tuple(outputs), text, calls=tuple(self.calls))
 
     def adopt(self, formula: Formula, inputs: Mapping[str, Expr]) -> dict[str, Expr]:
         """Add the locals of ``formula``, nothing evaluated; output name -> expression.

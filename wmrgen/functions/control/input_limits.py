@@ -89,11 +89,12 @@ def input_limits(robot: Robot, mobility: Mobility) -> Formula:
     nearest = _nearest(car, (a, b), slope, v_max, over_base, names)
     exact = minimum(subtract(car.top, root(add(square(v), square(turn)))), subtract(slope, b))
     inner = minimum(subtract(v_max, a), subtract(slope, b))
-    return Formula(
-        "input_limits", (*INPUTS, *tunable_ports(robot)), tuple(names.items),
-        tuple(zip(_OUTPUTS, (*bounds, *nearest, exact, inner), strict=True)),
+    return names.formula(
+        "input_limits",
+        (*INPUTS, *tunable_ports(robot)),
+        zip(_OUTPUTS, (*bounds, *nearest, exact, inner), strict=True),
         "speed and yaw rate to what a car can drive (AA274 bounds)",
-    )  # fmt: skip
+    )
 
 
 def _nearest(

@@ -161,10 +161,12 @@ def goto_pose(robot: Robot, mobility: Mobility) -> Formula:
     omega = names.define("omega_value", add(times(k_alpha, alpha), times(k_beta, beta)))
     more, outputs = commands(robot, mobility, ref, v, omega, names)
     results = zip(_GOTO_OUTPUTS, (v, omega, rho, alpha, beta, way), strict=True)
-    return Formula(
-        "goto_pose", (*_GOTO_INPUTS, *more), tuple(names.items), (*outputs, *results),
+    return names.formula(
+        "goto_pose",
+        (*_GOTO_INPUTS, *more),
+        (*outputs, *results),
         "pose relative to the goal to joint commands, polar feedback law (Siegwart (3.56)-(3.58))",
-    )  # fmt: skip
+    )
 
 
 def _require_stable(robot: Robot) -> None:
@@ -247,10 +249,12 @@ def pursuit(robot: Robot, mobility: Mobility) -> Formula:
     if base is not None:
         port = output("psi", "rad", "steering angle of a wheel on the centre line, from straight ahead")
         outputs.append((port, angle_of(times(2, expression(base), gy), square_l)))
-    return Formula(
-        "pursuit", (*_PURSUIT_INPUTS, *more), tuple(names.items), tuple(outputs),
+    return names.formula(
+        "pursuit",
+        (*_PURSUIT_INPUTS, *more),
+        outputs,
         "look-ahead point and speed to joint commands, pursuit (Tzafestas (2.57))",
-    )  # fmt: skip
+    )
 
 
 def wheelbase(robot: Robot, ref: Reference) -> Poly | None:

@@ -66,10 +66,12 @@ def desaturate(robot: Robot, _: Mobility) -> Formula:
     scale = names.define("scale", 1 / names.define("load", load))
     outputs = [(port, _scaled(port, limit, scale)) for port, limit in rates]
     outputs.append((output("scale", "", "factor of all rates: 1 where every limit is kept"), scale))
-    return Formula(
-        "desaturate", tuple(port for port, _ in rates), tuple(names.items), tuple(outputs),
+    return names.formula(
+        "desaturate",
+        (port for port, _ in rates),
+        outputs,
         "joint rates to joint rates inside the speed limits, all times one factor",
-    )  # fmt: skip
+    )
 
 
 def _scaled(port: Port, limit: Interval | None, scale: Expr) -> Expr:

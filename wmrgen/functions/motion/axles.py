@@ -189,7 +189,7 @@ def _formula(robot: Robot, twist: Row, steered: list[Wheel], count: int, names: 
     )  # fmt: skip
     inputs = (*(joint_port(w, "steer", Role.STATE) for w in steered), *tunable_ports(robot))
     text = "ICR that the axles point at, least squares; homogeneous, of unit RMS wheel velocity"
-    return Formula("axles", inputs, tuple(names.items), outputs, text)
+    return names.formula("axles", inputs, outputs, text)
 
 
 def smallest_eigenvector(rows: Sequence[Sequence[Poly]], fallback: Twist, names: Locals) -> Twist:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -68,7 +68,7 @@ def icr(_: Robot, __: Mobility) -> Formula:
         (output("point.radius", "m", "distance of the point from the centre, at most 1e9"), over(speed, turning)),
     )  # fmt: skip
     text = "instantaneous centre of rotation of a twist; radius and velocity of a point of the body"
-    return Formula("icr", (*twist_ports(), *POINT), tuple(names.items), outputs, text)
+    return names.formula("icr", (*twist_ports(), *POINT), outputs, text)
 
 
 @function("Kelly 4.2.1.2 (Jeantaud), 4.2.2.1.1")
@@ -80,14 +80,16 @@ def steer_to(robot: Robot, mobility: Mobility) -> Formula:
     steers = {f"{w.name}.steer" for w in robot.wheels if w.kind.steers}
     if not steers:
         raise underivable(robot, "steer_to", "none of its wheels is steered")
-    names, formula = Locals(), inverse(robot, mobility)
+    names, drive = Locals(), inverse(robot, mobility)
     twist = {"vx": signal("icr.y"), "vy": times(-1, signal("icr.x")), "omega": signal("icr.w")}
-    commands = names.adopt(formula, twist)
-    return Formula(
-        "steer_to", (*centre_ports(), *(p for p in formula.inputs if p.name in steers or p.role is Role.GEOMETRY)),
-        tuple(names.items), tuple((p, commands[p.name]) for p, _ in formula.outputs if p.name in steers),
+    commands = names.adopt(drive, twist)
+    formula = names.formula(
+        "steer_to",
+        (*centre_ports(), *(p for p in drive.inputs if p.name in steers or p.role is Role.GEOMETRY)),
+        ((p, commands[p.name]) for p, _ in drive.outputs if p.name in steers),
         "centre of rotation to steering angles; a point has icr.w = 1, a direction of infinity icr.w = 0",
-    )  # fmt: skip
+    )
+    return replace(formula, calls=())  # kernels would compute speeds, too, for which nobody asks
 
 
 @dataclass(frozen=True, slots=True)

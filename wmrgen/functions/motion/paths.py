@@ -89,11 +89,12 @@ def motion(robot: Robot, _: Mobility) -> Formula:
     joints, twist = driven(robot, names)
     step = odometry()
     end = names.adopt(step, dict(zip(TWIST, twist, strict=True)))
-    return Formula(
-        "motion", (*joints, *POSE, step.inputs[-1], *tunable_ports(robot)), tuple(names.items),
-        tuple((port, end[port.name]) for port in POSE),
+    return names.formula(
+        "motion",
+        (*joints, *POSE, step.inputs[-1], *tunable_ports(robot)),
+        ((port, end[port.name]) for port in POSE),
         "pose after holding constant joint rates for dt, steering held",
-    )  # fmt: skip
+    )
 
 
 CIRCLE = (
@@ -118,11 +119,12 @@ def circle(robot: Robot, _: Mobility) -> Formula:
     to_centre = names.define("reach", times(sign(twist[2]), values["radius"]))
     values["x_centre"] = add(signal("x"), times(-1, to_centre, sympy.sin(direction)))
     values["y_centre"] = add(signal("y"), times(to_centre, sympy.cos(direction)))
-    return Formula(
-        "circle", (*joints, *POSE, *tunable_ports(robot)), tuple(names.items),
-        tuple((port, values[port.name]) for port in CIRCLE),
+    return names.formula(
+        "circle",
+        (*joints, *POSE, *tunable_ports(robot)),
+        ((port, values[port.name]) for port in CIRCLE),
         "circle or straight line that constant joint rates drive, steering held",
-    )  # fmt: skip
+    )
 
 
 def path(twist: tuple[Expr, Expr, Expr], names: Locals) -> dict[str, Expr]:
@@ -162,10 +164,12 @@ def reach(_: Robot, __: Mobility) -> Formula:
         Port("theta", Role.COMMAND, "rad", "turn, at most pi in size"),
         Port("dt", Role.COMMAND, "s", "duration of the motion, above 0"),
     )
-    return Formula(
-        "reach", inputs, tuple(names.items), tuple(zip(twist_ports(), (vx, vy, over(theta, time)), strict=True)),
+    return names.formula(
+        "reach",
+        inputs,
+        zip(twist_ports(), (vx, vy, over(theta, time)), strict=True),
         "constant twist that displaces the robot by x y theta in dt",
-    )  # fmt: skip
+    )
 
 
 @function("Konstantinov (6); Tzafestas (2.36)")
@@ -191,10 +195,12 @@ def heading(robot: Robot, _: Mobility) -> Formula:
         if p.name.endswith(".spin")
     }
     omega = names.adopt(formula, {spin: signal(angle.name) for spin, angle in angles.items()})["omega"]
-    return Formula(
-        "heading", (*angles.values(), POSE[2], *tunable_ports(robot)), tuple(names.items),
-        ((POSE[2], add(signal("theta"), omega)),), "heading from wheel angles, a holonomic relation",
-    )  # fmt: skip
+    return names.formula(
+        "heading",
+        (*angles.values(), POSE[2], *tunable_ports(robot)),
+        ((POSE[2], add(signal("theta"), omega)),),
+        "heading from wheel angles, a holonomic relation",
+    )
 
 
 def _sees_yaw(robot: Robot, rows: list[Row]) -> bool:

@@ -52,11 +52,12 @@ def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
     twist = {"vx": names.define("vx_robot", vx), "vy": names.define("vy_robot", vy), "omega": omega}
     formula = inverse(robot, mobility)
     commands = names.adopt(formula, twist)
-    return Formula(
-        "inverse_world", (POSE[2], *RATES, *(p for p in formula.inputs if p.name not in TWIST)),
-        tuple(names.items), tuple((port, commands[port.name]) for port, _ in formula.outputs),
-        "velocity of P in the world frame to joint commands", calls=tuple(names.calls),
-    )  # fmt: skip
+    return names.formula(
+        "inverse_world",
+        (POSE[2], *RATES, *(p for p in formula.inputs if p.name not in TWIST)),
+        ((port, commands[port.name]) for port, _ in formula.outputs),
+        "velocity of P in the world frame to joint commands",
+    )
 
 
 @function("Siegwart (3.9), (3.10); Tzafestas (2.37d), (2.83); Konstantinov (5)")
@@ -68,11 +69,12 @@ def forward_world(robot: Robot, _: Mobility) -> Formula:
     values = names.adopt(formula, {})
     vx, vy, omega = named(values, "robot", names)
     slip = tuple((port, values[port.name]) for port, _ in formula.outputs if port.name == "slip")
-    return Formula(
-        "forward_world", (POSE[2], *formula.inputs), tuple(names.items),
+    return names.formula(
+        "forward_world",
+        (POSE[2], *formula.inputs),
         (*zip(RATES, (*rotated(c, s, vx, vy), omega), strict=True), *slip),
         "sensed joint rates to the velocity of P in the world frame, least squares",
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,10 +145,12 @@ def contact_velocity(robot: Robot, _: Mobility) -> Formula:
         for p, velocity in zip(points, velocities(points, names), strict=True)
         for component, value in zip(("vx", "vy"), velocity, strict=True)
     )
-    return Formula(
-        "contact_velocity", (*twist_ports(), *_joints(points, headings=False), *tunable_ports(robot)),
-        tuple(names.items), outputs, "velocity of every contact point in the robot frame: H xi + Q steer_rate",
-    )  # fmt: skip
+    return names.formula(
+        "contact_velocity",
+        (*twist_ports(), *_joints(points, headings=False), *tunable_ports(robot)),
+        outputs,
+        "velocity of every contact point in the robot frame: H xi + Q steer_rate",
+    )
 
 
 @function("Konstantinov (1)-(3), (2) corrected; Tzafestas (2.71)")
@@ -173,10 +177,12 @@ def projections(robot: Robot, _: Mobility) -> Formula:
             (output(f"{w.name}.{name}", "m/s", f"contact velocity along {direction}"), value)
             for name, direction, value in parts
         ]
-    return Formula(
-        "projections", (*twist_ports(), POSE[2], *_joints(points, headings=True), *tunable_ports(robot)),
-        tuple(names.items), tuple(outputs), "contact velocities along and across each wheel, and in the world",
-    )  # fmt: skip
+    return names.formula(
+        "projections",
+        (*twist_ports(), POSE[2], *_joints(points, headings=True), *tunable_ports(robot)),
+        outputs,
+        "contact velocities along and across each wheel, and in the world",
+    )
 
 
 def _slip_port(w: Wheel, name: str) -> Port:

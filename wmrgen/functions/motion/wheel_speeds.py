@@ -196,10 +196,12 @@ def vaf(robot: Robot, mobility: Mobility) -> Formula:
         largest = maximum(absolute(speed), largest)
     direction = Port("direction", Role.COMMAND, "rad", "direction of motion, from x of the robot")
     port = output("vaf", "", "speed of P over the largest rim speed of a driven wheel")
-    return Formula(
-        "vaf", (direction, *tunable_ports(robot)), tuple(names.items), ((port, over(sympy.S.One, largest)),),
+    return names.formula(
+        "vaf",
+        (direction, *tunable_ports(robot)),
+        ((port, over(sympy.S.One, largest)),),
         "velocity augmentation factor of a translation",
-    )  # fmt: skip
+    )
 
 
 def extremes(robot: Robot, mobility: Mobility) -> tuple[tuple[Expr, Expr], tuple[Expr, Expr]]:

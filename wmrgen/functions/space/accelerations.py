@@ -86,10 +86,12 @@ def accelerations(robot: Robot, mobility: Mobility) -> Formula:
             outputs.append((port, turns[w.index].acceleration))
     twist, rest = first.inputs[:3], first.inputs[3:]
     jerks = JERKS if any(_offset(w) for w in robot.wheels) else ()
-    return Formula(
-        "accelerations", (*twist, *RATES, *jerks, *rest), tuple(names.items), tuple(outputs),
+    return names.formula(
+        "accelerations",
+        (*twist, *RATES, *jerks, *rest),
+        outputs,
         "twist and its derivative to joint speeds and accelerations",
-    )  # fmt: skip
+    )
 
 
 def _offset(w: Wheel) -> bool:

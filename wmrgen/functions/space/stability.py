@@ -196,10 +196,12 @@ def stability(robot: Robot, _: Mobility) -> Formula:
     outputs.append((output("margin", "rad", "least of all edges, negative: tips over"), margin))
     outputs += [entry for axis in (0, 1) for entry in _range(axis, force, planes, names)]
     steers = tuple(joint_port(p.wheel, "steer", Role.STATE) for p in places if p.reach)
-    return Formula(
-        "stability", (*FORCE, *steers, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
+    return names.formula(
+        "stability",
+        (*FORCE, *steers, *tunable_ports(robot)),
+        outputs,
         "specific force to the angle that is left before the robot tips over, per edge of its support polygon",
-    )  # fmt: skip
+    )
 
 
 def _edge_port(own: list[Edge]) -> Port:

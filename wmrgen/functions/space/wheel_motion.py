@@ -129,10 +129,12 @@ def wheel_motion(robot: Robot, _: Mobility) -> Formula:
                 f"{w.name}.{name}", "", unit, f"{kind} of the contact over the ground, body axes"
             )
             outputs += zip(ports, value, strict=True)
-    return Formula(
-        "wheel_motion", (*inputs, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
+    return names.formula(
+        "wheel_motion",
+        (*inputs, *tunable_ports(robot)),
+        outputs,
         "motion in space of body, steering and suspension to that of the contacts (Kelly (4.30), (4.31))",
-    )  # fmt: skip
+    )
 
 
 def _joints(w: Wheel) -> list[Port]:

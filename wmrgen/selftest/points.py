@@ -6,7 +6,7 @@ in. Every number is a float32."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -28,7 +28,6 @@ _ANGLES = (1.515625, -1.453125, 4.59375, -1.625, 3.0625, -64.40625, 98.9375, 1.4
 _MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
 _LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
 _BEYOND = 1 + 2.0**-11
-_CHOICES = (Op.SELECT, Op.MIN, Op.MAX, Op.CLAMP, Op.AT_LEAST)
 
 
 class Grid:
@@ -80,7 +79,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     yield from _all_round(ports, free, moving)
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
-    if any(node.op in _CHOICES for node in function.nodes):
+    if any(_chooses(node.op) for node in function.nodes):
         pool = _POOL if len(function.nodes) <= _LARGE else _POOL // 10
         for row, values in enumerate(_scattered(ports, pool)):
             yield BRANCH, values * (1.0, 0.125, 4.0)[row % 3]
@@ -142,68 +141,85 @@ def _centres(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
 # ---- beside walls
 
 Wall = tuple[int, float]  # node, and its value at the wall
+Segment = tuple[Wall, int, int]  # the rows of points below and above a wall
+Values = Callable[[Array, Function], list[Array]]  # of every node at points, one column per port
 BESIDE = "beside a wall"
-_STEP, _ROOM = 5e-4, 2e-4  # of the wall's value: how far beside it, and how well that is met
+_STEP, _NEAR = 5e-4, 2e-4  # of the wall's value: how far beside it, and how well that is met
 _LEAST = 1e-2  # smaller constants guard divisors and bound series
 _HALVINGS, _MOST, _PAIRS = 40, 11, 4
 
 
 def near_thresholds(
-    function: Function, ports: Sequence[Port], rows: Array, given: Mapping[str, Array]
-) -> Iterator[tuple[str, Array]]:
+    function: Function, ports: Sequence[Port], rows: Array, prepared: Mapping[str, Array]
+) -> Iterator[Point]:
     """Points on segments between ``rows`` (one column per port), both sides of every wall that these cross."""
-    if not len(rows) or not any(n.op in (*_CHOICES, Op.RINT) for n in function.nodes):
+    if not len(rows) or not any(_chooses(n.op) or n.op is Op.RINT for n in function.nodes):
         return
 
     @np.errstate(all="ignore")
     def at(points: Array, run: Function) -> list[Array]:
         columns = {port.name: points[:, k] for k, port in enumerate(ports)}
-        return values_of(run, {**given, **columns}, np.float64)
+        return values_of(run, {**prepared, **columns}, np.float64)
 
-    found = at(rows, function)
-    goals: list[Wall] = []
-    ends: list[tuple[int, int]] = []
-    for node, goal in _goals(function, found):
-        column = np.broadcast_to(found[node], len(rows))
+    segments = _segments(function, at(rows, function), len(rows))
+    if segments:
+        yield from _beside(function, rows, segments, at)
+
+
+def _chooses(op: Op) -> bool:
+    return op.cost == "comparisons"
+
+
+def _segments(function: Function, values: Sequence[Array], count: int) -> list[Segment]:
+    """Segments that cross a wall, some for each: on some the value jumps over it."""
+    segments: list[Segment] = []
+    for node, goal in _goals(function, values):
+        column = np.broadcast_to(values[node], count)
         below, above = np.flatnonzero(column < goal), np.flatnonzero(column > goal)
-        if len(below) and len(above) and len(goals) < _MOST * _PAIRS:
-            for k in range(_PAIRS):  # on some segments the value jumps over the wall
-                goals.append((node, goal))
-                ends.append((int(below[k % len(below)]), int(above[-1 - k % len(above)])))
-    if not goals:
-        return
-    needed = tuple(dict.fromkeys(node for node, _ in goals))
+        if len(below) and len(above) and len(segments) < _MOST * _PAIRS:
+            for k in range(_PAIRS):
+                segments.append(((node, goal), int(below[k % len(below)]), int(above[-1 - k % len(above)])))
+    return segments
+
+
+def _beside(function: Function, rows: Array, segments: Sequence[Segment], at: Values) -> Iterator[Point]:
+    """The first point found just below each wall, by halving the segments that cross it."""
+    walls = [wall for wall, _, _ in segments]
+    needed = tuple(dict.fromkeys(node for node, _ in walls))
     nodes, results = prune(function.nodes, needed)
     short = replace(function, nodes=nodes, results=results)
     place = dict(zip(needed, results, strict=True))
-    low, high = (rows[[pair[side] for pair in ends]] for side in (0, 1))
-    wanted = np.array([goal for _, goal in goals])
+    goals = np.array([goal for _, goal in walls])
+
+    def reached(points: Array) -> Array:
+        values = at(points, short)
+        return np.array([values[place[node]][k] for k, (node, _) in enumerate(walls)])
+
+    low, high = rows[[below for _, below, _ in segments]], rows[[above for _, _, above in segments]]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        values = at(middle, short)
-        under = np.array([values[place[node]][k] for k, (node, _) in enumerate(goals)]) < wanted
+        under = reached(middle) < goals
         low, high = np.where(under[:, None], middle, low), np.where(under[:, None], high, middle)
     points = low.astype(np.float32).astype(np.float64)
-    values = at(points, short)
     met: set[Wall] = set()
-    for k, (node, goal) in enumerate(goals):
-        if (node, goal) not in met and abs(values[place[node]][k] - goal) <= _ROOM * abs(goal):
-            met.add((node, goal))
+    for k, near in enumerate(np.abs(reached(points) - goals) <= _NEAR * np.abs(goals)):
+        if near and walls[k] not in met:
+            met.add(walls[k])
             yield BESIDE, points[k]
 
 
-def _goals(function: Function, found: Sequence[Array]) -> list[Wall]:
+def _goals(function: Function, values: Sequence[Array]) -> list[Wall]:
     """Both sides of every wall; first beyond limits and short of roundings, where larger constants show."""
-    walls = _walls(function, found)
+    walls = _walls(function, values)
     first = [(node, wall * (1 - _STEP if half else 1 + _STEP)) for node, wall, half in walls]
     return first + [(node, wall * (1 + _STEP if half else 1 - _STEP)) for node, wall, half in walls]
 
 
-def _walls(function: Function, found: Sequence[Array]) -> list[tuple[int, float, bool]]:
+def _walls(function: Function, values: Sequence[Array]) -> list[tuple[int, float, bool]]:
     """Node, value and whether that is half a whole number."""
     walls: dict[tuple[int, float, bool], None] = {}
     for node in function.nodes:
-        if node.op in _CHOICES:
+        if _chooses(node.op):
             signs = (1, -1) if node.op in (Op.CLAMP, Op.AT_LEAST) else (1,)
             for c, other in (node.args[:2], node.args[1::-1]):
                 value = function.nodes[c].value
@@ -211,7 +227,7 @@ def _walls(function: Function, found: Sequence[Array]) -> list[tuple[int, float,
                     walls |= {(other, sign * wall, False): None for sign in signs}
         elif node.op is Op.RINT:
             inner = node.args[0]
-            far = np.sort(np.atleast_1d(found[inner]))
+            far = np.sort(np.atleast_1d(values[inner]))
             for end in (far[1], far[-2]) if len(far) > 3 else ():
                 walls[inner, float(np.trunc(end) + np.copysign(0.5, -end)), True] = None
     return [wall for wall in walls if wall[1]]

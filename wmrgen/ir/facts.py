@@ -156,34 +156,37 @@ class Finding:
 
 def findings(function: Function) -> tuple[Finding, ...]:
     """Every operation of ``function`` that is not shown to be defined: divisions and square roots, say."""
-    early, fact = geometry_only(function), facts(function)
-    return tuple(
-        Finding(function.name, i, node.op.needs[2], early[node.args[node.op.needs[0]]])
-        for i, node in enumerate(function.nodes)
-        if node.op.needs and not getattr(fact[node.args[node.op.needs[0]]], node.op.needs[1])
-    )
+    early, ranges = geometry_only(function), facts(function)
+    undefined: list[Finding] = []
+    for i, node in enumerate(function.nodes):
+        if node.op.needs is not None:
+            position, needed, what = node.op.needs
+            argument = node.args[position]
+            if not getattr(ranges[argument], needed):
+                undefined.append(Finding(function.name, i, what, early[argument]))
+    return tuple(undefined)
 
 
 def facts(function: Function) -> list[Fact]:
     """A fact for every node, in list order."""
-    known: list[Fact] = []
+    before: list[Fact] = []
     for node in function.nodes:
         if node.value is not None:
-            known.append(Fact.between(node.value, node.value))
+            before.append(Fact.between(node.value, node.value))
             continue
         op, args = node.meaning
-        below = [known[arg] for arg in args]
+        below = [before[arg] for arg in args]
         if op is Op.SELECT:
-            below[2:] = (_chosen(function.nodes, known, node, branch) for branch in (2, 3))
-        known.append(op.fact(*below))
-    return known
+            below[2:] = (_chosen(before, node, branch) for branch in (2, 3))
+        before.append(op.fact(*below))
+    return before
 
 
-def _chosen(nodes: tuple[Node, ...], known: list[Fact], node: Node, branch: int) -> Fact:
+def _chosen(before: list[Fact], node: Node, branch: int) -> Fact:
     """The fact of a branch of a select, knowing how the comparison went there."""
     small, large = (node.args[0], node.args[1]) if branch == 2 else (node.args[1], node.args[0])
     value, strict = node.args[branch], branch == 2
-    fact, below, above = known[value], known[small], known[large]
+    fact, below, above = before[value], before[small], before[large]
     if value == large and below.lo is not None:  # value > small or value >= small
         lo = below.lo if fact.lo is None else max(fact.lo, below.lo)
         return Fact.between(lo, fact.hi, fact.away, fact.nonzero or (strict and below.lo >= 0))

@@ -14,11 +14,23 @@ from wmrgen.ir.linear_program import Coefficient, Edge, Graph, Magnitudes, trans
 
 Row = dict[int, tuple[int, int]]  # column -> (magnitude, sign)
 PairKey = tuple[int, ...]
+KeyOf = Callable[[int, tuple[int, int], int, tuple[int, int]], PairKey | None]
+
+
+def _keys(row: Row, columns: Iterable[int], key_of: KeyOf) -> Iterable[PairKey]:
+    """The keys of the pairs of terms of a row, one of them in ``columns``."""
+    for j in columns:
+        for i in row:
+            if i != j:
+                a, b = (i, j) if i < j else (j, i)
+                key = key_of(a, row[a], b, row[b])
+                if key is not None:
+                    yield key
 
 
 def _merge_pairs(
     rows: Sequence[dict[int, tuple[int, int]]],
-    key_of: Callable[[int, tuple[int, int], int, tuple[int, int]], PairKey | None],
+    key_of: KeyOf,
     merge: Callable[[PairKey], Edge],
 ) -> None:
     """Greedily replace the pair of terms that most rows share, while two rows share one.
@@ -27,17 +39,8 @@ def _merge_pairs(
     """
     where: dict[PairKey, set[int]] = {}
 
-    def pairs(row: dict[int, tuple[int, int]], columns: Iterable[int]) -> Iterable[PairKey]:
-        for j in columns:
-            for i in row:
-                if i != j:
-                    a, b = (i, j) if i < j else (j, i)
-                    key = key_of(a, row[a], b, row[b])
-                    if key is not None:
-                        yield key
-
     for r, row in enumerate(rows):
-        for key in pairs(row, row):
+        for key in _keys(row, row, key_of):
             where.setdefault(key, set()).add(r)
     while where:
         most = max(map(len, where.values()))
@@ -49,7 +52,7 @@ def _merge_pairs(
         new, flip = merge(best)
         for r in users:
             row = rows[r]
-            for key in set(pairs(row, (i, j))):
+            for key in set(_keys(row, (i, j), key_of)):
                 holders = where[key]
                 holders.discard(r)
                 if not holders:
@@ -57,7 +60,7 @@ def _merge_pairs(
             magnitude, sign = row.pop(i)
             row.pop(j)
             row[new] = (magnitude, sign * flip)
-            for key in pairs(row, (new,)):
+            for key in _keys(row, (new,), key_of):
                 where.setdefault(key, set()).add(r)
 
 

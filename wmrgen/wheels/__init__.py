@@ -1,16 +1,12 @@
-"""Wheel types by name: one module each. Every stage asks the record for a property, never for its name.
+"""Wheel types by name. Every stage asks the record for a property, never for its name.
 
 To add one, from here or from outside, make a `WheelType` and `register` it before a robot file is read: its joints and
 keys decide what it does, `words` and `glyph` how the report and the drawing show it. `tests/wheels` has two examples.
 A key that no type has yet also needs a `Field` in `wmrgen.spec.keys` and a place in `wmrgen.layout.records.Geometry`.
 """
 
-from wmrgen.wheels.castor import CASTOR
-from wmrgen.wheels.fixed import FIXED
 from wmrgen.wheels.record import Check, Glyph, WheelType, Words
-from wmrgen.wheels.spherical import SPHERICAL
-from wmrgen.wheels.steered import STEERED
-from wmrgen.wheels.swedish import SWEDISH
+from wmrgen.wheels.types import CASTOR, FIXED, SPHERICAL, STEERED, SWEDISH
 
 __all__ = ["WHEEL_TYPES", "Check", "Glyph", "WheelType", "Words", "register"]
 

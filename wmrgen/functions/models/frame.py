@@ -103,7 +103,7 @@ def constant_rows(robot: Robot, mobility: Mobility) -> list[Row]:
     return rows
 
 
-def velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly]:
+def _pivot_velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly]:
     """Velocity of the wheel's pivot under one column of N, robot frame [m/s per unit of eta].
 
     NotDerivableError where it has too many terms for its square, which directions and rates need.
@@ -121,7 +121,7 @@ def velocity(frame: Frame, wheel: Wheel, column: Row) -> tuple[Poly, Poly]:
     return a, b
 
 
-def side(frame: Frame, wheel: Wheel, velocity: tuple[Poly, Poly]) -> int:
+def _rolling_sign(frame: Frame, wheel: Wheel, velocity: tuple[Poly, Poly]) -> int:
     """+1 where the wheel rolls forward under +eta with its heading nearest to its zero, else -1."""
     g = wheel.nominal
     for angles in (straight, generic(frame.robot), generic(frame.robot, 1)):
@@ -144,7 +144,7 @@ def in_coordinates(frame: Frame, wheel: Wheel, row: Row) -> Row:
     return row[0].substitute(value), row[1].substitute(value), row[2].substitute(value)
 
 
-def direct(frame: Frame, wheel: Wheel) -> bool:
+def has_coordinate(frame: Frame, wheel: Wheel) -> bool:
     """True for a wheel whose heading is constant, its own state, or a coordinate."""
     return not wheel.kind.steers or frame.leader(wheel) is not None
 
@@ -152,22 +152,22 @@ def direct(frame: Frame, wheel: Wheel) -> bool:
 def rim_row(frame: Frame, wheel: Wheel) -> tuple[Poly, ...]:
     """Rim speed [m/s] per unit of each eta, steering rates aside."""
     g = frame.view(wheel)
-    if direct(frame, wheel):
+    if has_coordinate(frame, wheel):
         row = in_coordinates(frame, wheel, driving_row(wheel, g))
         return tuple(dot(row, column) for column in frame.columns)
     (column,) = frame.columns
-    a, b = velocity(frame, wheel, column)
-    speed = length(a * a + b * b)
-    return (speed.scale(side(frame, wheel, (a, b))) - g.o * column[2],)
+    a, b = _pivot_velocity(frame, wheel, column)
+    speed = _length(a * a + b * b)
+    return (speed.scale(_rolling_sign(frame, wheel, (a, b))) - g.o * column[2],)
 
 
-def rate_row(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
+def steering_rates(frame: Frame, wheel: Wheel) -> dict[str, Poly]:
     """The wheel's steering rate per unit rate of each coordinate."""
     lead = frame.leader(wheel)
     if lead is not None:
         return {lead.name: ONE}
     (column,) = frame.columns
-    a, b = velocity(frame, wheel, column)
+    a, b = _pivot_velocity(frame, wheel, column)
     squared = (a * a + b * b).inverse()
     rates = {
         w.name: (a * by_steering(b, w.name) - b * by_steering(a, w.name)) * squared for w in frame.wheels
@@ -181,18 +181,18 @@ def castor_rate(frame: Frame, wheel: Wheel, twist: Row) -> Poly:
     return -(dot(sliding_row(wheel, g).row, twist) * g.d.inverse())
 
 
-def heading_row(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
+def steering_direction(frame: Frame, wheel: Wheel) -> tuple[Poly, Poly]:
     """(cos, sin) of the wheel's steering angle, times a positive factor."""
     lead = frame.leader(wheel)
     if lead is not None:
         return steer_gens(lead)
     (column,) = frame.columns
-    a, b = velocity(frame, wheel, column)
-    g, sign = frame.view(wheel), side(frame, wheel, (a, b))
+    a, b = _pivot_velocity(frame, wheel, column)
+    g, sign = frame.view(wheel), _rolling_sign(frame, wheel, (a, b))
     return (a * g.ch + b * g.sh).scale(sign), (b * g.ch - a * g.sh).scale(sign)
 
 
-def length(squared: Poly) -> Poly:
+def _length(squared: Poly) -> Poly:
     """sqrt of a sum of squares; of one square of positive lengths, the length."""
     root = sqrt_poly(squared)
     if root.constant is not None or len(squared.terms) > 1:

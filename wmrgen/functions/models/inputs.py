@@ -14,7 +14,15 @@ import numpy as np
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.linalg import adjugate, determinant
 from wmrgen.exact.poly import Poly, Row
-from wmrgen.functions.models.frame import ZERO, Frame, castor_rate, direct, frame, rate_row, rim_row
+from wmrgen.functions.models.frame import (
+    ZERO,
+    Frame,
+    castor_rate,
+    frame,
+    has_coordinate,
+    rim_row,
+    steering_rates,
+)
 from wmrgen.functions.models.polynomials import (
     angles_in,
     divided,
@@ -95,7 +103,7 @@ def posture_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
     frame = steering_frame(robot, mobility, symbolic)
     drives, idle = _choose(frame)
     etas, determinant = _solved(drives, tuple(w.name for w in frame.wheels))
-    inputs = (*(d.port for d in drives), *_steering_rates(frame))
+    inputs = (*(d.port for d in drives), *_rate_ports(frame))
     note = f"; {', '.join(idle)} must follow" if idle else ""
     text = f"posture model in {', '.join(p.name for p in inputs)}{note}"
     return _motion(frame, inputs, etas, determinant, text)
@@ -108,7 +116,7 @@ def eta_motion(robot: Robot, mobility: Mobility, symbolic: bool = False, virtual
     ports = tuple(
         output(f"eta{k + 1}", "", f"coordinate along column {k + 1} of the null space") for k in size
     )
-    inputs = (*ports, *_steering_rates(coordinates))
+    inputs = (*ports, *_rate_ports(coordinates))
     etas = [tuple(Poly.of(int(i == k)) for i in size) for k in range(len(inputs))]
     return _motion(coordinates, inputs, etas, Poly.of(1), "posture model in null-space coordinates")
 
@@ -122,7 +130,7 @@ def best_motion(robot: Robot, mobility: Mobility, symbolic: bool = False) -> Mot
         return replace(motion, text=f"{motion.text}: {error}")
 
 
-def _steering_rates(frame: Frame) -> tuple[Port, ...]:
+def _rate_ports(frame: Frame) -> tuple[Port, ...]:
     return tuple(joint_port(w, "steer_rate", Role.COMMAND) for w in frame.wheels)
 
 
@@ -173,7 +181,7 @@ def _candidates(frame: Frame) -> list[Drive]:
     for w in robot.wheels:
         if "spin" in w.actuated and robot.spin_group[w.index] not in geared:
             geared.add(robot.spin_group[w.index])
-            if direct(frame, w) or len(frame.columns) == 1:
+            if has_coordinate(frame, w) or len(frame.columns) == 1:
                 drives.append(_spin(frame, w))
         if w.kind.swivels and "steer" in w.actuated:
             drives.append(_swivel(frame, w))
@@ -184,7 +192,7 @@ def _spin(frame: Frame, w: Wheel) -> Drive:
     g = frame.view(w)
     offsets = {}
     if w.kind.steers and g.o:
-        offsets = {name: g.o * rate for name, rate in rate_row(frame, w).items()}
+        offsets = {name: g.o * rate for name, rate in steering_rates(frame, w).items()}
     return Drive(joint_port(w, "spin", Role.COMMAND), rim_row(frame, w), g.rolling_radius, offsets)
 
 

@@ -25,7 +25,15 @@ import sympy
 
 from wmrgen.constraints import along, heading
 from wmrgen.exact.poly import Gen, Poly, Row, dot
-from wmrgen.functions.models.frame import ZERO, Frame, castor_rate, direct, in_coordinates, rate_row, rim_row
+from wmrgen.functions.models.frame import (
+    ZERO,
+    Frame,
+    castor_rate,
+    has_coordinate,
+    in_coordinates,
+    rim_row,
+    steering_rates,
+)
 from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
 from wmrgen.functions.models.polynomials import clean, domain_of, essential, quotient
 from wmrgen.functions.models.virtual import steering_frame
@@ -75,7 +83,9 @@ def configuration_system(robot: Robot, mobility: Mobility, symbolic: bool = Fals
     motion = best_motion(robot, mobility, symbolic)
     castors = tuple(w for w in robot.wheels if w.kind.swivels)
     rolling = tuple(
-        w for w in robot.wheels if w.has_spin and (direct(motion.frame, w) or len(motion.etas[0]) == 1)
+        w
+        for w in robot.wheels
+        if w.has_spin and (has_coordinate(motion.frame, w) or len(motion.etas[0]) == 1)
     )
     model = system_of("configuration", motion, castors, rolling)
     return replace(model, text=f"configuration model: {motion.text}")
@@ -128,7 +138,7 @@ def _wheel_rate(motion: Motion, w: Wheel, k: int) -> Poly:
     rim = _per_input(motion, rim_row(motion.frame, w), k)
     if w.kind.steers and g.o:
         name = motion.inputs[k].name.removesuffix(".steer_rate")
-        rim = rim - g.o * rate_row(motion.frame, w).get(name, ZERO)
+        rim = rim - g.o * steering_rates(motion.frame, w).get(name, ZERO)
     return clean(rim * g.rolling_radius.inverse())
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, has_angles
-from wmrgen.functions.models.frame import Frame, constant_rows, frame, heading_row
+from wmrgen.functions.models.frame import Frame, constant_rows, frame, steering_direction
 from wmrgen.functions.models.polynomials import generic, nominal_at, straight
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.records import Formula, joint_port, tunable_ports
@@ -203,7 +203,7 @@ def _angles(name: str, coordinates: Frame, followers: list[Wheel], robot: Robot,
     """steer = atan2 of the travel of the pivot, seen from the wheel's zero."""
     outputs = []
     for w in followers:
-        along, across = heading_row(coordinates, w)
+        along, across = steering_direction(coordinates, w)
         outputs.append(
             (joint_port(w, "steer", Role.COMMAND), angle_of(expression(across), expression(along)))
         )

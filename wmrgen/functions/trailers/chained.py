@@ -49,18 +49,22 @@ def _rates(letter: str, values: Iterable[Expr]) -> Outputs:
     )
 
 
+def _formula(name: str, w: TrainTerms, inputs: tuple[Port, ...], outputs: Outputs, text: str) -> Formula:
+    """A function of the state and of ``inputs``, with what has been written down for it."""
+    ports = (*w.train.state, *inputs, *tunable_ports(w.train.robot))
+    return Formula(name, ports, tuple(w.names.items), outputs, text)
+
+
 @function(SOURCE)
 def chained(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta, steering, trailers to z1 ... zn."""
     w = terms_of(train(robot, mobility))
-    n = w.train.size
-    inputs = (*w.train.state, *tunable_ports(robot))
-    outputs = _states("z", coordinates(w), "the chain")
+    outputs = _states("z", _coordinates(w), "the chain")
     cite = "Tzafestas (2.62)" if w.train.by_heading else "Tzafestas (2.66), Sordalen (1993)"
-    return Formula("chained", inputs, tuple(w.names.items), outputs, f"state of the (2,{n}) chain; {cite}")
+    return _formula("chained", w, (), outputs, f"state of the (2,{w.train.size}) chain; {cite}")
 
 
-def coordinates(w: TrainTerms) -> tuple[Expr, ...]:
+def _coordinates(w: TrainTerms) -> tuple[Expr, ...]:
     """z1 ... zn in the state."""
     if w.path is None:
         along = add(times(w.x, w.cosine), times(w.y, w.sine))
@@ -75,25 +79,24 @@ def chained_input(robot: Robot, mobility: Mobility) -> Formula:
     """State and u1, u2 to v, the steering rate, and the twist of P that `inverse` turns into wheel commands."""
     w = terms_of(train(robot, mobility))
     u1, u2 = (signal(p.name) for p in U)
-    v, turning = own_inputs(w, u1, u2)
+    v, turning = _own_inputs(w, u1, u2)
     v = w.names.define("axle_speed", v)
-    outputs = commands(w, v, turning)
-    inputs = (*w.train.state, *U, *tunable_ports(robot))
+    outputs = _commands(w, v, turning)
     text = "inputs of the chain to those of the robot; " + ("(2.63)" if w.path is None else "(2.68)")
-    return Formula("chained_input", inputs, tuple(w.names.items), outputs, text)
+    return _formula("chained_input", w, U, outputs, text)
 
 
-def own_inputs(w: TrainTerms, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
+def _own_inputs(w: TrainTerms, u1: Expr, u2: Expr) -> tuple[Expr, Expr]:
     """v, and the yaw rate or the steering rate."""
     p = w.path
     if p is None:
-        return add(u2, times(u1, coordinates(w)[2])), u1
+        return add(u2, times(u1, _coordinates(w)[2])), u1
     rest = subtract(u2, times(p.slopes[-1], u1))
     bend = times(p.along, w.inverse_leverage) if w.curvature is not None else sympy.S.One
     return times(u1, p.speed), times(p.inverse_gain, bend, rest)
 
 
-def commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
+def _commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
     """v, vx, vy, omega of P and the steering rate, where there is one."""
     omega = turning if w.curvature is None else times(w.curvature, v)
     omega = w.names.define("yaw_rate", omega)
@@ -106,20 +109,19 @@ def commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
 def chained_rates(robot: Robot, mobility: Mobility) -> Formula:
     """State and the robot's own inputs (v and the yaw or steering rate) to z1' ... zn'; u1, u2 are the first two."""
     w = terms_of(train(robot, mobility))
-    inputs = (*w.train.state, V, w.train.turning, *tunable_ports(robot))
-    u1, u2 = chain_inputs(w, signal("v"), signal(w.train.turning.name))
-    z = coordinates(w)
+    u1, u2 = _chain_inputs(w, signal("v"), signal(w.train.turning.name))
+    z = _coordinates(w)
     u1 = w.names.define("chain_u1", u1)
     rates = [u1, u2, *(times(z[k], u1) for k in range(1, len(z) - 1))]
     text = "rates of the chained state; z1_rate and z2_rate are the chain's inputs u1 and u2"
-    return Formula("chained_rates", inputs, tuple(w.names.items), _rates("z", rates), text)
+    return _formula("chained_rates", w, (V, w.train.turning), _rates("z", rates), text)
 
 
-def chain_inputs(w: TrainTerms, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
+def _chain_inputs(w: TrainTerms, v: Expr, turning: Expr) -> tuple[Expr, Expr]:
     """u1, u2 of the robot's own inputs."""
     p = w.path
     if p is None:
-        return turning, subtract(v, times(coordinates(w)[2], turning))
+        return turning, subtract(v, times(_coordinates(w)[2], turning))
     leverage = times(p.speed, w.leverage) if w.curvature is not None else sympy.S.One
     u1 = w.names.define("path_rate", times(v, p.along))
     return u1, add(times(p.slopes[-1], u1), times(p.gain, leverage, turning))
@@ -136,7 +138,7 @@ def _chain_of_three(robot: Robot, mobility: Mobility) -> TrainTerms:
 
 
 def _integrator(w: TrainTerms) -> tuple[Expr, Expr, Expr]:
-    z1, z2, z3 = (w.names.define(f"chain_z{k}", z) for k, z in enumerate(coordinates(w), 1))
+    z1, z2, z3 = (w.names.define(f"chain_z{k}", z) for k, z in enumerate(_coordinates(w), 1))
     return z1, z2, add(times(sympy.Integer(-2), z3), times(z1, z2))
 
 
@@ -145,9 +147,7 @@ def brockett(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta to x1 x2 x3 (Tzafestas (2.64))."""
     w = _chain_of_three(robot, mobility)
     outputs = _states("x", _integrator(w), INTEGRATOR)
-    inputs = (*w.train.state, *tunable_ports(robot))
-    text = "state of Brockett's integrator; Tzafestas (2.64)"
-    return Formula("brockett", inputs, tuple(w.names.items), outputs, text)
+    return _formula("brockett", w, (), outputs, "state of Brockett's integrator; Tzafestas (2.64)")
 
 
 @function(BROCKETT_SOURCE)
@@ -155,12 +155,11 @@ def brockett_rates(robot: Robot, mobility: Mobility) -> Formula:
     """x y theta, v, omega to x1' x2' x3' (Tzafestas (2.65)); u1, u2 are the first two."""
     w = _chain_of_three(robot, mobility)
     x1, x2, _ = _integrator(w)
-    u1, u2 = chain_inputs(w, signal("v"), signal("omega"))
+    u1, u2 = _chain_inputs(w, signal("v"), signal("omega"))
     u2 = w.names.define("chain_u2", u2)
     outputs = _rates("x", (u1, u2, subtract(times(x1, u2), times(x2, u1))))
-    inputs = (*w.train.state, V, w.train.turning, *tunable_ports(robot))
     text = "rates of Brockett's integrator; Tzafestas (2.65)"
-    return Formula("brockett_rates", inputs, tuple(w.names.items), outputs, text)
+    return _formula("brockett_rates", w, (V, w.train.turning), outputs, text)
 
 
 @function(BROCKETT_SOURCE)

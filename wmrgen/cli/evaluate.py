@@ -56,12 +56,11 @@ def evaluate(
         step(f"deriving {robot}")
         modules = _modules(robot, function)
         written = modules.raw_module.function(function)
-        inputs = (
-            [from_words(values or (), written.inputs)] if cases is None else from_file(cases, written.inputs)
-        )
+        ports = written.inputs
+        inputs = [from_words(values or (), ports)] if cases is None else from_file(cases, ports)
         step(f"computing {function} with {backend}")
         results = computed(modules, written, [_completed(written, case) for case in inputs], backend, chosen)
-    note_zeros([port for port in written.inputs if port.default is None], inputs)
+    note_zeros([port for port in ports if port.default is None], inputs)
     if cases is not None:
         console.data(results)
     elif as_json:

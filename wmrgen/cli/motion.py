@@ -35,12 +35,8 @@ def motion(
 ) -> int:
     """Pose and path after ``time`` at the given joint speeds, or the phases of a file of segments."""
     if (time is None) == (segments is None):
-        both = (
-            "neither --time nor --segments is given"
-            if time is None
-            else "--time and --segments are both given"
-        )
-        raise UsageError(f"{both}. Give wheel speeds and --time, or --segments FILE.json.")
+        what = "there are both --time and --segments" if time else "there is neither --time nor --segments"
+        raise UsageError(f"{what}. Give wheel speeds and --time, or --segments FILE.json.")
     with derived(robot, []) as derivation:
         if segments is None:
             result = _constant(derivation, [*(values or ()), f"dt={time}"])

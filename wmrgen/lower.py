@@ -42,6 +42,7 @@ class _Lowering:
     """Expressions to node ids, each distinct expression once."""
 
     def __init__(self, formula: Formula, calls: Sequence[Call] = ()) -> None:
+        self.name = formula.name
         self.builder = Builder()
         self.memo: dict[Expr, int] = {}
         self.names = {p.name.replace(".", "_"): p.name for p in formula.inputs}
@@ -78,11 +79,17 @@ class _Lowering:
         return tuple((name, place[node]) for name, node in lowered if node in place)
 
     def _input(self, expr: Expr) -> int:
+        if expr.name not in self.names:
+            raise ValueError(
+                f"{self.name} uses {expr.name}, which is none of its inputs: "
+                "declare its port, and those of parameters by tunable_ports(robot)"
+            )
         return self.builder.input(self.names[expr.name])
 
     def _parameter(self, expr: Expr) -> int:
+        node = self._input(expr)
         self.parameters.add(self.names[expr.name])
-        return self._input(expr)
+        return node
 
     def _local(self, expr: Expr) -> int:
         if expr in self.calls:

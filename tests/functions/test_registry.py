@@ -12,7 +12,11 @@ import wmrgen
 from tests.conftest import ROOT
 from wmrgen.errors import RobotFileError
 from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
+from wmrgen.kinematics.records import Formula
+from wmrgen.lower import lower
+from wmrgen.ports import Port, Role
 from wmrgen.spec.schema import json_schema
+from wmrgen.symbolic import parameter
 
 UNICYCLE = (ROOT / "robots" / "unicycle.yaml").read_text(encoding="utf-8").split("functions:")[0]
 
@@ -125,3 +129,11 @@ def test_a_function_from_outside_is_derived_printed_and_reported(tmp_path: Path)
     (tmp_path / "outside.py").write_text(OUTSIDE, encoding="utf-8")
     lines = run(USE, str(tmp_path), str(asking(tmp_path, "half_twist"))).split("\n")
     assert lines[:5] == ["-5/2", "-2.5", "-2.5", "-2.5", "True True"]
+
+
+def test_an_input_without_a_port_is_told() -> None:
+    """A builder that forgets `tunable_ports`, which robots of constants would not show."""
+    out = Port("half", Role.COMMAND, "m", "half of the radius")
+    formula = Formula("half_radius", (), (), ((out, parameter("radius")),), "half of the radius")
+    with pytest.raises(ValueError, match=r"half_radius uses radius, .* tunable_ports\(robot\)"):
+        lower(formula)

@@ -2,7 +2,7 @@
 
 To add one, from here or from outside, make a `WheelType` and `register` it before a robot file is read: its joints and
 keys decide what it does, `words` and `glyph` how the report and the drawing show it. `tests/wheels` has two examples.
-A key that no type has yet also needs a `Field` in `wmrgen.spec.keys` and a place in `wmrgen.layout.records.Geometry`.
+`docs/ARCHITECTURE.md` says what a key takes that no type has yet.
 """
 
 from wmrgen.wheels.record import Check, Glyph, WheelType, Words

@@ -85,6 +85,15 @@ def test_every_function_is_defined_everywhere(name: str, function: str) -> None:
     assert np.isfinite(np.array(jacobian([nominal.get(n, 0.3) for n in f.name_in()]))).all()
 
 
+@pytest.mark.parametrize("function", ["inverse_world", "goto_pose", "pursuit", "accelerations"])
+def test_what_is_built_on_inverse_keeps_its_kernels(function: str) -> None:
+    """One steering kernel for each module of a swerve drive, as in `inverse`; they were expanded in some."""
+    derived = derivation("wpilib_swervebot", function)
+    assert derived is not None
+    kernels = [c.kernel.name for c in derived.formula(function).calls]
+    assert kernels == [c.kernel.name for c in derived.formula("inverse").calls] and len(kernels) == 4
+
+
 CASTORS_AND_COUPLINGS = [
     ("ackermann_car", "accelerations"), ("kelly_4ws", "accelerations"), ("nomad_xr4000", "accelerations"),
     ("synchro_drive", "accelerations"), ("jpl_osr", "stability"), ("nomad_xr4000", "stability"), ("pr2", "stability"),

@@ -55,7 +55,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "74fa4e11fdc03e4f15e4db179ce2d18b"
-#define AGILEX_RANGER_PAIR_31208737eb021e30 1
+#define AGILEX_RANGER_PAIR_93dd80a1eafd953e 1
 
 #ifdef __cplusplus
 extern "C" {

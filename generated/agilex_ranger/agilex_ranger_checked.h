@@ -20,7 +20,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_31208737eb021e30)
+#if !defined(AGILEX_RANGER_PAIR_93dd80a1eafd953e)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -32,7 +32,7 @@
 #define WMRGEN_ANDINO_H
 
 #define ANDINO_MODEL_HASH "8ed51e7bd39001bcb24f7e62d77f915f"
-#define ANDINO_PAIR_d102dd75e4fa9996 1
+#define ANDINO_PAIR_f443dba901720cd9 1
 
 #ifdef __cplusplus
 extern "C" {

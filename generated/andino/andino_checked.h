@@ -20,7 +20,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_d102dd75e4fa9996)
+#if !defined(ANDINO_PAIR_f443dba901720cd9)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

@@ -31,7 +31,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "c7ab013b949c736483287566e63c2ab2"
-#define CARE_O_BOT_4_PAIR_070db43ab721bd7d 1
+#define CARE_O_BOT_4_PAIR_0ae236da2e114e2f 1
 
 #ifdef __cplusplus
 extern "C" {

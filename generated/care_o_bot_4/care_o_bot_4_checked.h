@@ -20,7 +20,7 @@
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_070db43ab721bd7d)
+#if !defined(CARE_O_BOT_4_PAIR_0ae236da2e114e2f)
 #error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_7b4a9a6bf27173d8)
+#if !defined(JPL_OSR_PAIR_f09f41401290b217)
 #error "jpl_osr.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -270,9 +270,9 @@ void jpl_osr_odometry(const jpl_osr_odometry_in *in, jpl_osr_odometry_out *out)
     const float t3 = fmaf(-fmaf((-4.9603175e-05f), t1, 0.008333334f), t2, 0.16666667f);
     const float half_turn = 0.5f * t0; /* h */
     const float half_turn_size = fabsf(half_turn); /* |h| */
-    const float half_turn_safe = (half_turn_size < 0.05f) ? 0.05f : half_turn_size; /* |h| or 1/20 */
+    const float half_turn_safe = (half_turn_size < 0.046875f) ? 0.046875f : half_turn_size; /* |h| or 3/64 */
     const wmrgen_vector t4 = wmrgen_vector_at(1.0f, half_turn_safe);
-    const float t5 = (half_turn_size < 0.05f) ? fmaf(-t2, t3, 1.0f) : (t4.y / half_turn_safe);
+    const float t5 = (half_turn_size < 0.046875f) ? fmaf(-t2, t3, 1.0f) : (t4.y / half_turn_safe);
     const float chord = in->dt * t5; /* dt sinc(h) */
     const wmrgen_vector t6 = wmrgen_vector_at(1.0f, in->theta + half_turn);
     const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);

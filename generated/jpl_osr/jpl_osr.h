@@ -34,7 +34,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "f5e03fef27220f83f82fe3046b949084"
-#define JPL_OSR_PAIR_7b4a9a6bf27173d8 1
+#define JPL_OSR_PAIR_f09f41401290b217 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_7b4a9a6bf27173d8)
+#if !defined(JPL_OSR_PAIR_f09f41401290b217)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

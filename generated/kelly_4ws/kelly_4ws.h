@@ -32,7 +32,7 @@
 #define WMRGEN_KELLY_4WS_H
 
 #define KELLY_4WS_MODEL_HASH "16a13d0c3bdc4d5f340e62430446078c"
-#define KELLY_4WS_PAIR_7df95985cc70b230 1
+#define KELLY_4WS_PAIR_0cba802c0cbc6e3b 1
 
 #ifdef __cplusplus
 extern "C" {

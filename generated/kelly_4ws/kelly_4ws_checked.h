@@ -20,7 +20,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_7df95985cc70b230)
+#if !defined(KELLY_4WS_PAIR_0cba802c0cbc6e3b)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 

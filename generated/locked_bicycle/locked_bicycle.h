@@ -30,7 +30,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "19d8bb3be71a119e90465395748c7ac8"
-#define LOCKED_BICYCLE_PAIR_3f26ef484590da72 1
+#define LOCKED_BICYCLE_PAIR_b2f8adad1c216e97 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_3f26ef484590da72)
+#if !defined(LOCKED_BICYCLE_PAIR_b2f8adad1c216e97)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

@@ -20,7 +20,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_303da2e608d71b56)
+#if !defined(NEOBOTIX_MP_400_PAIR_d1956cf08aa7969f)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -33,7 +33,7 @@
 #define WMRGEN_NEOBOTIX_MPO_700_H
 
 #define NEOBOTIX_MPO_700_MODEL_HASH "ea1890c6ab1cbd1a39f7a0e5dc24c110"
-#define NEOBOTIX_MPO_700_PAIR_05d68178bc8c1201 1
+#define NEOBOTIX_MPO_700_PAIR_704bce6676fcda80 1
 
 #ifdef __cplusplus
 extern "C" {

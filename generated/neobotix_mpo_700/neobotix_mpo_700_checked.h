@@ -20,7 +20,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_05d68178bc8c1201)
+#if !defined(NEOBOTIX_MPO_700_PAIR_704bce6676fcda80)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -34,7 +34,7 @@
 #define WMRGEN_NEXUS_4WD_H
 
 #define NEXUS_4WD_MODEL_HASH "469026269416206ac6cda56aa651de67"
-#define NEXUS_4WD_PAIR_ae9f88a60b32334c 1
+#define NEXUS_4WD_PAIR_4728e76504fe0a8d 1
 
 #ifdef __cplusplus
 extern "C" {

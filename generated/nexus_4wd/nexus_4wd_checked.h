@@ -20,7 +20,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_ae9f88a60b32334c)
+#if !defined(NEXUS_4WD_PAIR_4728e76504fe0a8d)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

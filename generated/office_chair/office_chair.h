@@ -34,7 +34,7 @@
 #define WMRGEN_OFFICE_CHAIR_H
 
 #define OFFICE_CHAIR_MODEL_HASH "f8a67af58a37c9a06937d4521dcfcf76"
-#define OFFICE_CHAIR_PAIR_00ce8b2d4e380b24 1
+#define OFFICE_CHAIR_PAIR_c3234849bab83608 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -158,8 +158,8 @@ def odometry(x, y, theta, vx, vy, omega, dt):
     _t3 = 0.25 * _t1
     _t4 = 0.5 * _t0
     _t5 = np.abs(_t4)
-    _t6 = np.maximum(_t5, 0.05)
-    _t7 = np.where(_t5 < 0.05, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
+    _t6 = np.maximum(_t5, 0.046875)
+    _t7 = np.where(_t5 < 0.046875, 1.0 - _t3 * (0.16666666666666666 - _t2 * _t3), np.sin(_t6) / _t6)
     _t8 = dt * _t7
     _t9 = theta + _t4
     _t10 = np.cos(_t9)

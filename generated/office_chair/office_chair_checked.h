@@ -20,7 +20,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_00ce8b2d4e380b24)
+#if !defined(OFFICE_CHAIR_PAIR_c3234849bab83608)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 

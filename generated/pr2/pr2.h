@@ -36,7 +36,7 @@
 #define WMRGEN_PR2_H
 
 #define PR2_MODEL_HASH "b9eb49d5a119f4957ac20aabf64d8254"
-#define PR2_PAIR_9dcad8e192bf74b7 1
+#define PR2_PAIR_313064ab27e57062 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_9dcad8e192bf74b7)
+#if !defined(PR2_PAIR_313064ab27e57062)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

@@ -34,7 +34,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "5e1dbca15e628fd6d7b9e71a4a30eee2"
-#define SSL_PARSIAN_PAIR_9c48f6e944772c68 1
+#define SSL_PARSIAN_PAIR_427f7aa7103265e5 1
 
 #ifdef __cplusplus
 extern "C" {

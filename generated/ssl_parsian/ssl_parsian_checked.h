@@ -20,7 +20,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_9c48f6e944772c68)
+#if !defined(SSL_PARSIAN_PAIR_427f7aa7103265e5)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -31,7 +31,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "ccd92ae45f9a9824364fe80625c1dc94"
-#define SYNCHRO_DRIVE_PAIR_282cb58bb9e6cc44 1
+#define SYNCHRO_DRIVE_PAIR_248e2d6840fc2c40 1
 
 #ifdef __cplusplus
 extern "C" {

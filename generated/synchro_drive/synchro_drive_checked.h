@@ -20,7 +20,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_282cb58bb9e6cc44)
+#if !defined(SYNCHRO_DRIVE_PAIR_248e2d6840fc2c40)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

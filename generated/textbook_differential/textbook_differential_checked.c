@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_3cc93ee8d3936cd5)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_eb28f10e9a5aecaf)
 #error "textbook_differential_checked.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_3cc93ee8d3936cd5)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_eb28f10e9a5aecaf)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 

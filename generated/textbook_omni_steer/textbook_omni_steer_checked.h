@@ -20,7 +20,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_45d92e6730246849)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_e4df8eba7b6a6c8c)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

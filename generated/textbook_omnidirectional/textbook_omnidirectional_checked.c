@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_c9500b62c0f6ca57)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0ebbfc117549e119)
 #error "textbook_omnidirectional_checked.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -20,7 +20,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_c9500b62c0f6ca57)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_0ebbfc117549e119)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

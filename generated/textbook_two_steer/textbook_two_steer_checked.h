@@ -20,7 +20,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_961859f516e3425c)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_ef5962c68c2d9d54)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TIDYBOT2_PAIR_b2ab37d9297da58d)
+#if !defined(TIDYBOT2_PAIR_cb0bed9956f81f8d)
 #error "tidybot2.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -291,9 +291,9 @@ void tidybot2_odometry(const tidybot2_odometry_in *in, tidybot2_odometry_out *ou
     const float t3 = fmaf(-fmaf((-4.9603175e-05f), t1, 0.008333334f), t2, 0.16666667f);
     const float half_turn = 0.5f * t0; /* h */
     const float half_turn_size = fabsf(half_turn); /* |h| */
-    const float half_turn_safe = (half_turn_size < 0.05f) ? 0.05f : half_turn_size; /* |h| or 1/20 */
+    const float half_turn_safe = (half_turn_size < 0.046875f) ? 0.046875f : half_turn_size; /* |h| or 3/64 */
     const wmrgen_vector t4 = wmrgen_direction(half_turn_safe);
-    const float t5 = (half_turn_size < 0.05f) ? fmaf(-t2, t3, 1.0f) : (t4.y / half_turn_safe);
+    const float t5 = (half_turn_size < 0.046875f) ? fmaf(-t2, t3, 1.0f) : (t4.y / half_turn_safe);
     const float chord = in->dt * t5; /* dt sinc(h) */
     const wmrgen_vector t6 = wmrgen_direction(in->theta + half_turn);
     const float t7 = fmaf(fmaf(in->vx, t6.x, -(in->vy * t6.y)), chord, in->x);

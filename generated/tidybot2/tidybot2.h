@@ -37,7 +37,7 @@
 #define WMRGEN_TIDYBOT2_H
 
 #define TIDYBOT2_MODEL_HASH "774656142c8fc20d9e0530e742949603"
-#define TIDYBOT2_PAIR_b2ab37d9297da58d 1
+#define TIDYBOT2_PAIR_cb0bed9956f81f8d 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_b2ab37d9297da58d)
+#if !defined(TIDYBOT2_PAIR_cb0bed9956f81f8d)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

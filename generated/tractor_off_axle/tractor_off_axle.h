@@ -32,7 +32,7 @@
 #define WMRGEN_TRACTOR_OFF_AXLE_H
 
 #define TRACTOR_OFF_AXLE_MODEL_HASH "5ebc9f55f784a743ec96e04f7a23d26b"
-#define TRACTOR_OFF_AXLE_PAIR_bb72cd7c0bd711a5 1
+#define TRACTOR_OFF_AXLE_PAIR_35839a4a0ff1079f 1
 
 #ifdef __cplusplus
 extern "C" {

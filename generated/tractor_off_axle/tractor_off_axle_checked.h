@@ -20,7 +20,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_bb72cd7c0bd711a5)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_35839a4a0ff1079f)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 

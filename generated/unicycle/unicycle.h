@@ -29,7 +29,7 @@
 #define WMRGEN_UNICYCLE_H
 
 #define UNICYCLE_MODEL_HASH "60c012a39cf39e007111ba4dc06e3f59"
-#define UNICYCLE_PAIR_3a9b79346b7f94fa 1
+#define UNICYCLE_PAIR_82c041d084029a4f 1
 
 #ifdef __cplusplus
 extern "C" {

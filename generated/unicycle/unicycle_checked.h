@@ -20,7 +20,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_3a9b79346b7f94fa)
+#if !defined(UNICYCLE_PAIR_82c041d084029a4f)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

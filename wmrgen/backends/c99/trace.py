@@ -147,7 +147,7 @@ _OF_A_WHEEL = {
 }  # fmt: skip
 _ALONE = {
     "half_turn": "h", "half_turn_squared": "h^2", "sinc_series": "series of sinc(h)", "half_turn_size": "|h|",
-    "half_turn_safe": "|h| or 1/20",
+    "half_turn_safe": "|h| or 3/64",
     "chord": "dt sinc(h)", "middle": "theta + h", "vx_fit": "vx", "vy_fit": "vy", "omega_fit": "omega",
     "det": "det(HtH)",
 }  # fmt: skip

@@ -12,6 +12,7 @@ import multiprocessing
 import os
 import random
 import re
+import resource
 import shlex
 import subprocess
 import sys
@@ -23,7 +24,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 COUNT, SEED, JOBS = 200, 1, os.cpu_count() or 1
 MOST = 60  # tests a fault
-TIMEOUT = 1800  # s; the everyday tests of one process take a tenth of it
+SECONDS = 240  # of processor time for the tests of a fault, several times what they take: a fault that loops is found
+TIMEOUT = 1800  # s, of a fault that waits
 # Unions of types in annotations, caches and swapped identities are faults in name alone.
 _LEFT_OUT = re.compile(r"BitOr|BitAnd|BitXor|Shift|_Is|Is_|IsNot|RemoveDecorator|Variable|ExceptionReplacer")
 _PYTEST = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
@@ -135,7 +137,8 @@ def copy_of_checkout(folder: Path) -> Path:
 
 
 def _start(folder: str, counter: multiprocessing.Queue[int]) -> None:
-    """Gives each worker a clone of its own to plant faults in."""
+    """Gives each worker a clone of its own to plant faults in, and the tests that it starts their limit of time."""
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
     own = copy_of_checkout(Path(folder) / f"copy{counter.get()}")
     os.chdir(own)
     os.environ.update(_environment(own))
@@ -176,7 +179,8 @@ def run(count: int = COUNT, seed: int = SEED) -> Iterator[str]:
             numbers.put(number)
         found = 0
         with multiprocessing.Pool(JOBS, _start, (folder, numbers)) as pool:
-            for outcome in pool.imap_unordered(_run, jobs):
+            for done, outcome in enumerate(pool.imap_unordered(_run, jobs), 1):
+                print(f"{done} of {count}", end="\r", file=sys.stderr, flush=True)
                 found += outcome.found
                 if not outcome.found:
                     yield f"{outcome.fault}, {outcome.tests} tests\n{outcome.change}\n"

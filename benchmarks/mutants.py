@@ -2,8 +2,9 @@
 
 cosmic-ray plants them, one at a time, in copies of the checkout: an operator, a comparison, a number, a condition or
 a loop is changed at a place that a seeded draw chooses among the lines of ``wmrgen/``. A run of the everyday tests
-under coverage says which tests execute which line; of those of the changed line, at most `MOST` are run against each
-fault, the tests of its own room first. A fault that only the others would find counts as not found.
+under coverage says which tests execute which line, and how long they take; of those of the changed line, the tests of
+its own room and the quickest others are run against each fault, for `BUDGET` seconds of that run. A fault that only
+slower ones would find counts as not found.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parent.parent
 COUNT, SEED, JOBS = 200, 1, os.cpu_count() or 1
-MOST = 60  # tests a fault
+BUDGET = 60.0  # s
 SECONDS = 240  # of processor time for the tests of a fault, several times what they take: a fault that loops is found
 TIMEOUT = 1800  # s, of a fault that waits
 # Unions of types in annotations, caches and swapped identities are faults in name alone.
@@ -48,7 +50,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Outcome:
-    """``found``: by one of the ``tests`` that run the line (their number). ``change``: the lines that differ."""
+    """``found``: by one of the ``tests`` that were run (their number). ``change``: the lines that differ."""
 
     fault: Fault
     tests: int
@@ -92,15 +94,19 @@ def _places(path: str) -> list[list[Fault]]:
     return [by_place[place] for place in sorted(by_place)]
 
 
-def tests_of_lines(folder: Path) -> Mapping[str, Mapping[int, Sequence[str]]]:
-    """File -> line -> everyday tests that execute it; a line that runs at import has those of its whole file."""
+def tests_of_lines(folder: Path) -> tuple[Mapping[str, Mapping[int, Sequence[str]]], Mapping[str, float]]:
+    """File -> line -> everyday tests that execute it, and how many seconds each test takes.
+
+    A line that runs at import has the tests of its whole file.
+    """
     from coverage import CoverageData
 
-    data = folder / ".coverage"
+    data, times = folder / ".coverage", folder / "times.xml"
     with_coverage = (
         "--cov=wmrgen",
         "--cov-context=test",
         "--cov-report=",
+        f"--junitxml={times}",
         "-n",
         str(JOBS),
         "--dist=worksteal",
@@ -112,6 +118,10 @@ def tests_of_lines(folder: Path) -> Mapping[str, Mapping[int, Sequence[str]]]:
     )  # fmt: skip
     # A name that pytest does not find would pass for a fault that is found.
     there = set(listed.stdout.splitlines())
+    seconds: dict[str, float] = dict.fromkeys(there, 1.0)
+    for case in ElementTree.parse(times).iter("testcase"):
+        name = f"{case.get('classname', '').replace('.', '/')}.py::{case.get('name')}"
+        seconds[name] = float(case.get("time", "1"))
     read = CoverageData(str(data))
     read.read()
     result: dict[str, dict[int, Sequence[str]]] = {}
@@ -123,7 +133,7 @@ def tests_of_lines(folder: Path) -> Mapping[str, Mapping[int, Sequence[str]]]:
         every = sorted({test for tests in lines.values() for test in tests})
         path = Path(file).relative_to(folder.resolve()).as_posix()
         result[path] = {line: tests or every for line, tests in lines.items()}
-    return result
+    return result, seconds
 
 
 def _environment(folder: Path) -> dict[str, str]:
@@ -151,7 +161,7 @@ def _run(job: tuple[Fault, Sequence[str]]) -> Outcome:
     fault, tests = job
     if not tests:
         return Outcome(fault, 0, False, "no everyday test runs this line")
-    Path("tests.txt").write_text("\n".join(_nearest(tests, fault.path)), encoding="utf-8")
+    Path("tests.txt").write_text("\n".join(tests), encoding="utf-8")
     spec = MutationSpec(Path(fault.path), fault.operator, fault.occurrence, (fault.line, 0), (fault.line, 1))
     result = mutate_and_test([spec], _NAMED, TIMEOUT)
     if result.worker_outcome is not WorkerOutcome.NORMAL:
@@ -160,20 +170,32 @@ def _run(job: tuple[Fault, Sequence[str]]) -> Outcome:
     return Outcome(fault, len(tests), result.test_outcome is TestOutcome.KILLED, "\n".join(lines))
 
 
-def _nearest(tests: Sequence[str], path: str) -> list[str]:
-    """At most `MOST` of ``tests``: half of them those whose name says most of ``path``, the others spread evenly."""
+def _chosen(tests: Sequence[str], path: str, seconds: Mapping[str, float]) -> list[str]:
+    """Of ``tests`` those whose name says most of ``path``, for half the budget, then the quickest others."""
     words = set(re.split(r"[/_.]", path.removeprefix("wmrgen/").removesuffix(".py")))
-    ordered = sorted(tests, key=lambda test: -len(words & set(re.split(r"[/_.:]+", test.partition("[")[0]))))
-    near, others = ordered[: MOST // 2], ordered[MOST // 2 :]
-    return near + others[:: max(1, -(-len(others) // (MOST - len(near))))] if others else near
+
+    def nearness(test: str) -> int:
+        return len(words & set(re.split(r"[/_.:]+", test.partition("[")[0])))
+
+    chosen: dict[str, None] = {}
+    spent = 0.0
+    by_name = sorted((t for t in tests if nearness(t)), key=lambda t: (-nearness(t), seconds[t]))
+    for limit, ordered in ((BUDGET / 2, by_name), (BUDGET, sorted(tests, key=lambda t: seconds[t]))):
+        for test in ordered:
+            if test not in chosen and spent + seconds[test] <= limit:
+                chosen[test] = None
+                spent += seconds[test]
+    return [*chosen] or [*tests[:1]]
 
 
 def run(count: int = COUNT, seed: int = SEED) -> Iterator[str]:
     """The lines to print: each fault that no test finds with its change, and the share that is found."""
     with tempfile.TemporaryDirectory(prefix="wmrgen-mutants-") as folder:
-        tests = tests_of_lines(copy_of_checkout(Path(folder) / "covered"))
-        faults = draw(count, seed)
-        jobs = [(fault, _covering(tests.get(fault.path, {}), fault.line)) for fault in faults]
+        tests, seconds = tests_of_lines(copy_of_checkout(Path(folder) / "covered"))
+        jobs = []
+        for fault in draw(count, seed):
+            covering = _covering(tests.get(fault.path, {}), fault.line)
+            jobs.append((fault, _chosen(covering, fault.path, seconds)))
         numbers: multiprocessing.Queue[int] = multiprocessing.Queue()
         for number in range(JOBS):
             numbers.put(number)

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 
 import wmrgen
+from tests.conftest import ROOT
 from tests.oracle import oracle, robot_file
 from tests.oracle.harness import Model
+from wmrgen.artifacts import differences, made_with
+from wmrgen.emit import artifacts
 
 ROBOTS = sorted((Path(__file__).parents[2] / "robots").glob("*.yaml"))
 # (mobility, steerability, rank C1f, dof): real robots from their sources' geometry, textbook robots from Campion's
@@ -69,3 +72,11 @@ def test_mobility_by_singular_values(path: Path) -> None:
     data = Model(path).data
     for key, value in oracle.mobility(robot_file.read(path)).items():
         assert data[key] == value, key
+
+
+@pytest.mark.parametrize("name", sorted(EXPECTED))
+def test_generated_files_are_those_of_today(name: str) -> None:
+    """Byte for byte: what changes in them is seen, and committed with what changes it."""
+    folder = ROOT / "generated" / name
+    files = artifacts(wmrgen.derive(wmrgen.load(ROOT / "robots" / f"{name}.yaml")))
+    assert [str(unlike) for unlike in differences(folder, files, made_with(folder))] == []

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from wmrgen.bounds.forms import Forms
-from wmrgen.bounds.shapes import extremum, scaled, terms_below_root
+from wmrgen.bounds.shapes import scaled, terms_below_root
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, magnitude
 from wmrgen.ir.nodes import Node, Op
@@ -80,12 +80,11 @@ def _kept_apart(nodes: Sequence[Node], divisor: int) -> Parts | None:
         for k, other in (node.args, node.args[::-1]):
             if _below(nodes, other) is not None and (parts := _kept_apart(nodes, k)) is not None:
                 return parts
-    limit = extremum(nodes, node)
     choices: list[tuple[int, Parts | None]] = []
     if node.op is Op.AT_LEAST:
         choices = [(node.args[1], ((1.0, node.args[0]),))]
-    elif limit is not None and limit[0] is Op.MAX:
-        choices = [(least, _below(nodes, x)) for least, x in (limit[1:], limit[:0:-1])]
+    elif node.op is Op.MAX:
+        choices = [(least, _below(nodes, x)) for least, x in (node.args, node.args[::-1])]
     for least, parts in choices:
         value = nodes[least].value
         if (

@@ -1,4 +1,4 @@
-"""What the lemmas ask of the node list: sums of squares below a root, comparisons that are a minimum, guards."""
+"""What the lemmas ask of the node list: sums of squares below a root, and how far a value counts."""
 
 from __future__ import annotations
 
@@ -64,23 +64,6 @@ def _square(nodes: Sequence[Node], node: Node) -> tuple[Exact, int, int] | None:
     return None
 
 
-def extremum(nodes: Sequence[Node], node: Node) -> tuple[Op, int, int] | None:
-    """(MIN or MAX, a, b) of a comparison that chooses between the numbers compared."""
-    if node.op in (Op.MIN, Op.MAX):
-        return node.op, node.args[0], node.args[1]
-    if node.op is Op.SELECT:
-        a, b, x, y = node.args
-        if _same(nodes, x, b) and _same(nodes, y, a):
-            return Op.MAX, a, b
-        if _same(nodes, x, a) and _same(nodes, y, b):
-            return Op.MIN, a, b
-    return None
-
-
-def _same(nodes: Sequence[Node], a: int, b: int) -> bool:
-    return a == b or (nodes[a].value is not None and nodes[a].value == nodes[b].value)
-
-
 def cone(nodes: Sequence[Node], roots: Collection[int]) -> set[int]:
     """Nodes that ``roots`` need."""
     needed, stack = set[int](), list(roots)
@@ -109,19 +92,19 @@ def effective(nodes: Sequence[Node], results: Collection[int]) -> dict[int, tupl
         uses[k] += 1
     ranges: dict[int, tuple[float, float]] = {}
     for i in range(len(nodes) - 1, -1, -1):
-        limit, product = extremum(nodes, nodes[i]), scaled(nodes, nodes[i])
-        if nodes[i].op is Op.CLAMP and uses[nodes[i].args[0]] == 1:
-            most = float(nodes[nodes[i].args[1]].value or float("inf"))
-            ranges[nodes[i].args[0]] = -most, most
+        op, args, product = nodes[i].op, nodes[i].args, scaled(nodes, nodes[i])
+        if op is Op.CLAMP and uses[args[0]] == 1:
+            most = float(nodes[args[1]].value or float("inf"))
+            ranges[args[0]] = -most, most
         if product is not None and i in ranges and uses[product[1]] == 1 and product[0]:
             ends = sorted(end / float(product[0]) for end in ranges[i])
             ranges[product[1]] = ends[0], ends[1]
-        if limit is None:
+        if op not in (Op.MIN, Op.MAX):
             continue
         low, high = ranges.get(i, (-float("inf"), float("inf")))
-        for end, x in (limit[1:], limit[:0:-1]):
+        for end, x in (args, args[::-1]):
             value = nodes[end].value
-            if value is not None and uses[x] == (1 if nodes[i].op is not Op.SELECT else 2):
-                is_min = limit[0] is Op.MIN
-                ranges[x] = (low, min(high, float(value))) if is_min else (max(low, float(value)), high)
+            if value is not None and uses[x] == 1:
+                least = op is Op.MIN
+                ranges[x] = (low, min(high, float(value))) if least else (max(low, float(value)), high)
     return ranges

@@ -24,7 +24,7 @@ from wmrgen.bounds.assumptions import Format, Library, constant
 from wmrgen.bounds.forms import Forms, combined
 from wmrgen.bounds.lengths import MOVED, SHORT, SMALL_ANGLE, Length, lengths
 from wmrgen.bounds.lengths import share as share_of
-from wmrgen.bounds.shapes import contracted, effective, extremum
+from wmrgen.bounds.shapes import contracted, effective
 from wmrgen.bounds.slopes import Slope
 from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
@@ -168,10 +168,6 @@ class Walk:
         """The range of node ``k`` as far as it counts (`effective`)."""
         ends = self.effective.get(k, (-np.inf, np.inf))
         return np.clip(self.ranges[k][0], *ends), np.clip(self.ranges[k][1], *ends)
-
-    def extremum(self, i: int) -> tuple[Op, int, int] | None:
-        """See `wmrgen.bounds.shapes.extremum`."""
-        return extremum(self.nodes, self.nodes[i])
 
     def library_noise(self, op: Op, value: Interval) -> Noise:
         """The error of a library function whose results lie in ``value``."""

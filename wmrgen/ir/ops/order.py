@@ -94,9 +94,6 @@ Op.MAX = Op(
 
 def _choice(w: Walk, i: int, a: int, b: int, x: int, y: int) -> Value:
     """One value or the other, as the float program decides; on either side the comparison is known to hold."""
-    limit = w.extremum(i)
-    if limit is not None:
-        return (_smaller if limit[0] is Op.MIN else _larger)(w, i, limit[1], limit[2])
     small, large = w.ranges[a], w.ranges[b]
     first, second = w.branch(i, a, b, x), w.branch(i, b, a, y)
     always, never = small[1] < large[0], small[0] > large[1]

@@ -1,7 +1,8 @@
 """Wheel types by name. Every stage asks the record for a property, never for its name.
 
-To add one, in `wmrgen.wheels.types` or from outside, make a `WheelType` and `register` it before a robot file is read: its joints and
-keys decide what it does, `words` and `glyph` how the report and the drawing show it. `tests/wheels` has two examples.
+To add one, in `wmrgen.wheels.types` or from outside, make a `WheelType` and `register` it before a robot file is read:
+its joints and keys decide what it does, `words` and `glyph` how the report and the drawing show it. `tests/wheels` has
+two examples.
 `docs/ARCHITECTURE.md` says what a key takes that no type has yet.
 """
 

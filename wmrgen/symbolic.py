@@ -46,6 +46,7 @@ class Operation(sympy.Function):  # type: ignore[misc]
     """A function that is one operation of the code, ``op``, and keeps its meaning down to it."""
 
     op: ClassVar[Op]
+    nargs = 2
     is_real = True
 
 
@@ -69,7 +70,6 @@ class Clamp(Operation):
     """Clamp(a, m): a, or the end of [-m, m] that it lies beyond; m > 0."""
 
     op = Op.CLAMP
-    nargs = 2
 
     @classmethod
     def eval(cls, a: Expr, m: Expr) -> Expr | None:
@@ -80,7 +80,6 @@ class AtLeast(Operation):
     """AtLeast(a, m): a where |a| >= m, else m with the sign of a, m where a is 0; m > 0. A divisor off zero."""
 
     op = Op.AT_LEAST
-    nargs = 2
 
     @classmethod
     def eval(cls, a: Expr, m: Expr) -> Expr | None:
@@ -91,7 +90,6 @@ class WithSignOf(Operation):
     """WithSignOf(a, b): -a where b < 0, else a. Code may take a zero b for negative if it is -0."""
 
     op = Op.WITH_SIGN_OF
-    nargs = 2
 
     @classmethod
     def eval(cls, a: Expr, b: Expr) -> Expr | None:
@@ -106,9 +104,7 @@ class Compensated(sympy.Add):  # type: ignore[misc]
     def __new__(cls, x: Expr, product: Expr) -> Compensated:
         return sympy.Add.__new__(cls, x, product, evaluate=False)  # type: ignore[no-any-return]
 
-    @property
-    def func(self) -> Any:
-        return sympy.Add
+    func = sympy.Add  # what is made of one is a sum
 
 
 def parameter(name: str) -> Parameter:
@@ -215,19 +211,14 @@ def root(a: Expr) -> Expr:
     return sympy.Pow(a, sympy.S.Half, evaluate=False)
 
 
-def inverse_root(a: Expr) -> Expr:
-    """One over the square root, as it stands."""
-    return sympy.Pow(a, -sympy.S.Half, evaluate=False)
-
-
 def square(a: Expr) -> Expr:
     """a**2 as it stands."""
     return sympy.Pow(a, 2, evaluate=False)
 
 
 _LAZY = (
-    sympy.Add, sympy.Mul, sympy.Pow, sympy.Max, sympy.Min, sympy.Abs, sympy.atan, sympy.atan2, Nearest,
-    Clamp, AtLeast, WithSignOf, sympy.StrictLessThan,
+    sympy.Add, sympy.Mul, sympy.Pow, sympy.Max, sympy.Min, sympy.Abs, sympy.atan, sympy.atan2, Operation,
+    sympy.StrictLessThan,
 )  # fmt: skip
 
 

@@ -34,7 +34,6 @@ from wmrgen.symbolic import (
     arctangent,
     at_least,
     expression,
-    inverse_root,
     kept_between,
     maximum,
     nearest,
@@ -278,5 +277,7 @@ def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Ta
     now = present(w, limits)
     moving = add(absolute(u), absolute(v))
     steer = select(moving, number(STILL * 2), now, add(number(middle), arctangent(slope)))
-    scale = names.define(f"{w.name}_scale", inverse_root(add(sympy.S.One, square(slope))))
+    scale = names.define(
+        f"{w.name}_scale", sympy.Pow(add(sympy.S.One, square(slope)), -sympy.S.Half, evaluate=False)
+    )
     return Target(steer, times(add(u, times(v, slope)), scale), times(subtract(v, times(u, slope)), scale))

@@ -94,8 +94,8 @@ class _Lowering:
     def _local(self, expr: Expr) -> int:
         if expr in self.calls:
             call, number = self.calls[expr]
-            made = self.builder.call(call.kernel.name, *(self.node(a) for a in call.args))
-            return self.builder.result(made, number) if len(call.results) > 1 else made
+            result = self.builder.call(call.kernel.name, *(self.node(a) for a in call.args))
+            return self.builder.result(result, number) if len(call.results) > 1 else result
         return self.node(self.locals[expr])
 
     def _add(self, expr: Expr) -> int:
@@ -143,12 +143,12 @@ class _Lowering:
         return b.apply(Op.AT_LEAST, (a, b.const(_TINY)))
 
     def _geometric(self, a: int) -> bool:
-        known = self.geometric
-        for node in self.builder.nodes[len(known) : a + 1]:
-            known.append(
-                all(known[k] for k in node.args) if node.name is None else node.name in self.parameters
+        geometric = self.geometric
+        for node in self.builder.nodes[len(geometric) : a + 1]:
+            geometric.append(
+                all(geometric[k] for k in node.args) if node.name is None else node.name in self.parameters
             )
-        return known[a]
+        return geometric[a]
 
     def _tan(self, expr: Expr) -> int:
         a = self.node(expr.args[0])

@@ -222,15 +222,15 @@ _LAZY = (
 )  # fmt: skip
 
 
-def substituted(expr: Expr, known: dict[Expr, Expr], memo: dict[Expr, Expr]) -> Expr:
-    """``expr`` with ``known`` put in and nothing evaluated: comparing nested maxima would take sympy minutes.
+def substituted(expr: Expr, values: dict[Expr, Expr], memo: dict[Expr, Expr]) -> Expr:
+    """``expr`` with ``values`` put in and nothing evaluated: comparing nested maxima would take sympy minutes.
 
     ``memo`` keeps what shared parts became.
     """
     if not expr.args:
-        return known.get(expr, expr)
+        return values.get(expr, expr)
     if expr not in memo:
-        args = [substituted(a, known, memo) for a in expr.args]
+        args = [substituted(a, values, memo) for a in expr.args]
         if isinstance(expr, Compensated):
             memo[expr] = Compensated(*args)
         elif isinstance(expr, (sympy.Piecewise, ExprCondPair)):

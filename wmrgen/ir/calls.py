@@ -27,10 +27,10 @@ def inlined_calls(module: Module) -> Module:
 
 def by_name(kernels: Sequence[Function]) -> Kernels:
     """Kernels by name, each without calls."""
-    found: dict[str, Function] = {}
+    bodies: dict[str, Function] = {}
     for kernel in kernels:
-        found[kernel.name] = inlined(kernel, found)
-    return found
+        bodies[kernel.name] = inlined(kernel, bodies)
+    return bodies
 
 
 def called(functions: Sequence[Function]) -> frozenset[str]:
@@ -58,19 +58,19 @@ def with_places(function: Function, kernels: Kernels) -> tuple[Function, Sequenc
                 if nodes[factor].value == ONE:
                     return other  # to the bit
         new = node if args == node.args else Node(node.op, args, node.value, node.name)
-        found = index.setdefault(new, len(nodes))
-        if found == len(nodes):
+        position = index.setdefault(new, len(nodes))
+        if position == len(nodes):
             nodes.append(new)
-        return found
+        return position
 
     for k, node in enumerate(function.nodes):
         if node.op is Op.CALL:
             kernel = kernels[node.name or ""]
-            given = dict(zip((p.name for p in kernel.inputs), (place[a] for a in node.args), strict=True))
+            arguments = dict(zip((p.name for p in kernel.inputs), (place[a] for a in node.args), strict=True))
             inner: list[int] = []
             for step in kernel.nodes:
                 name = step.name if step.op is Op.INPUT else None
-                inner.append(given[name] if name else put(step, tuple(inner[a] for a in step.args)))
+                inner.append(arguments[name] if name else put(step, tuple(inner[a] for a in step.args)))
             results[k] = tuple(inner[r] for r in kernel.results)
             place.append(results[k][0])
         elif node.op is Op.RESULT:
@@ -120,11 +120,11 @@ def inline_prepare(function: Function, prepare: Function | None) -> Function:
     if prepare is None or not wanted:
         return replace(function, inputs=contract + own)
     nodes = list(prepare.nodes)
-    made = dict(zip((port.name for port in prepare.outputs), prepare.results, strict=True))
+    prepared = dict(zip((port.name for port in prepare.outputs), prepare.results, strict=True))
     place: list[int] = []
     for node in function.nodes:
-        if node.op is Op.INPUT and node.name in made:
-            place.append(made[node.name])
+        if node.op is Op.INPUT and node.name in prepared:
+            place.append(prepared[node.name])
             continue
         nodes.append(Node(node.op, tuple(place[a] for a in node.args), node.value, node.name))
         place.append(len(nodes) - 1)
@@ -145,11 +145,11 @@ def defaults(function: Function) -> dict[str, float]:
 
 def complete(function: Function, case: Mapping[str, float]) -> list[float]:
     """The values of ``case`` in order of the inputs, tunables left out nominal. UsageError for a gap."""
-    known = {**defaults(function), **case}
-    missing = [port.name for port in function.inputs if port.name not in known]
+    values = {**defaults(function), **case}
+    missing = [port.name for port in function.inputs if port.name not in values]
     if missing:
         raise UsageError(f"{function.name} needs a value for {', '.join(missing)}")
-    return [float(known[port.name]) for port in function.inputs]
+    return [float(values[port.name]) for port in function.inputs]
 
 
 def hand_through(module: Module) -> Module:
@@ -160,8 +160,8 @@ def hand_through(module: Module) -> Module:
     if not direct:
         return module
     prepare = module.prepare or Function("prepare", (), (), (), ())
-    known = {port.name for port in prepare.inputs}
-    inputs = prepare.inputs + tuple(port for name, port in direct.items() if name not in known)
+    names = {port.name for port in prepare.inputs}
+    inputs = prepare.inputs + tuple(port for name, port in direct.items() if name not in names)
     nodes = prepare.nodes + tuple(Node(Op.INPUT, name=name) for name in direct)
     passed = {name: replace(port, role=Role.PREPARED, default=None) for name, port in direct.items()}
     start = len(prepare.nodes)

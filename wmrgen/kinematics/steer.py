@@ -177,8 +177,8 @@ def steer_one(robot: Robot, w: Wheel, velocity: Velocity, names: Locals) -> Targ
     steer = names.define(f"{w.name}_nearest", heading_)
     rim = names.define(f"{w.name}_spin" if alone else f"{w.name}_rim", spin)
     if not (a.is_number or b.is_number):
-        kernel, given = (_KERNELS[0], ()) if zero.is_zero else (_KERNELS[1], (zero,))
-        names.calls.append(Call(kernel, (a, b, now, per_rim, *given), (rim, steer)))
+        kernel, frame = (_KERNELS[0], ()) if zero.is_zero else (_KERNELS[1], (zero,))
+        names.calls.append(Call(kernel, (a, b, now, per_rim, *frame), (rim, steer)))
     if limits is not None:
         return _limited(w, limits, steer, rim, names)
     return Target(steer, times(expression(g.r), rim), spin=rim) if alone else Target(steer, rim)
@@ -197,9 +197,9 @@ def _along(
 
 def _kernel(name: str, text: str, *ports: tuple[str, str]) -> Formula:
     """`_along` as a function of its own; a frame at the joint's zero where no port is called zero."""
-    names, given = Locals(), {port: signal(port) for port, _ in ports}
-    zero = given.get("zero", sympy.S.Zero)
-    steer, spin = _along(given["x"], given["y"], given["now"], given["per_rim"], zero, names, "")
+    names, signals = Locals(), {port: signal(port) for port, _ in ports}
+    zero = signals.get("zero", sympy.S.Zero)
+    steer, spin = _along(signals["x"], signals["y"], signals["now"], signals["per_rim"], zero, names, "")
     inputs = tuple(Port(port, Role.STATE, unit, "") for port, unit in ports)
     outputs = (
         (Port("spin", Role.COMMAND, "rad/s", ""), spin),

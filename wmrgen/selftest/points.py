@@ -113,13 +113,13 @@ def _extremes(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
     limits = [site.limits.get(p.name) for p in ports]
     if not any(limits):
         return
-    known = np.array([limit is not None for limit in limits])
+    limited = np.array([limit is not None for limit in limits])
     state = np.array([p.role is not Role.COMMAND for p in ports])
     for side, text in ((1, "upper limits"), (0, "lower limits")):
         at = np.array([limit[side] if limit else 0.0 for limit in limits])
-        yield text, np.where(known, _single(at), grid.rows[9 + side])
-        if (known & state).any():
-            yield f"just beyond {text}", np.where(known & state, _single(at * _BEYOND), 0.0)
+        yield text, np.where(limited, _single(at), grid.rows[9 + side])
+        if (limited & state).any():
+            yield f"just beyond {text}", np.where(limited & state, _single(at * _BEYOND), 0.0)
 
 
 def _single(values: Array) -> Array:

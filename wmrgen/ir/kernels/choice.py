@@ -34,9 +34,9 @@ DEFAULT = Choice()
 
 def choice(scalar: str = DEFAULT.scalar, math: str | None = None, target: str = DEFAULT.target) -> Choice:
     """A choice that exists: the kernels are float code, so double takes libm. UsageError for other words."""
-    for word, known in ((scalar, SCALARS), (math or LIBM, MATHS), (target, TARGETS)):
-        if word not in known:
-            raise UsageError(f"{word!r} is none of {', '.join(known)}")
+    for word, words in ((scalar, SCALARS), (math or LIBM, MATHS), (target, TARGETS)):
+        if word not in words:
+            raise UsageError(f"{word!r} is none of {', '.join(words)}")
     if scalar == "double" and math == INLINE:
         raise UsageError("--math inline is for --scalar float: there are no kernels for double")
     return Choice(scalar, math or (INLINE if scalar == "float" else LIBM), target)
@@ -44,8 +44,8 @@ def choice(scalar: str = DEFAULT.scalar, math: str | None = None, target: str = 
 
 def noted(words: Mapping[str, str]) -> Choice:
     """The choice that a manifest notes; the usual one where it notes none."""
-    known = {key: words[key] for key in ("scalar", "math", "target") if key in words}
+    options = {key: words[key] for key in ("scalar", "math", "target") if key in words}
     try:
-        return choice(**known)
+        return choice(**options)
     except UsageError:
         return DEFAULT

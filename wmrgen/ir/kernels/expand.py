@@ -98,9 +98,9 @@ class _Expansion:
         for i, node in enumerate(self.function.nodes):
             self.made.append(self._node(i, node))
         results = tuple(self.made[r] for r in self.function.results)
-        made = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
-        made = fuse(made, kernel) if self.processor.fused else made
-        return ordered(soft(made) if self.processor.integer else made)
+        expanded = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
+        expanded = fuse(expanded, kernel) if self.processor.fused else expanded
+        return ordered(soft(expanded) if self.processor.integer else expanded)
 
     def _node(self, i: int, node: Node) -> int:
         tape, args, p = self.tape, tuple(self.made[a] for a in node.args), self.processor
@@ -117,9 +117,9 @@ class _Expansion:
             case Op.FLIP:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
-                found = self._part_of_vector(node)
-                found = self._quotient(node) if found is None else found
-                return tape.mul(*args) if found is None else found
+                shared = self._part_of_vector(node)
+                shared = self._quotient(node) if shared is None else shared
+                return tape.mul(*args) if shared is None else shared
             case Op.DIV if not p.bits and self.function.nodes[node.args[1]].op is Op.AT_LEAST:
                 return self._quotient_off_zero(args[0], *self.function.nodes[node.args[1]].args)
             case Op.CLAMP | Op.AT_LEAST | Op.WITH_SIGN_OF if not p.bits:
@@ -187,10 +187,10 @@ def _vectors(function: Function) -> set[int]:
         users.get(result, []).append(-1)
     factors: dict[int, set[int]] = {}
     waves: dict[int, set[Op]] = {}
-    for i, found in users.items():
+    for i, its_users in users.items():
         angle = nodes[i].args[0]
         waves.setdefault(angle, set()).add(nodes[i].op)
-        sizes = (_other(nodes[u], i) if u >= 0 and nodes[u].op is Op.MUL else -1 for u in found)
+        sizes = (_other(nodes[u], i) if u >= 0 and nodes[u].op is Op.MUL else -1 for u in its_users)
         factors.setdefault(angle, set()).update(sizes)
     return {
         i

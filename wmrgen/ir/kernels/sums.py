@@ -28,17 +28,17 @@ def fuse(function: Function, kernel: bool = False) -> Function:
     uses = [0] * len(nodes)
     for i in (*results, *(arg for node in nodes for arg in node.args)):
         uses[i] += 1
-    made: list[Node] = []
+    fused: list[Node] = []
     place: list[int] = []
     opposites: dict[int, int] = {}
 
     def opposite(a: int) -> int:
-        node = made[a]
+        node = fused[a]
         if node.op is Op.NEG:
             return node.args[0]
         if a not in opposites:
-            opposites[a] = len(made)
-            made.append(Node(Op.NEG, (a,)) if node.value is None else Node(Op.CONST, value=-node.value))
+            opposites[a] = len(fused)
+            fused.append(Node(Op.NEG, (a,)) if node.value is None else Node(Op.CONST, value=-node.value))
         return opposites[a]
 
     for i, node in enumerate(nodes):
@@ -52,9 +52,9 @@ def fuse(function: Function, kernel: bool = False) -> Function:
             node = Node(Op.FMA, (x, y, other))
         elif args != node.args:
             node = Node(node.op, args, node.value, node.name)
-        place.append(len(made))
-        made.append(node)
-    return replace(function, nodes=tuple(made), results=tuple(place[r] for r in results))
+        place.append(len(fused))
+        fused.append(node)
+    return replace(function, nodes=tuple(fused), results=tuple(place[r] for r in results))
 
 
 def _product(nodes: Sequence[Node], i: int, uses: Sequence[int], kernel: bool) -> int | None:

@@ -209,9 +209,9 @@ def _function(name: str, processor: Processor) -> Function:
     results = tuple(write(tape, processor))
     nodes = tuple(tape.nodes)
     inputs = tuple(port(node.name) for node in nodes if node.op is Op.INPUT and node.name)
-    made = Function(name, inputs, nodes, tuple(port(n) for n in outputs), results, text)
-    made = fuse(made) if processor.fused else made
-    return soft(made) if processor.integer else made
+    kernel = Function(name, inputs, nodes, tuple(port(n) for n in outputs), results, text)
+    kernel = fuse(kernel) if processor.fused else kernel
+    return soft(kernel) if processor.integer else kernel
 
 
 def port(name: str) -> Port:

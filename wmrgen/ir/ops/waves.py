@@ -63,8 +63,8 @@ def _cosine(w: Walk, i: int, a: int) -> Value:
 
 def _wave_error(unit: Array, a: Bounded, value: Array, slope: Array) -> Bounded:
     error = np.minimum(np.abs(slope) * a.error + a.error**2 / 2, 2.0)
-    known = (a.value == 0) & (a.error == 0)
-    return Bounded(value, np.where(known, 0.0, error + CIRCLE * unit))
+    at_zero = (a.value == 0) & (a.error == 0)
+    return Bounded(value, np.where(at_zero, 0.0, error + CIRCLE * unit))
 
 
 Op.SIN = Op(

@@ -50,8 +50,9 @@ def car_reduction(page: Page) -> None:
         "u1 [m/s] speed of the front wheel; xi [rad] steering angle; "
         "wheelbase [m] rear axle to front wheel, L"
     )
-    page.write("v [m/s]", u1 * cos(xi))
-    page.write("omega [rad/s]", page.quotient("turn", u1 * sin(xi), L))
+    along, across = page.vector_at("velocity", u1, xi)
+    page.write("v [m/s]", along)
+    page.write("omega [rad/s]", page.quotient("turn", across, L))
 
 
 @CARS("bounds of speed and turning rate of a car, AA274")

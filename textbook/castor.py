@@ -64,8 +64,8 @@ def castor_alignment(page: Page) -> None:
     side = page.let("side", select(sympy.S.Zero, d, sympy.S.One, sympy.S.NegativeOne))
     # e = -+ V / |V| at beta = nu - alpha -+ pi/2
     ahead = page.let("ahead", angle_of(vy, vx) - alpha)
-    c, s = page.let("c", sympy.cos(ahead)), page.let("s", sympy.sin(ahead))
-    page.write("beta_stable [rad] contact behind the pivot", angle_of(-side * c, side * s))
-    page.write("beta_unstable [rad] contact ahead of the pivot", angle_of(side * c, -side * s))
+    c, s = page.vector_at("way", side, ahead)
+    page.write("beta_stable [rad] contact behind the pivot", angle_of(-c, s))
+    page.write("beta_unstable [rad] contact ahead of the pivot", angle_of(c, -s))
     page.write("rate [1/s] of the approach to beta_stable", -page.quotient("fall", speed, absolute(d)))
     page.write("spin [rad/s] wheel speed at beta_stable", -side * page.quotient("turning", speed, r))

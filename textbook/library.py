@@ -17,7 +17,7 @@ from textbook.wheels import WHEELS
 from wmrgen.ir.nodes import Module
 from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Formula
-from wmrgen.lower import lower
+from wmrgen.lower import kernels_of, lower
 
 NAME = "textbook"
 
@@ -53,10 +53,12 @@ class Textbook:
         """The functions, optimised."""
         return optimise(self.raw_module.functions, NAME)
 
-    @property
+    @cached_property
     def c_module(self) -> Module:
-        """The functions for C: all of them."""
-        return self.module
+        """The functions for C: all of them, with calls of kernels where formulas name them."""
+        functions = tuple(lower(f, calls=True) for f in self.formulas)
+        meaning = self.raw_module.functions
+        return optimise(functions, NAME, kernels=kernels_of(self.formulas), meaning=meaning)
 
     def casadi(self) -> dict[str, Any]:
         """Function name -> casadi.Function."""

@@ -55,6 +55,10 @@ class Page:
         """A named intermediate result."""
         return self.locals.define(name, value)
 
+    def vector_at(self, name: str, size: Expr, angle: Expr) -> tuple[Expr, Expr]:
+        """Both components of the vector of this size at this angle, named intermediate results."""
+        return self.locals.vector_at(name, size, angle)
+
     def quotient(self, name: str, above: Expr, below: Expr) -> Expr:
         """above / below, 0 where |below| <= 1e-12."""
         return quotient(self.locals, name, above, below)
@@ -96,9 +100,7 @@ class Chapter:
             def build() -> Formula:
                 page = Page()
                 written(page)
-                return Formula(
-                    called, tuple(page.inputs), tuple(page.locals.items), tuple(page.outputs), text
-                )
+                return page.locals.formula(called, page.inputs, page.outputs, text)
 
             self.functions[called] = build
             return build

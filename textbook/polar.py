@@ -34,7 +34,8 @@ def polar_coordinates(page: Page) -> None:
 @POLAR("pose of the robot from polar coordinates, Siegwart (3.50)-(3.52) solved")
 def polar_pose(page: Page) -> None:
     rho, alpha, beta = page.read(COORDINATES)
-    page.write("x [m]; y [m]; theta [rad]", -rho * cos(beta), rho * sin(beta), -alpha - beta)
+    x, y = page.vector_at("place", rho, beta)
+    page.write("x [m]; y [m]; theta [rad]", -x, y, -alpha - beta)
 
 
 @POLAR("rates of the polar coordinates, driving forward, Siegwart (3.53)")
@@ -42,8 +43,9 @@ def polar_rates(page: Page) -> None:
     """alpha lies in (-pi/2, pi/2]."""
     rho, alpha, _ = page.read(COORDINATES)
     v, omega = page.read("v [m/s] speed forward; omega [rad/s] turning rate")
-    turn = page.quotient("turn", sin(alpha) * v, rho)
-    page.write(RATES, -cos(alpha) * v, turn - omega, -turn)
+    along, across = page.vector_at("velocity", v, alpha)
+    turn = page.quotient("turn", across, rho)
+    page.write(RATES, -along, turn - omega, -turn)
 
 
 @POLAR("rates of the polar coordinates, driving backwards, Siegwart (3.55), corrected")
@@ -51,8 +53,9 @@ def polar_rates_reverse(page: Page) -> None:
     """v is the speed backwards, omega is not reversed."""
     rho, alpha, _ = page.read(COORDINATES)
     v, omega = page.read("v [m/s] speed backwards; omega [rad/s] turning rate")
-    turn = page.quotient("turn", sin(alpha) * v, rho)
-    page.write(RATES, cos(alpha) * v, -turn - omega, turn)
+    along, across = page.vector_at("velocity", v, alpha)
+    turn = page.quotient("turn", across, rho)
+    page.write(RATES, along, -turn - omega, turn)
 
 
 @POLAR("closed loop of the polar feedback law, Siegwart (3.58)")

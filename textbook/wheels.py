@@ -23,7 +23,8 @@ cos, sin = sympy.cos, sympy.sin
 def rolling_disk(page: Page) -> None:
     """x' = r spin cos phi, y' = r spin sin phi."""
     r, spin, phi = page.read(f"r [m] radius; spin [rad/s] {SPIN}; phi [rad] heading")
-    page.write("x_rate [m/s] world frame; y_rate [m/s] world frame", r * spin * cos(phi), r * spin * sin(phi))
+    velocity = page.vector_at("velocity", r * spin, phi)
+    page.write("x_rate [m/s] world frame; y_rate [m/s] world frame", *velocity)
 
 
 @WHEELS("sideways speed of a disk, 0 while it rolls, Tzafestas (2.25), Kelly 4.2.1.4, AA274")
@@ -38,7 +39,8 @@ def disk_constraint(page: Page) -> None:
 def unicycle(page: Page) -> None:
     """x' = v cos theta, y' = v sin theta, theta' = omega (Tzafestas (2.26)-(2.28))."""
     theta, v, omega = page.read("theta [rad] heading; v [m/s] speed; omega [rad/s] turning rate")
-    page.write("x_rate [m/s] world frame; y_rate [m/s] world frame", v * cos(theta), v * sin(theta))
+    velocity = page.vector_at("velocity", v, theta)
+    page.write("x_rate [m/s] world frame; y_rate [m/s] world frame", *velocity)
     page.write("theta_rate [rad/s]", omega)
 
 
@@ -47,7 +49,7 @@ def steer_sense(page: Page) -> None:
     """v = r spin along the steering angle."""
     r, spin, steer = page.read(f"r [m] radius; spin [rad/s] {SPIN}; steer [rad] heading of the wheel")
     along = "v [m/s] along the wheel; vx [m/s] forward; vy [m/s] to the left"
-    page.write(along, r * spin, r * spin * cos(steer), r * spin * sin(steer))
+    page.write(along, r * spin, *page.vector_at("velocity", r * spin, steer))
 
 
 @WHEELS("what the wheels of a differential drive contribute, Siegwart (3.7), (3.8)")

@@ -16,7 +16,7 @@
  */
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_799d1eb1f0e5fbb1)
+#if !defined(CAR_WITH_TRAILERS_PAIR_57f0c59a7dbef3c2)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

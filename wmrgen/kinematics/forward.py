@@ -48,7 +48,7 @@ class NominalRank:
 def forward(robot: Robot) -> Formula:
     """Sensed joint rates to vx vy omega and the residual norm ``slip``."""
     names = Locals()
-    measured = measurements(robot)
+    measured = measurements(robot, names)
     if measured.constant_normal:
         twist, slip = _constant(measured.rows, robot, names)
     elif not measured.components:
@@ -61,7 +61,7 @@ def forward(robot: Robot) -> Formula:
         (slip_port("norm of the least-squares residual over all known rows"), slip),
     )
     text = "sensed joint rates to the twist of P in the robot frame, least squares"
-    return Formula("forward", (*inputs, *tunable_ports(robot)), tuple(names.items), outputs, text)
+    return names.formula("forward", (*inputs, *tunable_ports(robot)), outputs, text)
 
 
 def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist, Expr]:

@@ -57,22 +57,17 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
             column[i] * Poly.gen("input", e.name) for column, e in zip(columns, etas, strict=True)
         )
         twist.append(names.define(name, value) if value else sympy.S.Zero)
-    theta = signal("theta")
-    c, s = sympy.cos(theta), sympy.sin(theta)
+    velocity = names.turned("velocity", (twist[0], twist[1]), signal("theta"))
     steered = [joint_port(w, "steer_rate", Role.COMMAND) for w in wheels]
     swivels = _swivelling(robot, columns)
     outputs = (
-        (RATES[0], subtract(twist[0] * c, twist[1] * s)),
-        (RATES[1], add(twist[0] * s, twist[1] * c)),
-        (RATES[2], twist[2]),
+        *zip(RATES, (*velocity, twist[2]), strict=True),
         *((p, signal(p.name)) for p in steered),
         *((joint_port(w, "steer_rate", Role.COMMAND), _swivel_rate(w, names)) for w in swivels),
     )
     steers = [joint_port(w, "steer", Role.STATE) for w in (*wheels, *swivels)]
     inputs = (*POSE, *steers, *etas, *steered, *tunable_ports(robot))
-    return Formula(
-        "dynamics", inputs, tuple(names.items), outputs, "rates of pose and steering: the posture model"
-    )
+    return names.formula("dynamics", inputs, outputs, "rates of pose and steering: the posture model")
 
 
 def _swivelling(robot: Robot, columns: tuple[Row, ...]) -> list[Wheel]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 
+import sympy
+
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Limits, Port, Role
-from wmrgen.symbolic import Expr, Local, expression, local, signal, substituted
+from wmrgen.symbolic import Expr, Local, expression, local, rotated, signal, substituted, times
 
 JOINT_UNIT = {"spin": "rad/s", "steer": "rad", "steer_rate": "rad/s"}
 _SPIN = "wheel speed about its axle, positive rolls along the rolling direction"
@@ -57,6 +59,19 @@ class Formula:
         return {port.name: substituted(expr, values, memo) for port, expr in self.outputs}
 
 
+# The vector of a size at an angle: generated C has it as a kernel of the library, `wmrgen.ir.kernels.trigonometry`.
+VECTOR_AT = Formula(
+    "vector_at",
+    (Port("size", Role.STATE, "", ""), Port("angle", Role.STATE, "rad", "")),
+    (),
+    (
+        (Port("x", Role.COMMAND, "", ""), times(signal("size"), sympy.cos(signal("angle")))),
+        (Port("y", Role.COMMAND, "", ""), times(signal("size"), sympy.sin(signal("angle")))),
+    ),
+    "The vector of this size at this angle: size (cos angle, sin angle).",
+)
+
+
 class Locals:
     """Collects intermediate results while a formula is written down.
 
@@ -76,6 +91,20 @@ class Locals:
         self._taken.add(symbol.name)
         self.items.append((symbol, expression(value) if isinstance(value, Poly) else value))
         return symbol
+
+    def vector_at(self, name: str, size: Expr, angle: Expr) -> tuple[Local, Local]:
+        """Both components of the vector of this size at this angle, new intermediate results of a call."""
+        x = self.define(f"{name}_x", times(size, sympy.cos(angle)))
+        y = self.define(f"{name}_y", times(size, sympy.sin(angle)))
+        self.calls.append(Call(VECTOR_AT, (size, angle), (x, y)))
+        return x, y
+
+    def turned(self, name: str, vector: tuple[Expr, Expr], angle: Expr) -> tuple[Expr, Expr]:
+        """``vector`` turned by an angle: named are cosine and sine, or both components where it lies along x."""
+        if vector[1].is_zero:
+            return self.vector_at(name, vector[0], angle)
+        c, s = self.define(f"{name}_cos", sympy.cos(angle)), self.define(f"{name}_sin", sympy.sin(angle))
+        return rotated(c, s, *vector)
 
     def poly(self, name: str, value: Expr | Poly) -> Poly:
         """A new intermediate result as a generator of polynomials."""

@@ -32,7 +32,19 @@ from wmrgen.exact.poly import Gen, Poly, Row, dot, has_angles
 from wmrgen.kinematics.records import Locals, signal_poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
-from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    expression,
+    maximum,
+    number,
+    root,
+    select,
+    signal,
+    square,
+    subtract,
+    times,
+)
 
 Measured = tuple[Row, Poly]  # row . xi = value
 FLOOR = Exact(Fraction(1, 10**12))
@@ -99,8 +111,11 @@ def sensed_joints(w: Wheel) -> tuple[str, ...]:
     return tuple(joints)
 
 
-def measurements(robot: Robot) -> Measurements:
-    """What the sensed joints measure of the twist. Passive castors and spheres measure nothing."""
+def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
+    """What the sensed joints measure of the twist. Passive castors and spheres measure nothing.
+
+    With ``names`` the velocities that wheels roll at their angles are intermediate results.
+    """
     contacts: list[Contact] = []
     components: list[Component] = []
     for w in robot.wheels:
@@ -111,7 +126,7 @@ def measurements(robot: Robot) -> Measurements:
         rate = signal_poly(f"{w.name}.steer_rate") if "steer_rate" in joints else Poly({})
         spin = signal_poly(f"{w.name}.spin") if "spin" in joints else None
         if spin is not None and w.kind.sliding_row:
-            contacts.append(_contact(w, spin, rate))
+            contacts.append(_contact(w, spin, rate, names))
         elif spin is not None:
             components.append(Component(w, rolling_row(w, g).row, g.rolling_radius * spin + g.o * rate))
         elif w.kind.sliding_row:
@@ -119,10 +134,13 @@ def measurements(robot: Robot) -> Measurements:
     return Measurements(tuple(contacts), tuple(components))
 
 
-def _contact(w: Wheel, spin: Poly, rate: Poly) -> Contact:
+def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
     """Both rows of a wheel, solved for the velocity of its contact point."""
     g = working_view(w)
     c, s = heading(w, g)
+    if names is not None and w.turns and not g.d and not g.o:
+        wx, wy = _rolled(w, names)
+        return Contact(w, g.x, g.y, g.r * wx, g.r * wy)
     along, across = g.r * spin + g.o * rate, -(g.d * rate)
     return Contact(
         w,
@@ -131,6 +149,14 @@ def _contact(w: Wheel, spin: Poly, rate: Poly) -> Contact:
         along * c - across * s,
         along * s + across * c,
     )
+
+
+def _rolled(w: Wheel, names: Locals) -> tuple[Poly, Poly]:
+    """The spin of a wheel along its rolling direction [rad/s], robot frame; its components at the joint have names."""
+    g = working_view(w)
+    at_joint = names.vector_at(f"{w.name}_roll", signal(f"{w.name}.spin"), signal(f"{w.name}.steer"))
+    u, v = (Poly.gen("local", component.name) for component in at_joint)
+    return g.ch * u - g.sh * v, g.sh * u + g.ch * v
 
 
 @dataclass(frozen=True, slots=True)

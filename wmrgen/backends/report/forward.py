@@ -123,8 +123,10 @@ def _closed(d: Derivation) -> list[str]:
     """The outputs of ``forward`` and what its residual means."""
     formula = d.program.formula("forward")
     ports = symbol_names(formula.inputs)
-    outputs = {p.name: e for p, e in formula.outputs}
-    fits = {symbol.name.removesuffix("_fit"): e for symbol, e in formula.locals}
+    results = {result for call in formula.calls for result in call.results}
+    vectors = {symbol: e for symbol, e in formula.locals if symbol in results}
+    outputs = {p.name: e.xreplace(vectors) for p, e in formula.outputs}
+    fits = {symbol.name.removesuffix("_fit"): e.xreplace(vectors) for symbol, e in formula.locals}
     lines = []
     for name in notation.TWIST:
         parts = summands(terms(fits.get(name, outputs[name]), ports))

@@ -136,10 +136,10 @@ def convoy(motion: Motion, axle: Axle, twist: Sequence[Expr], names: Locals | No
             x, y = axle.coupling(hitch)
             coupling = subtract(vx, times(y, omega)), add(vy, times(x, omega))
         angle = hitch_angle(motion.robot, i)
-        c, s = sympy.cos(angle), sympy.sin(angle)
-        if names is not None:
-            c, s = names.define(f"{t.name}.cos", c), names.define(f"{t.name}.sin", s)
-        speed, across = rotated(c, s, *coupling)
+        if names is None:
+            speed, across = rotated(sympy.cos(angle), sympy.sin(angle), *coupling)
+        else:
+            speed, across = names.turned(f"{t.name}.pull", coupling, angle)
         turn = times(sympy.Pow(expression(in_view(t.length, motion.frame.symbolic)), -1), across)
         if names is not None:
             speed, turn = names.define(f"{t.name}.speed", speed), names.define(f"{t.name}.turn", turn)
@@ -220,13 +220,12 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     names = Locals()
     memo: dict[Expr, Expr] = {}
     twist = [_summed(motion, i, names, memo) for i in range(3)]
-    theta = signal("theta")
-    c, s = names.define("cos_theta", sympy.cos(theta)), names.define("sin_theta", sympy.sin(theta))
+    velocity = names.turned("velocity", (twist[0], twist[1]), signal("theta"))
     posture = system_of("posture", motion)
     joints = [guarded(rate, names, memo) for rate in posture.rates[3:]]
     axles = convoy(motion, axle, twist, names)
     headings = state_ports(robot.trailers)
-    rates = (*rotated(c, s, twist[0], twist[1]), twist[2], *joints, *(a.turn for a in axles))
+    rates = (*velocity, twist[2], *joints, *(a.turn for a in axles))
     outputs = [(rate_port(p), e) for p, e in zip((*posture.state, *headings), rates, strict=True)]
     speed = "speed of the trailer's axle; 0 when jack-knifed"
     outputs += [
@@ -234,7 +233,7 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     ]
     inputs = (*posture.state, *headings, *motion.inputs, *tunable_ports(robot))
     text = f"rates of a body with trailers (one is jack-knifed where its speed is 0): {motion.text}"
-    return Formula("trailer", inputs, tuple(names.items), tuple(outputs), text)
+    return names.formula("trailer", inputs, outputs, text)
 
 
 def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Expr:

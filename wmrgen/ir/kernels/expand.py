@@ -37,10 +37,12 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     prepare = module.prepare
     if prepare is not None:
         prepare = _Expansion(prepare, processor_of(scalar, LIBM, target)).run()
-    vectors = any(map(_vectors, module.functions))
-    own = tuple(_Expansion(f, processor).run(kernel=True) for f in module.kernels)
+    known = library(processor)
+    by_library = {kernel.name for kernel in known}
+    vectors = "vector_at" in called(module.functions)
+    own = tuple(_Expansion(f, processor).run(kernel=True) for f in module.kernels if f.name not in by_library)
     functions = tuple(_Expansion(f, processor, vectors).run() for f in module.functions)
-    return Module(module.name, functions, prepare, _needed(functions, (*library(processor), *own)))
+    return Module(module.name, functions, prepare, _needed(functions, (*known, *own)))
 
 
 def processor_of(scalar: str, math: str, target: str) -> Processor:
@@ -92,7 +94,6 @@ class _Expansion:
         self.raised: dict[
             int, int
         ] = {}  # node of `function` that is a whole number -> that plus the magic number
-        self.vectors = _vectors(function)
 
     def run(self, kernel: bool = False) -> Function:
         for i, node in enumerate(self.function.nodes):
@@ -117,8 +118,7 @@ class _Expansion:
             case Op.FLIP:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
-                shared = self._part_of_vector(node)
-                shared = self._quotient(node) if shared is None else shared
+                shared = self._quotient(node)
                 return tape.mul(*args) if shared is None else shared
             case Op.DIV if not p.bits and self.function.nodes[node.args[1]].op is Op.AT_LEAST:
                 return self._quotient_off_zero(args[0], *self.function.nodes[node.args[1]].args)
@@ -142,16 +142,6 @@ class _Expansion:
         size = tape.put(Op.MAX, tape.put(Op.ABS, a), least)
         return tape.div(compared(tape, Op.WITH_SIGN_OF, above, a), size)
 
-    def _part_of_vector(self, node: Node) -> int | None:
-        """a sin x and a cos x as parts of a vector."""
-        nodes = self.function.nodes
-        for factor, wave in (node.args, node.args[::-1]):
-            other = nodes[wave]
-            if wave in self.vectors and nodes[factor].op not in (Op.SIN, Op.COS):
-                call = self.tape.call("vector_at", self.made[factor], self.made[other.args[0]])
-                return self.tape.result(call, int(other.op is Op.SIN))
-        return None
-
     def _quotient(self, node: Node) -> int | None:
         """a (1/b) as a/b, and c (a/b) as (c a)/b where c a is there: a product less."""
         nodes = self.function.nodes
@@ -173,35 +163,6 @@ class _Expansion:
         if raised is None:
             raised = self.raised[n] = tape.add(self.made[n], tape.const(self.processor.magic))
         return flipped(tape, a, raised, self.processor)
-
-
-def _vectors(function: Function) -> set[int]:
-    """Sines and cosines that are used only as a sin x and a cos x with the same a, both of them."""
-    nodes = function.nodes
-    users: dict[int, list[int]] = {i: [] for i, n in enumerate(nodes) if n.op in (Op.SIN, Op.COS)}
-    for i, node in enumerate(nodes):
-        for arg in node.args:
-            if arg in users:
-                users[arg].append(i)
-    for result in function.results:
-        users.get(result, []).append(-1)
-    factors: dict[int, set[int]] = {}
-    waves: dict[int, set[Op]] = {}
-    for i, its_users in users.items():
-        angle = nodes[i].args[0]
-        waves.setdefault(angle, set()).add(nodes[i].op)
-        sizes = (_other(nodes[u], i) if u >= 0 and nodes[u].op is Op.MUL else -1 for u in its_users)
-        factors.setdefault(angle, set()).update(sizes)
-    return {
-        i
-        for i in users
-        if len(f := factors[nodes[i].args[0]]) == 1 and -1 not in f and len(waves[nodes[i].args[0]]) == 2
-    }
-
-
-def _other(node: Node, arg: int) -> int:
-    a, b = node.args
-    return b if a == arg else a
 
 
 def ordered(function: Function) -> Function:

@@ -73,8 +73,9 @@ def swedish_wheel(page: Page) -> None:
     )
     a = page.let("direction", alpha + beta + gamma)
     b = page.let("lever", beta + gamma)
-    along = page.let("along", sin(a) * vx - cos(a) * vy - l * cos(b) * omega)
-    across = page.let("across", cos(a) * vx + sin(a) * vy + l * sin(b) * omega)
+    turning_along, turning_across = page.vector_at("turning", l * omega, b)
+    along = page.let("along", sin(a) * vx - cos(a) * vy - turning_along)
+    across = page.let("across", cos(a) * vx + sin(a) * vy + turning_across)
     spin = page.quotient("spin", along, r * cos(gamma))
     roller = page.quotient("roller", across + r * sin(gamma) * spin, r_sw)
     page.write(f"spin [rad/s] {SPIN}; roller [rad/s] roller rate", spin, roller)
@@ -84,7 +85,9 @@ def swedish_wheel(page: Page) -> None:
 def mecanum_wheel(page: Page) -> None:
     """Columns are wheel rate, roller rate and turning about the contact; det J = -R r sin alpha."""
     R, r, alpha, phi, dx, dy = page.read(MECANUM)
-    rows = [[-R * sin(phi), r * sin(phi + alpha), dy], [R * cos(phi), -r * cos(phi + alpha), -dx], [0, 0, 1]]
+    wheel_x, wheel_y = page.vector_at("wheel", R, phi)
+    roller_x, roller_y = page.vector_at("roller", r, phi + alpha)
+    rows = [[-wheel_y, roller_y, dy], [wheel_x, -roller_x, -dx], [0, 0, 1]]
     page.write_matrix("m []", sympy.Matrix(rows))
     page.write("det [m^2] regular where it is not 0", -R * r * sin(alpha))
 

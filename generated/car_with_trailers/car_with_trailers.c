@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_57f0c59a7dbef3c2)
+#if !defined(CAR_WITH_TRAILERS_PAIR_4629c1def56ed775)
 #error "car_with_trailers.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)
@@ -297,14 +297,14 @@ void car_with_trailers_posture(
     const car_with_trailers_posture_in *in,
     car_with_trailers_posture_out *out)
 {
-    const wmrgen_vector t0 = wmrgen_vector_at(1.0f, in->theta);
+    const wmrgen_vector rear = wmrgen_vector_at(in->rear.speed, in->theta);
     const wmrgen_vector front = wmrgen_vector_at(1.0f, in->front.steer);
-    const float t1 = (fabsf(front.x) < 1e-09f) ? 0.0f : (1.0f / wmrgen_at_least(front.x, 1e-09f));
-    const float t2 = 0.71428573f * (in->rear.speed * (t1 * front.y));
+    const float t0 = (fabsf(front.x) < 1e-09f) ? 0.0f : (1.0f / wmrgen_at_least(front.x, 1e-09f));
+    const float body_z = 0.71428573f * (in->rear.speed * (t0 * front.y)); /* body z */
 
-    out->x_rate = t0.x * in->rear.speed;
-    out->y_rate = in->rear.speed * t0.y;
-    out->theta_rate = t2;
+    out->x_rate = rear.x;
+    out->y_rate = rear.y;
+    out->theta_rate = body_z;
     out->front.steer_rate = in->front.steer_rate;
 }
 

@@ -58,7 +58,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "08bcd9e04157764138842ceacdd8b595"
-#define CAR_WITH_TRAILERS_PAIR_57f0c59a7dbef3c2 1
+#define CAR_WITH_TRAILERS_PAIR_4629c1def56ed775 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -249,7 +249,7 @@ def posture(x, y, theta, front_steer, rear_speed, front_steer_rate):
     return _shaped(
         [x, y, theta, front_steer, rear_speed, front_steer_rate],
         {
-            "x_rate": np.cos(theta) * rear_speed,
+            "x_rate": rear_speed * np.cos(theta),
             "y_rate": rear_speed * np.sin(theta),
             "theta_rate": _t3,
             "front.steer_rate": front_steer_rate,

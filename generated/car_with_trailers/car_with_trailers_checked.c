@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_57f0c59a7dbef3c2)
+#if !defined(CAR_WITH_TRAILERS_PAIR_4629c1def56ed775)
 #error "car_with_trailers_checked.c and car_with_trailers.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

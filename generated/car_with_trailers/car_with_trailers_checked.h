@@ -20,7 +20,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_57f0c59a7dbef3c2)
+#if !defined(CAR_WITH_TRAILERS_PAIR_4629c1def56ed775)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -85,6 +85,23 @@ def test_kernels_mean_what_the_formula_says(name: str) -> None:
         verify_module(raw, inlined_calls(broken), "calls", 3)
 
 
+@pytest.mark.parametrize("name", STEERED)
+def test_forward_says_that_wheels_roll_at_their_angles(name: str) -> None:
+    """A vector for each steered wheel, of its spin at its angle; size (sin, cos) in its place is refused."""
+    derivation = derive(load(ROOT / "robots" / f"{name}.yaml"), ["forward"])
+    module, raw = derivation._kept_whole, derivation.raw_module.functions
+    (kernel,) = module.kernels
+    steered = [w for w in derivation.robot.wheels if w.turns]
+    calls = [node for node in module.function("forward").nodes if node.op is Op.CALL]
+    assert kernel.name == "vector_at" and len(calls) == len(steered)
+    verify_module(raw, inlined_calls(module), "calls", 3)
+    wrong = Function(**{**_fields(kernel), "results": kernel.results[::-1]})
+    with pytest.raises(PassError):
+        verify_module(
+            raw, inlined_calls(Module(module.name, module.functions, module.prepare, (wrong,))), "calls", 3
+        )
+
+
 def _fields(function: Function) -> dict[str, object]:
     return {name: getattr(function, name) for name in function.__dataclass_fields__}
 

@@ -38,13 +38,13 @@ from wmrgen.functions.models.inputs import Eta, Motion, best_motion, eta_motion
 from wmrgen.functions.models.polynomials import clean, domain_of, essential, quotient
 from wmrgen.functions.models.virtual import steering_frame
 from wmrgen.functions.registry import function, system, underivable
-from wmrgen.functions.system import System
+from wmrgen.functions.system import System, guarded, rate_port
 from wmrgen.kinematics.pose import POSE
-from wmrgen.kinematics.records import Formula, joint_port
+from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role, output
-from wmrgen.symbolic import Expr, expression, rotated, signal, substituted, subtract
+from wmrgen.symbolic import Expr, add, expression, rotated, signal, substituted, subtract, times
 
 _COURSE = "course"  # stands for zeta - theta
 ZETA_STATE = (
@@ -68,7 +68,31 @@ def posture_system(robot: Robot, mobility: Mobility, symbolic: bool = False) -> 
 @function("Tzafestas (2.28), (2.38), (2.46), (2.55), (2.56a); AA274")
 def posture(robot: Robot, mobility: Mobility) -> Formula:
     """State and driven speeds to the rates of the posture."""
-    return posture_system(robot, mobility).formula()
+    motion, names = best_motion(robot, mobility), Locals()
+    model = system_of("posture", motion)
+    rates, _ = posture_rates(model, motion, names)
+    outputs = zip(map(rate_port, model.state), rates, strict=True)
+    return names.formula("posture", (*model.state, *model.inputs, *model.geometry), outputs, model.text)
+
+
+def posture_rates(
+    model: System, motion: Motion, names: Locals
+) -> tuple[tuple[Expr, ...], tuple[Expr, Expr, Expr]]:
+    """The rates of the posture model of a motion, and the twist of P in the robot frame, by named results."""
+    memo: dict[Expr, Expr] = {}
+    vx, vy, omega = (_summed(motion, i, names, memo) for i in range(3))
+    velocity = names.turned("velocity", (vx, vy), signal("theta"))
+    joints = (guarded(rate, names, memo) for rate in model.rates[3:])
+    return (*velocity, omega, *joints), (vx, vy, omega)
+
+
+def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Expr:
+    """Component i of the twist of P, all inputs together."""
+    terms = [
+        times(expression(t[i]), signal(u.name)) for t, u in zip(motion.twists, motion.inputs, strict=True)
+    ]
+    total = add(*terms)
+    return total if total is sympy.S.Zero else names.define(f"body_{'xyz'[i]}", guarded(total, names, memo))
 
 
 @system("eta")

@@ -22,9 +22,9 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.models.inputs import Motion, best_motion
 from wmrgen.functions.models.polynomials import clean
-from wmrgen.functions.models.posture import system_of
+from wmrgen.functions.models.posture import posture_rates, system_of
 from wmrgen.functions.registry import function, system
-from wmrgen.functions.system import Domain, System, guarded, rate_port
+from wmrgen.functions.system import Domain, System, rate_port
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Length, Robot, Trailer
 from wmrgen.mobility.records import Mobility
@@ -218,14 +218,11 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     motion = best_motion(robot, mobility)
     axle = fixed_axle(robot, mobility, motion.frame.view) or THROUGH_P
     names = Locals()
-    memo: dict[Expr, Expr] = {}
-    twist = [_summed(motion, i, names, memo) for i in range(3)]
-    velocity = names.turned("velocity", (twist[0], twist[1]), signal("theta"))
     posture = system_of("posture", motion)
-    joints = [guarded(rate, names, memo) for rate in posture.rates[3:]]
+    rates, twist = posture_rates(posture, motion, names)
     axles = convoy(motion, axle, twist, names)
     headings = state_ports(robot.trailers)
-    rates = (*velocity, twist[2], *joints, *(a.turn for a in axles))
+    rates = (*rates, *(a.turn for a in axles))
     outputs = [(rate_port(p), e) for p, e in zip((*posture.state, *headings), rates, strict=True)]
     speed = "speed of the trailer's axle; 0 when jack-knifed"
     outputs += [
@@ -234,12 +231,3 @@ def trailer(robot: Robot, mobility: Mobility) -> Formula:
     inputs = (*posture.state, *headings, *motion.inputs, *tunable_ports(robot))
     text = f"rates of a body with trailers (one is jack-knifed where its speed is 0): {motion.text}"
     return names.formula("trailer", inputs, outputs, text)
-
-
-def _summed(motion: Motion, i: int, names: Locals, memo: dict[Expr, Expr]) -> Expr:
-    """Component i of the twist of P, all inputs together."""
-    terms = [
-        times(expression(t[i]), signal(u.name)) for t, u in zip(motion.twists, motion.inputs, strict=True)
-    ]
-    total = add(*terms)
-    return total if total is sympy.S.Zero else names.define(f"body_{'xyz'[i]}", guarded(total, names, memo))

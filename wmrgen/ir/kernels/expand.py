@@ -37,12 +37,12 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     prepare = module.prepare
     if prepare is not None:
         prepare = _Expansion(prepare, processor_of(scalar, LIBM, target)).run()
-    known = library(processor)
-    by_library = {kernel.name for kernel in known}
+    common = library(processor)
+    by_library = {kernel.name for kernel in common}
     vectors = "vector_at" in called(module.functions)
     own = tuple(_Expansion(f, processor).run(kernel=True) for f in module.kernels if f.name not in by_library)
     functions = tuple(_Expansion(f, processor, vectors).run() for f in module.functions)
-    return Module(module.name, functions, prepare, _needed(functions, (*known, *own)))
+    return Module(module.name, functions, prepare, _needed(functions, (*common, *own)))
 
 
 def processor_of(scalar: str, math: str, target: str) -> Processor:
@@ -118,8 +118,8 @@ class _Expansion:
             case Op.FLIP:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
-                shared = self._quotient(node)
-                return tape.mul(*args) if shared is None else shared
+                quotient = self._quotient(node)
+                return tape.mul(*args) if quotient is None else quotient
             case Op.DIV if not p.bits and self.function.nodes[node.args[1]].op is Op.AT_LEAST:
                 return self._quotient_off_zero(args[0], *self.function.nodes[node.args[1]].args)
             case Op.CLAMP | Op.AT_LEAST | Op.WITH_SIGN_OF if not p.bits:

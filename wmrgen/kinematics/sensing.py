@@ -32,19 +32,7 @@ from wmrgen.exact.poly import Gen, Poly, Row, dot, has_angles
 from wmrgen.kinematics.records import Locals, signal_poly
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
-from wmrgen.symbolic import (
-    Expr,
-    add,
-    expression,
-    maximum,
-    number,
-    root,
-    select,
-    signal,
-    square,
-    subtract,
-    times,
-)
+from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
 
 Measured = tuple[Row, Poly]  # row . xi = value
 FLOOR = Exact(Fraction(1, 10**12))
@@ -154,7 +142,8 @@ def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
 def _rolled(w: Wheel, names: Locals) -> tuple[Poly, Poly]:
     """The spin of a wheel along its rolling direction [rad/s], robot frame; its components at the joint have names."""
     g = working_view(w)
-    at_joint = names.vector_at(f"{w.name}_roll", signal(f"{w.name}.spin"), signal(f"{w.name}.steer"))
+    spin, steer = (expression(signal_poly(f"{w.name}.{joint}")) for joint in ("spin", "steer"))
+    at_joint = names.vector_at(f"{w.name}_roll", spin, steer)
     u, v = (Poly.gen("local", component.name) for component in at_joint)
     return g.ch * u - g.sh * v, g.sh * u + g.ch * v
 

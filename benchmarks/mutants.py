@@ -3,8 +3,8 @@
 cosmic-ray plants them, one at a time, in copies of the checkout: an operator, a comparison, a number, a condition or
 a loop is changed at a place that a seeded draw chooses among the lines of ``wmrgen/``. A run of the everyday tests
 under coverage says which tests execute which line, and how long they take; of those of the changed line, the tests of
-its own room and the quickest others are run against each fault, for `BUDGET` seconds of that run. A fault that only
-slower ones would find counts as not found.
+its own room and one case of each other are run against each fault, then further cases, for `BUDGET` seconds of that
+run. A fault that only the rest would find counts as not found.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -171,18 +172,22 @@ def _run(job: tuple[Fault, Sequence[str]]) -> Outcome:
 
 
 def _chosen(tests: Sequence[str], path: str, seconds: Mapping[str, float]) -> list[str]:
-    """Of ``tests`` those whose name says most of ``path``, for half the budget, then the quickest others."""
+    """Of ``tests`` those whose name says most of ``path``, for half the budget, then others.
+
+    A test of several cases comes with its quickest case first, and with the next when every other has had its turn.
+    """
     words = set(re.split(r"[/_.]", path.removeprefix("wmrgen/").removesuffix(".py")))
-
-    def nearness(test: str) -> int:
-        return len(words & set(re.split(r"[/_.:]+", test.partition("[")[0])))
-
+    turn: Counter[str] = Counter()
+    order: dict[str, tuple[int, int, float]] = {}  # test -> how far its name is, turn, seconds
+    for test in sorted(tests, key=lambda t: seconds[t]):
+        name = test.partition("[")[0]
+        turn[name] += 1
+        order[test] = -len(words & set(re.split(r"[/_.:]+", name))), turn[name], seconds[test]
     chosen: dict[str, None] = {}
     spent = 0.0
-    by_name = sorted((t for t in tests if nearness(t)), key=lambda t: (-nearness(t), seconds[t]))
-    for limit, ordered in ((BUDGET / 2, by_name), (BUDGET, sorted(tests, key=lambda t: seconds[t]))):
-        for test in ordered:
-            if test not in chosen and spent + seconds[test] <= limit:
+    for limit, first in ((BUDGET / 2, 0), (BUDGET, 1)):
+        for test in sorted(order, key=lambda t: order[t][first:]):
+            if test not in chosen and spent + seconds[test] <= limit and (first or order[test][0]):
                 chosen[test] = None
                 spent += seconds[test]
     return [*chosen] or [*tests[:1]]

@@ -174,3 +174,15 @@ def test_an_angle_snaps_within_a_thousandth(degrees: float, snapped: bool, side:
     model = derived({"wheels": wheels, "couplings": []})
     assert model.robot.wheels[1].heading == pytest.approx(0.0 if snapped else angle, abs=1e-12)
     assert any("taken as 0" in note for note in model.robot.notes) == snapped
+
+
+@pytest.mark.parametrize(("alpha", "beta"), [(0.7, -1.1), (-2.9, 0.4), (2.0, 2.5), (-0.3, -2.2)])
+def test_a_layout_says_what_the_file_says(tmp_path: Path, alpha: float, beta: float) -> None:
+    """Siegwart's alpha, beta and l, and the heading alpha + beta - pi/2 of the wheel plane."""
+    path = tmp_path / "drive.yaml"
+    path.write_text(DRIVE.format(alpha=alpha, beta=beta), encoding="utf-8")
+    wheel = wmrgen.load(path).wheels[1]
+    assert (wheel.l, wheel.alpha, wheel.beta) == pytest.approx((0.2, alpha, beta), abs=1e-12)
+    assert math.remainder(wheel.heading - (alpha + beta - math.pi / 2), 2 * math.pi) == pytest.approx(
+        0, abs=1e-12
+    )

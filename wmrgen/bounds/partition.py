@@ -116,4 +116,6 @@ def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node, for
 
 
 def _widened(value: Interval, form: Format) -> Interval:
-    return iv.widened(value, iv.magnitude(value) * (_ROOM - 1) + form.tiny)
+    """As floats: each end moves by its own rounding, so that what is positive stays so."""
+    low, high = (np.abs(end) * (_ROOM - 1) + form.tiny for end in value)
+    return value[0] - low, value[1] + high

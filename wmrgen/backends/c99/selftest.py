@@ -102,7 +102,7 @@ def _wrapped(numbers: Sequence[str]) -> Iterator[str]:
     for text in numbers:
         if len(line) + len(text) + 2 > WIDTH:
             yield line.rstrip()
-            line = "     "
+            line = "    "
         line += f"{text}, "
     yield line[:-2] + "},"
 

@@ -13,6 +13,8 @@ from wmrgen.errors import EnvironmentFailure
 from wmrgen.ir.build import Builder
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Function, Module, Node, Op
+from wmrgen.kinematics.records import VECTOR_AT
+from wmrgen.lower import lower
 from wmrgen.ports import Port, Role
 
 DRIVER = Path(__file__).with_name("driver.c")
@@ -57,7 +59,10 @@ def module(vector: bool = False) -> Module:
     x, y = Port("x", Role.STATE, "", "argument"), Port("y", Role.COMMAND, "", "value")
     nodes = {name: (Node(Op.INPUT, name="x"), Node(op, (0,))) for name, op in ops.items()}
     kernels = {name: Function(name, (x,), n, (y,), (1,), name) for name, n in nodes.items()}
-    return Module("kernel", tuple((kernels | ({"cosine": _vector()} if vector else {})).values()))
+    if not vector:
+        return Module("kernel", tuple(kernels.values()))
+    functions = tuple((kernels | {"cosine": _vector()}).values())
+    return Module("kernel", functions, kernels=(lower(VECTOR_AT),))
 
 
 def _vector() -> Function:
@@ -65,7 +70,8 @@ def _vector() -> Function:
     b = Builder()
     x, one = b.input("x"), b.const(1)
     size = b.max(one, b.min(one, x))  # 1, and no constant
-    results = [b.mul(size, wave(x)) for wave in (b.cos, b.sin)]
+    called = b.call(VECTOR_AT.name, size, x)
+    results = [b.result(called, number) for number in (0, 1)]
     ports = (Port("x", Role.STATE, "", "argument"),), tuple(Port(n, Role.COMMAND, "", n) for n in ("y", "z"))
     return b.function("cosine", ports[0], ports[1], results, "cosine")
 

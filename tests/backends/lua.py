@@ -11,7 +11,7 @@ from wmrgen.backends.registry import Entry, Facts, Files, Place, reserved
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import complete, self_contained
 from wmrgen.ir.nodes import Function, Module
-from wmrgen.ir.ops import Choice, Op
+from wmrgen.ir.ops import Conditional, Op
 from wmrgen.ir.rounding import to_float64
 
 ENTRY = Entry(
@@ -47,11 +47,11 @@ FORMS = {
     Op.RINT: "math.floor({0} + 0.5)",
     Op.MIN: "math.min({0}, {1})",
     Op.MAX: "math.max({0}, {1})",
-    Op.SELECT: Choice("choose({0} < {1}, {2}, {3})"),
-    Op.FLIP: Choice("choose(({1}) % 2 == 1, -({0}), {0})"),
+    Op.SELECT: Conditional("choose({0} < {1}, {2}, {3})"),
+    Op.FLIP: Conditional("choose(({1}) % 2 == 1, -({0}), {0})"),
     Op.CLAMP: "math.max(-({1}), math.min({1}, {0}))",
-    Op.AT_LEAST: Choice("choose(math.abs({0}) < {1}, choose({0} < 0, -({1}), {1}), {0})"),
-    Op.WITH_SIGN_OF: Choice("choose({1} < 0, -({0}), {0})"),
+    Op.AT_LEAST: Conditional("choose(math.abs({0}) < {1}, choose({0} < 0, -({1}), {1}), {0})"),
+    Op.WITH_SIGN_OF: Conditional("choose({1} < 0, -({0}), {0})"),
 }
 STYLE = Style(
     literal=_literal,

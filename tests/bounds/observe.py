@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wmrgen.bounds.lengths import lengths as vectors
-from wmrgen.bounds.shapes import cone
-from wmrgen.ir.nodes import Function, Node, Op
+from wmrgen.ir.nodes import Function, Node, Op, places
 from wmrgen.ir.rounding import to_float32, to_float64
 
 Ranges = Mapping[str, tuple[float, float]]
@@ -101,7 +100,7 @@ def decided(node: Node, a: list[np.ndarray], b: list[np.ndarray]) -> np.ndarray:
 
 def lengths(function: Function, found: Run, result: int) -> np.ndarray:
     """Length of the shortest vector whose direction node ``result`` depends on; infinite without any."""
-    needed = cone(function.nodes, [result])
+    needed = places(function.nodes, [result])
     shortest = np.full(len(found.exact[result]), np.inf)
     for i, vector in vectors(function.nodes).items():
         if i in needed:

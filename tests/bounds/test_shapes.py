@@ -17,7 +17,7 @@ def test_outside_a_limit_a_value_changes_nothing() -> None:
     quotient = b.div(x, b.add(x, b.const(3)))
     scaled = b.mul(b.const(2), quotient)
     kept = b.max(b.const(-1), b.min(scaled, b.const(Fraction(1, 2))))
-    found = effective(b.nodes, [kept])
+    found = effective(b.function("f", (), (), [kept]))
     assert found[scaled] == (-1.0, 0.5)
     assert found[quotient] == (-0.5, 0.25)
     assert x not in found
@@ -29,7 +29,7 @@ def test_what_is_used_elsewhere_counts_everywhere(use: str) -> None:
     x = b.square(b.input("x"))
     kept = b.min(x, b.const(1))
     results = [kept, x] if use == "a result" else [b.add(kept, x)]
-    assert x not in effective(b.nodes, results)
+    assert x not in effective(b.function("f", (), (), results))
 
 
 def test_products_in_a_sum_and_elsewhere_may_be_contracted() -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Node
-from wmrgen.ir.ops import Choice, Op
+from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression printed in place
 _LONGEST_ARM = 56  # the same where it is computed only if it is chosen
@@ -25,7 +25,7 @@ class Style:
     """How a language writes what is not infix arithmetic.
 
     ``literal`` prints a constant as an atom (negative ones in parentheses). ``form`` is the format of an operation
-    over the arguments by position; a `Choice` always gets a statement of its own.
+    over the arguments by position; a `Conditional` always gets a statement of its own.
     ``declare`` is the statement that names value ``{0}`` to be ``{1}``, ``temporary`` that name. ``grouped``: no
     reader has to know which operator binds tighter (MISRA C:2012 rule 12.1). ``declare`` has the type as ``{2}``.
     """
@@ -73,7 +73,7 @@ def _uses(function: Function, style: Style) -> list[int]:
     for node in function.nodes:
         form = style.form(node.op) if node.op.exact and not node.op.infix else ""
         for position, argument in enumerate(node.args):
-            times = form.count(f"{{{position}}}") if isinstance(form, Choice) else 1
+            times = form.count(f"{{{position}}}") if isinstance(form, Conditional) else 1
             uses[argument] += max(1, times)
     return uses
 
@@ -95,7 +95,7 @@ def _expression(node: Node, args: list[_Text], style: Style) -> _Text:
     if node.op.infix:
         return _infix(node.op, args[0], args[1], style.grouped)
     form = style.form(node.op)
-    if not isinstance(form, Choice):
+    if not isinstance(form, Conditional):
         return _Text(form.format(*(argument.text for argument in args)), _ATOM)
     texts = [argument.within(_UNARY) if style.grouped else argument.text for argument in args]
     return _Text(form.format(*texts), _CHOICE)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from wmrgen.exact.number import ONE, Exact
-from wmrgen.ir.nodes import Node, Op
+from wmrgen.ir.nodes import Function, Node, Op, uses_of
 
 _MOST_ROUNDINGS = 200
 
@@ -64,17 +64,6 @@ def _square(nodes: Sequence[Node], node: Node) -> tuple[Exact, int, int] | None:
     return None
 
 
-def cone(nodes: Sequence[Node], roots: Collection[int]) -> set[int]:
-    """Nodes that ``roots`` need."""
-    needed, stack = set[int](), list(roots)
-    while stack:
-        k = stack.pop()
-        if k not in needed:
-            needed.add(k)
-            stack += nodes[k].args
-    return needed
-
-
 def contracted(nodes: Sequence[Node]) -> frozenset[int]:
     """Products with several uses, a sum among them that a compiler may contract with it (fused multiply-add)."""
     uses: dict[int, list[Op]] = {}
@@ -85,11 +74,9 @@ def contracted(nodes: Sequence[Node]) -> frozenset[int]:
     return frozenset(k for k, ops in uses.items() if len(ops) > 1 and (Op.ADD in ops or Op.SUB in ops))
 
 
-def effective(nodes: Sequence[Node], results: Collection[int]) -> dict[int, tuple[float, float]]:
+def effective(function: Function) -> dict[int, tuple[float, float]]:
     """(low, high) by node: outside, the node changes nothing, for its one use is the minimum with a number, say."""
-    uses = [0] * len(nodes)
-    for k in (*results, *(k for node in nodes for k in node.args)):
-        uses[k] += 1
+    nodes, uses = function.nodes, uses_of(function)
     ranges: dict[int, tuple[float, float]] = {}
     for i in range(len(nodes) - 1, -1, -1):
         op, args, product = nodes[i].op, nodes[i].args, scaled(nodes, nodes[i])

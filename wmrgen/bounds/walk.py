@@ -74,7 +74,7 @@ class Walk:
         self.upper = upper or {}
         self.boxes = max((len(lo) for lo, _ in inputs.values()), default=1)
         self.lengths: dict[int, Length] = lengths(self.nodes)
-        self.effective: Mapping[int, tuple[float, float]] = effective(self.nodes, function.results)
+        self.effective: Mapping[int, tuple[float, float]] = effective(function)
         self.contracted = contracted(self.nodes)
         self.forms = Forms(self.nodes, self.boxes, 16 * library.ulps(Op.SIN) * form.unit)
         self.ranges: list[Interval] = []

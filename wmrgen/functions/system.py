@@ -60,7 +60,7 @@ class System:
             for port, rate in zip(self.state, self.rates, strict=True)
         )
         inputs = (*self.state, *self.inputs, *self.geometry)
-        return Formula(self.name, inputs, tuple(names.items), outputs, self.text)
+        return names.formula(self.name, inputs, outputs, self.text)
 
 
 def rate_port(port: Port) -> Port:

@@ -50,13 +50,8 @@ def contacts(robot: Robot) -> Formula | None:
             outputs += _sphere(w, twist, names)
     if not outputs:
         return None
-    return Formula(
-        "contacts",
-        (*twist_ports(), *tunable_ports(robot)),
-        tuple(names.items),
-        tuple(outputs),
-        "twist of P in the robot frame to roller rates and the rolling of spheres",
-    )
+    text = "twist of P in the robot frame to roller rates and the rolling of spheres"
+    return names.formula("contacts", (*twist_ports(), *tunable_ports(robot)), outputs, text)
 
 
 def _roller(w: Wheel, twist: Row) -> tuple[Port, Expr]:
@@ -109,4 +104,4 @@ def mecanum_roller() -> Formula:
         (Port("half_chord", Role.COMMAND, "m", "half the chord b between neighbouring rollers"), half),
     )
     text = "length and width of the rollers of a mecanum wheel, Tzafestas (2.86)-(2.91)"
-    return Formula("mecanum_roller", inputs, tuple(names.items), outputs, text)
+    return names.formula("mecanum_roller", inputs, outputs, text)

@@ -84,7 +84,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
     )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
     inputs = (*twist_ports(), *steers, *tunable_ports(robot))
-    return Formula(name, inputs, tuple(names.items), tuple(outputs), text, calls=tuple(names.calls))
+    return names.formula(name, inputs, outputs, text)
 
 
 def _named_twist(projection: Projection, names: Locals) -> Row:

@@ -205,7 +205,7 @@ def _kernel(name: str, text: str, *ports: tuple[str, str]) -> Formula:
         (Port("spin", Role.COMMAND, "rad/s", ""), spin),
         (Port("steer", Role.COMMAND, "rad", ""), steer),
     )
-    return Formula(name, inputs, tuple(names.items), outputs, text)
+    return names.formula(name, inputs, outputs, text)
 
 
 _PORTS = (("x", "m/s"), ("y", "m/s"), ("now", "rad"), ("per_rim", "1/m"))

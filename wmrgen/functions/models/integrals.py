@@ -188,7 +188,5 @@ def wheel_angles(robot: Robot, mobility: Mobility) -> Formula:
             rolled = add(*(times(expression(row[k] * inverse), way[k]) for k in range(2)))
         inputs.append(port)
         outputs.append((port, add(signal(port.name), rolled)))
-    return Formula(
-        "wheel_angles", (*POSE, *inputs, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
-        "wheel angles as functions of the position: the integrated rolling constraints; Siegwart 3.4.2",
-    )  # fmt: skip
+    text = "wheel angles as functions of the position: the integrated rolling constraints; Siegwart 3.4.2"
+    return names.formula("wheel_angles", (*POSE, *inputs, *tunable_ports(robot)), outputs, text)

@@ -52,7 +52,7 @@ def _rates(letter: str, values: Iterable[Expr]) -> Outputs:
 def _formula(name: str, w: TrainTerms, inputs: tuple[Port, ...], outputs: Outputs, text: str) -> Formula:
     """A function of the state and of ``inputs``, with what has been written down for it."""
     ports = (*w.train.state, *inputs, *tunable_ports(w.train.robot))
-    return Formula(name, ports, tuple(w.names.items), outputs, text)
+    return w.names.formula(name, ports, outputs, text)
 
 
 @function(SOURCE)

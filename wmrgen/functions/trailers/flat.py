@@ -141,9 +141,7 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
         bend = _curvature_rate(names, kappa, over)
         outputs += _steering(t, t.steering, names, kappa, bend)
     text = f"flat outputs {claim.outputs} with derivatives to pose, inputs and steering, travelling forward"
-    return Formula(
-        "flat", (*_inputs(claim.order), *tunable_ports(robot)), tuple(names.items), tuple(outputs), text
-    )
+    return names.formula("flat", (*_inputs(claim.order), *tunable_ports(robot)), outputs, text)
 
 
 def _inputs(order: int) -> tuple[Port, ...]:

@@ -74,7 +74,7 @@ def trailer_positions(robot: Robot, mobility: Mobility) -> Formula:
         ahead = heading
     inputs = (*POSE, *state_ports(robot.trailers), *tunable_ports(robot))
     text = "where the axles of the trailers stand"
-    return Formula("trailer_positions", inputs, tuple(names.items), tuple(outputs), text)
+    return names.formula("trailer_positions", inputs, outputs, text)
 
 
 @function("Tzafestas 2.3.6, (2.70) at rest")
@@ -111,7 +111,5 @@ def steady_circle(robot: Robot, mobility: Mobility) -> Formula:
         outputs.append((output(f"{t.name}.speed", "", text), speed))
     text = "smallest squared speed ratio: the steady circle exists where it is not negative"
     outputs.append((output("margin", "", text), margin))
-    return Formula(
-        "steady_circle", (CURVATURE, *tunable_ports(robot)), tuple(names.items), tuple(outputs),
-        "hitch angles on the steady circle of constant curvature",
-    )  # fmt: skip
+    text = "hitch angles on the steady circle of constant curvature"
+    return names.formula("steady_circle", (CURVATURE, *tunable_ports(robot)), outputs, text)

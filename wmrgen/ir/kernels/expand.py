@@ -7,7 +7,6 @@ interpreter predicts its bits on every target. It is no longer exact algebra, so
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 
 from wmrgen.exact.number import ONE
@@ -15,7 +14,7 @@ from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.sums import compensated_sum, fuse
 from wmrgen.ir.kernels.trigonometry import EVEN32, RINT32, RINT64, Processor, flipped, library, soft
-from wmrgen.ir.nodes import Function, Module, Node, Op
+from wmrgen.ir.nodes import Function, Module, Node, Op, uses_of
 from wmrgen.ir.passes.schedule import calls_first, schedule
 from wmrgen.ir.tape import Tape, compared
 
@@ -54,7 +53,7 @@ def processor_of(scalar: str, math: str, target: str) -> Processor:
         fused=single and target == M4F,
         bits=single and target in (M4F, M0),
         integer=inline and target == M0,
-        magic=RINT32 if single else RINT64,
+        single=single,
     )
 
 
@@ -77,42 +76,32 @@ def rounds(module: Module) -> bool:
 class _Expansion:
     """One function, node by node."""
 
-    def __init__(
-        self,
-        function: Function,
-        processor: Processor,
-        vectors: bool = False,
-    ) -> None:
+    def __init__(self, function: Function, processor: Processor, vectors: bool = False) -> None:
         """``vectors``: the module has kernels for vectors, so that directions are those of size 1."""
         self.processor, self.directions = processor, not vectors
         self.function = function
         self.tape = Tape()
         self.made: list[int] = []
-        self.uses = Counter(a for node in function.nodes for a in node.args) + Counter(function.results)
+        self.uses = uses_of(function)
         self.products = {node.args for node in function.nodes if node.op is Op.MUL}
         self.constants = {i for i, node in enumerate(function.nodes) if node.value is not None}
-        self.raised: dict[
-            int, int
-        ] = {}  # node of `function` that is a whole number -> that plus the magic number
 
     def run(self, kernel: bool = False) -> Function:
-        for i, node in enumerate(self.function.nodes):
-            self.made.append(self._node(i, node))
+        for node in self.function.nodes:
+            self.made.append(self._node(node))
         results = tuple(self.made[r] for r in self.function.results)
         expanded = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
         expanded = fuse(expanded, kernel) if self.processor.fused else expanded
         return ordered(soft(expanded) if self.processor.integer else expanded)
 
-    def _node(self, i: int, node: Node) -> int:
+    def _node(self, node: Node) -> int:
         tape, args, p = self.tape, tuple(self.made[a] for a in node.args), self.processor
         match node.op:
             case Op.COMPENSATED:
-                return (
-                    compensated_sum(tape, args[0], args[1], p.fused) if p.magic == RINT32 else tape.add(*args)
-                )
+                return compensated_sum(tape, args[0], args[1], p.fused) if p.single else tape.add(*args)
             case Op.RINT:
-                self.raised[i] = tape.add(args[0], tape.const(p.magic))
-                return tape.sub(self.raised[i], tape.const(p.magic))
+                magic = tape.const(p.magic)
+                return tape.sub(tape.add(args[0], magic), magic)
             case Op.MIN | Op.MAX if node.args[0] in self.constants:
                 args = args[::-1]  # alike wherever it stands
             case Op.FLIP:
@@ -158,10 +147,11 @@ class _Expansion:
 
     def _flip(self, a: int, n: int) -> int:
         """a where the whole number n, a node of `function`, is even, else -a."""
-        tape = self.tape
-        raised = self.raised.get(n)
-        if raised is None:
-            raised = self.raised[n] = tape.add(self.made[n], tape.const(self.processor.magic))
+        tape, whole = self.tape, self.made[n]
+        if self.function.nodes[n].op is Op.RINT:
+            raised = tape.nodes[whole].args[0]
+        else:
+            raised = tape.add(whole, tape.const(self.processor.magic))
         return flipped(tape, a, raised, self.processor)
 
 

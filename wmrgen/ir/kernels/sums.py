@@ -7,12 +7,12 @@ therefore formed in parts that are exact, and taken away one after the other.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.nodes import Function, Node, Op, prune
+from wmrgen.ir.nodes import Function, Node, Op, pruned, uses_of
 from wmrgen.ir.rounding import round_rational, to_float32
 from wmrgen.ir.tape import Tape
 
@@ -24,10 +24,8 @@ def fuse(function: Function, kernel: bool = False) -> Function:
 
     Squares of the inputs of a ``kernel`` stay: its calls have inputs in common, and a compiler shares the squares.
     """
-    nodes, results = prune(function.nodes, function.results)
-    uses = [0] * len(nodes)
-    for i in (*results, *(arg for node in nodes for arg in node.args)):
-        uses[i] += 1
+    function = pruned(function)
+    nodes, uses = function.nodes, uses_of(function)
     fused: list[Node] = []
     place: list[int] = []
     opposites: dict[int, int] = {}
@@ -54,10 +52,10 @@ def fuse(function: Function, kernel: bool = False) -> Function:
             node = Node(node.op, args, node.value, node.name)
         place.append(len(fused))
         fused.append(node)
-    return replace(function, nodes=tuple(fused), results=tuple(place[r] for r in results))
+    return replace(function, nodes=tuple(fused), results=tuple(place[r] for r in function.results))
 
 
-def _product(nodes: Sequence[Node], i: int, uses: Sequence[int], kernel: bool) -> int | None:
+def _product(nodes: Sequence[Node], i: int, uses: Mapping[int, int], kernel: bool) -> int | None:
     """Which of the two arguments of sum ``i`` is a product for it alone. Twice x is better left as x + x."""
     for k, arg in enumerate(nodes[i].args):
         product = nodes[arg]

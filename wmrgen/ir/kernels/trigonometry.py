@@ -80,7 +80,12 @@ class Processor:
     fused: bool
     bits: bool
     integer: bool
-    magic: Exact  # floats this large are whole numbers
+    single: bool  # float, not double
+
+    @property
+    def magic(self) -> Exact:
+        """Numbers this large are whole."""
+        return RINT32 if self.single else RINT64
 
 
 def flipped(tape: Tape, a: int, raised: int, processor: Processor) -> int:

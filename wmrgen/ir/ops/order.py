@@ -12,7 +12,7 @@ import numpy as np
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
 from wmrgen.ir.ops.analysis import Bounded, Fact, Noise, Partial, Value, Walk
-from wmrgen.ir.ops.record import Choice, Op
+from wmrgen.ir.ops.record import Conditional, Op
 
 # ---- absolute values
 
@@ -77,13 +77,13 @@ def _extreme_error(a: Bounded, b: Bounded, value: Array) -> Bounded:
 Op.MIN = Op(
     "min", 2, lambda a, b: a if a < b else b, many=np.minimum, commutative=True, cost="comparisons",
     # fminf would be a library call on most targets, and leaves the sign of zero open.
-    c=Choice("({0} < {1}) ? {0} : {1}"), numpy="np.minimum({0}, {1})", casadi="OP_FMIN",
+    c=Conditional("({0} < {1}) ? {0} : {1}"), numpy="np.minimum({0}, {1})", casadi="OP_FMIN",
     fact=lambda a, b: -_larger_fact(-a, -b), interval=iv.smaller, lemma=_smaller,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(a.value < b.value, a.value, b.value)),
 )  # fmt: skip
 Op.MAX = Op(
     "max", 2, lambda a, b: b if a < b else a, many=np.maximum, commutative=True, cost="comparisons",
-    c=Choice("({0} < {1}) ? {1} : {0}"), numpy="np.maximum({0}, {1})", casadi="OP_FMAX",
+    c=Conditional("({0} < {1}) ? {1} : {0}"), numpy="np.maximum({0}, {1})", casadi="OP_FMAX",
     fact=_larger_fact, interval=iv.larger, lemma=_larger,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(b.value < a.value, a.value, b.value)),
 )  # fmt: skip
@@ -145,7 +145,7 @@ def _casadi_choice(ca: Any, a: Any, b: Any, x: Any, y: Any) -> Any:
 Op.SELECT = Op(
     "select", 4, lambda a, b, x, y: x if a < b else y, many=lambda a, b, x, y: np.where(a < b, x, y),
     cost="comparisons",
-    c=Choice("({0} < {1}) ? {2} : {3}"), numpy=Choice("np.where({0} < {1}, {2}, {3})"), casadi=_casadi_choice,
+    c=Conditional("({0} < {1}) ? {2} : {3}"), numpy=Conditional("np.where({0} < {1}, {2}, {3})"), casadi=_casadi_choice,
     fact=lambda a, b, x, y: x | y, interval=iv.chosen, lemma=_choice, running=_choice_error,
 )  # fmt: skip
 
@@ -213,7 +213,7 @@ Op.WITH_SIGN_OF = Op(
     lambda a, b: -a if math.copysign(1.0, b) < 0 else a,
     many=lambda a, b: np.where(np.signbit(b), -a, a), cost="signs",
     c="wmrgen_with_sign_of({0}, {1})", includes=("<stdint.h>",),
-    numpy=Choice("np.where(np.signbit({1}), np.negative({0}), {0})"), casadi=_casadi_with_sign,
+    numpy=Conditional("np.where(np.signbit({1}), np.negative({0}), {0})"), casadi=_casadi_with_sign,
     fact=lambda a, b: a | -a, interval=_signed_range, lemma=_with_sign, running=_with_sign_error,
 )  # fmt: skip
 
@@ -249,7 +249,7 @@ Op.AT_LEAST = Op(
     lambda a, m: math.copysign(m, a) if abs(a) < m else a,
     many=lambda a, m: np.where(np.abs(a) < m, np.copysign(m, a), a), cost="comparisons",
     c="wmrgen_at_least({0}, {1})", includes=("<stdint.h>",),
-    numpy=Choice("np.where(np.abs({0}) < {1}, np.copysign({1}, {0}), {0})"), casadi=_casadi_at_least,
+    numpy=Conditional("np.where(np.abs({0}) < {1}, np.copysign({1}, {0}), {0})"), casadi=_casadi_at_least,
     fact=lambda a, m: replace(a | m | -m, away=m.away, nonzero=True),
     interval=_at_least_range, lemma=_at_least, running=_at_least_error,
 )  # fmt: skip

@@ -18,7 +18,7 @@ Rule = Callable[..., Any]
 OPERATIONS: dict[str, Op] = {}  # by name
 
 
-class Choice(str):
+class Conditional(str):
     """The text of a value that is chosen: it is printed as a statement of its own."""
 
     __slots__ = ()

@@ -13,7 +13,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir import interval as iv
 from wmrgen.ir.interval import Array, Interval
 from wmrgen.ir.ops.analysis import Bounded, Fact, Partial, Value, Walk
-from wmrgen.ir.ops.record import Choice, Op
+from wmrgen.ir.ops.record import Conditional, Op
 
 # ---- the nearest whole number
 
@@ -81,7 +81,7 @@ Op.FLIP = Op(
     "flip", 2, lambda a, n: -a if n.rational() % 2 else a,
     lambda a, n: -a if math.isfinite(n) and n % 2 == 1 else a,
     many=lambda a, n: np.where(n % 2 == 1, -a, a), cost="signs",
-    numpy=Choice("np.where(np.mod({1}, 2) == 1, np.negative({0}), {0})"), casadi=_casadi_flip,
+    numpy=Conditional("np.where(np.mod({1}, 2) == 1, np.negative({0}), {0})"), casadi=_casadi_flip,
     fact=lambda a, n: a | -a, interval=_either_sign, lemma=_flip, running=_flip_error,
 )  # fmt: skip
 Op.NEGATE_IF_ODD = Op(

@@ -19,15 +19,14 @@ import sympy
 
 from wmrgen.constraints import sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, absolute, add, expression, maximum, select, signal, subtract
+from wmrgen.symbolic import Expr, absolute, add, expression, maximum, select, signal, square, subtract
 
-SWITCH = sympy.Rational(
-    3, 64
-)  # largest h with h**8 / 9! <= 2**-53, rounded down to few bits: a float holds it
+# The largest h with h**8 / 9! <= 2**-53, rounded down to few bits: a float holds it.
+SWITCH = sympy.Rational(3, 64)
 WORST_ERROR = float(SWITCH) ** 8 / 362880
 
 POSE = (
@@ -51,19 +50,18 @@ def dynamics(robot: Robot, mobility: Mobility) -> Formula:
         for k in range(len(columns))
     ]
     wheels = [robot.wheel(n) for n in mobility.basis_wheels]
-    twist: list[Expr] = []
-    for i, name in enumerate(("vx_body", "vy_body", "omega_body")):
-        value = Poly.sum(
-            column[i] * Poly.gen("input", e.name) for column, e in zip(columns, etas, strict=True)
-        )
-        twist.append(names.define(name, value) if value else sympy.S.Zero)
-    velocity = names.turned("velocity", (twist[0], twist[1]), signal("theta"))
+    twist = [
+        Poly.sum(c[i] * signal_poly(e.name) for c, e in zip(columns, etas, strict=True)) for i in range(3)
+    ]
+    called = ("vx_body", "vy_body", "omega_body")
+    vx, vy, omega = (names.poly(n, p) if p else p for n, p in zip(called, twist, strict=True))
+    velocity = names.turned("velocity", (expression(vx), expression(vy)), signal("theta"))
     steered = [joint_port(w, "steer_rate", Role.COMMAND) for w in wheels]
     swivels = _swivelling(robot, columns)
     outputs = (
-        *zip(RATES, (*velocity, twist[2]), strict=True),
+        *zip(RATES, (*velocity, expression(omega)), strict=True),
         *((p, signal(p.name)) for p in steered),
-        *((joint_port(w, "steer_rate", Role.COMMAND), _swivel_rate(w, names)) for w in swivels),
+        *((joint_port(w, "steer_rate", Role.COMMAND), _swivel_rate(w, (vx, vy, omega))) for w in swivels),
     )
     steers = [joint_port(w, "steer", Role.STATE) for w in (*wheels, *swivels)]
     inputs = (*POSE, *steers, *etas, *steered, *tunable_ports(robot))
@@ -76,13 +74,10 @@ def _swivelling(robot: Robot, columns: tuple[Row, ...]) -> list[Wheel]:
     return [w for w in robot.wheels if w.kind.swivels and w.name in seen]
 
 
-def _swivel_rate(w: Wheel, names: Locals) -> Expr:
+def _swivel_rate(w: Wheel, twist: Row) -> Expr:
     """-(sliding row . xi) / d (Siegwart (3.18))."""
     g = working_view(w)
-    defined = {symbol.name for symbol, _ in names.items}
-    twist = [Poly.gen("local", n) if n in defined else Poly({}) for n in ("vx_body", "vy_body", "omega_body")]
-    slide = dot(sliding_row(w, g).row, (twist[0], twist[1], twist[2]))
-    return expression(-(slide * g.d.inverse()))
+    return expression(-(dot(sliding_row(w, g).row, twist) * g.d.inverse()))
 
 
 def _nested(q: Expr) -> Expr:
@@ -93,15 +88,26 @@ def _nested(q: Expr) -> Expr:
     return series
 
 
+def _sinc() -> Formula:
+    """sin(h)/h of an angle h [rad], by its series where |h| < `SWITCH`."""
+    names, h = Locals(), signal("h")
+    squared, size = names.define("h_squared", square(h)), names.define("h_size", absolute(h))
+    series = names.define("sinc_series", _nested(squared))
+    safe = names.define("h_safe", maximum(size, SWITCH))
+    sinc = select(size, SWITCH, series, sympy.sin(safe) / safe)
+    inputs, outputs = (Port("h", Role.STATE, "rad", ""),), ((Port("sinc", Role.COMMAND, "", ""), sinc),)
+    return names.formula("sinc", inputs, outputs, "sin(h)/h, by its series up to h**6 where |h| < 3/64.")
+
+
+SINC = _sinc()
+
+
 def odometry() -> Formula:
     """x y theta vx vy omega dt to the pose after dt."""
     names = Locals()
     x, y, theta, vx, vy, omega, dt = (signal(n) for n in ("x", "y", "theta", "vx", "vy", "omega", "dt"))
     h = names.define("half_turn", omega * dt / 2)
-    q, size = names.define("half_turn_squared", h**2), names.define("half_turn_size", absolute(h))
-    series = names.define("sinc_series", _nested(q))
-    safe = names.define("half_turn_safe", maximum(size, SWITCH))
-    sinc = select(size, SWITCH, series, sympy.sin(safe) / safe)
+    (sinc,) = names.call(SINC, {"h": h})
     chord = names.define("chord", dt * sinc)
     middle = names.define("middle", add(theta, h))
     c, s = sympy.cos(middle), sympy.sin(middle)
@@ -111,6 +117,4 @@ def odometry() -> Formula:
         (POSE[2], add(theta, omega * dt)),
     )
     inputs = (*POSE, *twist_ports(), Port("dt", Role.COMMAND, "s", "duration of the step"))
-    return Formula(
-        "odometry", inputs, tuple(names.items), outputs, "pose after driving a constant twist for dt"
-    )
+    return names.formula("odometry", inputs, outputs, "pose after driving a constant twist for dt")

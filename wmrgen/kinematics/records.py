@@ -94,10 +94,18 @@ class Locals:
 
     def vector_at(self, name: str, size: Expr, angle: Expr) -> tuple[Local, Local]:
         """Both components of the vector of this size at this angle, new intermediate results of a call."""
-        x = self.define(f"{name}_x", times(size, sympy.cos(angle)))
-        y = self.define(f"{name}_y", times(size, sympy.sin(angle)))
-        self.calls.append(Call(VECTOR_AT, (size, angle), (x, y)))
+        x, y = self.call(VECTOR_AT, {"size": size, "angle": angle}, f"{name}_")
         return x, y
+
+    def call(self, kernel: Formula, args: Mapping[str, Expr], prefix: str = "") -> tuple[Local, ...]:
+        """The outputs of ``kernel`` for ``args`` by port name, in order: new intermediate results of a call."""
+        values: dict[Expr, Expr] = {signal(name): value for name, value in args.items()}
+        results = tuple(
+            self.define(f"{prefix}{name}", substituted(value, values, {}))
+            for name, value in kernel.closed().items()
+        )
+        self.calls.append(Call(kernel, tuple(args[port.name] for port in kernel.inputs), results))
+        return results
 
     def turned(self, name: str, vector: tuple[Expr, Expr], angle: Expr) -> tuple[Expr, Expr]:
         """``vector`` turned by an angle: named are cosine and sine, or both components where it lies along x."""

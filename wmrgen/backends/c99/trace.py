@@ -146,8 +146,8 @@ _OF_A_WHEEL = {
     "bx0": "contact point from the mean, x", "by0": "contact point from the mean, y",
 }  # fmt: skip
 _ALONE = {
-    "half_turn": "h", "half_turn_squared": "h^2", "sinc_series": "series of sinc(h)", "half_turn_size": "|h|",
-    "half_turn_safe": "|h| or 3/64",
+    "half_turn": "h", "h_squared": "h^2", "sinc_series": "series of sinc(h)", "h_size": "|h|",
+    "h_safe": "|h| or 3/64",
     "chord": "dt sinc(h)", "middle": "theta + h", "vx_fit": "vx", "vy_fit": "vy", "omega_fit": "omega",
     "det": "det(HtH)",
 }  # fmt: skip

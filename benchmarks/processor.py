@@ -14,12 +14,12 @@ from statistics import mean
 from benchmarks.emulator import gcc
 from benchmarks.emulator.fleet import LAYOUTS, Fleet, write_sources
 from benchmarks.emulator.image import Image
-from benchmarks.emulator.inputs import nominal
 from benchmarks.emulator.zig import M0, M4F
 from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.others import casadi_c, symforce_c, sympy_c
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.functions import Step
+from wmrgen.ir.calls import nominal
 from wmrgen.ir.kernels.choice import MATHS, Choice
 
 REFERENCE = Path(__file__).resolve().parent / "reference"

@@ -5,14 +5,6 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 
-from wmrgen.ir.nodes import Module
-
-
-def nominal(module: Module) -> dict[str, float]:
-    """The tunable parameters of ``module``."""
-    every = (*module.functions, *([module.prepare] if module.prepare else []))
-    return {p.name: float(p.default) for f in every for p in f.inputs if p.default is not None}
-
 
 def cases(names: Sequence[str], known: dict[str, float], seed: str, count: int) -> Iterator[dict[str, float]]:
     """Standstill, then uniform in [-1, 1]; what is ``known`` stays as it is."""

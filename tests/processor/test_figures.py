@@ -10,11 +10,11 @@ import pytest
 
 from benchmarks import figures
 from benchmarks.emulator.fleet import Fleet, answers
-from benchmarks.emulator.inputs import nominal
 from benchmarks.figures import BEGIN, END, PAGE
 from benchmarks.jobs import JOBS, Job, derivations
 from benchmarks.processor import GENERATORS, Bench, inputs
 from tests.tools import need
+from wmrgen.ir.calls import nominal
 from wmrgen.ir.interpret import FLOAT32
 from wmrgen.ir.kernels.choice import MATHS
 

@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 
 from benchmarks.emulator.fleet import Fleet, answers
-from benchmarks.emulator.inputs import nominal
 from benchmarks.emulator.zig import FLAGS
 from benchmarks.jobs import JOBS, Job, derivations, outputs
 from benchmarks.processor import inputs as every_input
 from benchmarks.processor import references
 from wmrgen.backends.c99.functions import Step
+from wmrgen.ir.calls import nominal
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
 
 FLAGS_OF = {"libm": (), "inline": ("-DREFERENCE_INLINE",)}

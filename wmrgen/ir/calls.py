@@ -143,13 +143,23 @@ def defaults(function: Function) -> dict[str, float]:
     return {port.name: float(port.default) for port in function.inputs if port.default is not None}
 
 
+def nominal(module: Module) -> dict[str, float]:
+    """Nominal values of the tunable parameters of ``module``."""
+    functions = (*module.functions, *((module.prepare,) if module.prepare else ()))
+    return {name: value for f in functions for name, value in defaults(f).items()}
+
+
 def complete(function: Function, case: Mapping[str, float]) -> list[float]:
     """The values of ``case`` in order of the inputs, tunables left out nominal. UsageError for a gap."""
-    values = {**defaults(function), **case}
-    missing = [port.name for port in function.inputs if port.name not in values]
+    return in_order(function.name, [port.name for port in function.inputs], {**defaults(function), **case})
+
+
+def in_order(function: str, inputs: Sequence[str], values: Mapping[str, float]) -> list[float]:
+    """Of ``values`` those of ``inputs``. UsageError where the ``function`` needs one that is not there."""
+    missing = [name for name in inputs if name not in values]
     if missing:
-        raise UsageError(f"{function.name} needs a value for {', '.join(missing)}")
-    return [float(values[port.name]) for port in function.inputs]
+        raise UsageError(f"{function} needs a value for {', '.join(missing)}")
+    return [float(values[name]) for name in inputs]
 
 
 def hand_through(module: Module) -> Module:

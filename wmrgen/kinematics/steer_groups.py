@@ -17,7 +17,18 @@ from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals
 from wmrgen.kinematics.steer import Target, Velocity, pivot, present, steer_one, turned_back
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.symbolic import Expr, add, angle_of, expression, kept_between, number, select, subtract, times
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    angle_of,
+    expression,
+    kept_between,
+    number,
+    rotated_back,
+    select,
+    subtract,
+    times,
+)
 
 Targets = dict[int, Target]
 
@@ -96,8 +107,7 @@ def seen_from(
 
 def turned(steer: Expr, turn: Expr, u: Expr, v: Expr) -> Target:
     """The pivot's velocity (u, v) seen from the wheel after it has turned."""
-    c, s = sympy.cos(turn), sympy.sin(turn)
-    return Target(steer, add(times(u, c), times(v, s)), subtract(times(v, c), times(u, s)))
+    return Target(steer, *rotated_back(sympy.cos(turn), sympy.sin(turn), u, v))
 
 
 def turning_alike(robot: Robot, twist: Row, targets: Targets, names: Locals) -> Targets:

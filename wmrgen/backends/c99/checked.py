@@ -191,13 +191,12 @@ def fuzz(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -
 
 def _tried(unit: Unit, guarded: Guarded) -> dict[str, Any]:
     """A function that is tried, ready to print."""
-    step, before = guarded.step, unit.before([guarded.step])
-    variables = {p: s for called in (step, *before) for p, s in called.arguments.items()}
-    fill = [f"{called.call()};" for called in before]
+    step = guarded.step
+    fill = [f"{called.call()};" for called in unit.before([step])]
     fill += [f"in.{guarded.member('in', r.port)} = any(&bytes, {r.low}, {r.high});" for r in guarded.ranges]
     return {
         "name": step.name.removeprefix(f"{unit.robot}_"),
-        "declare": [f"{s.name} {p};" for p, s in variables.items()],
+        "declare": [f"{s.name} {p};" for p, s in unit.variables(step).items()],
         "fill": fill,
         "call": step.call().replace(step.name, f"{step.name}_checked", 1),
         "accepted": [f"must({test});" for output in guarded.outputs for test in _numbers(guarded, output)],

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 
 from wmrgen.backends.c99.emit import sources, unit
 from wmrgen.backends.c99.functions import Step, Unit
-from wmrgen.backends.c99.text import Struct
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
-from wmrgen.errors import UsageError
+from wmrgen.ir.calls import in_order, nominal
 from wmrgen.ir.kernels.choice import DEFAULT, HOST, LIBM, Choice
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
@@ -56,18 +55,10 @@ def calls(unit: Unit) -> tuple[Call, ...]:
     return tuple(_call(unit, step) for step in unit.contract.values())
 
 
-def _variables(unit: Unit, step: Step) -> dict[str, Struct]:
-    """The variables that a call of ``step`` takes, and what is called before it."""
-    return {p: s for called in (step, *unit.before([step])) for p, s in called.arguments.items()}
-
-
 def _call(unit: Unit, step: Step) -> Call:
-    variables, inputs = _variables(unit, step), list[str]()
-    lines = [f"{s.name} {p};" for p, s in variables.items()]
-    for parameter in ("in", "params"):
-        for name, member in variables[parameter].members.items() if parameter in variables else ():
-            lines.append(f"{parameter}.{member} = ({unit.choice.scalar})x[{len(inputs)}];")
-            inputs.append(name)
+    inputs = unit.inputs(step)
+    lines = [f"{s.name} {p};" for p, s in unit.variables(step).items()]
+    lines += [f"{member} = ({unit.choice.scalar})x[{k}];" for k, member in enumerate(inputs.values())]
     lines += [f"{called.call()};" for called in (*unit.before([step])[-1:], step)]  # prepare: params are set
     outputs = step.arguments["out"].members
     lines += [f"y[{k}] = (double)out.{member};" for k, member in enumerate(outputs.values())]
@@ -85,23 +76,12 @@ def driver(calls: Sequence[Call]) -> str:
 
 def request(index: int, call: Call, values: Mapping[str, float]) -> str:
     """One line for the driver. UsageError where an input has no value."""
-    missing = [name for name in call.inputs if name not in values]
-    if missing:
-        raise UsageError(f"{call.function} needs a value for {', '.join(missing)}")
-    return " ".join([str(index), *(float(values[name]).hex() for name in call.inputs)])
+    return " ".join([str(index), *(x.hex() for x in in_order(call.function, call.inputs, values))])
 
 
 def answer(call: Call, line: str) -> dict[str, float]:
     """Outputs by contract name from one line of the driver."""
     return dict(zip(call.outputs, map(float.fromhex, line.split()), strict=True))
-
-
-def nominal(module: Module) -> dict[str, float]:
-    """Nominal values of the tunable parameters of ``module``."""
-    ports = [
-        port for f in (*module.functions, *([module.prepare] if module.prepare else [])) for port in f.inputs
-    ]
-    return {port.name: float(port.default) for port in ports if port.default is not None}
 
 
 def evaluate_c(
@@ -153,16 +133,14 @@ def harness(module: Module, cases: Cases, choice: Choice = PLAIN, waves: bool = 
     return {f"{functions.robot}.h": header, f"{functions.robot}.c": source, HARNESS: "\n".join(lines)}
 
 
-def _case(unit: Unit, name: str, ranges: Ranges) -> list[str]:
+def _case(unit: Unit, called: str, ranges: Ranges) -> list[str]:
     """A call with all inputs of their ranges."""
-    step, end = unit.contract[name], "f" if unit.choice.scalar == "float" else ""
-    variables = _variables(unit, step)
-    lines = [f"{s.name} {p};" for p, s in variables.items()]
-    for parameter in ("in", "params"):
-        for key, member in variables[parameter].members.items() if parameter in variables else ():
-            low, high = (f"{float(v).hex()}{end}" for v in ranges[key])
-            lines.append(f"{parameter}.{member} = Frama_C_{unit.choice.scalar}_interval({low}, {high});")
-    lines += [f"{called.call()};" for called in (*unit.before([step])[-1:], step)]
+    step, end = unit.contract[called], "f" if unit.choice.scalar == "float" else ""
+    lines = [f"{s.name} {p};" for p, s in unit.variables(step).items()]
+    for name, member in unit.inputs(step).items():
+        low, high = (f"{float(v).hex()}{end}" for v in ranges[name])
+        lines.append(f"{member} = Frama_C_{unit.choice.scalar}_interval({low}, {high});")
+    lines += [f"{each.call()};" for each in (*unit.before([step])[-1:], step)]
     return lines
 
 

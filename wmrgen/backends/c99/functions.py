@@ -85,6 +85,16 @@ class Unit:
         named = {step.name.removeprefix(f"{self.robot}_"): step for step in self.steps}
         return {name: step for name, step in named.items() if name not in ("params_default", "prepare")}
 
+    def variables(self, step: Step) -> dict[str, Struct]:
+        """The variables that a call of ``step`` takes, and what is called before it."""
+        return {p: s for called in (step, *self.before([step])) for p, s in called.arguments.items()}
+
+    def inputs(self, step: Step) -> dict[str, str]:
+        """Contract name -> variable and member, of the inputs of ``step``; the tunables are the last."""
+        variables = self.variables(step)
+        given = (p for p in ("in", "params") if p in variables)
+        return {name: f"{p}.{member}" for p in given for name, member in variables[p].members.items()}
+
     def before(self, steps: Iterable[Step]) -> tuple[Step, ...]:
         """What has to be called before ``steps``: params_default and prepare, where one reads what prepare gives."""
         if not any("prepared" in step.arguments for step in steps):

@@ -21,7 +21,7 @@ import sympy
 from wmrgen.constraints import heading, rolling_row, working_view
 from wmrgen.exact.poly import Gen, Poly, Row, dot
 from wmrgen.functions.registry import function
-from wmrgen.functions.space.wheel_motion import rolling_direction
+from wmrgen.functions.space.wheel_motion import rolling_direction_at
 from wmrgen.kinematics.inverse import Joints, inverse, spins
 from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import Formula, Locals, joint_port
@@ -143,7 +143,7 @@ def _rims(
     if w.kind.swivels:
         e = heading(w, g)
     else:
-        e = rolling_direction(w, names.define(f"{w.name}_commanded", commands[f"{w.name}.steer"]), names)
+        e = rolling_direction_at(w, names.define(f"{w.name}_commanded", commands[f"{w.name}.steer"]), names)
     (along, across), (change, _) = speeds_at(w, motion.twist, e), speeds_at(w, motion.rate, e)
     turn, o = turns[w.index], expression(g.o)
     omega, omega1 = expression(motion.twist[2]), expression(motion.rate[2])

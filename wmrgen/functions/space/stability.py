@@ -37,7 +37,7 @@ from wmrgen.functions.space.wheel_motion import (
     dot,
     input_vector,
     named_vector,
-    rolling_direction,
+    rolling_direction_at,
 )
 from wmrgen.kinematics.records import Formula, Locals, joint_port, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
@@ -93,7 +93,7 @@ def _spot(w: Wheel, names: Locals) -> Spot:
     if not (w.turns and (g.d or g.o)):
         (ax, ay), (bx, by) = arm(g, g.ch, g.sh), arm(n, n.ch, n.sh)
         return Spot(w, expression(g.x + ax), expression(g.y + ay), (n.x + bx, n.y + by), 0.0)
-    ax, ay = arm(g, *rolling_direction(w, signal(f"{w.name}.steer"), names))
+    ax, ay = arm(g, *rolling_direction_at(w, signal(f"{w.name}.steer"), names))
     x, y = names.define(f"{w.name}_bx", g.x + ax), names.define(f"{w.name}_by", g.y + ay)
     return Spot(w, x, y, (n.x, n.y), math.hypot(float(n.d), float(n.o)))
 

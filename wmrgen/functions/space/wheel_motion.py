@@ -168,12 +168,12 @@ def _to_contact(w: Wheel, names: Locals) -> Vector:
     g = working_view(w)
     if not (g.d or g.o):
         return _ZERO, _ZERO, expression(-g.r)
-    e = rolling_direction(w, signal(f"{w.name}.steer"), names) if w.turns else (g.ch, g.sh)
+    e = rolling_direction_at(w, signal(f"{w.name}.steer"), names) if w.turns else (g.ch, g.sh)
     x, y = arm(g, *e)
     return expression(x), expression(y), expression(-g.r)
 
 
-def rolling_direction(w: Wheel, angle: Expr, names: Locals) -> tuple[Poly, Poly]:
+def rolling_direction_at(w: Wheel, angle: Expr, names: Locals) -> tuple[Poly, Poly]:
     """(cos, sin) of the rolling direction of a wheel that turns, at a joint angle."""
     g = working_view(w)
     c = names.poly(f"{w.name}_cosine", sympy.cos(angle))

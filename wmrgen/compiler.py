@@ -52,16 +52,16 @@ def _run(
         ) as process:  # fmt: skip
             try:
                 deliver()
-                printed, said = process.communicate(stdin, timeout=_TIMEOUT)
+                printed, errors = process.communicate(stdin, timeout=_TIMEOUT)
             except BaseException:
                 _end(process)
                 raise
     except (OSError, subprocess.TimeoutExpired) as error:
         raise EnvironmentFailure(f"{what} failed: {error}{how}") from error
     if process.returncode != 0:
-        message = "\n".join(said.splitlines()[:20])
+        message = "\n".join(errors.splitlines()[:20])
         raise EnvironmentFailure(f"{what} failed with status {process.returncode}:\n{message}")
-    return printed + said if both else printed
+    return printed + errors if both else printed
 
 
 @contextlib.contextmanager

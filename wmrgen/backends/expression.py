@@ -118,7 +118,7 @@ class _Printer:
         self.kernels, self.names, self.apart = kernels, names, apart
         self.taken = set(names.values())
         self.uses = _uses(function, style)
-        self.arms = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
+        self.choices = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
         self.statements: list[str] = []
         self.count = 0
         self.texts: list[_Text] = []
@@ -161,7 +161,7 @@ class _Printer:
         return _Text(f"{self.texts[node.args[0]].text}.{member}", _ATOM)
 
     def _longest(self, index: int) -> int:
-        return _LONGEST_ARM if index in self.arms else _LONGEST
+        return _LONGEST_ARM if index in self.choices else _LONGEST
 
     def _named(self, index: int, text: str, kind: str) -> str:
         name, note = self.names.get(index) or self._temporary(), self.notes.get(index)

@@ -28,7 +28,7 @@ SHORT = 2.0**-40  # the error of a length counts as this at least
 MOVED = 1.05  # while rounding errors grow from nothing to what they are, values move so much apart from lengths at most
 _UNDERFLOW = 2.0**-150  # what a square of floats may lose
 _LEAST = 50.0  # times what a length loses by that: divisors are kept above
-_ROOM = 1 + 1e-5  # the roundings of a length
+_MARGIN = 1 + 1e-5  # the roundings of a length
 _SHORTENED = 1.1  # of a quotient by a length that underflow may shorten, on the way from no rounding to all
 
 
@@ -69,7 +69,7 @@ def lengths(nodes: Sequence[Node]) -> dict[int, Length]:
 def facts(nodes: Sequence[Node], x: int, s: float) -> list[tuple[int, float]]:
     """That |x| is at most s h, and of a product x = c y what that says of y."""
     product = scaled(nodes, nodes[x])
-    inner = [(product[1], s / abs(float(product[0])) * _ROOM)] if product is not None and product[0] else []
+    inner = [(product[1], s / abs(float(product[0])) * _MARGIN)] if product is not None and product[0] else []
     return [(x, s), *inner]
 
 
@@ -141,7 +141,7 @@ def _component(w: Known, length: Length, i: int) -> Share | None:
     for x, s in length.facts:
         other = w.nodes[x]
         if i == x or (node.op is other.op is Op.SUB and node.args == other.args[::-1]):
-            return s * _ROOM, 0.0
+            return s * _MARGIN, 0.0
     return None
 
 
@@ -152,7 +152,7 @@ def _multiple(w: Known, length: Length, i: int) -> Share | None:
         other = w.forms.list[x]
         c = form.proportional(other)
         if c is not None:
-            return s * abs(c) * _ROOM, float(abs(c) * other.slack.max() + form.slack.max())
+            return s * abs(c) * _MARGIN, float(abs(c) * other.slack.max() + form.slack.max())
     return None
 
 
@@ -164,12 +164,12 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
     if node.op in (Op.NEG, Op.ABS, Op.FLIP, Op.WITH_SIGN_OF):
         return share(w, length, node.args[0])
     if node.op is Op.SQRT:
-        return (_ROOM, lost(length.parts)) if _below(w.nodes, i) == length.parts else None
+        return (_MARGIN, lost(length.parts)) if _below(w.nodes, i) == length.parts else None
     if node.op is Op.MUL:
         for k, other in (node.args, node.args[::-1]):
             inner = share(w, length, k)
             if inner is not None:
-                most = float(magnitude(w.ranges[other]).max()) * _ROOM
+                most = float(magnitude(w.ranges[other]).max()) * _MARGIN
                 return inner[0] * most, inner[1] * most + w.form.tiny
         return None
     if node.op not in (Op.SELECT, Op.MIN, Op.MAX, *_SUMS):
@@ -179,7 +179,7 @@ def _computed(w: Known, length: Length, i: int) -> Share | None:
     if len(both) < 2:
         return None
     join = sum if node.op in _SUMS else max
-    return join(s for s, _ in both) * _ROOM, join(a for _, a in both) * _ROOM
+    return join(s for s, _ in both) * _MARGIN, join(a for _, a in both) * _MARGIN
 
 
 # ---- what lemmas ask for
@@ -199,7 +199,7 @@ def quotient_by_length(w: Known, i: int, a: int, b: int) -> Value:
     most = np.minimum(reach, max(map(abs, ends)))
     if len(length.parts) == 1 and np.isfinite(most).all():
         # Where a limit that the quotient meets does not take its place, |n| is no larger than the limit times h.
-        limit = float(most.max()) * length.parts[0][0] * _ROOM
+        limit = float(most.max()) * length.parts[0][0] * _MARGIN
         length.facts += facts(w.nodes, a, limit)
         length.shares.clear()
     partials = (
@@ -217,12 +217,12 @@ def root_of_squares(w: Known, i: int, a: int) -> Value | None:
     factors = np.array([[float(t.factor)] for t in terms])
     bases = [t.base for t in terms]
     longest = np.sqrt(sum(f * magnitude(w.ranges[k]) ** 2 for f, k in zip(factors, bases, strict=True)))
-    value = iv.meet(iv.root(w.ranges[a]), (np.zeros(w.boxes), longest * _ROOM + w.form.tiny**0.5))
+    value = iv.meet(iv.root(w.ranges[a]), (np.zeros(w.boxes), longest * _MARGIN + w.form.tiny**0.5))
     errors = w.errors(bases)
     moved = np.sqrt((factors * errors.plain**2).sum(axis=0)) * iv.GROW
     over = {j: np.sqrt((factors * o**2).sum(axis=0)) * iv.GROW for j, o in errors.over.items()}
     # A term passes this many roundings on its way into the sum, each a relative error of the sum at most.
-    own = max(t.roundings for t in terms) * w.form.unit / 2 * _ROOM * value[1]
+    own = max(t.roundings for t in terms) * w.form.unit / 2 * _MARGIN * value[1]
     rounded = w.rounded(value, i).size + own + np.sqrt(2 * len(terms) * w.form.tiny)
     noise = Noise(rounded + moved, over, frozenset[int]().union(*errors.divisions))
     widened = iv.widened(value, rounded)

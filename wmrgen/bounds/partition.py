@@ -18,7 +18,7 @@ from wmrgen.ir.nodes import Function, Node, Op
 MOST = 512
 _DEPTH = 24
 _LARGE = 2.0**-28  # a value beyond this share of the largest number is halved as if it overflowed
-_ROOM = 1 + 1e-5  # float results may lie this much farther out
+_MARGIN = 1 + 1e-5  # float results may lie this much farther out
 
 
 def cases(
@@ -117,5 +117,5 @@ def _quotient(nodes: Sequence[Node], values: Sequence[Interval], node: Node, for
 
 def _widened(value: Interval, form: Format) -> Interval:
     """As floats: each end moves by its own rounding, so that what is positive stays so."""
-    low, high = (np.abs(end) * (_ROOM - 1) + form.tiny for end in value)
+    low, high = (np.abs(end) * (_MARGIN - 1) + form.tiny for end in value)
     return value[0] - low, value[1] + high

@@ -234,7 +234,7 @@ class Walk:
                 continue
             noise = self.noise[i]
             if noise is not None:
-                plain = plain + self._felt(apart.get(i, slope), noise, over)
+                plain = plain + self._effect_of_noise(apart.get(i, slope), noise, over)
             counts = {i} & (self.lengths.keys() | self.singular) | (
                 noise.divisions if noise is not None else set()
             )
@@ -258,7 +258,7 @@ class Walk:
             more = more.absolute()
             apart[k] = apart[k].plus(more) if k in apart else more
 
-    def _felt(self, slope: Slope, noise: Noise, over: dict[int, Array]) -> Array:
+    def _effect_of_noise(self, slope: Slope, noise: Noise, over: dict[int, Array]) -> Array:
         """What the rounding of a node does to the roots, but for what is added to ``over``."""
         total = _product(slope.size, noise.size)
         for j, more in noise.over.items():

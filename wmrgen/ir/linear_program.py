@@ -131,14 +131,14 @@ class Emitter:
         self._graph, self._builder, self._scale = graph, builder, scale
         self._table = magnitudes.table
         self._signs = polarities(graph)
-        self._made: dict[int, int] = {}
+        self._place: dict[int, int] = {}
 
     def output(self, index: int, term: Callable[[int], int]) -> int:
         """The builder's node of output ``index``; ``term(j)`` is that of input j."""
         edge = self._graph.outputs[index]
         if edge is None:
             return self._builder.const(Exact(0))
-        nodes, graph = self._made, self._graph
+        nodes, graph = self._place, self._graph
         stack = [edge[0]]
         while stack:
             node = stack[-1]
@@ -166,7 +166,7 @@ class Emitter:
     def _sum(self, edges: Sequence[Edge]) -> int:
         """The sum of the signed nodes, a positive one first."""
         first = next((k for k, (_, sign) in enumerate(edges) if sign > 0), None)
-        builder, nodes = self._builder, self._made
+        builder, nodes = self._builder, self._place
         if first is None:
             return builder.neg(self._sum([(node, -sign) for node, sign in edges]))
         total = nodes[edges[first][0]]

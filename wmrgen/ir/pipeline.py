@@ -148,8 +148,8 @@ def optimise(
         verify_module(steps, module, "hoist")
     steps = tuple(_run(function, AFTER_HOIST, verify) for function in module.functions)
     prepare = None if module.prepare is None else _prepare(module.prepare, verify)
-    said = zip(steps, functions, strict=True)
-    steps = tuple(replace(step, variant_of=f.variant_of, limits=f.limits) for step, f in said)
+    pairs = zip(steps, functions, strict=True)
+    steps = tuple(replace(step, variant_of=f.variant_of, limits=f.limits) for step, f in pairs)
     module = Module(name, steps, prepare, kernels)
     plain, functions = inlined_calls(module), functions if meaning is None else meaning
     if verify:

@@ -59,7 +59,7 @@ def _fixed(at: Configuration) -> list[str]:
     if not fixed:
         return []
     lines = _axle_lines(fixed)
-    said = [
+    sentences = [
         f"{listed([w.name for w in line])} share an axle line, so "
         f"{'the second adds' if len(line) == 2 else 'the others add'} no constraint."
         for line in lines
@@ -69,10 +69,10 @@ def _fixed(at: Configuration) -> list[str]:
         noun = fixed[0].kind.noun if len({w.type for w in fixed}) == 1 else "fixed wheel"
         wheels, verb = (f"{noun}s", "forbid") if len(fixed) > 1 else (noun, "forbids")
         return [
-            *said,
+            *sentences,
             f"The {wheels} {listed([w.name for w in fixed])} {verb} motion along the axle: rank C1f = 1.",
         ]
-    return [*said, _axles_meet(at, [line[0] for line in lines])]
+    return [*sentences, _axles_meet(at, [line[0] for line in lines])]
 
 
 def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
@@ -94,21 +94,23 @@ def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
 
 
 def _couplings(at: Configuration) -> list[str]:
-    said = []
+    sentences = []
     for joint, names in at.robot.couplings:
         what = "their steer angles are equal" if joint == "steer" else "they turn at one speed"
-        said.append(f"{listed(list(names))} are coupled: {what}.")
+        sentences.append(f"{listed(list(names))} are coupled: {what}.")
     normal = at.admissible.normal
     if normal is not None:
         if not normal[0] and not normal[1]:
-            said.append("With equal steering the axles stay parallel: only translation remains, omega = 0.")
+            sentences.append(
+                "With equal steering the axles stay parallel: only translation remains, omega = 0."
+            )
         else:
-            said.append("The coupled steering admits a plane of twists only.")
+            sentences.append("The coupled steering admits a plane of twists only.")
     elif not at.admissible.linear:
-        said.append("The coupled steering admits a cone of twists only.")
+        sentences.append("The coupled steering admits a cone of twists only.")
     if coupled_sets(at.robot) and len(at.constant) > at.rank_fixed.value:
-        said.append("Eliminating the coupled joint rates leaves a further constraint on the body.")
-    return said
+        sentences.append("Eliminating the coupled joint rates leaves a further constraint on the body.")
+    return sentences
 
 
 def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
@@ -122,13 +124,13 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
         ]
     lead = [w.name for w in deciding][: at.steerability]
     rest = [name for name in steered if name not in lead]
-    said = f"Steering {listed(lead)} chooses the ICR (delta_s = {at.steerability})"
+    sentence = f"Steering {listed(lead)} chooses the ICR (delta_s = {at.steerability})"
     if rest and at.admissible.normal is not None:
-        said += f"; {listed(rest)} must point the same way round"
+        sentence += f"; {listed(rest)} must point the same way round"
     elif rest:
         axles = "its axle" if len(rest) == 1 else "their axles"
-        said += f"; {listed(rest)} must follow, {axles} through the same point"
-    return [said + "."]
+        sentence += f"; {listed(rest)} must follow, {axles} through the same point"
+    return [sentence + "."]
 
 
 def _free_wheels(at: Configuration) -> list[str]:
@@ -175,17 +177,19 @@ def _skids(lines: list[list[Wheel]]) -> bool:
 
 
 def _doubts(at: Configuration) -> list[str]:
-    said = []
+    sentences = []
     for name, rank in (("C1f", at.rank_fixed), ("C1", at.rank)):
         if rank.disagrees:
             values = ", ".join(f"{s:.3g}" for s in rank.singular_values)
-            said.append(
+            sentences.append(
                 f"rank {name} is {rank.exact} in exact arithmetic but {rank.value} at the tolerance 1e-9, which rules: "
                 f"singular values {values}. Decimals in the file are likely rounded."
             )
         elif rank.value and rank.margin < 1e3:
-            said.append(f"rank {name} = {rank.value} is a close call: {rank.margin:.3g} times the tolerance.")
-    return said
+            sentences.append(
+                f"rank {name} = {rank.value} is a close call: {rank.margin:.3g} times the tolerance."
+            )
+    return sentences
 
 
 def _coincidences(at: Configuration) -> list[str]:
@@ -205,16 +209,16 @@ def _coincidences(at: Configuration) -> list[str]:
 
     here, there = constrain(at.robot, nominal_view), constrain(at.robot, at.unit.view(general))
     nominal = ", ".join(f"{p.name} = {float(p.nominal):.6g}" for p in parameters)
-    said = []
+    sentences = []
     for name, ranks in (
         ("C1f", [_rank([r.row for r in c.sliding_fixed]) for c in (here, there)]),
         ("J1", [_rank([r.row for r in c.rolling if not r.wheel.turns]) for c in (here, there)]),
     ):
         if ranks[0] < ranks[1]:
-            said.append(
+            sentences.append(
                 f"rank {name} is {ranks[0]} at the given values ({nominal}) and {ranks[1]} for general ones."
             )
-    return said
+    return sentences
 
 
 def _rank(rows: list[Row]) -> int:
@@ -235,10 +239,12 @@ def actuation(at: Configuration) -> tuple[str, ...]:
         independent = int(np.linalg.matrix_rank(unit_rows(np.array(rows)) @ free.T, tol=1e-9))
     motors = len(robot.together("spin", spins)) + len(robot.together("steer", swivelled))
     steering = {robot.steer_group[w.index] for w in robot.wheels if w.kind.steers and "steer" in w.actuated}
-    said = [_balance("driving", motors, independent, at.mobility)]
+    sentences = [_balance("driving", motors, independent, at.mobility)]
     if at.steerability or steering:
-        said.append(_balance("steering", len(steering), min(len(steering), at.steerability), at.steerability))
-    return tuple(said)
+        sentences.append(
+            _balance("steering", len(steering), min(len(steering), at.steerability), at.steerability)
+        )
+    return tuple(sentences)
 
 
 def _balance(what: str, motors: int, independent: int, need: int) -> str:

@@ -143,7 +143,7 @@ def _centres(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
 Wall = tuple[int, float]  # node, and its value at the wall
 Segment = tuple[Wall, int, int]  # the rows of points below and above a wall
 Values = Callable[[Array, Function], list[Array]]  # of every node at points, one column per port
-BESIDE = "beside a wall"
+NEAR_WALL = "beside a wall"
 _STEP, _NEAR = 5e-4, 2e-4  # of the wall's value: how far beside it, and how well that is met
 _LEAST = 1e-2  # smaller constants guard divisors and bound series
 _HALVINGS, _MOST, _PAIRS = 40, 11, 4
@@ -163,7 +163,7 @@ def near_thresholds(
 
     segments = _segments(function, at(rows, function), len(rows))
     if segments:
-        yield from _beside(function, rows, segments, at)
+        yield from _near_walls(function, rows, segments, at)
 
 
 def _chooses(op: Op) -> bool:
@@ -182,7 +182,7 @@ def _segments(function: Function, values: Sequence[Array], count: int) -> list[S
     return segments
 
 
-def _beside(function: Function, rows: Array, segments: Sequence[Segment], at: Values) -> Iterator[Point]:
+def _near_walls(function: Function, rows: Array, segments: Sequence[Segment], at: Values) -> Iterator[Point]:
     """The first point found just below each wall, by halving the segments that cross it."""
     walls = [wall for wall, _, _ in segments]
     needed = tuple(dict.fromkeys(node for node, _ in walls))
@@ -205,7 +205,7 @@ def _beside(function: Function, rows: Array, segments: Sequence[Segment], at: Va
     for k, near in enumerate(np.abs(reached(points) - goals) <= _NEAR * np.abs(goals)):
         if near and walls[k] not in met:
             met.add(walls[k])
-            yield BESIDE, points[k]
+            yield NEAR_WALL, points[k]
 
 
 def _goals(function: Function, values: Sequence[Array]) -> list[Wall]:

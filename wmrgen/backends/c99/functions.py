@@ -92,8 +92,8 @@ class Unit:
     def inputs(self, step: Step) -> dict[str, str]:
         """Contract name -> variable and member, of the inputs of ``step``; the tunables are the last."""
         variables = self.variables(step)
-        given = (p for p in ("in", "params") if p in variables)
-        return {name: f"{p}.{member}" for p in given for name, member in variables[p].members.items()}
+        parameters = (p for p in ("in", "params") if p in variables)
+        return {name: f"{p}.{member}" for p in parameters for name, member in variables[p].members.items()}
 
     def before(self, steps: Iterable[Step]) -> tuple[Step, ...]:
         """What has to be called before ``steps``: params_default and prepare, where one reads what prepare gives."""

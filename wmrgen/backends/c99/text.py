@@ -154,7 +154,7 @@ def _shared_texts(ports: tuple[Port, ...]) -> dict[str, str]:
         joint = port.name.partition(".")[2]
         if joint and port.text:
             texts.setdefault(joint, []).append(port.text)
-    return {joint: said[0] for joint, said in texts.items() if len(said) > 1 and len(set(said)) == 1}
+    return {joint: same[0] for joint, same in texts.items() if len(same) > 1 and len(set(same)) == 1}
 
 
 def _commented(declaration: str, indent: str, column: int, note: str) -> list[str]:

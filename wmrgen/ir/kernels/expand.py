@@ -81,21 +81,21 @@ class _Expansion:
         self.processor, self.directions = processor, not vectors
         self.function = function
         self.tape = Tape()
-        self.made: list[int] = []
+        self.place: list[int] = []
         self.uses = uses_of(function)
         self.products = {node.args for node in function.nodes if node.op is Op.MUL}
         self.constants = {i for i, node in enumerate(function.nodes) if node.value is not None}
 
     def run(self, kernel: bool = False) -> Function:
         for node in self.function.nodes:
-            self.made.append(self._node(node))
-        results = tuple(self.made[r] for r in self.function.results)
+            self.place.append(self._node(node))
+        results = tuple(self.place[r] for r in self.function.results)
         expanded = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
         expanded = fuse(expanded, kernel) if self.processor.fused else expanded
         return ordered(soft(expanded) if self.processor.integer else expanded)
 
     def _node(self, node: Node) -> int:
-        tape, args, p = self.tape, tuple(self.made[a] for a in node.args), self.processor
+        tape, args, p = self.tape, tuple(self.place[a] for a in node.args), self.processor
         match node.op:
             case Op.COMPENSATED:
                 return compensated_sum(tape, args[0], args[1], p.fused) if p.single else tape.add(*args)
@@ -127,7 +127,7 @@ class _Expansion:
 
     def _quotient_off_zero(self, above: int, a: int, least: int) -> int:
         """above / at_least(a, least), the sign that of what is divided: whoever reads the C sees no zero divisor."""
-        tape, a, least = self.tape, self.made[a], self.made[least]
+        tape, a, least = self.tape, self.place[a], self.place[least]
         size = tape.put(Op.MAX, tape.put(Op.ABS, a), least)
         return tape.div(compared(tape, Op.WITH_SIGN_OF, above, a), size)
 
@@ -140,14 +140,14 @@ class _Expansion:
                 continue
             a, b = quotient.args
             if nodes[a].value == ONE:
-                return self.tape.div(self.made[factor], self.made[b])
+                return self.tape.div(self.place[factor], self.place[b])
             if (factor, a) in self.products:
-                return self.tape.div(self.tape.mul(self.made[factor], self.made[a]), self.made[b])
+                return self.tape.div(self.tape.mul(self.place[factor], self.place[a]), self.place[b])
         return None
 
     def _flip(self, a: int, n: int) -> int:
         """a where the whole number n, a node of `function`, is even, else -a."""
-        tape, whole = self.tape, self.made[n]
+        tape, whole = self.tape, self.place[n]
         if self.function.nodes[n].op is Op.RINT:
             raised = tape.nodes[whole].args[0]
         else:

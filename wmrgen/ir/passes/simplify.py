@@ -99,8 +99,8 @@ def factor(function: Function) -> Function:
 class _Factoring:
     def __init__(self, function: Function) -> None:
         self._function, self._builder = function, Builder()
-        self._made: list[int] = []
-        self._known = geometry_only(function)
+        self._place: list[int] = []
+        self._geometric = geometry_only(function)
         self._uses = uses_of(function)
         self._inside = self._inner_sums()
 
@@ -113,10 +113,10 @@ class _Factoring:
         return inside
 
     def _is_sum(self, i: int) -> bool:
-        return self._function.nodes[i].op in (*_SUMS, Op.NEG) and not self._known[i]
+        return self._function.nodes[i].op in (*_SUMS, Op.NEG) and not self._geometric[i]
 
     def run(self) -> Function:
-        function, builder, built = self._function, self._builder, self._made
+        function, builder, built = self._function, self._builder, self._place
         for i, node in enumerate(function.nodes):
             plain = not self._is_sum(i) or i in self._inside
             terms = None if plain else self._terms(i)
@@ -153,10 +153,10 @@ class _Factoring:
             node = self._function.nodes[i]
             if node.value is not None:
                 value = value * node.value
-            elif node.op is Op.MUL and self._uses[i] == 1 and not self._known[i]:
+            elif node.op is Op.MUL and self._uses[i] == 1 and not self._geometric[i]:
                 stack += reversed(node.args)
             else:
-                factors.append(self._made[i])
+                factors.append(self._place[i])
         return _Term(value, tuple(sorted(factors)))
 
     def _common(self, terms: list[_Term]) -> int | None:

@@ -98,7 +98,7 @@ def _places(path: str) -> list[list[Fault]]:
 def tests_of_lines(folder: Path) -> tuple[Mapping[str, Mapping[int, Sequence[str]]], Mapping[str, float]]:
     """File -> line -> everyday tests that execute it, and how many seconds each test takes.
 
-    A line that runs at import has the tests of its whole file.
+    A line that runs at import has the tests of its whole file, or every test where that file runs at import alone.
     """
     from coverage import CoverageData
 
@@ -131,7 +131,7 @@ def tests_of_lines(folder: Path) -> tuple[Mapping[str, Mapping[int, Sequence[str
             line: sorted({c.rpartition("|")[0] for c in contexts} & there)
             for line, contexts in read.contexts_by_lineno(file).items()
         }
-        every = sorted({test for tests in lines.values() for test in tests})
+        every = sorted({test for tests in lines.values() for test in tests} or there)
         path = Path(file).relative_to(folder.resolve()).as_posix()
         result[path] = {line: tests or every for line, tests in lines.items()}
     return result, seconds

@@ -27,7 +27,7 @@ from wmrgen.ir.nodes import Function, Module, Op, Port, Role, count
 from wmrgen.ir.ops import OPERATIONS
 from wmrgen.ir.ops.analysis import Bounded, Fact
 from wmrgen.ir.pipeline import optimise
-from wmrgen.ir.verify import PassError, verify_function
+from wmrgen.ir.verify import RESIDUES, PassError, verify_function
 from wmrgen.kinematics.records import Formula
 from wmrgen.lower import lower
 from wmrgen.selftest.rounding_bounds import bounds
@@ -98,6 +98,8 @@ def test_the_interpreter_knows_it(excess: Op) -> None:
         assert evaluate(f, p, FLOAT64) == {"u": u, "v": v}
         assert evaluate(f, p, FLOAT32)["u"] == pytest.approx(u, rel=3e-6, abs=1e-5)
     assert EXACT.of(excess)(Exact(3), ONE) == 2
+    residue = RESIDUES.of(excess)(RESIDUES.enter(3), RESIDUES.enter(ONE))
+    assert (residue.r, residue.size) == (2, 2.0)
     single = 1 / 3 - ctypes.c_float(1e-3).value
     assert FLOAT32.of(excess)(1 / 3, ctypes.c_float(1e-3).value) == ctypes.c_float(single).value
 

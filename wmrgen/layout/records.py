@@ -132,7 +132,7 @@ class Trailer:
     name: str
     length: Length
     hitch: Length
-    mark: Mark | None = field(default=None, compare=False)
+    mark: Mark
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +145,7 @@ class Virtual:
     wheels: tuple[str, ...]
     x: Length
     y: Length
-    mark: Mark | None = field(default=None, compare=False)
+    mark: Mark
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,48 @@
+"""Words of the command line as exact numbers: units that robot files have no use for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from wmrgen.cli.values import from_words
+from wmrgen.errors import UsageError
+from wmrgen.exact.number import Exact
+from wmrgen.ports import Port, Role
+
+
+def read(text: str, unit: str) -> Exact:
+    """The value of an input q in ``unit``."""
+    return from_words([f"q={text}"], [Port("q", Role.COMMAND, unit, "an input")])["q"]
+
+
+@pytest.mark.parametrize("unit", ["s", "m/s^2", "m/s^3", "rad/s^2", "rad/s^3", "1/m", "1/s"])
+@pytest.mark.parametrize(("text", "value"), [("2.3", Fraction(23, 10)), ("3", 3), ("-4.", -4), ("(2)", 2)])
+def test_a_number_may_have_the_unit_of_its_input(text: str, value: Fraction | int, unit: str) -> None:
+    assert read(text, unit) == value
+    assert read(f"{text} {unit} ", unit) == value
+    assert read(f"{text}  {unit}", unit) == value
+
+
+@pytest.mark.parametrize("unit", ["s", "m/s^2", "rad/s^3"])
+def test_a_unit_may_follow_at_once_where_no_digit_begins_it(unit: str) -> None:
+    assert read(f"2.3{unit}", unit) == Fraction(23, 10)
+
+
+def test_a_unit_that_begins_with_a_digit_needs_a_space() -> None:
+    for text in ("2.31/m", "21/m"):
+        with pytest.raises(UsageError):
+            read(text, "1/m")
+
+
+@pytest.mark.parametrize(("text", "unit"), [("2 m", "s"), ("2 rad", "1/m"), ("2.s", "m/s^2"), ("2 µs", "s")])
+def test_another_unit_is_refused_by_name(text: str, unit: str) -> None:
+    with pytest.raises(UsageError, match=f"q is in {unit.replace('^', '.')}. Write the number alone"):
+        read(text, unit)
+
+
+def test_lengths_and_angles_have_the_units_of_robot_files() -> None:
+    assert read("30 cm", "m") == Fraction(3, 10)
+    assert read("2 mm/s", "m/s") == Fraction(2, 1000)
+    assert float(read("180 deg", "rad")) == pytest.approx(3.141592653589793, rel=1e-15)

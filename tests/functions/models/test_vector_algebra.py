@@ -39,7 +39,8 @@ ANGLES = [
 ]  # fmt: skip
 EXPRESSIONS = [
     *(wave(angle, evaluate=False) for wave in (sympy.sin, sympy.cos, sympy.tan) for angle in ANGLES),
-    sympy.Rational(3, 7), L, A * B - 2 * L, (A + L) ** 3, (A + 2) ** -2, sympy.sqrt(L + A**2), (L + 2 * A) ** sympy.Rational(3, 2),
+    sympy.Rational(3, 7), L, A * B - 2 * L, (A + L) ** 3, (A + 2) ** -2, sympy.sqrt(L + A**2),
+    (L + 2 * A) ** sympy.Rational(3, 2),
     1 / sympy.sqrt(A**2 + 1), sympy.tan(A) * sympy.cos(B) / L, sympy.sin(A) ** 3 * sympy.cos(A - B) ** 2 / (L + B),
 ]  # fmt: skip
 

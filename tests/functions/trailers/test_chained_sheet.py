@@ -1,4 +1,4 @@
-"""The chained form on a sheet of paper: its equations have the values of the functions, its domain ends where it says."""
+"""The chained form on a sheet of paper: equations have the values of the functions, domains end where they say."""
 
 from __future__ import annotations
 

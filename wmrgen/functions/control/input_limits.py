@@ -157,9 +157,7 @@ def _sharpest(robot: Robot, w: Wheel, ref: Reference) -> Expr:
     limit = robot.limit(w, "steer")
     if limit is None:
         raise _refusal(robot, f"{w.name} has no limits: {{steer: ...}}; write its largest steering angle")
-    g = w.nominal
-    c, s = ref.c.constant, ref.s.constant
-    if c is None or s is None or (g.ch * s - g.sh * c):
+    if ref.s.scale(w.nominal.ch) - ref.c.scale(w.nominal.sh):
         raise _refusal(
             robot, f"{w.name} does not stand straight ahead at zero steering, where its limits are"
         )

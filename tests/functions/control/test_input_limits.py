@@ -1,0 +1,53 @@
+"""Which limits of the robot file bound a car, and which leave it none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.functions.common import TRICYCLE, call, derived, write
+from wmrgen.errors import NotDerivableError
+
+
+def limited(limits: str, front: str = "heading: 0", base: str = "1.2") -> str:
+    return (
+        TRICYCLE.format(base=base).replace(f"x: {base}, y: 0, heading: 0", f"x: {base}, y: 0, {front}")
+        + limits
+    )
+
+
+def test_of_limits_to_two_sides_the_nearer_one_counts(tmp_path: Path) -> None:
+    base = write(tmp_path, limited("limits: {vx: 1.5, steer: 0.5}\n"))
+    for text in (
+        "limits: {vx: 1.5, steer: [-0.5, 0.8]}\n", "limits: {vx: 1.5, steer: [-0.8, 0.5]}\n",
+        "limits: {vx: [-1.5, 2], steer: 0.5}\n", "limits: {vx: [-2, 1.5], steer: 0.5}\n",
+    ):  # fmt: skip
+        values = {"v": 0.7, "omega": 0.4}
+        path = write(tmp_path, limited(text))
+        assert call(path, "input_limits", values) == pytest.approx(call(base, "input_limits", values))
+    other = write(tmp_path, limited("limits: {vx: 1.5, steer: 0.5}\n", "heading: pi"))
+    assert call(other, "input_limits", values) == pytest.approx(call(base, "input_limits", values))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (limited("limits: {vx: 1, steer: 0.5}\n", "heading: pi/6"), "does not stand straight ahead"),
+        (limited("limits: {vx: 1, steer: 0.5}\n", "heading: pi/2"), "does not stand straight ahead"),
+        (limited("limits: {vx: 1, steer: [0.1, 0.5]}\n"), "may steer by -0.1 rad"),
+        (limited("limits: {vx: 1, steer: [0, 0.5]}\n"), "may steer by 0 rad"),
+        (limited("limits: {vx: 1, steer: 1.57}\n"), "may steer by 1.57 rad"),
+        (limited("limits: {vx: [0, 1], steer: 0.5}\n"), "limits of vx leave no speed in one direction"),
+        (limited("limits: {spin: [-1, 0], steer: 0.5}\n"), "limits of spin leave no speed in one direction"),
+    ],
+)
+def test_limits_that_leave_nothing_are_named(text: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(NotDerivableError, match=words):
+        derived(write(tmp_path, text), "input_limits").formula("input_limits")
+
+
+def test_limits_just_short_of_that_are_taken(tmp_path: Path) -> None:
+    for steer, vx in (("1.569", "1"), ("[-0.001, 0.5]", "1"), ("0.5", "[-0.001, 1]")):
+        path = write(tmp_path, limited(f"limits: {{vx: {vx}, steer: {steer}}}\n"))
+        assert derived(path, "input_limits").formula("input_limits").outputs

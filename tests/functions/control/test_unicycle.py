@@ -1,0 +1,108 @@
+"""The unicycle in a robot: which point of it drives (v, 0, omega), which way is forward, and who has none."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from tests.functions.common import call, derived, write
+from wmrgen.errors import NotDerivableError
+from wmrgen.functions.control.unicycle import Reference, reference
+
+
+def pair(heading: str, x: float = 0.3, y: float = -0.1, turned: str = "0") -> str:
+    """Two fixed wheels about (x, y) on one axle; ``turned``: the second one's heading less that of the first."""
+    return (
+        "wmrgen: 1\nname: pair\nwheels:\n"
+        f"  - {{name: a, type: fixed, x: {x} - 0.2*sin({heading}), y: {y} + 0.2*cos({heading}), "
+        f"heading: {heading}, r: 0.1}}\n"
+        f"  - {{name: b, type: fixed, x: {x} + 0.2*sin({heading}), y: {y} - 0.2*cos({heading}), "
+        f"heading: {heading} + {turned}, r: 0.1}}\n"
+    )
+
+
+def of(path: Path) -> Reference:
+    d = derived(path)
+    return reference(d.robot, d.mobility, "pursuit")
+
+
+def numbers(ref: Reference) -> list[float]:
+    return [float(p.constant or 0) for p in (ref.x, ref.y, ref.c, ref.s)]
+
+
+@pytest.mark.parametrize("turned", ["0", "pi"])
+@pytest.mark.parametrize(
+    ("heading", "forward"),
+    [
+        ("0", 0), ("pi", 0), ("pi/6", 30), ("-5*pi/6", 30), ("pi/3", 60), ("-pi/3", -60), ("2*pi/3", -60),
+        ("5*pi/6", -30), ("pi/2", 90), ("-pi/2", 90), ("3*pi/2", 90),
+    ],
+)  # fmt: skip
+def test_forward_is_ahead_or_to_the_left(heading: str, forward: float, turned: str, tmp_path: Path) -> None:
+    """However the wheels are mounted, the axle's middle drives along its forward direction."""
+    path = write(tmp_path, pair(heading, turned=turned))
+    angle = math.radians(forward)
+    wanted = [0.3, -0.1, math.cos(angle), math.sin(angle)]
+    assert numbers(of(path)) == pytest.approx(wanted, abs=1e-12)
+
+
+@pytest.mark.parametrize("function", ["pursuit", "goto_pose"])
+@pytest.mark.parametrize(("heading", "about"), [("0", "pi"), ("pi/2", "-pi/2"), ("pi/3", "-2*pi/3")])
+def test_wheels_half_a_turn_about_only_turn_the_other_way(
+    function: str, heading: str, about: str, tmp_path: Path
+) -> None:
+    one, other = (write(tmp_path, pair(h)) for h in (heading, about))
+    inputs = [p.name for p in derived(one, function).formula(function).inputs]
+    values = {name: 0.3 + 0.2 * k for k, name in enumerate(inputs) if name != "direction"}
+    first, second = call(one, function, values), call(other, function, values)
+    renamed = {"a.spin": "b.spin", "b.spin": "a.spin"}
+    for name, value in first.items():
+        turned = -second[renamed[name]] if name in renamed else second[name]
+        assert turned == pytest.approx(value, rel=1e-12, abs=1e-12), name
+
+
+def test_without_a_fixed_wheel_it_is_the_centre_of_the_robot(tmp_path: Path) -> None:
+    omni = "".join(
+        f"  - {{name: w{k}, type: swedish, l: 0.2, alpha: {k}*2*pi/3, beta: 0, gamma: 0, r: 0.05}}\n"
+        for k in range(3)
+    )
+    assert numbers(of(write(tmp_path, f"wmrgen: 1\nname: omni\nwheels:\n{omni}"))) == [0, 0, 1, 0]
+
+
+def four(spins: tuple[str, ...], heading: str = "0") -> str:
+    """Four fixed wheels on two axles, with these joints driven; the last one's heading may differ."""
+    places = ((0.2, 0.3), (0.2, -0.3), (-0.4, 0.3), (-0.4, -0.3))
+    wheels = "".join(
+        f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: {heading if k == 3 else 0}, r: 0.1, actuated: [{j}]}}\n"
+        for k, ((x, y), j) in enumerate(zip(places, spins, strict=True))
+    )
+    return f"wmrgen: 1\nname: four\nwheels:\n{wheels}"
+
+
+def test_a_skid_steer_robot_drives_the_middle_of_its_wheels(tmp_path: Path) -> None:
+    for spins in (("spin",) * 4, ("spin", "spin", "", "")):
+        assert numbers(of(write(tmp_path, four(spins)))) == pytest.approx([-0.1, 0, 1, 0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("spins", "heading"),
+    [
+        (("spin", "", "", ""), "0"),  # turning cannot be commanded
+        (("", "", "", ""), "0"),
+        (("spin", "", "spin", ""), "0"),  # nor by wheels on one side
+        (("spin",) * 4, "pi/6"),  # not parallel
+    ],
+)
+def test_who_cannot_skid_at_will_has_no_reference(
+    spins: tuple[str, ...], heading: str, tmp_path: Path
+) -> None:
+    with pytest.raises(NotDerivableError, match="do not let it turn and drive straight at will"):
+        of(write(tmp_path, four(spins, heading)))
+
+
+def test_one_wheel_off_the_axle_is_enough_to_lock(tmp_path: Path) -> None:
+    text = pair("0", 0, 0) + "  - {name: c, type: fixed, x: 1, y: 0, heading: pi/2, r: 0.1}\n"
+    with pytest.raises(NotDerivableError, match="pursuit"):
+        of(write(tmp_path, text))

@@ -51,3 +51,25 @@ def test_limits_just_short_of_that_are_taken(tmp_path: Path) -> None:
     for steer, vx in (("1.569", "1"), ("[-0.001, 0.5]", "1"), ("0.5", "[-0.001, 1]")):
         path = write(tmp_path, limited(f"limits: {{vx: {vx}, steer: {steer}}}\n"))
         assert derived(path, "input_limits").formula("input_limits").outputs
+
+
+@pytest.mark.parametrize(
+    ("heading", "straight"), [("pi/6", True), ("-5*pi/6", True), ("-pi/6", False), ("0", False)]
+)
+def test_straight_ahead_is_along_the_axle_s_forward_direction(
+    heading: str, straight: bool, tmp_path: Path
+) -> None:
+    """A bicycle at 30 degrees in its frame."""
+    text = (
+        "wmrgen: 1\nname: bicycle\nlimits: {vx: 1.5, steer: 0.5}\nwheels:\n"
+        "  - {name: rear, type: fixed, x: 0.1, y: 0.2, heading: pi/6, r: 0.1}\n"
+        f"  - {{name: front, type: steered, x: 0.1 + 1.2*cos(pi/6), y: 0.2 + 0.6, heading: {heading}, r: 0.1}}\n"
+    )
+    path = write(tmp_path, text)
+    if not straight:
+        with pytest.raises(NotDerivableError, match="front does not stand straight ahead"):
+            derived(path, "input_limits").formula("input_limits")
+        return
+    values = {"v": 0.7, "omega": 0.4}
+    ahead = write(tmp_path, limited("limits: {vx: 1.5, steer: 0.5}\n"))
+    assert call(path, "input_limits", values) == pytest.approx(call(ahead, "input_limits", values), abs=1e-12)

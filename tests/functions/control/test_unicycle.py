@@ -75,7 +75,8 @@ def four(spins: tuple[str, ...], heading: str = "0") -> str:
     """Four fixed wheels on two axles, with these joints driven; the last one's heading may differ."""
     places = ((0.2, 0.3), (0.2, -0.3), (-0.4, 0.3), (-0.4, -0.3))
     wheels = "".join(
-        f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: {heading if k == 3 else 0}, r: 0.1, actuated: [{j}]}}\n"
+        f"  - {{name: w{k}, type: fixed, x: {x}, y: {y}, heading: {heading if k == 3 else 0}, r: 0.1, "
+        f"actuated: [{j}]}}\n"
         for k, ((x, y), j) in enumerate(zip(places, spins, strict=True))
     )
     return f"wmrgen: 1\nname: four\nwheels:\n{wheels}"

@@ -106,13 +106,13 @@ def _drives(robot: Robot, mobility: Mobility, ref: Reference) -> bool:
 
 def _skids(robot: Robot, mobility: Mobility, fixed: list[Wheel]) -> bool:
     """True for parallel fixed wheels on several axles whose drives command both speed and turning."""
-    if not mobility.degenerate or len(fixed) < 2 or len(fixed) < len(robot.wheels):
+    if not mobility.degenerate or len(fixed) < len(robot.wheels):
         return False
     lead = fixed[0].nominal
     parallel = all(not (lead.ch * w.nominal.sh - lead.sh * w.nominal.ch) for w in fixed)
     rows = [rolling_row(w, nominal_view(w)).row for w in fixed if "spin" in w.actuated]
     values = np.array([[float(p.constant or ZERO) for p in row] for row in rows])
-    return parallel and len(values) > 1 and int(np.linalg.matrix_rank(values, _SMALL)) >= 2
+    return parallel and int(np.linalg.matrix_rank(values, _SMALL)) >= 2
 
 
 def commands(

@@ -144,6 +144,30 @@ def _writes_or_prints(module: str) -> Iterator[str]:
             yield f"{module}:{node.lineno}: sys.{node.attr}"
 
 
+# What is filled while something is worked out; every other record is a value.
+FILLED = {
+    "bounds/assumptions:Domain", "bounds/lengths:Length", "ir/passes/forms:_Search", "ir/passes/forms:_Plan",
+    "ir/linear_program:Graph", "backends/drawing/paper:Paper",
+}  # fmt: skip
+
+
+def test_records_are_values() -> None:
+    """Dataclasses are frozen and have slots: none changes after it was made, or gets a member that it has not."""
+    changeable = {place for module in SOURCES for place in _changeable(module)}
+    assert changeable == {f"{record} can change" for record in FILLED}
+
+
+def _changeable(module: str) -> Iterator[str]:
+    for record in (node for node in ast.walk(tree(module)) if isinstance(node, ast.ClassDef)):
+        for decorator in record.decorator_list:
+            options = decorator.keywords if isinstance(decorator, ast.Call) else []
+            if name_of(decorator.func if isinstance(decorator, ast.Call) else decorator) == "dataclass":
+                chosen = {k.arg for k in options if isinstance(k.value, ast.Constant) and k.value.value}
+                for option, what in (("frozen", "can change"), ("slots", "has no slots")):
+                    if option not in chosen:
+                        yield f"{module}:{record.name} {what}"
+
+
 PLANTED = """\
 import pickle
 from sympy import sympify
@@ -155,6 +179,12 @@ sympy.cos("x")
 path.write_text("")
 open("f", "w")
 print(sys.stdout)
+@dataclass
+class A: pass
+@dataclass(frozen=False, slots=True)
+class B: pass
+@dataclass(frozen=True, slots=True)
+class C: pass
 """
 
 
@@ -169,6 +199,9 @@ def test_each_rule_finds_what_is_planted(monkeypatch: pytest.MonkeyPatch) -> Non
     assert list(_text_for_sympy("planted")) == ["planted:7"]
     assert sorted(_writes_or_prints("planted")) == [
         "planted:10 prints", "planted:10: sys.stdout", "planted:8 writes", "planted:9 writes",
+    ]  # fmt: skip
+    assert sorted(_changeable("planted")) == [
+        "planted:A can change", "planted:A has no slots", "planted:B can change",
     ]  # fmt: skip
 
 

@@ -29,7 +29,7 @@ class Sign(StrEnum):
 EQ, PLUS, BAR, TIMES, THEN, AND = Sign
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Form:
     """Lines of a display. ``values``: what stands in them, the signs left out."""
 

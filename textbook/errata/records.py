@@ -30,7 +30,7 @@ Check = Callable[[Form], Finding]
 Slip = Callable[[Form], str]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Record:
     """One equation of one text.
 

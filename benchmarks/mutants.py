@@ -193,8 +193,7 @@ def run(count: int = COUNT, seed: int = SEED) -> Iterator[str]:
         tests, seconds = tests_of_lines(copy_of_checkout(Path(folder) / "covered"))
         jobs = []
         for fault in draw(count, seed):
-            room = fault.path.replace("wmrgen/", "tests/").rpartition("/")[0] + "/"
-            always = READERS if room == "tests/" else (*READERS, room)
+            always = (*READERS, f"tests/{fault.path.split('/')[1]}/")
             unseen = [test for test in seconds if test.startswith(always)]
             covering = _covering(tests.get(fault.path, {}), fault.line)
             jobs.append((fault, _in_order(sorted({*covering, *unseen}), fault.path, seconds)))

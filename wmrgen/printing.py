@@ -149,4 +149,4 @@ def readable(expr: Expr) -> Expr:
 def _rounded(value: Expr) -> Expr:
     """A symbol that prints as the decimal: sympy has no number of a given look. The sign stays outside."""
     sign = -1 if value < 0 else 1
-    return sympy.Mul(sign, sympy.Symbol(f"{float(abs(value)):.{DIGITS}g}", positive=True))
+    return sympy.Mul(sign, sympy.Symbol(f"{float(abs(value)):.{DIGITS}g}"))

@@ -144,7 +144,6 @@ def progress() -> Iterator[Callable[[str], None]]:
             draw()
 
     timer = threading.Timer(PATIENCE, draw)
-    timer.daemon = True
     timer.start()
     try:
         yield say

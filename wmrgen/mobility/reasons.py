@@ -83,7 +83,7 @@ def _axles_meet(at: Configuration, wheels: list[Wheel]) -> str:
         names = listed([wheels[i].name for i in triple])
         return f"The axles of {names} meet in no common point: nothing can move (rank C1f = 3)."
     names = listed([w.name for w in wheels])
-    null = null_basis(rows)[0]
+    (null,) = null_basis(rows)
     if abs(null[2]) < SAME:
         where, what = "are parallel and distinct", "straight motion along the wheels"
     else:

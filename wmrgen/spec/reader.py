@@ -180,7 +180,7 @@ def read_tree(text: str, file: str) -> tuple[Node | None, Source]:
     except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
         # PyYAML's own slips, such as the escape "\\UFFFFFFFF"
         raise RobotFileError(
-            f"not YAML: {quoted(str(error), 120)}",
+            f"not YAML: {quoted(str(error))}",
             composer.mark_here(),
             "",
             "Compare with a file under robots/.",

@@ -78,7 +78,7 @@ def body(p: Placed) -> list[str]:
     lines.append(bar(p.centre, half, min(3.0, p.half[1]), -degrees(p.heading), f"wheel {w.type}"))
     if w.kind.rollers:
         lines += [line(a, b, "roller") for a, b in _rollers(p)]
-    if w.turns and arm > 0.5:
+    if w.turns and arm:
         lines.append(line(p.pivot, p.centre, "arm"))
     return [*lines, circle(p.pivot, 3.2, "pivot")] if w.turns else lines
 

@@ -203,9 +203,8 @@ def _jackknives(motion: Motion, on_fixed_axle: bool, convoys: list[list[Towed]])
                 for chain, u in zip(convoys, motion.inputs, strict=True)
                 if chain[i].speed is not sympy.S.Zero
             ]
-            condition = (
-                speeds[0][0] if len(speeds) == 1 else add(*(times(v, signal(u.name)) for v, u in speeds))
-            )
+            alone = len(speeds) == 1
+            condition = add(*(v if alone else times(v, signal(u.name)) for v, u in speeds))
             why = "its axle stands still and turns on the spot while it is pulled; beyond, it is pushed backwards"
         domains.append(Domain(condition, f"{t.name} is jack-knifed: {why}"))
     return domains

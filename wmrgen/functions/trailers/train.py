@@ -213,7 +213,7 @@ def _of_row(robot: Robot, row: Row) -> Axle:
     nx, ny, k = row
     squared = nx * nx + ny * ny
     sign = _sign(robot, ny, -nx)
-    scale = Poly.of(sign) if squared == 1 else sqrt_poly(squared).inverse().scale(sign)
+    scale = sqrt_poly(squared).inverse().scale(sign)
     ex, ey, at = ny * scale, -nx * scale, k * scale
     return Axle(ex, ey, at * ex, at * ey)
 

@@ -185,8 +185,9 @@ class Domain:
             return self.declared.get("vx")
         if name in _POSE:
             return inside(*_POSE[name])
-        _, _, joint = name.rpartition(".")
-        limit = self.robot.limits.get(joint) if joint in _JOINTS else None
+        owner, _, joint = name.rpartition(".")
+        real = owner in {w.name for w in self.robot.wheels}
+        limit = self.robot.limits.get(joint) if joint in _JOINTS and not real else None
         if limit is not None:  # of a virtual wheel, which has none of its own
             self.declared[name] = _floats(limit.low, limit.high)
             return self.declared[name]

@@ -99,6 +99,10 @@ class Wheel:
         """Its rolling direction is a joint."""
         return self.kind.turns
 
+    def commands(self, joint: str) -> bool:
+        """Whether ``joint``, spin or steer, is commanded: it is driven, or its angle is chosen."""
+        return joint in self.actuated or (joint == "steer" and self.kind.steers)
+
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
@@ -193,8 +197,12 @@ class Robot:
         return {p.name: p.working for p in self.parameters if not p.tunable}
 
     def limit(self, wheel: Wheel, quantity: str) -> Interval | None:
-        """The wheel's own limit of ``steer``, ``steer_rate`` or ``spin``, else the robot's."""
-        return wheel.limits.get(quantity) or self.limits.get(quantity)
+        """The wheel's own limit of ``steer``, ``steer_rate`` or ``spin``, else the robot's.
+
+        The robot's is a limit of commands: a joint that turns along has none but its own.
+        """
+        joint = "spin" if quantity == "spin" else "steer"
+        return wheel.limits.get(quantity) or (self.limits.get(quantity) if wheel.commands(joint) else None)
 
     def together(self, joint: str, wheels: Iterable[Wheel]) -> list[list[Wheel]]:
         """``wheels`` in the sets whose ``joint``, spin or steer, is coupled; a wheel alone is a set of one."""

@@ -264,8 +264,8 @@ ROBOT = Section(
         Field("couplings", ListOf(COUPLING), "joints that move alike"),
         Field(
             "limits", LIMITS,
-            "limits of the robot and of every wheel: ranges that checked functions accept, that prove needs "
-            "and that desaturate keeps",
+            "limits of the robot and of every joint that is commanded: ranges that checked functions accept, that "
+            "prove needs and that desaturate keeps. A passive joint has none but its wheel's own",
         ),
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),

@@ -99,6 +99,20 @@ def test_castors_turn_along(tmp_path: Path) -> None:
     assert call(d, "desaturate", asked) == {k: v / 2 for k, v in asked.items()} | {"scale": 0.5}
 
 
+def test_the_limit_of_the_robot_is_not_that_of_a_passive_wheel(tmp_path: Path) -> None:
+    """A small castor turns eight times as fast as the wheels that are driven, and holds nothing back."""
+    wheels = (
+        "  - {name: fl, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.2}\n"
+        "  - {name: fr, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.2}\n"
+        "  - {name: tail, type: castor, x: -0.3, y: 0, d: 0.05, r: 0.025}"
+    )
+    d = derived(tmp_path, robot_text(wheels, "limits: {vx: 1.2, spin: 15, steer_rate: 1}"), "desaturate")
+    asked = call(d, "inverse", {"vx": 1.2, "vy": 0.0, "omega": 0.0, "tail.steer": 1.0})
+    del asked["slip"]
+    assert asked["tail.spin"] > 15 and asked["tail.steer_rate"] > 1
+    assert call(d, "desaturate", asked) == {**asked, "scale": 1.0}
+
+
 @pytest.mark.parametrize(
     ("limits", "named"),
     [

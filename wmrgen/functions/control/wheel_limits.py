@@ -55,7 +55,8 @@ WAYS = ("forwards", "backwards")
 def desaturate(robot: Robot, _: Mobility) -> Formula:
     """Every ``<wheel>.spin`` (and ``<castor>.steer_rate``) that `inverse` commands, times one ``scale`` <= 1.
 
-    scale = 1 / max(1, rate / limit over all limited joints). Castors that nothing drives turn along.
+    scale = 1 / max(1, rate / limit over all limited joints). Wheels that nothing drives turn along; what they would
+    exceed counts where their own ``limits`` name it.
     """
     rates = _rates(robot)
     names = Locals()

@@ -135,7 +135,7 @@ def _direction(w: Walk, i: int, b: int, a: int) -> Value:
     y, x = w.ranges[b], w.ranges[a]
     value = iv.arctangent(y, x)
     noise = w.library_noise(Op.ATAN2, value)
-    wraps = x[0] < 0 if w.nodes[a].op is Op.ABS else x[0] <= 0  # a zero that is no size may be -0
+    wraps = (x[0] <= 0) & (w.nodes[a].op is not Op.ABS)  # a zero that is no size may be -0
     if np.any(wraps):  # a full turn off is no error of the angle, but one of the number
         value = iv.hull(value, (np.full(w.boxes, -np.pi - 1e-9), np.full(w.boxes, np.pi + 1e-9)))
         noise = Noise(noise.size + 2 * np.pi)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,6 +66,13 @@ def process(
         command, cwd=cwd, env={**os.environ, **(env or {})}, stdin=subprocess.DEVNULL, capture_output=True
     )
     return Outcome(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def put(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write ``files`` (name -> content), as they stand in the folder of a robot."""
+    for name, content in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
 
 
 def tree(folder: Path) -> dict[str, bytes]:

@@ -16,7 +16,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from wmrgen.errors import EnvironmentFailure
@@ -83,7 +83,7 @@ def differences(
     for name, content in wanted.items():
         unlike += file_difference(directory / name, content)
     kept = {directory / name for name in (*wanted, BUDGET)}
-    extra = [p for p in sorted(directory.rglob("*")) if not p.is_dir() and p not in kept]
+    extra = [p for p in sorted(directory.rglob("*")) if (p.is_symlink() or not p.is_dir()) and p not in kept]
     return unlike + [Difference(p, "not produced") for p in extra]
 
 
@@ -141,6 +141,15 @@ def _refuse_links(directory: Path, name: str) -> None:
         _refuse_link(path)
 
 
+def _refuse_files(directory: Path, name: str) -> None:
+    """Refuse a file where ``name`` has a folder."""
+    for parent in PurePosixPath(name).parents:
+        if (directory / parent).is_file():
+            raise EnvironmentFailure(
+                f"{directory / parent} is a file; wmrgen would make a folder of that name"
+            )
+
+
 def _refuse_link(path: Path) -> None:
     if path.is_symlink():
         raise EnvironmentFailure(
@@ -152,6 +161,8 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
     old = _listed(directory)
     for name in {*wanted, *old}:
         _refuse_links(directory, name)
+    for name in wanted:
+        _refuse_files(directory, name)
     changed = [name for name, content in wanted.items() if not _holds(directory / name, content)]
     with tempfile.TemporaryDirectory(prefix=_STAGE, dir=directory.parent) as staging:
         for name in changed:
@@ -162,7 +173,8 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
                 _move(Path(staging) / name, directory, name)
         removed = tuple(name for name in old if name not in wanted and _remove(directory, name))
         if MANIFEST in changed:
-            _sync_directory(directory)
+            for folder in sorted({(directory / name).parent for name in changed}):
+                _sync_directory(folder)
             _move(Path(staging) / MANIFEST, directory, MANIFEST)
     _sync_directory(directory)
     return Written(tuple(changed), tuple(n for n in wanted if n not in changed), removed)

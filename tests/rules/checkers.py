@@ -7,7 +7,8 @@ import subprocess
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from tests.selftest.every import files_of
+from tests.conftest import put
+from tests.selftest.every import files_of, place_of
 from tests.tools import missing, tool
 
 Finding = tuple[str, str, str]
@@ -17,12 +18,10 @@ CALLER = "caller.c"
 
 def write(folder: Path, robot: str) -> list[str]:
     """The C of a robot and a caller of everything in it; names of the sources."""
-    header = ""
-    for name, content in files_of(robot).items():
-        (folder / name).write_bytes(content)
-        header += content.decode() if name.endswith(".h") else ""
+    put(folder, files_of(robot))
+    header = "".join(content.decode() for name, content in files_of(robot).items() if name.endswith(".h"))
     (folder / CALLER).write_text(caller(robot, header))
-    return [f"{robot}.c", f"{robot}_checked.c", CALLER, f"{robot}_selftest.c"]
+    return [f"{robot}.c", f"{robot}_checked.c", CALLER, place_of(robot)]
 
 
 def caller(robot: str, header: str) -> str:
@@ -50,16 +49,16 @@ def caller(robot: str, header: str) -> str:
     )
 
 
-def cppcheck(folder: Path, sources: Sequence[str], defined: str) -> list[Finding]:
-    """Cppcheck with its MISRA C:2012 add-on, all checks on."""
+def cppcheck(folder: Path, sources: Sequence[str]) -> list[Finding]:
+    """Cppcheck with its MISRA C:2012 add-on, all checks on; -D of whatever keeps it to one configuration."""
     command = [
-        tool("cppcheck"), "--enable=all", "--inconclusive", "--std=c99", "--addon=misra", "--quiet", f"-D{defined}",
+        tool("cppcheck"), "--enable=all", "--inconclusive", "--std=c99", "--addon=misra", "--quiet", "-DNDEBUG",
         "--suppress=missingIncludeSystem", "--suppress=checkersReport", "--template={file}|{id}|{line}: {message}",
         *sources,
     ]  # fmt: skip
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=True)
     lines = (line.split("|", 2) for line in done.stderr.splitlines() if "|" in line)
-    return [(file, check, text) for file, check, text in lines if file != CALLER]
+    return [(Path(file).name, check, text) for file, check, text in lines if file != CALLER]
 
 
 def clang_tidy(folder: Path, sources: Iterable[str]) -> list[Finding]:

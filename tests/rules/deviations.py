@@ -56,7 +56,7 @@ DEVIATIONS = (
     Deviation(
         TIDY, "misc-use-internal-linkage", r"\w+_selftest\.c",
         "`<robot>_selftest()` has external linkage and is called in its own file",
-        "Firmware calls it from a program of its own, where `<ROBOT>_SELFTEST_NO_MAIN` leaves `main` out.",
+        "Firmware calls it from a program of its own; it has a `main` only where `<ROBOT>_SELFTEST_MAIN` asks for it.",
     ),
 )  # fmt: skip
 

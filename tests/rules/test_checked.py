@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.c.harness import COMPILERS, STRICT
+from tests.conftest import put
 from tests.selftest.every import files_of
 from wmrgen.compiler import compile_program, run_program
 
@@ -157,8 +158,7 @@ TUNABLE = """
     ids=["differential", "odometry", "ackermann", "castors", "tunable"],
 )
 def test_status_and_safe_outputs(robot: str, body: str, compiler: str, tmp_path: Path) -> None:
-    for name, content in files_of(robot).items():
-        (tmp_path / name).write_bytes(content)
+    put(tmp_path, files_of(robot))
     (tmp_path / "edges.c").write_text(HEAD.format(robot) + body + TAIL)
     sources = ["edges.c", f"{robot}_checked.c", f"{robot}.c"]
     assert run_program(compile_program(tmp_path, sources, compiler, (*STRICT[:2], "-O2")), "") == ""
@@ -166,7 +166,6 @@ def test_status_and_safe_outputs(robot: str, body: str, compiler: str, tmp_path:
 
 def test_refuses_to_lose_its_checks(tmp_path: Path) -> None:
     """-ffast-math lets a compiler assume that there is no NaN."""
-    for name, content in files_of("lekiwi").items():
-        (tmp_path / name).write_bytes(content)
+    put(tmp_path, files_of("lekiwi"))
     with pytest.raises(Exception, match="ffast-math"):
         compile_program(tmp_path, ["lekiwi_checked.c"], None, ("-c", "-std=c99", "-ffast-math"))

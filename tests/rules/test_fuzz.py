@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import GALLERY
+from tests.conftest import GALLERY, put
 from tests.selftest.every import FEW
 from tests.tools import missing
 from wmrgen import derive, load
@@ -27,13 +27,12 @@ def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None) ->
     """The fuzzer of a robot; ``change`` replaces a piece of its checked functions."""
     derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
     files = emit(derivation.c_module, Facts(site=site(derivation.robot), options={"fuzz": True}))
-    for name, content in files.items():
-        text = content.decode()
-        if change and name == f"{robot}_checked.c":
-            assert change[0] in text
-            text = text.replace(*change, 1)
-        (folder / name).write_text(text)
-    sources = [f"{robot}{end}.c" for end in ("_fuzz", "_checked", "")]
+    put(folder, files)
+    if change:
+        text = files[f"{robot}_checked.c"].decode()
+        assert change[0] in text
+        (folder / f"{robot}_checked.c").write_text(text.replace(*change, 1))
+    sources = [f"test/{robot}_fuzz.c", f"{robot}_checked.c", f"{robot}.c"]
     command = [clang(), *FLAGS, *sources, "-lm", "-o", "fuzzer"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
     return folder / "fuzzer"

@@ -41,7 +41,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, Finding]]
     """Everything that the two checkers say about one robot's C and its self-test."""
     folder = tmp_path_factory.mktemp(ONE)
     sources = write(folder, ONE)
-    both = {MISRA: cppcheck(folder, sources, f"{ONE.upper()}_SELFTEST_NO_MAIN"), TIDY: tidy(folder, sources)}
+    both = {MISRA: cppcheck(folder, sources), TIDY: tidy(folder, sources)}
     return [(tool, finding) for tool, findings in both.items() for finding in findings]
 
 
@@ -65,7 +65,7 @@ def test_every_deviation_is_needed_and_written_down(found: list[tuple[str, Findi
 def test_misra_of_the_gallery(robot: str, tmp_path: Path) -> None:
     """Self-tests differ in their numbers alone; those of one robot per family are looked at."""
     sources = write(tmp_path, robot)
-    found = cppcheck(tmp_path, sources if robot in FEW else sources[:-1], f"{robot.upper()}_SELFTEST_NO_MAIN")
+    found = cppcheck(tmp_path, sources if robot in FEW else sources[:-1])
     assert beyond(MISRA, found) == []
     assert needed(robot) <= {kept(MISRA, check, file) for file, check, _ in found}
 
@@ -82,8 +82,7 @@ def test_nothing_beyond_the_deviations_with_called_kernels(robot: str, tmp_path:
     sources = write(tmp_path, robot)
     text = (tmp_path / f"{robot}.c").read_text()
     (tmp_path / f"{robot}.c").write_text("#define WMRGEN_SMALL\n" + text)
-    macro = f"{robot.upper()}_SELFTEST_NO_MAIN"
-    assert beyond(MISRA, cppcheck(tmp_path, sources, macro)) == []
+    assert beyond(MISRA, cppcheck(tmp_path, sources)) == []
     assert beyond(TIDY, tidy(tmp_path, sources)) == []
     assert gcc_analyzer(tmp_path, sources) == ""
 
@@ -101,7 +100,7 @@ def test_gcc_analyzer_of_the_gallery(robot: str, tmp_path: Path) -> None:
 def test_planted_faults_are_found(tmp_path: Path) -> None:
     """The checkers are awake: goto, recursion, an assignment as condition, an unset variable, a null pointer."""
     (tmp_path / "planted.c").write_text(PLANTED)
-    rules = {check for _, check, _ in beyond(MISRA, cppcheck(tmp_path, ["planted.c"], "NONE"))}
+    rules = {check for _, check, _ in beyond(MISRA, cppcheck(tmp_path, ["planted.c"]))}
     assert {"misra-c2012-13.4", "misra-c2012-15.1", "misra-c2012-17.2", "misra-c2012-15.6"} <= rules
     checks = {check for _, check, _ in clang_tidy(tmp_path, ["planted.c"])}
     assert "misc-no-recursion" in checks and any(check.startswith("clang-analyzer-") for check in checks)

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
-from tests.conftest import GALLERY
+from tests.conftest import GALLERY, put
 from wmrgen import derive, load
 from wmrgen.backends.c99 import emit
 from wmrgen.backends.registry import Facts
@@ -42,20 +42,22 @@ def files_of(robot: str, scalar: str = "float") -> Mapping[str, bytes]:
     return emit(derivation.c_module, Facts(site=site(derivation.robot), options={"scalar": scalar}))
 
 
+def place_of(robot: str) -> str:
+    """Where the self-test stands."""
+    return f"test/{robot}_selftest.c"
+
+
 def write(folder: Path, robots: Sequence[str], scalar: str = "float", checks: bool = False) -> None:
     """`EVERY`: C and self-test of every robot; a main that prints a line for each, or ``checks``, one a robot."""
     lines = []
     for robot in robots:
         files = files_of(robot, scalar)
-        for name in (f"{robot}.h", f"{robot}.c"):
-            (folder / name).write_bytes(files[name])
-        text = _OWN.sub(lambda m, robot=robot: f"{robot}_{m[1]}", files[f"{robot}_selftest.c"].decode())  # type: ignore[misc]
-        (folder / f"{robot}_selftest.c").write_text(text)
-        lines += [
-            f"#define {robot.upper()}_SELFTEST_NO_MAIN",
-            f'#include "{robot}.c"',
-            f'#include "{robot}_selftest.c"',
-        ]
+        text = _OWN.sub(lambda m, robot=robot: f"{robot}_{m[1]}", files[place_of(robot)].decode())  # type: ignore[misc]
+        put(
+            folder,
+            {**{name: files[name] for name in (f"{robot}.h", f"{robot}.c")}, place_of(robot): text.encode()},
+        )
+        lines += [f'#include "{robot}.c"', f'#include "{place_of(robot)}"']
         if checks:
             lines += [
                 f"void check_{robot}(int *y);",

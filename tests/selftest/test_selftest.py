@@ -10,8 +10,8 @@ import pytest
 
 from benchmarks.emulator.zig import M0, M4F, Target
 from tests.c.harness import COMPILERS, STRICT, WARNINGS
-from tests.conftest import GALLERY
-from tests.selftest.every import EVERY, FEW, NAMES, failures, files_of, write
+from tests.conftest import GALLERY, put
+from tests.selftest.every import EVERY, FEW, NAMES, failures, files_of, place_of, write
 from tests.selftest.target import on_target
 from wmrgen import derive, load
 from wmrgen.compiler import compile_program, run_program
@@ -93,17 +93,17 @@ def test_all_numbers_are_the_exact_ones(robot: str) -> None:
 
 @pytest.mark.slow
 def test_small_and_the_same_every_time() -> None:
-    sizes = {robot: len(files_of(robot)[f"{robot}_selftest.c"]) for robot in NAMES}
+    sizes = {robot: len(files_of(robot)[place_of(robot)]) for robot in NAMES}
     assert max(sizes.values()) <= LARGEST
     assert sorted(sizes.values())[len(sizes) // 2] <= 27_000
     robot = "ackermann_car"
     again = files_of.__wrapped__(robot)
-    assert again[f"{robot}_selftest.c"] == files_of(robot)[f"{robot}_selftest.c"]
+    assert again[place_of(robot)] == files_of(robot)[place_of(robot)]
 
 
 def test_covers_every_function() -> None:
     for robot in FEW:
-        source, selftest = (files_of(robot)[f"{robot}{end}"].decode() for end in (".c", "_selftest.c"))
+        source, selftest = (files_of(robot)[name].decode() for name in (f"{robot}.c", place_of(robot)))
         functions = re.findall(rf"^void ({robot}_\w+)\(", source, flags=re.M)
         assert functions and not [name for name in functions if f"    {name}(" not in selftest]
 
@@ -112,24 +112,22 @@ def test_covers_every_function() -> None:
 def test_ends_with_its_verdict(tmp_path: Path) -> None:
     """As a program of its own: 0, and 1 for a wrong build or one that gives NaN; mixed files do not compile."""
     robot = "lekiwi"
-    for name, content in files_of(robot).items():
-        if name.endswith((".c", ".h")):
-            (tmp_path / name).write_bytes(content)
-    sources = [f"{robot}.c", f"{robot}_selftest.c"]
-    run_program(compile_program(tmp_path, sources, None, (*STRICT, "-O1")), "")
+    put(tmp_path, files_of(robot))
+    sources, main = [f"{robot}.c", place_of(robot)], f"-D{robot.upper()}_SELFTEST_MAIN"
+    run_program(compile_program(tmp_path, sources, None, (*STRICT, "-O1", main)), "")
     good = (tmp_path / f"{robot}.c").read_text()
     for wrong in ("1.001f * in->vx", "(in->vx - in->vx) / (in->vx - in->vx)"):
         (tmp_path / f"{robot}.c").write_text(good.replace("in->vx", f"({wrong})", 1))
         with pytest.raises(EnvironmentFailure, match="status 1"):
-            run_program(compile_program(tmp_path, sources, None, ("-std=c99", "-O1")), "")
+            run_program(compile_program(tmp_path, sources, None, ("-std=c99", "-O1", main)), "")
     header = (tmp_path / f"{robot}.h").read_text()
     (tmp_path / f"{robot}.h").write_text(re.sub(r"_PAIR_\w+ 1", "_PAIR_0 1", header))
     with pytest.raises(EnvironmentFailure, match="not generated together"):
-        compile_program(tmp_path, [f"{robot}_selftest.c"], None, ("-c",))
+        compile_program(tmp_path, [place_of(robot)], None, ("-c",))
 
 
 def test_no_library() -> None:
     """Nothing is included but the robot's own header."""
     for robot in FEW:
-        text = files_of(robot)[f"{robot}_selftest.c"].decode()
-        assert re.findall(r"^#include (.*)$", text, flags=re.M) == [f'"{robot}.h"']
+        text = files_of(robot)[place_of(robot)].decode()
+        assert re.findall(r"^#include (.*)$", text, flags=re.M) == [f'"../{robot}.h"']

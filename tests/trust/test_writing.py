@@ -95,6 +95,39 @@ def test_a_file_where_the_directory_should_be(tmp_path: Path) -> None:
     assert (tmp_path / "out").read_text() == "a file"
 
 
+def test_a_file_where_a_folder_should_be_changes_nothing(place: Path) -> None:
+    (place / "d").write_text("the user's")
+    before = tree(place)
+    with pytest.raises(EnvironmentFailure, match="d is a file; wmrgen would make a folder"):
+        write_tree(place, NEW)
+    assert tree(place) == before
+
+
+def test_what_stands_in_a_folder_is_checked_too(place: Path, tmp_path: Path) -> None:
+    write_tree(place, NEW)
+    (place / "d" / "stray.c").write_text("int main(void);")
+    assert [(d.path, d.why) for d in differences(place, NEW)] == [(place / "d" / "stray.c", "not produced")]
+    (place / "d" / "stray.c").unlink()
+    (place / "d" / "e.md").write_text("edited")
+    assert [(d.path, d.why) for d in differences(place, NEW)] == [(place / "d" / "e.md", "differs")]
+    write_tree(place, NEW)
+    (place / "d").rename(tmp_path / "elsewhere")
+    (place / "d").symlink_to(tmp_path / "elsewhere")
+    assert [d.path for d in differences(place, NEW)] == [place / "d"], "a link in place of a folder"
+
+
+def test_a_file_moves_into_a_folder(place: Path) -> None:
+    """As the self-test did: it stood beside the sources."""
+    moved = {"d/a.c" if name == "a.c" else name: content for name, content in OLD.items()}
+    assert [(d.path, d.why) for d in differences(place, moved)] == [
+        (place / "d" / "a.c", "missing"),
+        (place / MANIFEST, "differs"),
+        (place / "a.c", "not produced"),
+    ]
+    assert write_tree(place, moved).removed == ("a.c",)
+    assert tree(place).keys() == {*moved, MANIFEST} and not differences(place, moved)
+
+
 @pytest.mark.parametrize("step", ["fsync", "mkdtemp"])
 def test_a_full_disk_leaves_the_old_files(place: Path, monkeypatch: pytest.MonkeyPatch, step: str) -> None:
     def full(*_: object, **__: object) -> None:

@@ -198,10 +198,10 @@ for _entry in (
             Files(("{robot}.h", "{robot}.c"), "the functions in C99"),
             Files(("{robot}_checked.h", "{robot}_checked.c"), "the same behind a check of their inputs"),
             Files(
-                ("{robot}_selftest.c",),
-                "test vectors with exact results and a `main`, for the machine it is to run on",
+                ("test/{robot}_selftest.c",),
+                "test vectors with exact results, for the machine it is to run on",
             ),
-            Files(("{robot}_fuzz.c",)),
+            Files(("test/{robot}_fuzz.c",)),
         ),
         reserved=(C, C_LIBRARY), options=("scalar", "math", "target"), switches=("fuzz",), proved=True,
     ),

@@ -1,6 +1,6 @@
 """``<robot>_checked.h`` and ``.c``: every function behind a check of its inputs, with a status and safe outputs.
 
-With ``--fuzz`` also ``<robot>_fuzz.c``: a libFuzzer harness of them.
+With ``--fuzz`` also ``test/<robot>_fuzz.c``: a libFuzzer harness of them.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ ABOUT = (
 )
 ABOUT_FUZZ = (
     "Fuzzing harness for libFuzzer: clang -g -O1 -fsanitize=fuzzer,address,undefined,float-divide-by-zero "
-    "{0}_fuzz.c {0}_checked.c {0}.c -lm. Every function gets inputs of any bit pattern and inputs spread over their "
-    "range. What was accepted must give numbers, and steering angles inside their limits; what was refused must give "
-    "the safe outputs.",
+    "test/{0}_fuzz.c {0}_checked.c {0}.c -lm. Every function gets inputs of any bit pattern and inputs spread over "
+    "their range. What was accepted must give numbers, and steering angles inside their limits; what was refused must "
+    "give the safe outputs.",
 )
 
 
@@ -184,7 +184,7 @@ def _store(guarded: Guarded, output: Safe, scalar: str) -> str:
 
 
 def fuzz(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> str:
-    """The text of ``<robot>_fuzz.c``; arguments as of `checked`."""
+    """The text of ``test/<robot>_fuzz.c``; arguments as of `checked`."""
     tried = [_tried(unit, g) for g in guarded(module, unit, site)]
     return render("c99/fuzz.c.j2", **common, about=_about(ABOUT_FUZZ, unit.robot), functions=tried)
 

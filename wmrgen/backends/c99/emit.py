@@ -20,6 +20,7 @@ from wmrgen.ir.ops import integer
 from wmrgen.render import render
 
 NO_FACTS = Facts()
+TEST = "test"  # the folder of what is no part of a firmware: a build that takes every *.c does not find it
 INTEGER = {"isin", "icos", "iatan", "imul", "idiv", "isqrt"}  # see templates/c99/integer.c.j2
 LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
 _WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
@@ -37,11 +38,13 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
         ".c": source,
         "_checked.h": checked_header,
         "_checked.c": checked_source,
-        "_selftest.c": selftest(module, functions, facts.site, common),
     }
+    apart = {"_selftest.c": selftest(module, functions, facts.site, common)}
     if facts.options.get("fuzz"):
-        files["_fuzz.c"] = fuzz(module, functions, facts.site, common)
-    return {module.name + ending: text.encode("ascii") for ending, text in files.items()}
+        apart["_fuzz.c"] = fuzz(module, functions, facts.site, common)
+    named = {module.name + ending: text for ending, text in files.items()}
+    named |= {f"{TEST}/{module.name}{ending}": text for ending, text in apart.items()}
+    return {name: text.encode("ascii") for name, text in named.items()}
 
 
 def sources(module: Module, choice: Choice = DEFAULT, facts: Facts = NO_FACTS) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""``<robot>_selftest.c``: test vectors and a ``main`` that calls every function with them, for host and target."""
+"""``test/<robot>_selftest.c``: test vectors and a function that calls every function with them, for host and target."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ ABOUT = (
     "formula gives there (60 digits, rounded once; below 1e-12: 0) and how far a correct build may be from it: a "
     "bound of the rounding errors of all operations, with sines and cosines within 4 units of rounding ({2}) and "
     "arctangents within 6 ulp; contraction to fused multiply-add is covered. A NaN fails.",
-    "{0}_selftest() returns 0, or the number of the first row that fails, counted through this file. main() calls "
-    "it and returns 0 or 1; define {1}_SELFTEST_NO_MAIN to call it from a program of your own.",
+    "int {0}_selftest(void) returns 0, or the number of the first row that fails, counted through this file. Call it "
+    "from a program of your own; compiled with -D{1}_SELFTEST_MAIN this file has a main(), which returns 0 or 1.",
 )
 
 

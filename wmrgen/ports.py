@@ -24,6 +24,7 @@ class Limits(StrEnum):
     NONE = "none"
     COMMANDED = "commanded"  # twists are commands, kept inside their limits; joints are measured
     MEASURED = "measured"  # twists and joints are measured
+    ASKED = "asked"  # joint rates as `inverse` gives them for a twist inside its limits, beyond those of the joints too
 
 
 @dataclass(frozen=True, slots=True)

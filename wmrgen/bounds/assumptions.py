@@ -4,7 +4,8 @@ Inputs lie within the limits of the robot file. Where it has none: vy as vx; ste
 and steering rates what `inverse` commands within the limits of the twist; a pose 100 m and two turns around the origin,
 headings of trailers alike, steps of at most 0.1 s; speeds of virtual wheels as vx; tunable parameters 10 % around their
 nominal value. The limits of vx and omega have no such default: without them there is nothing to prove. A rate that
-nothing commands needs a limit, too.
+nothing commands needs a limit, too. What keeps the rates of joints inside their limits is looked at for all that
+`inverse` commands, see `Limits.ASKED`.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.interval import Array
 from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
 from wmrgen.ir.kernels.trigonometry import Worst, worst
-from wmrgen.ir.nodes import Function, Op, Port, Role
+from wmrgen.ir.nodes import Function, Limits, Op, Port, Role
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.layout.records import Robot
 
@@ -162,7 +163,8 @@ class Domain:
         ranges: dict[str, Range] = {}
         unknown = []
         for port in function.inputs:
-            interval = self._range(port)
+            asked = function.limits is Limits.ASKED and _rate(port)
+            interval = self.commanded.get(port.name) if asked else self._range(port)
             if interval is None:
                 unknown.append(port.name)
             else:
@@ -194,6 +196,11 @@ class Domain:
         if joint in ("steer", "theta"):
             return inside(-TURNS, TURNS)
         return self.declared.get("vx") if joint == "speed" else self.commanded.get(name)
+
+
+def _rate(port: Port) -> bool:
+    """Whether a port is the rate of a joint."""
+    return port.name.rpartition(".")[2] in ("spin", "steer_rate")
 
 
 def domain(robot: Robot) -> Domain:

@@ -138,15 +138,16 @@ def data(result: Bounds) -> dict[str, Any]:
         "library": {"name": result.library.name, **result.library.table()},
         "limits": {name: list(r) for name, r in result.declared.items()},
         "assumed": {name: list(r) for name, r in result.assumed.items()},
-        "functions": {f.name: _data(f) for f in result.functions},
+        "functions": {f.name: _data(f, result) for f in result.functions},
     }
 
 
-def _data(f: FunctionBound) -> dict[str, Any]:
+def _data(f: FunctionBound, result: Bounds) -> dict[str, Any]:
     if f.unknown:
         return {"proved": False, "no_range": list(f.unknown)}
     return {
         "proved": f.proved,
+        **({"inputs": {n: list(r) for n, r in wider.items()}} if (wider := beyond(f, result)) else {}),
         **({"not_shown": list(f.alarms)} if f.alarms else {}),
         "outputs": {o.name: _output_data(o) for o in f.outputs},
     }
@@ -182,7 +183,7 @@ def header_lines(bounds: Bounds) -> tuple[str, ...]:
         under += " h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined."
     lines = [under]
     for f in bounds.functions:
-        lines += _of_function(f)
+        lines += _of_function(f, bounds)
     return tuple(lines)
 
 
@@ -212,7 +213,12 @@ def limit(names: str, r: Range) -> str:
     return f"|{names}| <= {high:.6g}" if low == -high else f"{low:.6g} <= {names} <= {high:.6g}"
 
 
-def _of_function(f: FunctionBound) -> list[str]:
+def beyond(f: FunctionBound, bounds: Bounds) -> dict[str, Range]:
+    """The ranges of inputs that a function takes beyond their limits."""
+    return {name: r for name, r in f.inputs.items() if bounds.declared.get(name, r) != r}
+
+
+def _of_function(f: FunctionBound, bounds: Bounds) -> list[str]:
     if f.unknown:
         return [f"  {f.name}: nothing, for no range is known of {', '.join(f.unknown)}"]
     if f.alarms:
@@ -221,7 +227,11 @@ def _of_function(f: FunctionBound) -> list[str]:
     for o in f.outputs:
         key = "" if o.singular else o.name.rpartition(".")[2], bound(o)
         groups.setdefault(key, []).append(o)
-    return [f"  {f.name}: {', '.join(o.name for o in group)} {bound(group[0])}" for group in groups.values()]
+    wider = beyond(f, bounds)
+    head = [f"  {f.name} is looked at for {listed(wider)}"] if wider else []
+    return head + [
+        f"  {f.name}: {', '.join(o.name for o in group)} {bound(group[0])}" for group in groups.values()
+    ]
 
 
 def bound(o: OutputBound) -> str:

@@ -10,9 +10,18 @@ from typing import TYPE_CHECKING, Any
 import wmrgen
 from wmrgen import compiler
 from wmrgen.backends.c99.driver import alarms, command, harness
-from wmrgen.bounds.assumptions import SINGLE, Range, wanted
+from wmrgen.bounds.assumptions import SINGLE, wanted
 from wmrgen.bounds.partition import cases
-from wmrgen.bounds.robot import SINGULAR, Bounds, FunctionBound, OutputBound, data, described, functions
+from wmrgen.bounds.robot import (
+    SINGULAR,
+    Bounds,
+    FunctionBound,
+    OutputBound,
+    beyond,
+    data,
+    described,
+    functions,
+)
 from wmrgen.cli import console
 from wmrgen.cli.loading import noted
 from wmrgen.errors import NotDerivableError
@@ -94,7 +103,7 @@ def _show(name: str, bounds: Bounds, eva: Mapping[str, Any]) -> None:
     if bounds.assumed:
         console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in bounds.assumed.items())}")
     for f in bounds.functions:
-        _function(f, bounds.declared)
+        _function(f, bounds)
     if eva["run"]:
         count = len(eva["alarms"])
         console.result(
@@ -109,7 +118,7 @@ def _limit(name: str, r: tuple[float, float]) -> str:
     return f"|{name}| <= {high:g}" if low == -high else f"{low:g} <= {name} <= {high:g}"
 
 
-def _function(f: FunctionBound, declared: Mapping[str, Range]) -> None:
+def _function(f: FunctionBound, bounds: Bounds) -> None:
     if f.unknown:
         console.result(f"{f.name}: not looked at, no range for {', '.join(f.unknown)}", "bold")
         console.result(f"  needs {wanted(f.unknown)}")
@@ -117,9 +126,11 @@ def _function(f: FunctionBound, declared: Mapping[str, Range]) -> None:
     console.result(
         f"{f.name}: {'no NaN, infinity or division by zero' if f.proved else 'not proved'}", "bold"
     )
+    if wider := beyond(f, bounds):
+        console.result(f"  of {', '.join(_limit(n, r) for n, r in wider.items())}")
     for text in f.alarms:
         console.result(f"  {text}")
-    free = tuple(n for n in f.inputs if n.endswith(".steer") and n not in declared)
+    free = tuple(n for n in f.inputs if n.endswith(".steer") and n not in bounds.declared)
     if free and (f.alarms or any(o.singular for o in f.outputs)):
         console.result(f"  {', '.join(free)} may have any value; perhaps it needs {wanted(free)}")
     width = max((len(o.name) for o in f.outputs), default=0)

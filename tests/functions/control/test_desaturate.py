@@ -17,8 +17,11 @@ from tests.functions.control.corners import (
     robot_text,
     twists,
 )
+from wmrgen.backends.c99.checked import ranges
+from wmrgen.bounds.robot import data, header_lines
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.rounding import nearest_float32
+from wmrgen.ports import Site
 
 LIMIT = 12.3
 
@@ -111,6 +114,23 @@ def test_the_limit_of_the_robot_is_not_that_of_a_passive_wheel(tmp_path: Path) -
     del asked["slip"]
     assert asked["tail.spin"] > 15 and asked["tail.steer_rate"] > 1
     assert call(d, "desaturate", asked) == {**asked, "scale": 1.0}
+
+
+def test_what_inverse_asks_beyond_the_limits_is_what_it_is_for(tmp_path: Path) -> None:
+    """Bounds are about all that `inverse` gives within the limits of the twist; checked code refuses nothing of it."""
+    text = robot_text(MECANUM, "functions: [desaturate]", "limits: {vx: 1, vy: 1, omega: 2, spin: 8}")
+    d = derived(tmp_path, text, "desaturate")
+    inverse, scaling = (next(f for f in d.bounds.functions if f.name == n) for n in ("inverse", "desaturate"))
+    asked = {o.name: (o.low, o.high) for o in inverse.outputs}
+    assert asked["fl.spin"][1] > 20
+    assert scaling.inputs == {f"{n}.spin": asked[f"{n}.spin"] for n in CORNERS}
+    assert all(7.99 < o.high < 8.01 for o in scaling.outputs if o.name != "scale")
+    assert next(o.low for o in scaling.outputs if o.name == "scale") < 0.4
+    assert "desaturate is looked at for |fl.spin" in "\n".join(header_lines(d.bounds))
+    assert list(data(d.bounds)["functions"]["desaturate"]["inputs"]) == [f"{n}.spin" for n in CORNERS]
+    site = Site(dict.fromkeys(asked, (-8.0, 8.0)))
+    scaled = next(f for f in d.c_module.functions if f.name == "desaturate")
+    assert {(r.low, r.high) for r in ranges(scaled, "float", site)} == {("-1e9f", "1e9f")}
 
 
 @pytest.mark.parametrize(

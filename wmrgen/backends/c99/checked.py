@@ -94,7 +94,7 @@ def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
 def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
     size = _TURNING[scalar].get(port.name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
     low, high = -size, size
-    if port.name in site.limits and limits is not Limits.NONE:
+    if port.name in site.limits and limits not in (Limits.NONE, Limits.ASKED):
         low, high = site.limits[port.name]
         if port.name not in _TWIST or limits is Limits.MEASURED:
             middle, half = (low + high) / 2, OVERSHOOT * (high - low) / 2

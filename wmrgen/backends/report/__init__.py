@@ -17,7 +17,7 @@ from wmrgen.backends.report.mobility import analysis, singular
 from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.rows import matrices, null_space, wheel_rows
 from wmrgen.backends.report.texts import texts
-from wmrgen.bounds.robot import SINGULAR, described, error, listed
+from wmrgen.bounds.robot import SINGULAR, beyond, described, error, listed
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import count
 from wmrgen.printing import Latex, size
@@ -119,6 +119,9 @@ def _bounds(bounds: Bounds) -> list[str]:
         "defined at all.",
     ]
     for f in bounds.functions:
+        wider = beyond(f, bounds)
+        if wider and f.proved:
+            blocks += [f"{code(f.name)} is looked at for {listed(wider)}."]
         singular_outputs = ", ".join(code(o.name) for o in f.outputs if o.singular)
         if not f.proved:
             why = "; ".join(f.alarms) or f"no range is known of {', '.join(code(n) for n in f.unknown)}"

@@ -51,7 +51,7 @@ _TIE = sympy.Rational(1, 10**4)  # rad: both ways lie as far outside the limits,
 WAYS = ("forwards", "backwards")
 
 
-@function("ours; the texts have none")
+@function("ours; the texts have none", limits=Limits.ASKED)
 def desaturate(robot: Robot, _: Mobility) -> Formula:
     """Every ``<wheel>.spin`` (and ``<castor>.steer_rate``) that `inverse` commands, times one ``scale`` <= 1.
 

@@ -65,30 +65,22 @@ def _icr_on_pivot(w: Wheel) -> Singularity:
 
 
 def _shared_axles(at: Configuration, wheels: tuple[Wheel, ...]) -> list[Singularity]:
-    """The independent axles of C1 fall into one line: its rank drops."""
-    if at.mobility != 1 or not wheels:
+    """The axles of the two steered wheels that decide the motion fall into one line: rank C1 drops.
+
+    A steered wheel on the line of the fixed axle decides nothing: its axle can always follow.
+    """
+    if at.mobility != 1 or len(wheels) != 2:
         return []
-    if len(wheels) == 2:
-        a, b = wheels
-        conditions = (_towards(a, b), _towards(b, a))
-        many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
-        what = (
-            f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
-            if many
-            else "rank C1 falls from 2 to 1: the robot can turn about any point of that line"
-        )
-        text = f"the axles of {a.name} and {b.name} lie on one line: {what}"
-        return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
-    fixed = [w for w in at.robot.wheels if w.kind.fixed_axle]
-    if not fixed:
-        return []
-    f, s = fixed[0], wheels[0]
-    offset = _towards(f, s)
-    number = offset.constant
-    if number is None or abs(float(number)) > 1e-9 * float(at.unit.length):
-        return []
-    text = f"{s.name} stands on the axle line of {f.name}: with parallel axles rank C1 falls from 2 to 1"
-    return [Singularity("shared_axle", (_parallel(f, s),), text, (f.name, s.name))]
+    a, b = wheels
+    conditions = (_towards(a, b), _towards(b, a))
+    many = sum(w.kind.steers for w in at.robot.wheels) > 2 and not _pivots_in_line(at)
+    what = (
+        f"{a.name} and {b.name} no longer determine the motion; another steered wheel does"
+        if many
+        else "rank C1 falls from 2 to 1: the robot can turn about any point of that line"
+    )
+    text = f"the axles of {a.name} and {b.name} lie on one line: {what}"
+    return [Singularity("shared_axle", conditions, text, (a.name, b.name))]
 
 
 def _towards(a: Wheel, b: Wheel) -> Poly:
@@ -96,13 +88,6 @@ def _towards(a: Wheel, b: Wheel) -> Poly:
     ga, gb = working_view(a), working_view(b)
     ex, ey = heading(a, ga)
     return ex * (gb.x - ga.x) + ey * (gb.y - ga.y)
-
-
-def _parallel(a: Wheel, b: Wheel) -> Poly:
-    """e_a x e_b: zero when the axles are parallel."""
-    ax, ay = heading(a, working_view(a))
-    bx, by = heading(b, working_view(b))
-    return ax * by - ay * bx
 
 
 def _pivots_in_line(at: Configuration) -> bool:

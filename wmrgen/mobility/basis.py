@@ -150,15 +150,11 @@ def _axle(row: Row) -> tuple[Row, ...]:
 
 def primitive(row: Polys) -> Polys:
     """The row without common factors: no common monomial, leading coefficient 1."""
-    terms = [(m, c) for p in row for m, c in p.terms.items()]
-    if not terms:
+    monomials = [dict(m) for p in row for m in p.terms]
+    if not monomials:
         return row
-    common: dict[Gen, int] = dict(terms[0][0])
-    for m, _ in terms:
-        powers = dict(m)
-        common = {g: min(e, powers.get(g, 0)) for g, e in common.items()}
-        common.update({g: min(e, 0) for g, e in powers.items() if e < 0 and g not in common})
-    shift = {g: e for g, e in common.items() if e}
+    generators = {g for m in monomials for g in m}
+    shift = {g: min(m.get(g, 0) for m in monomials) for g in generators}
     factor = _leading(row)
     return cast(Polys, tuple(_shifted(p, shift, factor) for p in row))
 

@@ -13,7 +13,7 @@ import sympy
 
 from wmrgen import __version__
 from wmrgen.backends.registry import BACKENDS, Facts
-from wmrgen.bounds.robot import header_lines
+from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.ports import Site
@@ -59,7 +59,7 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
-        site=site(derivation.robot),
+        site=site(derivation),
         formulas=derivation.raw_module.functions,
     )
 
@@ -71,8 +71,9 @@ def _bound_lines(derivation: Derivation, choice: Choice) -> tuple[str, ...]:
     return header_lines(derivation.bounds if choice == DEFAULT else derivation.bounds_of(choice))
 
 
-def site(robot: Robot) -> Site:
-    """Limits and pivots of ``robot`` as numbers; a wheel's own limit comes before the robot's."""
+def site(derivation: Derivation) -> Site:
+    """Limits, pivots and reach of a robot as numbers; a wheel's own limit comes before the robot's."""
+    robot = derivation.robot
     limits = {name: limit for name, limit in robot.limits.items() if name in ("vx", "vy", "omega")}
     for wheel in robot.wheels:
         joints = (*(["spin"] if wheel.has_spin else []), *(["steer", "steer_rate"] if wheel.turns else []))
@@ -81,7 +82,8 @@ def site(robot: Robot) -> Site:
             if limit is not None:
                 limits[f"{wheel.name}.{joint}"] = limit
     pivots = tuple((w.name, float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)
-    return Site({name: (float(v.low), float(v.high)) for name, v in limits.items()}, pivots)
+    numbers = {name: (float(v.low), float(v.high)) for name, v in limits.items()}
+    return Site(numbers, pivots, reach(robot, derivation.c_module, numbers))
 
 
 _LEGEND: tuple[tuple[Callable[[WheelType], bool], str], ...] = (

@@ -46,15 +46,26 @@ def output(name: str, unit: str, text: str) -> Port:
     return Port(name, Role.COMMAND, unit, text)
 
 
+OVERSHOOT = 1.25  # of what is measured: a joint that stands at its limit must not stop the robot
+
+
+def overshot(low: float, high: float) -> tuple[float, float]:
+    """The measurements of a joint that are believed: `OVERSHOOT` as far from the middle of its limits."""
+    middle, half = (low + high) / 2, OVERSHOOT * (high - low) / 2
+    return middle - half, middle + half
+
+
 @dataclass(frozen=True, slots=True)
 class Site:
     """What a robot's file says of its functions, as numbers.
 
-    ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m].
+    ``limits``: contract name -> (low, high), SI units; ``pivots``: wheel, x, y [m]. ``reach``: component of the twist
+    -> what `forward` gives while every joint keeps its `overshot` limits, where that is bounded.
     """
 
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     pivots: tuple[tuple[str, float, float], ...] = ()
+    reach: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 NO_SITE = Site()

@@ -26,7 +26,7 @@ SECONDS = 60  # of all robots together, in CI
 def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None) -> Path:
     """The fuzzer of a robot; ``change`` replaces a piece of its checked functions."""
     derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
-    files = emit(derivation.c_module, Facts(site=site(derivation.robot), options={"fuzz": True}))
+    files = emit(derivation.c_module, Facts(site=site(derivation), options={"fuzz": True}))
     put(folder, files)
     if change:
         text = files[f"{robot}_checked.c"].decode()

@@ -39,7 +39,7 @@ int main(void)
 def files_of(robot: str, scalar: str = "float") -> Mapping[str, bytes]:
     """The C that derive writes for a robot of the gallery, and what goes with it."""
     derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
-    return emit(derivation.c_module, Facts(site=site(derivation.robot), options={"scalar": scalar}))
+    return emit(derivation.c_module, Facts(site=site(derivation), options={"scalar": scalar}))
 
 
 def place_of(robot: str) -> str:

@@ -64,7 +64,7 @@ def wrong_numbers(robot: str, scalar: str, every: int) -> list[str]:
     raw = {f.name: f for f in derivation.raw_module.functions}
     enter = to_float32 if scalar == "float" else to_float64
     wrong = []
-    for table in tables(derivation.c_module, scalar, site(derivation.robot)):
+    for table in tables(derivation.c_module, scalar, site(derivation)):
         if table.law:
             continue
         function = raw[table.functions[0]]

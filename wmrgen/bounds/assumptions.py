@@ -231,3 +231,12 @@ def inside(low: float, high: float) -> Range:
     a = np.nextafter(a, np.float32(np.inf)) if float(a) < low else a
     b = np.nextafter(b, np.float32(-np.inf)) if float(b) > high else b
     return (float(a), float(b)) if a <= b else (low, high)
+
+
+def outside(low: float, high: float) -> Range:
+    """Floats (float32) below and above an interval."""
+    a, b = (
+        np.nextafter(np.float32(low), np.float32(-np.inf)),
+        np.nextafter(np.float32(high), np.float32(np.inf)),
+    )
+    return float(a), float(b)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from wmrgen.bounds.analysis import Claim, Outcomes
-from wmrgen.bounds.assumptions import Domain, Library, Range, domain
+from wmrgen.bounds.analysis import Claim, Outcomes, analysed
+from wmrgen.bounds.assumptions import LIBM, SINGLE, Domain, Library, Range, domain, outside
 from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
+from wmrgen.ports import overshot
 
 SINGULAR = "its formula is singular within the limits: a divisor comes close to zero"
 _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
@@ -92,6 +94,24 @@ def functions(module: Module) -> list[Function]:
     """The functions as they are printed, each with its part of prepare()."""
     printed = hand_through(inlined_calls(module))
     return [inline_prepare(f, printed.prepare) for f in printed.functions if f.outputs]
+
+
+def reach(robot: Robot, module: Module, limits: Mapping[str, Range]) -> dict[str, Range]:
+    """Component of the twist -> what `forward` of ``module`` gives while every joint keeps its overshot ``limits``.
+
+    What it gives as 0 whatever the joints do is left out, and what is not bounded: a joint has no limits, or the
+    formula is singular within them.
+    """
+    measured = Domain(robot, {name: outside(*overshot(*limit)) for name, limit in limits.items()})
+    twist: dict[str, Range] = {}
+    for function in functions(module):
+        ranges, unknown = measured.of(function)
+        if function.name == "forward" and not unknown:
+            outcome = analysed(function, ranges, SINGLE, LIBM)
+            claims = zip(function.outputs, outcome.claims, strict=True)
+            bounded = () if outcome.alarms else ((p.name, c) for p, c in claims if not c.singular)
+            twist = {name: (_up(c.low, -1), _up(c.high)) for name, c in bounded if c.low < c.high}
+    return twist
 
 
 def _function(function: Function, where: Domain, outcomes: Outcomes) -> FunctionBound:

@@ -14,11 +14,10 @@ from wmrgen.backends.c99.functions import Step, Unit
 from wmrgen.backends.c99.text import block_comment, comment_lines, literal, prototype
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Function, Limits, Module, Port, Role
-from wmrgen.ports import Site
+from wmrgen.ports import OVERSHOOT, Site, overshot
 from wmrgen.render import render
 from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
 
-OVERSHOOT = 1.25  # of what is measured: a joint that stands at its limit must not stop the robot
 LARGEST = {"float": 1e9, "double": 1e100}
 # A step of odometry turns by no more than an angle that the kernels take: omega dt <= 2000 rad.
 _TURNING = {"float": {"omega": 200.0, "dt": 10.0}, "double": {"omega": 1e6, "dt": 1e2}}
@@ -28,10 +27,11 @@ ABOUT = (
     "Each returns {1}_OK and the outputs of the function, to the last bit, or a status and safe outputs: joint rates, "
     "twists and slips 0, steering angles and poses as they were (0 where that is no number either: look at the status "
     "before a motor follows), steering inside its limits. Parameters are not checked.",
-    "A commanded twist must keep the limits of the robot file; what is measured may lie "
-    f"{OVERSHOOT:g} times as far from the middle of its limits, for a joint at its stop overshoots. An input without "
-    "limits has to be of a size that gives finite results. That is wider than the ranges for which {0}.h states "
-    "bounds. Angles are not wrapped here: wrap theta.",
+    "A commanded twist must keep the limits of the robot file. A joint may be measured "
+    f"{OVERSHOOT:g} times as far from the middle of its limits, for one at its stop overshoots, and a measured twist "
+    "may be whatever {0}_forward() gives of such joints. What has no limits by that must be of a size that gives "
+    "finite results. That is wider than the ranges for which {0}.h states bounds. Angles are not wrapped here: wrap "
+    "theta.",
 )
 ABOUT_FUZZ = (
     "Fuzzing harness for libFuzzer: clang -g -O1 -fsanitize=fuzzer,address,undefined,float-divide-by-zero "
@@ -84,8 +84,8 @@ def guarded(module: Module, unit: Unit, site: Site) -> Iterator[Guarded]:
 def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
     """The accepted range of every contract input of ``function``.
 
-    A commanded twist keeps its declared limits, what is measured may be `OVERSHOOT` as far from their middle;
-    everything else, and what has no limits, only has to be of a size that gives finite results.
+    A commanded twist keeps its declared limits, a measured one what `forward` can give, a joint its `overshot`
+    limits; everything else, and what has no limits, only has to be of a size that gives finite results.
     """
     ports = (port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
     return tuple(_range(port, function.limits, scalar, site) for port in ports)
@@ -94,11 +94,13 @@ def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
 def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
     size = _TURNING[scalar].get(port.name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
     low, high = -size, size
-    if port.name in site.limits and limits not in (Limits.NONE, Limits.ASKED):
-        low, high = site.limits[port.name]
-        if port.name not in _TWIST or limits is Limits.MEASURED:
-            middle, half = (low + high) / 2, OVERSHOOT * (high - low) / 2
-            low, high = middle - half, middle + half
+    if port.name in _TWIST and limits is Limits.COMMANDED:
+        low, high = site.limits.get(port.name, (low, high))
+    elif port.name in _TWIST and limits is Limits.MEASURED:
+        reach = site.reach.get(port.name, (low, high))
+        low, high = max(low, reach[0]), min(high, reach[1])
+    elif limits in (Limits.COMMANDED, Limits.MEASURED) and port.name in site.limits:
+        low, high = overshot(*site.limits[port.name])
     return Range(port, _number(low, scalar), _number(high, scalar))
 
 

@@ -1,0 +1,150 @@
+"""What `forward` gives of joints that its checked function accepts, `odometry` takes: the pose does not freeze."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.c.harness import COMPILERS, STRICT
+from tests.conftest import put
+from tests.rules.test_checked import HEAD, TAIL
+from wmrgen import derive, load
+from wmrgen.backends.c99 import emit
+from wmrgen.backends.registry import Facts
+from wmrgen.compiler import compile_program, run_program
+from wmrgen.emit import site
+
+QUICK = """
+wmrgen: 1
+name: probed
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.23,  heading: 0, r: 0.0412}
+  - {name: right, type: fixed, x: 0, y: -0.23, heading: 0, r: 0.0412}
+limits: {omega: 4, spin: 35}
+"""
+LEANING = QUICK.replace("spin: 35", "spin: [-5, 35]")
+TUNABLE = QUICK.replace("wheels:", "parameters: {rho: {value: 0.0412, tunable: true}}\nwheels:").replace(
+    "0.0412}\n", "rho}\n"
+)
+SWERVE = """
+wmrgen: 1
+name: probed
+wheels:
+  - {name: front_left, type: steered, x: 0.4,  y: 0.3,  heading: 0, r: 0.05}
+  - {name: front_right, type: steered, x: 0.4,  y: -0.3, heading: 0, r: 0.05}
+  - {name: back_left, type: steered, x: -0.4, y: 0.3,  heading: 0, r: 0.05}
+limits: {vx: 0.1, vy: 0.1, omega: 0.1, spin: 35}
+"""
+TRICYCLE = """
+wmrgen: 1
+name: probed
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.4,  heading: 0, r: 0.11, actuated: [], sensed: [spin], limits: {spin: 35}}
+  - {name: right, type: fixed, x: 0, y: -0.4, heading: 0, r: 0.11, actuated: [], sensed: [spin], limits: {spin: 35}}
+  - {name: front, type: steered, x: 1.4, y: 0, heading: 0, r: 0.11, limits: {steer: [-75 deg, 60 deg]}}
+limits: {vx: 0.1, omega: 0.1, spin: 35}
+"""
+FREE = TRICYCLE.replace(
+    ", limits: {spin: 35}}", "}"
+)  # wheels that are sensed alone, and as fast as they like
+# Any joint at its stop, at a limit that was overshot, anywhere between, and at an angle of many turns.
+WALK = """
+    enum { COUNT = (int)(sizeof(probed_forward_in) / sizeof(float)) };
+    static const float ends[8] = {43.75f, -43.75f, -10.0f, 40.0f, -1.5f, 1.3f, 999.0f, -998.0f};
+    union { probed_forward_in in; float joint[COUNT]; } measured;
+    probed_forward_out twist;
+    probed_odometry_in step;
+    probed_odometry_out pose;
+    unsigned long seed = 1UL;
+    long accepted = 0L;
+    long round;
+    for (round = 0L; round < 200000L; ++round) {
+        for (k = 0; k < COUNT; ++k) {
+            unsigned draw;
+            seed = (seed * 1103515245UL + 12345UL) & 0x7fffffffUL;
+            draw = (unsigned)(seed >> 16);
+            measured.joint[k] = ((draw & 8U) != 0U) ? ends[draw & 7U]
+                : 40.0f * ((float)(draw >> 4) / 1024.0f - 1.0f);
+        }
+        if (probed_forward_checked(PREPARED &measured.in, &twist) == PROBED_OK) {
+            ++accepted;
+            step.x = 0.0f; step.y = 0.0f; step.theta = 0.0f; step.dt = 0.01f;
+            step.vx = twist.vx; step.vy = twist.vy; step.omega = twist.omega;
+            if (probed_odometry_checked(&step, &pose) != PROBED_OK) {
+                printf("%g %g %g\\n", (double)twist.vx, (double)twist.vy, (double)twist.omega);
+                return 1;
+            }
+        }
+    }
+    EXPECT(accepted > 2000L);
+"""
+PREPARE = """
+    probed_params params;
+    probed_prepared prepared;
+    probed_params_default(&params);
+    probed_prepare(&params, &prepared);
+"""
+TURNING = """
+    probed_forward_in in = {{-30.0f}, {30.0f}};
+    probed_forward_out twist;
+    probed_odometry_in step = {1.0f, 2.0f, 3.0f, 0.0f, 0.0f, 0.0f, 0.01f};
+    probed_odometry_out pose;
+    (void)bad;
+    for (k = 0; k < 2; ++k) {
+        EXPECT(probed_forward_checked(&in, &twist) == PROBED_OK);
+        EXPECT(fabsf(twist.omega) > 5.3f && fabsf(twist.omega) < 5.4f); /* commands: up to 4 */
+        step.omega = twist.omega;
+        EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OK);
+        EXPECT(pose.theta != 3.0f);
+        in.left.spin = 30.0f;
+        in.right.spin = -30.0f;
+    }
+    step.omega = 7.83f; /* 2 * 43.75 * 0.0412 / 0.46 = 7.837 */
+    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OK);
+    step.omega = 7.84f;
+    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OUT_OF_RANGE);
+    EXPECT(pose.x == 1.0f && pose.y == 2.0f && pose.theta == 3.0f);
+    step.omega = 0.0f;
+    step.vx = -1.80f; /* 43.75 * 0.0412 = 1.8025 */
+    step.vy = 0.1f; /* from a sensor that sees what these wheels cannot */
+    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OK);
+    step.vx = -1.81f;
+    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OUT_OF_RANGE);
+"""
+
+pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+
+
+def printed(folder: Path, robot: str, body: str) -> str:
+    (folder / "probed.yaml").write_text(robot)
+    derivation = derive(load(folder / "probed.yaml"))
+    put(folder, emit(derivation.c_module, Facts(site=site(derivation))))
+    (folder / "edges.c").write_text(HEAD.format("probed") + body + TAIL)
+    flags = (*STRICT[:2], "-O2")
+    return run_program(
+        compile_program(folder, ["edges.c", "probed_checked.c", "probed.c"], COMPILERS[0], flags), ""
+    )
+
+
+def test_turns_faster_than_commands(tmp_path: Path) -> None:
+    """A robot whose wheels can do more than its limits command keeps its pose when they do."""
+    assert printed(tmp_path, QUICK, TURNING) == ""
+
+
+ROBOTS = {
+    "quick": QUICK,
+    "leaning": LEANING,
+    "tunable": TUNABLE,
+    "swerve": SWERVE,
+    "tricycle": TRICYCLE,
+    "free": FREE,
+}
+
+
+@pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
+def test_odometry_takes_what_forward_gives(robot: str, tmp_path: Path) -> None:
+    body = "    (void)bad;\n" + WALK
+    if robot is TUNABLE:
+        body = PREPARE + body.replace("PREPARED ", "&prepared, ")
+    assert printed(tmp_path, robot, body.replace("PREPARED ", "")) == ""

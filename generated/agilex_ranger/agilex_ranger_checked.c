@@ -215,9 +215,9 @@ agilex_ranger_status agilex_ranger_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -3.375f, 3.375f) &&
-            is_within(in->vy, -3.375f, 3.375f) &&
-            is_within(in->omega, -0.981625f, 0.981625f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
+            is_within(in->vy, -1e9f, 1e9f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;

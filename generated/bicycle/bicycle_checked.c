@@ -168,9 +168,9 @@ bicycle_status bicycle_odometry_checked(const bicycle_odometry_in *in, bicycle_o
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -10.0f, 10.0f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
             is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -5.0f, 5.0f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = BICYCLE_OUT_OF_RANGE;

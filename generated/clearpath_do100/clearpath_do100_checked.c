@@ -172,9 +172,9 @@ clearpath_do100_status clearpath_do100_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1.625f, 1.625f) &&
-            is_within(in->vy, -1.625f, 1.625f) &&
-            is_within(in->omega, -5.0f, 5.0f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
+            is_within(in->vy, -1e9f, 1e9f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = CLEARPATH_DO100_OUT_OF_RANGE;

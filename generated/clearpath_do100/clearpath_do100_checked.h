@@ -10,10 +10,11 @@
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
  * poses as they were (0 where that is no number either: look at the status before a motor follows),
  * steering inside its limits. Parameters are not checked.
- * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
- * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. That is wider than the ranges for which
- * clearpath_do100.h states bounds. Angles are not wrapped here: wrap theta.
+ * A commanded twist must keep the limits of the robot file. A joint may be measured 1.25 times as
+ * far from the middle of its limits, for one at its stop overshoots, and a measured twist may be
+ * whatever clearpath_do100_forward() gives of such joints. What has no limits by that must be of a
+ * size that gives finite results. That is wider than the ranges for which clearpath_do100.h states
+ * bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_CLEARPATH_DO100_CHECKED_H
 #define WMRGEN_CLEARPATH_DO100_CHECKED_H
@@ -59,7 +60,7 @@ clearpath_do100_status clearpath_do100_forward_slip_checked(
     clearpath_do100_forward_slip_out *out);
 
 /* clearpath_do100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
- * to 1e4 rad; vx, vy -1.625 to 1.625 m/s; omega -5 to 5 rad/s; dt -10 to 10 s. */
+ * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 clearpath_do100_status clearpath_do100_odometry_checked(
     const clearpath_do100_odometry_in *in,
     clearpath_do100_odometry_out *out);

@@ -176,9 +176,9 @@ clearpath_r100_status clearpath_r100_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1.375f, 1.375f) &&
-            is_within(in->vy, -1.375f, 1.375f) &&
-            is_within(in->omega, -2.5f, 2.5f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
+            is_within(in->vy, -1e9f, 1e9f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;

@@ -168,9 +168,9 @@ f1tenth_status f1tenth_odometry_checked(const f1tenth_odometry_in *in, f1tenth_o
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -25.0f, 25.0f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
             is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -12.5f, 12.5f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = F1TENTH_OUT_OF_RANGE;

@@ -167,9 +167,9 @@ festo_robotino_status festo_robotino_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1.875f, 1.875f) &&
-            is_within(in->vy, -1.875f, 1.875f) &&
-            is_within(in->omega, -3.75f, 3.75f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
+            is_within(in->vy, -1e9f, 1e9f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;

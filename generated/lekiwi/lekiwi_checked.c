@@ -161,9 +161,9 @@ lekiwi_status lekiwi_odometry_checked(const lekiwi_odometry_in *in, lekiwi_odome
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -0.375f, 0.375f) &&
-            is_within(in->vy, -0.375f, 0.375f) &&
-            is_within(in->omega, -1.9634954f, 1.9634954f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
+            is_within(in->vy, -1e9f, 1e9f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;

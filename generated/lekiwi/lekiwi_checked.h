@@ -10,10 +10,11 @@
  * status and safe outputs: joint rates, twists and slips 0, steering angles and poses as they were
  * (0 where that is no number either: look at the status before a motor follows), steering inside
  * its limits. Parameters are not checked.
- * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
- * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. That is wider than the ranges for which lekiwi.h
- * states bounds. Angles are not wrapped here: wrap theta.
+ * A commanded twist must keep the limits of the robot file. A joint may be measured 1.25 times as
+ * far from the middle of its limits, for one at its stop overshoots, and a measured twist may be
+ * whatever lekiwi_forward() gives of such joints. What has no limits by that must be of a size that
+ * gives finite results. That is wider than the ranges for which lekiwi.h states bounds. Angles are
+ * not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_LEKIWI_CHECKED_H
 #define WMRGEN_LEKIWI_CHECKED_H
@@ -55,7 +56,7 @@ lekiwi_status lekiwi_forward_slip_checked(
     lekiwi_forward_slip_out *out);
 
 /* lekiwi_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
- * rad; vx, vy -0.375 to 0.375 m/s; omega -1.9634954 to 1.9634954 rad/s; dt -10 to 10 s. */
+ * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 lekiwi_status lekiwi_odometry_checked(const lekiwi_odometry_in *in, lekiwi_odometry_out *out);
 
 #ifdef __cplusplus

@@ -180,9 +180,9 @@ mir_100_status mir_100_odometry_checked(const mir_100_odometry_in *in, mir_100_o
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1.875f, 1.875f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
             is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -1.25f, 1.25f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = MIR_100_OUT_OF_RANGE;

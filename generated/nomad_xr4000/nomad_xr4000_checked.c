@@ -224,9 +224,9 @@ nomad_xr4000_status nomad_xr4000_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1.875f, 1.875f) &&
-            is_within(in->vy, -1.875f, 1.875f) &&
-            is_within(in->omega, -2.5f, 2.5f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
+            is_within(in->vy, -1e9f, 1e9f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;

@@ -172,9 +172,9 @@ pioneer3dx_status pioneer3dx_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1.5f, 1.5f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
             is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -6.544985f, 6.544985f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;

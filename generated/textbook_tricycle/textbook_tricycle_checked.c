@@ -183,9 +183,9 @@ textbook_tricycle_status textbook_tricycle_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -2.5f, 2.5f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
             is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.5f, 2.5f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;

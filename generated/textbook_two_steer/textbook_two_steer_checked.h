@@ -10,10 +10,11 @@
  * the last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
  * poses as they were (0 where that is no number either: look at the status before a motor follows),
  * steering inside its limits. Parameters are not checked.
- * A commanded twist must keep the limits of the robot file; what is measured may lie 1.25 times as
- * far from the middle of its limits, for a joint at its stop overshoots. An input without limits
- * has to be of a size that gives finite results. That is wider than the ranges for which
- * textbook_two_steer.h states bounds. Angles are not wrapped here: wrap theta.
+ * A commanded twist must keep the limits of the robot file. A joint may be measured 1.25 times as
+ * far from the middle of its limits, for one at its stop overshoots, and a measured twist may be
+ * whatever textbook_two_steer_forward() gives of such joints. What has no limits by that must be of
+ * a size that gives finite results. That is wider than the ranges for which textbook_two_steer.h
+ * states bounds. Angles are not wrapped here: wrap theta.
  */
 #ifndef WMRGEN_TEXTBOOK_TWO_STEER_CHECKED_H
 #define WMRGEN_TEXTBOOK_TWO_STEER_CHECKED_H

@@ -162,9 +162,9 @@ turtlebot3_burger_status turtlebot3_burger_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -0.275f, 0.275f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
             is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -3.55f, 3.55f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;

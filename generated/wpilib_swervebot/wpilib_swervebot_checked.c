@@ -208,9 +208,9 @@ wpilib_swervebot_status wpilib_swervebot_odometry_checked(
             is_within(in->x, -1e9f, 1e9f) &&
             is_within(in->y, -1e9f, 1e9f) &&
             is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -3.75f, 3.75f) &&
-            is_within(in->vy, -3.75f, 3.75f) &&
-            is_within(in->omega, -3.9269907f, 3.9269907f) &&
+            is_within(in->vx, -1e9f, 1e9f) &&
+            is_within(in->vy, -1e9f, 1e9f) &&
+            is_within(in->omega, -200.0f, 200.0f) &&
             is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;

@@ -1,0 +1,81 @@
+"""Which driven joints are the inputs of a model, what is missing where they do not suffice, and their twists."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.functions.models.robots import DIFFERENTIAL, OMNI, TWO_STEER, UNICYCLE, derived
+from wmrgen.functions.models.inputs import UnderactuatedError, best_motion, posture_motion
+
+UNDRIVEN = DIFFERENTIAL.replace("r: r}", "r: r, actuated: []}")
+ONE_DRIVEN = DIFFERENTIAL.replace("r: r}", "r: r, actuated: []}", 1)
+CASTORS = "\n".join(
+    f"{{name: k{n}, type: castor, x: {x}, y: {y}, heading: 0, d: 0.1, r: r, actuated: [{joints}]}}"
+    for n, (x, y, joints) in enumerate(((0.3, 0, "spin"), (-0.3, 0.2, "steer"), (-0.3, -0.2, "")))
+)
+WITH_CASTOR = "{name: c, type: castor, x: -0.3, y: 0, heading: 0, d: 0.1, r: r}"
+
+
+@pytest.mark.parametrize(
+    ("wheels", "words"),
+    [
+        (
+            UNICYCLE,
+            "the driven joints move 1 of 2 freedoms (wheel.spin). "
+            "Missing actuation: 1 more driven wheel would be needed",
+        ),
+        (
+            UNDRIVEN,
+            "the driven joints move 0 of 2 freedoms (nothing). "
+            "Missing actuation: actuate 2 more of right.spin, left.spin",
+        ),
+        (
+            ONE_DRIVEN,
+            "the driven joints move 1 of 2 freedoms (left.spin). Missing actuation: actuate 1 more of right.spin",
+        ),
+        (
+            UNICYCLE.replace("r: r}", "r: r, actuated: []}") + "\n" + WITH_CASTOR,
+            "the driven joints move 0 of 2 freedoms (nothing). "
+            "Missing actuation: actuate 2 more of wheel.spin, c.spin, c.steer_rate",
+        ),
+        (
+            CASTORS,
+            "the driven joints move 2 of 3 freedoms (k0.spin, k1.steer_rate). "
+            "Missing actuation: actuate 1 more of k1.spin, k2.spin, k0.steer_rate, k2.steer_rate",
+        ),
+        (
+            "\n".join(UNICYCLE.replace("wheel", name).replace("x: 0", f"x: {x}") for name, x in (("one", 0), ("two", 0))),
+            "the driven joints move 1 of 2 freedoms (one.spin; two.spin adds nothing that is independent). "
+            "Missing actuation: 1 more driven wheel would be needed",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_missing_is_named(wheels: str, words: str) -> None:
+    d = derived(wheels)
+    with pytest.raises(UnderactuatedError, match=f"^{re.escape(words)}$"):
+        posture_motion(d.robot, d.mobility)
+    motion = best_motion(d.robot, d.mobility)
+    assert motion.text == f"posture model in null-space coordinates: {words}"
+    etas = [p.name for p in motion.inputs]
+    assert etas == [f"eta{k + 1}" for k in range(d.mobility.degree_of_mobility)]
+
+
+@pytest.mark.parametrize(
+    ("wheels", "extra", "inputs", "follows"),
+    [
+        (DIFFERENTIAL, "", ["right.spin", "left.spin"], ""),
+        (OMNI, "", ["w1.spin", "w2.spin", "w3.spin"], ""),
+        (TWO_STEER, "", ["front.spin", "front.steer_rate", "rear.steer_rate"], "; rear.spin must follow"),
+        (OMNI, "couplings: [{equal: [w1.spin, w2.spin]}]", ["w1.spin", "w3.spin"], ""),
+    ],
+)
+def test_the_inputs_are_independent_joints_and_steering_rates(
+    wheels: str, extra: str, inputs: list[str], follows: str
+) -> None:
+    d = derived(wheels, extra)
+    motion = posture_motion(d.robot, d.mobility)
+    assert [p.name for p in motion.inputs] == inputs
+    assert motion.text == f"posture model in {', '.join(inputs)}{follows}"
+    assert len(motion.twists) == len(inputs) == len(motion.etas)

@@ -37,6 +37,14 @@ def test_help_starts_with_an_example(wmrgen_cli: Cli, command: tuple[str, ...]) 
     assert lines[1].startswith("Example:  wmrgen")
 
 
+def test_no_words_at_all_are_a_question(wmrgen_cli: Cli) -> None:
+    """The help, as an answer that is no success."""
+    done, asked = wmrgen_cli(), wmrgen_cli("--help")
+    assert done.code == 2
+    assert (done.out + done.err).split() == asked.out.split()
+    assert wmrgen_cli("-h") == asked
+
+
 def test_version(wmrgen_cli: Cli) -> None:
     assert wmrgen_cli("--version").out == f"wmrgen {wmrgen.__version__}\n"
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import io
+import json
+import math
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -16,6 +20,7 @@ import wmrgen
 import wmrgen.cli
 from tests.conftest import Outcome, process
 from wmrgen.cli import console
+from wmrgen.errors import EnvironmentFailure, NotDerivableError, UsageError
 
 Cli = Callable[..., Outcome]
 TERMINALS = pytest.mark.skipif(os.name != "posix", reason="terminals")
@@ -37,6 +42,74 @@ def test_a_bug_is_one_line_and_a_log(
     log = Path(found[1])
     assert "in broken" in log.read_text()
     log.unlink()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes and handles")
+def test_a_reader_that_is_gone_ends_the_process_as_its_signal_would(monkeypatch: pytest.MonkeyPatch) -> None:
+    codes: list[int] = []
+    monkeypatch.setattr(os, "_exit", codes.append)
+    read, write = os.pipe()
+    os.close(read)
+    with os.fdopen(write, "wb", 0) as pipe:
+        stream = console._stream(io.TextIOWrapper(pipe), 2, "standard error")
+        stream.write("words\n")
+        assert codes == [128 + signal.SIGPIPE]
+        monkeypatch.setattr(stream, "flush", lambda: None)  # what it holds cannot go anywhere
+        stream.close()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes and handles")
+@pytest.mark.parametrize("handle", [0, 1, 2])
+def test_no_file_takes_the_number_of_a_closed_stream(handle: int, tmp_path: Path) -> None:
+    """What is opened later could otherwise be written over by a note."""
+    opened = tmp_path / "opened"
+    program = (
+        f"import os; os.close({handle})\nfrom wmrgen.cli import console\nconsole.prepare()\n"
+        f"file = open({str(opened)!r}, 'w'); file.write(str(file.fileno()))"
+    )
+    subprocess.run([sys.executable, "-c", program], stdin=subprocess.DEVNULL, capture_output=True, check=True)
+    assert int(opened.read_text()) > 2
+
+
+def test_numbers_that_json_cannot_say_are_null(capsys: pytest.CaptureFixture[str]) -> None:
+    console.data(
+        {"a": [1.5, math.inf, (math.nan, "inf")], "b": {"c": -math.inf, "d": True, "e": None}, "f": 3}
+    )
+    shown = json.loads(capsys.readouterr().out)
+    assert shown == {"a": [1.5, None, [None, "inf"]], "b": {"c": None, "d": True, "e": None}, "f": 3}
+
+
+def test_values_stand_one_below_the_other(capsys: pytest.CaptureFixture[str]) -> None:
+    console.values({"a": 0.5, "longer": "text", "icr": [1.0, -2.0], "n": 3})
+    assert capsys.readouterr().out.splitlines() == [
+        "a      = 0.5", "longer = text", "icr    = (1.0, -2.0)", "n      = 3",
+    ]  # fmt: skip
+    console.values({})
+    console.note("one\ttwo\x1b[31m\nthree")
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err) == ("", "one\\ttwo\\x1b[31m\nthree\n")
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (OverflowError(), 2, "a result is beyond the range of a double. Give smaller values."),
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (console.Stopped("SIGTERM", 15), 143, "terminated"),
+        (console.Stopped("SIGHUP", 1), 129, "the terminal was closed"),
+        (UsageError("no such word"), 2, "no such word"),
+        (NotDerivableError("it cannot move"), 3, "it cannot move"),
+        (EnvironmentFailure("no compiler"), 4, "no compiler"),
+    ],
+)
+def test_exit_codes(error: BaseException, code: int, words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    def work() -> int:
+        raise error
+
+    assert console.outcome(work) == code
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err) == ("", f"{words}\n")
+    assert [console.outcome(lambda code=code: code) for code in (0, 1)] == [0, 1]
 
 
 def test_an_interrupt_is_no_stack_trace(

@@ -46,7 +46,7 @@ WITH_CASTOR = "{name: c, type: castor, x: -0.3, y: 0, heading: 0, d: 0.1, r: r}"
             "Missing actuation: actuate 1 more of k1.spin, k2.spin, k0.steer_rate, k2.steer_rate",
         ),
         (
-            "\n".join(UNICYCLE.replace("wheel", name).replace("x: 0", f"x: {x}") for name, x in (("one", 0), ("two", 0))),
+            "\n".join(UNICYCLE.replace("wheel", name) for name in ("one", "two")),
             "the driven joints move 1 of 2 freedoms (one.spin; two.spin adds nothing that is independent). "
             "Missing actuation: 1 more driven wheel would be needed",
         ),

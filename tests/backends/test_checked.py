@@ -73,6 +73,7 @@ def test_states_and_commands_are_checked_and_geometry_is_not() -> None:
 def test_literals() -> None:
     site = Site({"a.spin": (0.0, 8.0), "a.steer": (-20000.0, 12345.0)})
     of = {r.port.name: (r.low, r.high) for r in ranges(function(Limits.MEASURED), "float", site)}
+    assert of["theta"] == ("-1e4f", "1e4f")
     assert of["a.spin"] == ("-1.0f", "9.0f") and of["vx"] == ("-1e9f", "1e9f")
     assert of["a.steer"] == ("-24043.125f", "16388.125f")
     of = {

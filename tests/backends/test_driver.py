@@ -55,11 +55,11 @@ def test_the_analyser_is_told_of_them() -> None:
 
 
 def test_a_function_per_case() -> None:
-    inverse = {name: (-0.5, 0.25) for name in ("vx", "vy", "omega", "track", "radius")}
+    inverse = dict.fromkeys(("vx", "vy", "omega", "track", "radius"), (-0.5, 0.25))
     names = {
         p.name for f in (module().function("inverse"), module().prepare) if f is not None for p in f.inputs
     }
-    cases = {"inverse": [{n: (-0.5, 0.25) for n in {*inverse, *names}}] * 3}
+    cases = {"inverse": [dict.fromkeys({*inverse, *names}, (-0.5, 0.25))] * 3}
     text = harness(module(), cases)[HARNESS]
     assert [text.count(f"static void case_{k}(void)") for k in range(4)] == [1, 1, 1, 0]
     assert [text.count(f"    case_{k}();") for k in range(4)] == [1, 1, 1, 0]

@@ -194,7 +194,7 @@ def _coupled(robot: Robot, twist: Row) -> list[str]:
 def _way(robot: Robot, wheels: list[Wheel]) -> str:
     """How a steered wheel among wheels with one speed picks its heading."""
     steered = [w.name for w in wheels if w.kind.steers]
-    if not steered or robot.steer_group[wheels[0].index] == robot.steer_group[wheels[-1].index]:
+    if not steered or len(robot.together("steer", wheels)) < 2:
         return ""
     return f" Of its two headings {listed(steered)} takes the one that rolls the way the others do."
 

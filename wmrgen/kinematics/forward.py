@@ -68,7 +68,7 @@ def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist,
     """xi = (H^T H)^+ H^T z with everything but z computed at derivation time."""
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
-    rank = _rank([r for r, _ in rows], robot)
+    rank = nominal_rank([r for r, _ in rows], robot)
     if _expands(rows):
         return _step_by_step(rows, rank, names)
     twist = _solved(*normal_equations(rows), rank)
@@ -81,7 +81,7 @@ def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist,
     return _fitted(rows, twist, names)
 
 
-def _rank(rows: list[Row], robot: Robot) -> NominalRank:
+def nominal_rank(rows: list[Row], robot: Robot) -> NominalRank:
     """The rank at nominal parameters, decided in the robot's own unit."""
     nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters if p.tunable}
     unit = unit_of(robot)

@@ -11,7 +11,7 @@ from wmrgen.backends.report.markdown import CAP, aligned, code, cut_note, items,
 from wmrgen.constraints import nominal_view, seen, symbolic_view
 from wmrgen.exact.linalg import determinant
 from wmrgen.exact.poly import Poly
-from wmrgen.kinematics.forward import normal_equations
+from wmrgen.kinematics.forward import nominal_rank, normal_equations
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
@@ -87,10 +87,7 @@ def _constant(d: Derivation, rows: list[Measured]) -> list[str]:
     """Everything but z is known at derivation time."""
     measured = measurements(seen(d.robot, nominal_view))
     normal, _ = normal_equations(measured.rows)
-    det, trace = (
-        float(p.constant or 0) for p in (determinant(normal), Poly.sum(normal[i][i] for i in range(3)))
-    )
-    singular = abs(det) < 1e-12 * max(trace, 1e-30) ** 3
+    singular = nominal_rank([row for row, _ in measured.rows], d.robot).value < 3
     count = "More rows than unknowns" if len(rows) > 3 else "As many rows as unknowns"
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):

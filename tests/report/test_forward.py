@@ -1,0 +1,81 @@
+"""What section 7 says of the measurements: how many, what they leave unseen, in robots of every size."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.report.common import derived
+from wmrgen.backends.report.forward import forward
+
+UNSEEN, ENOUGH, MORE = (
+    "The rows leave a direction unseen",
+    "As many rows as unknowns",
+    "More rows than unknowns",
+)
+PSEUDO = "as a pseudo-inverse, because it is singular"
+
+
+def section(folder: Path, wheels: list[str]) -> str:
+    text = "wmrgen: 1\nname: sample\nwheels:\n" + "".join(f"  - {{{w}}}\n" for w in wheels)
+    return "\n".join(forward(derived(folder, text)))
+
+
+def omni(count: int, sensed: int, reach: str = "0.2") -> list[str]:
+    """``count`` omni wheels on a circle, of which ``sensed`` are."""
+    return [
+        f"name: w{k}, type: swedish, l: {reach}, alpha: {k}*2*pi/{count}, beta: 0, gamma: 0, r: 0.05"
+        + (", sensed: []" if k >= sensed else "")
+        for k in range(count)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("count", "sensed", "words"),
+    [
+        (3, 3, ENOUGH),
+        (3, 2, UNSEEN),
+        (3, 1, UNSEEN),
+        (4, 4, MORE),
+        (4, 3, ENOUGH),
+        (4, 2, UNSEEN),
+        (5, 4, MORE),
+    ],
+)
+def test_how_many_rows_there_are(count: int, sensed: int, words: str, tmp_path: Path) -> None:
+    text = section(tmp_path, omni(count, sensed))
+    assert [w for w in (UNSEEN, ENOUGH, MORE) if w in text] == [words]
+    assert (PSEUDO in text) == (words is UNSEEN)
+    assert ("full column rank 3" in text) == (words is not UNSEEN)
+    assert "Only the rolling row is known of " in text and "Both rows" not in text
+
+
+@pytest.mark.parametrize("reach", ["1e-6", "1e-3", "0.2", "1e3", "2e4"])
+def test_a_direction_is_seen_whatever_the_size(reach: str, tmp_path: Path) -> None:
+    assert ENOUGH in section(tmp_path, omni(3, 3, reach))
+    assert UNSEEN in section(tmp_path, omni(3, 2, reach))
+
+
+def test_three_parallel_rows_leave_a_direction_unseen(tmp_path: Path) -> None:
+    wheels = [
+        f"name: w{k}, type: swedish, x: {0.2 * k}, y: {0.1 * k * k}, heading: 0, gamma: 0, r: 0.05"
+        for k in range(3)
+    ]
+    assert UNSEEN in section(tmp_path, wheels)
+
+
+def test_nothing_sensed_is_said(tmp_path: Path) -> None:
+    assert "No joint is sensed" in section(tmp_path, omni(3, 0))
+
+
+@pytest.mark.parametrize(("sensed", "words"), [("spin, steer", "both"), ("steer", "one")])
+def test_which_rows_are_known(sensed: str, words: str, tmp_path: Path) -> None:
+    wheels = [
+        f"name: w{k}, type: steered, x: {0.3 - 0.6 * k}, y: 0, heading: 0, r: 0.05, sensed: [{sensed}]"
+        for k in range(2)
+    ]
+    text = section(tmp_path, wheels)
+    assert ("Both rows are known of `w0` and `w1`" in text) == (words == "both")
+    assert ("Only the sliding row is known of `w0` and `w1`" in text) == (words == "one")
+    assert r"v + ω ẑ × B = r φ̇ e, with" in text or words == "one"

@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from tests.ir.common import build
-from wmrgen.backends.c99.checked import LARGEST, OVERSHOOT, Range, ranges, safe
+from wmrgen.backends.c99.checked import LARGEST, Range, ranges, safe
 from wmrgen.ir.nodes import Function, Limits, Port, Role
-from wmrgen.ports import Site
+from wmrgen.ports import OVERSHOOT, Site
 
 UNITS = {
     "vx": "m/s",
@@ -20,7 +20,10 @@ UNITS = {
     "a.spin": "rad/s",
     "x": "m",
 }
-SITE = Site({"vx": (-0.5, 1.5), "omega": (-3.0, 1.0), "a.steer": (-0.2, 0.6), "a.spin": (2.0, 10.0)})
+SITE = Site(
+    {"vx": (-0.5, 1.5), "omega": (-3.0, 1.0), "a.steer": (-0.2, 0.6), "a.spin": (2.0, 10.0)},
+    reach={"vx": (-0.9, 2.0), "omega": (-500.0, 1.25)},
+)
 
 
 def function(limits: Limits, roles: dict[str, Role] | None = None) -> Function:
@@ -51,16 +54,19 @@ def test_without_limits_an_input_has_to_give_finite_results() -> None:
 
 
 def test_commands_keep_their_limits_and_what_is_measured_may_overshoot() -> None:
-    """By a quarter of the way from the middle of its limits, which need not be 0."""
-    wide = {"vx": (-0.75, 1.75), "omega": (-3.5, 1.5), "a.steer": (-0.3, 0.7), "a.spin": (1.0, 11.0)}
+    """A joint by a quarter of the way from the middle of its limits, a twist as far as `forward` gives it."""
+    joints = {"a.steer": (-0.3, 0.7), "a.spin": (1.0, 11.0)}
     assert OVERSHOOT == 1.25
     for scalar in ("float", "double"):
         commanded = numbers(ranges(function(Limits.COMMANDED), scalar, SITE))
         measured = numbers(ranges(function(Limits.MEASURED), scalar, SITE))
-        for name, (low, high) in wide.items():
-            assert measured[name] == pytest.approx((low, high), rel=1e-6)
-            twist = name in ("vx", "omega")
-            assert commanded[name] == pytest.approx(SITE.limits[name] if twist else (low, high), rel=1e-6)
+        for name, ends in joints.items():
+            assert measured[name] == commanded[name] == pytest.approx(ends, rel=1e-6)
+        assert (commanded["vx"], commanded["omega"]) == (SITE.limits["vx"], SITE.limits["omega"])
+        assert measured["vx"] == pytest.approx(SITE.reach["vx"], rel=1e-6)
+        assert measured["omega"] == (-200.0 if scalar == "float" else -500.0, 1.25), (
+            "and of a size that is believed"
+        )
         assert commanded["dt"] == measured["dt"] and commanded["theta"][1] >= 1e4
 
 

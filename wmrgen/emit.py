@@ -112,7 +112,7 @@ def wheel_line(wheel: Wheel) -> str:
         (True, "x", g.x, "m"),
         (True, "y", g.y, "m"),
         (kind.directed, "heading", degrees(wheel.heading), "deg"),
-        (True, "r", g.r, "m"),
+        (bool(g.r), "r", g.r, "m"),
         (bool(g.d), "d", g.d, "m"),
         (bool(g.o), "offset_y", g.o, "m"),
         (kind.rollers, "gamma", degrees(wheel.gamma), "deg"),

@@ -68,9 +68,18 @@ class _Lowering:
         if value is not None:
             return self.builder.const(value)
         op = _OPERATIONS.get(type(expr)) or getattr(expr, "op", None)
-        if op is None:
-            return self.rules[type(expr)](expr)
-        return self.builder.apply(op, [self.node(a) for a in expr.args])
+        if op is not None and len(expr.args) == op.arity:
+            return self.builder.apply(op, [self.node(a) for a in expr.args])
+        if op is not None or type(expr) not in self.rules:
+            raise self._no_operation(expr)
+        return self.rules[type(expr)](expr)
+
+    def _no_operation(self, expr: Expr) -> ValueError:
+        """The error of a builder that writes ``expr``."""
+        return ValueError(
+            f"{self.name} writes {expr} ({type(expr).__name__}), which is no operation: "
+            "take the functions of wmrgen.symbolic, and sympy.Rational or number(Exact) for numbers"
+        )
 
     def named(self, results: Sequence[int]) -> tuple[tuple[str, int], ...]:
         """The intermediate results that ``results`` need, by the node they have in the finished function."""
@@ -96,6 +105,8 @@ class _Lowering:
             call, number = self.calls[expr]
             result = self.builder.call(call.kernel.name, *(self.node(a) for a in call.args))
             return self.builder.result(result, number) if len(call.results) > 1 else result
+        if expr not in self.locals:
+            raise ValueError(f"{self.name} uses {expr.name}, which is none of its intermediate results")
         return self.node(self.locals[expr])
 
     def _add(self, expr: Expr) -> int:
@@ -133,7 +144,7 @@ class _Lowering:
         if exponent.is_Rational and exponent.q == 2:
             root = b.power(b.sqrt(self.node(expr.base)), abs(int(exponent.p)))
             return root if exponent > 0 else b.div(b.const(1), self._nonzero(root))
-        raise ValueError(f"no operation for exponent {exponent}")
+        raise self._no_operation(expr)
 
     def _nonzero(self, a: int) -> int:
         """A divisor that depends on tunable geometry alone is kept off zero; others are guarded by construction."""
@@ -155,7 +166,10 @@ class _Lowering:
         return self.builder.div(self.builder.sin(a), self._nonzero(self.builder.cos(a)))
 
     def _select(self, expr: Expr) -> int:
-        (then, condition), (otherwise, _) = expr.args
+        (then, condition), (otherwise, always) = expr.args[0], expr.args[-1]
+        strict = isinstance(condition, sympy.StrictLessThan | sympy.StrictGreaterThan)
+        if len(expr.args) != 2 or not strict or always is not sympy.true:
+            raise self._no_operation(expr)
         low, high = self.node(condition.lts), self.node(condition.gts)
         return self.builder.select(low, high, self.node(then), self.node(otherwise))
 

@@ -39,7 +39,21 @@ def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
     declared = declaration(name)
     built = replace(declared.build(robot, mobility), source=declared.source, limits=declared.limits)
     _refuse_shared_names(robot, built)
+    _refuse_malformed(name, built)
     return built
+
+
+def _refuse_malformed(name: str, built: Formula) -> None:
+    """ValueError where the builder of ``name`` says what no code can be written of."""
+    if built.name != name:
+        raise ValueError(f"the builder of {name} calls its formula {built.name}: it bears the builder's name")
+    for what, ports in (("input", built.inputs), ("output", [port for port, _ in built.outputs])):
+        names = [port.name.replace(".", "_") for port in ports]
+        for called in names:
+            if not (called.isidentifier() and called.isascii()):
+                raise ValueError(f"{name} has an {what} called {called!r}: a name has a-z, A-Z, 0-9 and _")
+            if names.count(called) > 1:
+                raise ValueError(f"{name} has two {what}s called {called}")
 
 
 def _refuse_shared_names(robot: Robot, built: Formula) -> None:

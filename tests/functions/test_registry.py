@@ -7,16 +7,20 @@ import sys
 from pathlib import Path
 
 import pytest
+import sympy
 
 import wmrgen
 from tests.conftest import ROOT
 from wmrgen.errors import RobotFileError
+from wmrgen.exact.number import Exact
+from wmrgen.functions import registry
 from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
-from wmrgen.kinematics.records import Formula
+from wmrgen.kinematics.pose import SINC
+from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.lower import lower
-from wmrgen.ports import Port, Role
+from wmrgen.ports import Limits, Port, Role, output
 from wmrgen.spec.schema import json_schema
-from wmrgen.symbolic import parameter
+from wmrgen.symbolic import Expr, local, parameter, signal
 
 UNICYCLE = (ROOT / "robots" / "unicycle.yaml").read_text(encoding="utf-8").split("functions:")[0]
 
@@ -137,3 +141,73 @@ def test_an_input_without_a_port_is_told() -> None:
     formula = Formula("half_radius", (), (), ((out, parameter("radius")),), "half of the radius")
     with pytest.raises(ValueError, match=r"half_radius uses radius, .* tunable_ports\(robot\)"):
         lower(formula)
+
+
+VX, VY = signal("vx"), signal("vy")
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (0.5 * VX, r"writes 0\.50* \(Float\), which is no operation"),
+        (3, r"writes 3 \(int\), which is no operation"),
+        (Exact(3), r"writes 3 \(Exact\), which is no operation"),
+        (VX / sympy.Integer(0), "writes zoo"),
+        (sympy.exp(VX), r"writes exp\(vx\)"),
+        (sympy.Symbol("vx"), r"writes vx \(Symbol\)"),
+        (sympy.cbrt(VX), r"writes vx\*\*\(1/3\) \(Pow\)"),
+        (sympy.Max(VX, VY, 1), r"writes Max\(1, vx, vy\)"),
+        (sympy.Piecewise((VX, VX <= 0), (VY, True)), "writes Piecewise"),
+        (sympy.Piecewise((VX, VX < 0), (VY, VY < 1), (VX, True)), "writes Piecewise"),
+        (sympy.Piecewise((VX, VX < 0), (VY, VY < 1)), "writes Piecewise"),
+        (sympy.Piecewise((VX, VX < 0)), "writes Piecewise"),
+        (local("half"), "uses half, which is none of its intermediate results"),
+    ],
+)
+def test_what_is_no_operation_is_told(value: Expr, words: str) -> None:
+    formula = Formula("wrong", twist_ports(), (), ((output("value", "m", ""), value),), "")
+    with pytest.raises(ValueError, match=f"wrong ({words})"):
+        lower(formula)
+
+
+def test_a_condition_may_be_written_from_either_side() -> None:
+    out = output("value", "m", "")
+    least, turned = (
+        lower(Formula("least", twist_ports(), (), ((out, sympy.Piecewise((VX, less), (VY, True))),), ""))
+        for less in (sympy.StrictLessThan(VX, VY), sympy.StrictGreaterThan(VY, VX))
+    )
+    assert least == turned and len(least.nodes) == 3
+
+
+def test_a_kernel_is_called_with_its_arguments() -> None:
+    for args in ({"x": VX}, {"h": VX, "x": VX}, {}):
+        with pytest.raises(ValueError, match="the kernel sinc takes h, and the call gives"):
+            Locals().call(SINC, args)
+
+
+@pytest.mark.parametrize(
+    ("name", "inputs", "outputs", "words"),
+    [
+        ("other", (), ("a",), "the builder of mine calls its formula other"),
+        ("mine", (), ("a", "a"), "mine has two outputs called a"),
+        ("mine", ("vx",), ("a",), "mine has two inputs called vx"),
+        ("mine", ("left.spin", "left_spin"), ("a",), "mine has two inputs called left_spin"),
+        ("mine", (), ("my radius",), "mine has an output called 'my radius'"),
+        ("mine", ("2nd",), ("a",), "mine has an input called '2nd'"),
+        ("mine", ("ω",), ("a",), "mine has an input called 'ω'"),
+    ],
+)
+def test_a_formula_of_which_no_code_can_be_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, inputs: tuple[str, ...],
+    outputs: tuple[str, ...], words: str,
+) -> None:  # fmt: skip
+    def build(robot: object, mobility: object) -> Formula:
+        del robot, mobility
+        given = (*twist_ports(), *(Port(called, Role.COMMAND, "m") for called in inputs))
+        return Formula(name, given, (), tuple((output(called, "m", ""), VX) for called in outputs), "")
+
+    declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, lambda _: True)
+    monkeypatch.setitem(registry._FUNCTIONS, "mine", declared)
+    derivation = wmrgen.derive(wmrgen.load(asking(tmp_path, "mine")))
+    with pytest.raises(ValueError, match=words):
+        _ = derivation.raw_module

@@ -32,7 +32,7 @@ TWIN_CASTOR = WheelType(
     meaning="two wheels side by side that trail one steering axis",
     noun="twin castor",
     joints=("spin", "steer"),
-    keys=("d", "offset_y"),
+    keys=("offset_y",),
     required=("r", "d"),
     oriented=False,
     aliases={"double": ""},
@@ -139,6 +139,28 @@ def test_everything_is_written(wmrgen_cli: Cli, tmp_path: Path, text: str, mobil
     assert f"{own['name']}: {kind.name}, x" in (folder / f"{folder.name}.h").read_text()
 
 
+def test_a_runner_beside_a_fixed_wheel(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    """No text has such a pair: the report cites none. Where no r is given, none is shown."""
+    wheels = "  - {name: blade, type: runner, x: 0, y: -0.2, heading: 0}\n"
+    wheels += "  - {name: drive, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.05}\n"
+    robot = written(tmp_path, "wmrgen: 1\nname: cart\nwheels:\n" + wheels)
+    done = wmrgen_cli("derive", robot, "-o", tmp_path / "out")
+    assert done.code == 0, done.err
+    report = (tmp_path / "out" / "cart" / "report.md").read_text(encoding="utf-8")
+    assert "The wheels blade and drive forbid motion along the axle" in report
+    assert "No text among the five" in report
+    assert "| `blade` | runner | — | 0 | −0.2 | 0.2 | −90° | 180° | 0° | — |" in report
+    assert "blade: runner, x 0 m, y -0.2 m, heading 0 deg\n" in (tmp_path / "out/cart/cart.h").read_text()
+
+
+def test_a_key_that_no_wheel_has(tmp_path: Path) -> None:
+    robot = written(tmp_path, SLEIGH)
+    for change in ({"keys": ("gama",)}, {"required": ("gama",)}):
+        WHEEL_TYPES["runner"] = replace(RUNNER, **change)  # type: ignore[arg-type]
+        with pytest.raises(ValueError, match="runner has the key gama, which no wheel has"):
+            load(robot)
+
+
 def test_every_function_is_that_of_a_castor(tmp_path: Path) -> None:
     """In all that is derived, the twin castor differs from a castor by its name alone."""
     twin = load(written(tmp_path, CART))
@@ -182,6 +204,7 @@ def test_what_a_runner_has_of_a_wheel(wmrgen_cli: Cli, tmp_path: Path) -> None:
 def test_the_reader_knows_it(wmrgen_cli: Cli, tmp_path: Path) -> None:
     trouble = {
         CART.replace("d: -0.03, ", ""): "the twin_castor wheel twin has no d",
+        CART.replace("d: -0.03, ", "d: 0, "): "twin: a twin castor with d = 0 is a steered wheel",
         CART.replace("type: twin_castor", "type: double"): "Did you mean twin_castor?",
         SLEIGH.replace("heading: 0}\n  - {name: front", "heading: 0, gamma: 0}\n  - {name: front"):
             "the runner wheel blade has the key gamma",

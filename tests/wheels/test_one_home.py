@@ -62,11 +62,20 @@ def test_what_the_five_types_are(name: str) -> None:
         ({"joints": ("spin", "steer"), "sliding_row": False}, "needs a sliding row"),
         ({"joints": ("steer",)}, "needs a spin"),
         ({"actuated": ("steer",)}, "of the joints"),
+        ({"required": ()}, "needs r among its required keys"),
+        ({"joints": ("spin", "steer"), "keys": ("d",)}, "d among its required keys"),
+        ({"required": ("r", "d")}, "it has none"),
+        ({"keys": ("offset_y",)}, "it has none"),
+        ({"keys": ("gamma",)}, "slides across them"),
+        ({"required": ("r", "gamma")}, "slides across them"),
+        ({"sliding_row": False}, "words.free must say"),
     ],
 )
 def test_a_type_that_is_none_is_refused(change: dict[str, object], words: str) -> None:
     before = tuple(WHEEL_TYPES)
-    whole = {"name": "new", "meaning": "", "noun": "new wheel", "joints": ("spin",)} | change
+    whole = {
+        "name": "new", "meaning": "", "noun": "new wheel", "joints": ("spin",), "required": ("r",)
+    } | change  # fmt: skip
     with pytest.raises(ValueError, match=words):
         register(WheelType(words=Words(""), glyph=Glyph("#000000"), **whole))  # type: ignore[arg-type]
     assert tuple(WHEEL_TYPES) == before

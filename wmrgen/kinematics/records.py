@@ -98,7 +98,13 @@ class Locals:
         return x, y
 
     def call(self, kernel: Formula, args: Mapping[str, Expr], prefix: str = "") -> tuple[Local, ...]:
-        """The outputs of ``kernel`` for ``args`` by port name, in order: new intermediate results of a call."""
+        """The outputs of ``kernel`` for ``args`` by port name, in order: new intermediate results of a call.
+
+        ValueError where ``args`` are not those that the kernel has.
+        """
+        if {port.name for port in kernel.inputs} != set(args):
+            takes = " ".join(port.name for port in kernel.inputs)
+            raise ValueError(f"the kernel {kernel.name} takes {takes}, and the call gives {' '.join(args)}")
         values: dict[Expr, Expr] = {signal(name): value for name, value in args.items()}
         results = tuple(
             self.define(f"{prefix}{name}", substituted(value, values, {}))

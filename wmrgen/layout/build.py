@@ -154,11 +154,17 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
 
 
 def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
-    """What no value may be: r <= 0, and what the wheel's type refuses."""
+    """What no value may be: r <= 0, d = 0 of a castor, and what the wheel's type refuses."""
     kind = WHEEL_TYPES[w.type]
     if w.r is not None and "r" in kind.required and g.r.sign <= 0:
         raise RobotFileError(f"{w.name}: wheel radius r = {w.r.text} is not positive", w.r.mark, "",
                              "Write r in metres, the radius and not the diameter, larger than 0.")  # fmt: skip
+    if w.d is not None and kind.swivels and not g.d:
+        raise RobotFileError(
+            f"{w.name}: a {kind.noun} with d = 0 is a steered wheel", w.d.mark,
+            "With the contact point under the pivot the wheel cannot follow: it constrains the robot.",
+            "Write type: steered, or give d, the distance from the pivot to the contact along the rolling direction.",
+        )  # fmt: skip
     for check in kind.checks:
         quantity = getattr(w, check.key)
         if quantity is not None and check.bad(g):

@@ -66,7 +66,7 @@ def _fixed(at: Configuration) -> list[str]:
         if len(line) > 1
     ]
     if at.rank_fixed.value == 1:
-        noun = fixed[0].kind.noun if len({w.type for w in fixed}) == 1 else "fixed wheel"
+        noun = fixed[0].kind.noun if len({w.type for w in fixed}) == 1 else "wheel"
         wheels, verb = (f"{noun}s", "forbid") if len(fixed) > 1 else (noun, "forbids")
         return [
             *sentences,

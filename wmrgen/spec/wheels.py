@@ -39,6 +39,8 @@ def _wheel(table: Table, scope: Scope) -> WheelSpec:
     name = wheel_name(scalar_of(table.require("name", "the wheel"), "name"))
     kind = _type(table, name)
     what = f"the {kind.name} wheel {name}"
+    if unknown := {*kind.keys, *kind.required} - {f.key for f in WHEEL.fields}:
+        raise ValueError(f"the wheel type {kind.name} has the key {min(unknown)}, which no wheel has")
     _refuse_misfits(table, what, kind)
     table.choose(_PLACEMENT, f"the wheel {name}")
     table.choose(_ORIENTATION, what, kind.oriented)
@@ -83,13 +85,13 @@ def _aliases() -> dict[str, str]:
 
 def takes(kind: WheelType, key: str) -> bool:
     """A wheel of this type has the key."""
-    return WHEEL.field(key).misfit is None or key in kind.keys
+    return WHEEL.field(key).misfit is None or kind.takes(key)
 
 
 def _refuse_misfits(table: Table, what: str, kind: WheelType) -> None:
     for key, node in table.keys.items():
         reason = WHEEL.field(key).misfit
-        if reason and key not in kind.keys:
+        if reason and not kind.takes(key):
             raise node.error(f"{what} has the key {key}", *kind.misfits.get(key, reason))
 
 

@@ -18,15 +18,28 @@ def register(kind: WheelType) -> None:
     """Adds a wheel type. ValueError where its name is taken, or where it says what no wheel can be."""
     if kind.name in WHEEL_TYPES:
         raise ValueError(f"there is a wheel type {kind.name} already; give the new one another name")
-    if kind.turns and not kind.sliding_row:
-        raise ValueError(
-            f"{kind.name}: a wheel that steers needs a sliding row, which decides its angle or its rate"
-        )
-    if kind.turns and not kind.has_spin:
-        raise ValueError(f"{kind.name}: a wheel that steers needs a spin, or its angle is nobody's command")
-    if not set(kind.actuated) <= set(kind.joints):
-        raise ValueError(f"{kind.name}: actuated names {kind.actuated}, of the joints {kind.joints}")
+    for contradicts, why in _contradictions(kind):
+        if contradicts:
+            raise ValueError(f"{kind.name}: {why}")
     WHEEL_TYPES[kind.name] = kind
+
+
+def _contradictions(kind: WheelType) -> tuple[tuple[bool, str], ...]:
+    """What no wheel can be: whether ``kind`` says it, and why none can."""
+    off_axis = kind.takes("d") or kind.takes("offset_y")
+    return (
+        (kind.turns and not kind.sliding_row,
+         "a wheel that steers needs a sliding row, which decides its angle or its rate"),
+        (kind.turns and not kind.has_spin,
+         "a wheel that steers needs a spin, or its angle is nobody's command"),
+        (not set(kind.actuated) <= set(kind.joints), f"actuated names {kind.actuated}, of the joints {kind.joints}"),
+        (kind.has_spin and "r" not in kind.required, "a wheel with a spin needs r among its required keys"),
+        (kind.turns and "d" in kind.keys and not kind.swivels,
+         "a wheel that steers has d among its required keys, as a castor, or not at all"),
+        (off_axis and not kind.turns, "d and offset_y are seen from a steering axis, and it has none"),
+        (kind.rollers and kind.sliding_row, "a wheel with rollers (gamma) slides across them: sliding_row=False"),
+        (not kind.constrains and not kind.words.free, "words.free must say why it constrains no twist"),
+    )  # fmt: skip
 
 
 for _kind in (FIXED, STEERED, CASTOR, SWEDISH, SPHERICAL):

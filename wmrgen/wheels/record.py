@@ -60,8 +60,9 @@ class WheelType:
     """A wheel type.
 
     ``meaning``: a line for the schema. ``noun``: "castor", "fixed wheel". ``joints``: of (spin, steer), in this
-    order; ``actuated``: those that are driven unless the robot file says otherwise. ``keys``: those of the robot
-    file beyond the common ones; ``required``: those that must be given; ``oriented``: beta or heading must be given.
+    order; ``actuated``: those that are driven unless the robot file says otherwise. ``keys``: those that the robot
+    file may give beyond the common ones; ``required``: those that it must give, r of a wheel with a spin; a wheel that
+    turns and requires d is a castor, one with gamma has rollers. ``oriented``: beta or heading must be given.
     ``sliding_row``: the contact cannot move freely across the wheel. ``aliases``: what people also call it, with a
     hint. ``misfits``: a key that exists but does not fit, with why and what to write instead.
     """
@@ -101,10 +102,14 @@ class WheelType:
         """Its rolling direction is a joint."""
         return "steer" in self.joints
 
+    def takes(self, key: str) -> bool:
+        """A robot file may give the key or must: of those that not every wheel type has."""
+        return key in self.keys or key in self.required
+
     @property
     def rollers(self) -> bool:
         """It has rollers on its rim, with their axes at gamma from the wheel plane."""
-        return "gamma" in self.keys
+        return self.takes("gamma")
 
     @property
     def swivels(self) -> bool:

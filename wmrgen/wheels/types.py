@@ -55,19 +55,10 @@ CASTOR = WheelType(
     meaning="a wheel whose contact point trails its steering axis by d",
     noun="castor",
     joints=("spin", "steer"),
-    keys=("d", "offset_y"),
+    keys=("offset_y",),
     required=("r", "d"),
     oriented=False,
     aliases=dict.fromkeys(("caster", "trailing"), ""),
-    checks=(
-        Check(
-            "d",
-            lambda g: not g.d,
-            "{name}: a castor with d = 0 is a steered wheel",
-            "With the contact point under the pivot the wheel cannot follow: it constrains the robot.",
-            "Write type: steered, or give d, the distance from the pivot to the contact along the rolling direction.",
-        ),
-    ),
     words=Words(
         "A castor's contact point lies off its pivot. Its rolling equation is that of a steered wheel (3.17); "
         "in the sliding equation (3.18) the swivel rate takes up whatever sideways motion the chassis has, so that "

@@ -93,7 +93,7 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
         ("β", True, lambda w: in_degrees(w.beta) if w.kind.directed else None),
         ("heading", True, lambda w: in_degrees(w.heading) if w.kind.directed else None),
         ("γ", any(w.kind.rollers for w in wheels), lambda w: in_degrees(w.gamma) if w.kind.rollers else None),
-        ("r", True, lambda w: plain(w.nominal.r)),
+        ("r", True, lambda w: plain(w.nominal.r) if w.nominal.r else None),
         ("r<sub>sw</sub>", any(w.nominal.r_sw for w in wheels),
          lambda w: plain(w.nominal.r_sw) if w.nominal.r_sw else None),
         ("d", any(w.kind.swivels for w in wheels), lambda w: plain(w.nominal.d) if w.kind.swivels else None),

@@ -58,8 +58,10 @@ def texts(d: Derivation) -> list[str]:
 
 
 def citations(robot: Robot) -> list[Citation]:
-    """Every citation that holds for the robot."""
+    """Every citation that holds for the robot; none where a wheel slides along itself as no wheel of the texts does."""
     wheels = [w for w in robot.wheels if w.kind.constrains or w.kind.rollers]
+    if not all(w.has_spin for w in wheels):
+        return []
     return [c for rule in _RULES for c in rule(robot, wheels)]
 
 

@@ -169,6 +169,15 @@ def test_near_its_centre_a_direction_is_off_by_half_a_turn() -> None:
         assert error == pytest.approx(1.05 * share if small else np.pi)
 
 
+@pytest.mark.parametrize(("op", "top"), [(Op.SIN, np.pi / 2), (Op.COS, np.pi)], ids=str)
+def test_waves_at_their_turning_points_err_by_squares(op: Op, top: float) -> None:
+    for off, wanted in ((1e-3, 0.5e-6), (0.1, 0.005), (1.0, 0.5), (2.0, 2.0), (30.0, 2.0)):
+        error = running(op, [np.array([top])], [np.array([off])]).error[0, 0]
+        assert error == pytest.approx(wanted, rel=1e-6)
+    steep = running(op, [np.array([top - np.pi / 2])], [np.array([1e-3])]).error[0, 0]
+    assert steep == pytest.approx(1e-3 + 0.5e-6, rel=1e-9)
+
+
 @pytest.mark.parametrize("op", RUNNING, ids=str)
 def test_the_rounding_of_the_result_counts(op: Op) -> None:
     values, _ = arguments(op, 1e-3)

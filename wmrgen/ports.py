@@ -46,6 +46,16 @@ def output(name: str, unit: str, text: str) -> Port:
     return Port(name, Role.COMMAND, unit, text)
 
 
+SPREAD = 0.1  # of a tunable parameter about its nominal value
+SPAN = 0.01  # of one that is nominally zero [m, rad]
+
+
+def tuned(nominal: float) -> tuple[float, float]:
+    """The values of a tunable parameter that bounds are about and that checked code accepts."""
+    spread = abs(nominal) * SPREAD or SPAN
+    return nominal - spread, nominal + spread
+
+
 OVERSHOOT = 1.25  # of what is measured: a joint that stands at its limit must not stop the robot
 
 

@@ -11,24 +11,11 @@ import pytest
 
 from tests.c.harness import COMPILERS, STRICT
 from tests.conftest import put
+from tests.rules.probe import HEAD, TAIL
 from tests.selftest.every import files_of
 from wmrgen.compiler import compile_program, run_program
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
-
-HEAD = """
-#include "{0}_checked.h"
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-static int wrong = 0;
-#define EXPECT(what) do {{ if (!(what)) {{ printf("%d: %s\\n", __LINE__, #what); wrong = 1; }} }} while (0)
-static const float bad[3] = {{NAN, INFINITY, -INFINITY}};
-int main(void)
-{{
-    int k;
-"""
-TAIL = "    return wrong;\n}\n"
 
 DIFFERENTIAL = """
     textbook_differential_inverse_in in = {0.1f, 0.0f, 1.0f};

@@ -74,8 +74,9 @@ def run(program: Path, seconds: float) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_second_of_fuzzing(tmp_path: Path) -> None:
-    done = run(compiled(tmp_path, "ackermann_car"), 1)
+@pytest.mark.parametrize("robot", ["ackermann_car", "pioneer3dx"])
+def test_a_second_of_fuzzing(robot: str, tmp_path: Path) -> None:
+    done = run(compiled(tmp_path, robot), 1)
     assert done.returncode == 0, done.stderr[-3000:]
 
 
@@ -87,13 +88,21 @@ def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
 
 
 HELD = "held(in->front_left.steer)"
+CAR, TUNABLE = "ackermann_car", "pioneer3dx"
 PLANTED = {
-    "a range left out": ("is_within(in->omega, -2.0f, 2.0f)", "(in->omega >= -2.0f)"),
-    "a limit left out": (f"between({HELD}, -0.6981317f, 0.6981317f)", HELD),
+    "a range left out": (CAR, "is_within(in->omega, -2.0f, 2.0f)", "(in->omega >= -2.0f)"),
+    "a limit left out": (CAR, f"between({HELD}, -0.6981317f, 0.6981317f)", HELD),
+    "a parameter left out": (
+        TUNABLE,
+        "is_within(params->radius, 0.08775f, 0.10725f)",
+        "(params->radius < 1.0f)",
+    ),
+    "parameters kept": (TUNABLE, "pioneer3dx_params_default(&nominal)", "nominal = *params"),
 }
 
 
 @pytest.mark.parametrize("fault", PLANTED)
 def test_finds_what_is_planted(fault: str, tmp_path: Path) -> None:
-    done = run(compiled(tmp_path, "ackermann_car", PLANTED[fault]), 20)
+    robot, *change = PLANTED[fault]
+    done = run(compiled(tmp_path, robot, (change[0], change[1])), 20)
     assert done.returncode != 0 and "deadly signal" in done.stderr, done.stderr[-3000:]

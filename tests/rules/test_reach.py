@@ -6,14 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.harness import COMPILERS, STRICT
-from tests.conftest import put
-from tests.rules.test_checked import HEAD, TAIL
-from wmrgen import derive, load
-from wmrgen.backends.c99 import emit
-from wmrgen.backends.registry import Facts
-from wmrgen.compiler import compile_program, run_program
-from wmrgen.emit import site
+from tests.c.harness import COMPILERS
+from tests.rules.probe import printed
 
 QUICK = """
 wmrgen: 1
@@ -114,17 +108,6 @@ TURNING = """
 """
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
-
-
-def printed(folder: Path, robot: str, body: str) -> str:
-    (folder / "probed.yaml").write_text(robot)
-    derivation = derive(load(folder / "probed.yaml"))
-    put(folder, emit(derivation.c_module, Facts(site=site(derivation))))
-    (folder / "edges.c").write_text(HEAD.format("probed") + body + TAIL)
-    flags = (*STRICT[:2], "-O2")
-    return run_program(
-        compile_program(folder, ["edges.c", "probed_checked.c", "probed.c"], COMPILERS[0], flags), ""
-    )
 
 
 def test_turns_faster_than_commands(tmp_path: Path) -> None:

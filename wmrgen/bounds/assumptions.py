@@ -18,12 +18,13 @@ from functools import cache
 import numpy as np
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.interval import Array
+from wmrgen.ir.interval import Array, inside
 from wmrgen.ir.kernels.choice import AVR, INLINE, Choice
 from wmrgen.ir.kernels.trigonometry import Worst, worst
 from wmrgen.ir.nodes import Function, Limits, Op, Port, Role
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.layout.records import Robot
+from wmrgen.ports import tuned
 
 _EXPONENT = 0x7FF << 52  # of a double
 _LEAST = 2.0**-1000
@@ -140,8 +141,6 @@ TURNS = 12.5663707  # two turns [rad]
 _POSE = {"x": (-100.0, 100.0), "y": (-100.0, 100.0), "theta": (-TURNS, TURNS), "dt": (0.0, 0.1)}
 _JOINTS = ("spin", "steer", "steer_rate")
 _EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
-_SPREAD = 0.1  # of a tunable parameter about its nominal value
-_SPAN = 0.01  # of one that is nominally zero [m, rad]
 
 Range = tuple[float, float]
 
@@ -180,9 +179,7 @@ class Domain:
         if name in self.declared:
             return self.declared[name]
         if port.role is Role.GEOMETRY and port.default is not None:
-            value = to_float64(port.default)
-            spread = abs(value) * _SPREAD or _SPAN
-            return inside(value - spread, value + spread)
+            return inside(*tuned(to_float64(port.default)))
         if name == "vy":
             return self.declared.get("vx")
         if name in _POSE:
@@ -223,20 +220,3 @@ def wanted(missing: tuple[str, ...]) -> str:
 
 def _floats(low: Exact, high: Exact) -> Range:
     return inside(to_float64(low), to_float64(high))
-
-
-def inside(low: float, high: float) -> Range:
-    """The floats (float32) of an interval: its ends moved inward."""
-    a, b = np.float32(low), np.float32(high)
-    a = np.nextafter(a, np.float32(np.inf)) if float(a) < low else a
-    b = np.nextafter(b, np.float32(-np.inf)) if float(b) > high else b
-    return (float(a), float(b)) if a <= b else (low, high)
-
-
-def outside(low: float, high: float) -> Range:
-    """Floats (float32) below and above an interval."""
-    a, b = (
-        np.nextafter(np.float32(low), np.float32(-np.inf)),
-        np.nextafter(np.float32(high), np.float32(np.inf)),
-    )
-    return float(a), float(b)

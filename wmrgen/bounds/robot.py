@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from wmrgen.bounds.analysis import Claim, Outcomes, analysed
-from wmrgen.bounds.assumptions import LIBM, SINGLE, Domain, Library, Range, domain, outside
+from wmrgen.bounds.assumptions import LIBM, SINGLE, Domain, Library, Range, domain
 from wmrgen.bounds.lengths import SMALL_ANGLE
 from wmrgen.ir.calls import hand_through, inline_prepare, inlined_calls
+from wmrgen.ir.interval import outside
 from wmrgen.ir.nodes import Function, Module
 from wmrgen.layout.records import Robot
 from wmrgen.ports import overshot

@@ -166,3 +166,23 @@ def arctangent(y: Interval, x: Interval) -> Interval:
     below = np.arctan2(y[0], np.where(y[0] < 0, x[0], x[1]))
     far = 4 * _WIDE
     return np.where(right, below, -np.pi) - far, np.where(right, above, np.pi) + far
+
+
+# ---- of numbers, in float32
+
+
+def inside(low: float, high: float) -> tuple[float, float]:
+    """The floats (float32) of an interval: its ends moved inward."""
+    a, b = np.float32(low), np.float32(high)
+    a = np.nextafter(a, np.float32(np.inf)) if float(a) < low else a
+    b = np.nextafter(b, np.float32(-np.inf)) if float(b) > high else b
+    return (float(a), float(b)) if a <= b else (low, high)
+
+
+def outside(low: float, high: float) -> tuple[float, float]:
+    """Floats (float32) below and above an interval."""
+    a, b = (
+        np.nextafter(np.float32(low), np.float32(-np.inf)),
+        np.nextafter(np.float32(high), np.float32(np.inf)),
+    )
+    return float(a), float(b)

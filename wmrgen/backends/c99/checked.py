@@ -12,9 +12,12 @@ from typing import Any
 
 from wmrgen.backends.c99.functions import Step, Unit
 from wmrgen.backends.c99.text import block_comment, comment_lines, literal, prototype
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.ir.calls import hand_through
+from wmrgen.ir.interval import inside
 from wmrgen.ir.nodes import Function, Limits, Module, Port, Role
-from wmrgen.ports import OVERSHOOT, Site, overshot
+from wmrgen.ir.rounding import to_float64
+from wmrgen.ports import OVERSHOOT, SPAN, SPREAD, Site, overshot, tuned
 from wmrgen.render import render
 from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
 
@@ -26,18 +29,18 @@ ABOUT = (
     "The functions of {0}.h for inputs that nobody vouches for: a sensor that failed, a command from a network. "
     "Each returns {1}_OK and the outputs of the function, to the last bit, or a status and safe outputs: joint rates, "
     "twists and slips 0, steering angles and poses as they were (0 where that is no number either: look at the status "
-    "before a motor follows), steering inside its limits. Parameters are not checked.",
+    "before a motor follows), steering inside its limits.",
     "A commanded twist must keep the limits of the robot file. A joint may be measured "
     f"{OVERSHOOT:g} times as far from the middle of its limits, for one at its stop overshoots, and a measured twist "
     "may be whatever {0}_forward() gives of such joints. What has no limits by that must be of a size that gives "
     "finite results. That is wider than the ranges for which {0}.h states bounds. Angles are not wrapped here: wrap "
     "theta.",
 )
-ABOUT_FUZZ = (
-    "Fuzzing harness for libFuzzer: clang -g -O1 -fsanitize=fuzzer,address,undefined,float-divide-by-zero "
-    "test/{0}_fuzz.c {0}_checked.c {0}.c -lm. Every function gets inputs of any bit pattern and inputs spread over "
-    "their range. What was accepted must give numbers, and steering angles inside their limits; what was refused must "
-    "give the safe outputs.",
+ABOUT_TUNABLE = (
+    "Tunable parameters are checked by {0}_prepare_checked(), which takes what lies within "
+    f"{SPREAD * 100:g} % of the nominal value, within {SPAN:g} (m, rad) where that is 0. A block of parameters with "
+    "anything else in it, one that was erased say, is refused as a whole: then the robot is prepared for its nominal "
+    "parameters. What {0}_prepare() makes of parameters that nobody checked is not checked later.",
 )
 
 
@@ -61,24 +64,54 @@ class Safe:
 
 @dataclass(frozen=True, slots=True)
 class Guarded:
-    """A function with what it accepts, and what its outputs are where it accepts nothing."""
+    """A function with what it accepts, and what its outputs are where it accepts nothing.
+
+    `prepare` has no ``outputs`` of that kind: it works with the nominal parameters then.
+    """
 
     step: Step
     ranges: tuple[Range, ...]
     outputs: tuple[Safe, ...]
 
-    def member(self, parameter: str, port: Port) -> str:
-        """The path of a port in the struct of a parameter."""
-        return self.step.arguments[parameter].members[port.name]
+    @property
+    def prepares(self) -> bool:
+        """Whether its inputs are parameters."""
+        return "params" in self.step.arguments
+
+    def read(self, port: Port, arrow: str = "->") -> str:
+        """An input, or the output of that name."""
+        parameter = "params" if self.prepares else "in"
+        return f"{parameter}{arrow}{self.step.arguments[parameter].members[port.name]}"
+
+    def written(self, port: Port, arrow: str = "->") -> str:
+        """An output."""
+        return f"out{arrow}{self.step.arguments['out'].members[port.name]}"
 
 
 def guarded(module: Module, unit: Unit, site: Site) -> Iterator[Guarded]:
-    """Every function that has inputs."""
+    """`prepare`, where a parameter is tunable, and every function that has inputs."""
     scalar, steps = unit.choice.scalar, unit.contract
+    prepare = tunable(module, unit)
+    if prepare is not None:
+        yield prepare
     for function in module.functions:
         accepted = ranges(function, scalar, site)
         if accepted and function.name in steps:
             yield Guarded(steps[function.name], accepted, safe(function, scalar, site))
+
+
+def tunable(module: Module, unit: Unit) -> Guarded | None:
+    """`prepare` with the parameters that it accepts, where one is tunable: no more than bounds are about."""
+    prepare = hand_through(module).prepare
+    if prepare is None or not prepare.inputs:
+        return None
+    step = next(step for step in unit.steps if step.name == f"{unit.robot}_prepare")
+    scalar, accepted = unit.choice.scalar, []
+    for port in prepare.inputs:
+        low, high = tuned(to_float64(port.default or ZERO))
+        low, high = inside(low, high) if scalar == "float" else (low, high)
+        accepted.append(Range(port, _number(low, scalar), _number(high, scalar)))
+    return Guarded(step, tuple(accepted), ())
 
 
 def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
@@ -135,7 +168,7 @@ def checked(module: Module, unit: Unit, site: Site, common: Mapping[str, object]
         **common,
         "largest": "FLT_MAX" if unit.choice.scalar == "float" else "DBL_MAX",
         "zero": _number(0.0, unit.choice.scalar),
-        "about": _about(ABOUT, unit.robot),
+        "about": about((*ABOUT, *ABOUT_TUNABLE) if tunable(module, unit) else ABOUT, unit.robot),
         "functions": functions,
         "holds": "held(" in stores,
         "limits": "between(" in stores,
@@ -143,27 +176,40 @@ def checked(module: Module, unit: Unit, site: Site, common: Mapping[str, object]
     return render("c99/checked.h.j2", **context), render("c99/checked.c.j2", **context)
 
 
-def _about(texts: Sequence[str], robot: str) -> list[str]:
+def about(texts: Sequence[str], robot: str) -> list[str]:
     return [line for text in texts for line in comment_lines(text.format(robot, robot.upper()))]
 
 
 def _checked(unit: Unit, guarded: Guarded) -> dict[str, Any]:
     """A checked function, ready to print."""
     step, accepted = guarded.step, guarded.ranges
-    reads = [(f"in->{guarded.member('in', r.port)}", r) for r in accepted]
+    reads = [(guarded.read(r.port), r) for r in accepted]
     spans: dict[str, list[str]] = {}
     for r in accepted:
         unit_of = f" {r.port.unit}" if r.port.unit else ""
         spans.setdefault(f"{_plain(r.low)} to {_plain(r.high)}{unit_of}", []).append(r.port.name)
     text = "; ".join(f"{', '.join(names)} {span}" for span, names in spans.items())
+    otherwise = " Else prepared is that of the nominal parameters." if guarded.prepares else ""
     return {
-        "comment": block_comment([f"{step.name}() with its inputs checked. Accepted: {text}."]),
+        "comment": block_comment([f"{step.name}() with its inputs checked. Accepted: {text}.{otherwise}"]),
         "prototype": prototype(f"{unit.robot}_status {step.name}_checked", step.parameters),
         "numbers": _all_of([f"is_number({read})" for read, _ in reads]),
         "inside": _all_of([f"is_within({read}, {r.low}, {r.high})" for read, r in reads]),
         "call": f"{step.name}({', '.join(step.arguments)});",
-        "safe": [_store(guarded, output, unit.choice.scalar) for output in guarded.outputs],
+        "safe": _nominal(unit.robot)
+        if guarded.prepares
+        else [_store(guarded, output, unit.choice.scalar) for output in guarded.outputs],
     }
+
+
+def _nominal(robot: str) -> list[str]:
+    """The statements that prepare a robot with its nominal parameters."""
+    return [
+        f"{robot}_params nominal;",
+        "",
+        f"{robot}_params_default(&nominal);",
+        f"{robot}_prepare(&nominal, prepared);",
+    ]
 
 
 def _all_of(tests: Sequence[str]) -> list[str]:
@@ -176,48 +222,7 @@ def _plain(literal: str) -> str:
 
 
 def _store(guarded: Guarded, output: Safe, scalar: str) -> str:
-    value = f"held(in->{guarded.member('in', output.port)})" if output.held else _number(0.0, scalar)
+    value = f"held({guarded.read(output.port)})" if output.held else _number(0.0, scalar)
     if output.limit:
         value = f"between({value}, {output.limit[0]}, {output.limit[1]})"
-    return f"out->{guarded.member('out', output.port)} = {value};"
-
-
-# ---- their harness
-
-
-def fuzz(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> str:
-    """The text of ``test/<robot>_fuzz.c``; arguments as of `checked`."""
-    tried = [_tried(unit, g) for g in guarded(module, unit, site)]
-    return render("c99/fuzz.c.j2", **common, about=_about(ABOUT_FUZZ, unit.robot), functions=tried)
-
-
-def _tried(unit: Unit, guarded: Guarded) -> dict[str, Any]:
-    """A function that is tried, ready to print."""
-    step = guarded.step
-    fill = [f"{called.call()};" for called in unit.before([step])]
-    fill += [f"in.{guarded.member('in', r.port)} = any(&bytes, {r.low}, {r.high});" for r in guarded.ranges]
-    return {
-        "name": step.name.removeprefix(f"{unit.robot}_"),
-        "declare": [f"{s.name} {p};" for p, s in unit.variables(step).items()],
-        "fill": fill,
-        "call": step.call().replace(step.name, f"{step.name}_checked", 1),
-        "accepted": [f"must({test});" for output in guarded.outputs for test in _numbers(guarded, output)],
-        "refused": [f"must({_is_safe(guarded, output)});" for output in guarded.outputs],
-    }
-
-
-def _numbers(guarded: Guarded, output: Safe) -> Iterator[str]:
-    read = f"out.{guarded.member('out', output.port)}"
-    yield f"is_number({read})"
-    if output.limit:
-        yield f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
-
-
-def _is_safe(guarded: Guarded, output: Safe) -> str:
-    read = f"out.{guarded.member('out', output.port)}"
-    if output.limit:
-        return f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
-    if output.held:
-        present = f"in.{guarded.member('in', output.port)}"
-        return f"is_number({present}) ? ({read} == {present}) : ({read} == 0)"
-    return f"{read} == 0"
+    return f"{guarded.written(output.port)} = {value};"

@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 
-from wmrgen.backends.c99.checked import checked, fuzz
+from wmrgen.backends.c99.checked import checked
 from wmrgen.backends.c99.functions import Unit, printed_kernels, steps_of
+from wmrgen.backends.c99.fuzz import fuzz
 from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.backends.c99.trace import traced

@@ -109,6 +109,8 @@ def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tu
         return ()
     robot, cost = module.name, costs[prepare.name]
     advice = "Call once, and again after every change of a parameter."
+    if prepare.inputs:
+        advice += f" {robot}_prepare_checked() refuses parameters that are far from nominal."
     prepare = replace(prepare, text=f"{_sentence(prepare.text)} {advice}" if prepare.text else advice)
     note = f"What {robot}_prepare() works out once from the parameters; the steps only read it."
     prepared = struct(f"{robot}_prepared", prepare.outputs, scalar, note)

@@ -1,0 +1,97 @@
+"""``test/<robot>_fuzz.c``, with ``--fuzz``: a libFuzzer harness of the checked functions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from wmrgen.backends.c99.checked import Guarded, Safe, about, guarded, tunable
+from wmrgen.backends.c99.functions import Unit
+from wmrgen.ir.nodes import Module
+from wmrgen.ports import Site
+from wmrgen.render import render
+
+ABOUT = (
+    "Fuzzing harness for libFuzzer: clang -g -O1 -fsanitize=fuzzer,address,undefined,float-divide-by-zero "
+    "test/{0}_fuzz.c {0}_checked.c {0}.c -lm. Every function gets inputs of any bit pattern and inputs spread over "
+    "their range. What was accepted must give numbers, and steering angles inside their limits; what was refused must "
+    "give the safe outputs.",
+)
+
+
+def fuzz(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> str:
+    """The text of the file; arguments as of `checked`."""
+    prepare = tunable(module, unit)
+    tried = [_tried(unit, g, prepare) for g in guarded(module, unit, site)]
+    return render("c99/fuzz.c.j2", **common, about=about(ABOUT, unit.robot), functions=tried)
+
+
+def _tried(unit: Unit, guarded: Guarded, prepare: Guarded | None) -> dict[str, Any]:
+    """A function that is tried, ready to print; ``prepare``: what checks its parameters, which are tried too."""
+    step = guarded.step
+    variables = {parameter: struct.name for parameter, struct in unit.variables(step).items()}
+    fill = _any(guarded)
+    if guarded.prepares:
+        variables |= {"nominal": variables["params"], "expected": variables["prepared"]}
+    elif prepare is not None and "prepared" in variables:
+        fill = [*_any(prepare), f"(void){_call(prepare)};", *fill]
+    else:
+        fill = [*(f"{called.call()};" for called in unit.before([step])), *fill]
+    return {
+        "name": step.name.removeprefix(f"{unit.robot}_"),
+        "declare": [f"{kind} {name};" for name, kind in variables.items()],
+        "fill": fill,
+        "filled": [*step.arguments][-1],
+        "call": _call(guarded),
+        "accepted": _accepted(guarded),
+        "refused": _refused(guarded, unit.robot),
+    }
+
+
+def _call(guarded: Guarded) -> str:
+    return guarded.step.call().replace(guarded.step.name, f"{guarded.step.name}_checked", 1)
+
+
+def _any(guarded: Guarded) -> list[str]:
+    """The statements that fill the inputs."""
+    return [f"{guarded.read(r.port, '.')} = any(&bytes, {r.low}, {r.high});" for r in guarded.ranges]
+
+
+def _accepted(guarded: Guarded) -> list[str]:
+    """The statements that hold after inputs were accepted."""
+    if guarded.prepares:
+        reads = [(guarded.read(r.port, "."), r) for r in guarded.ranges]
+        near = [f"must(({read} >= {r.low}) && ({read} <= {r.high}));" for read, r in reads]
+        return [*near, f"{guarded.step.call({'prepared': 'expected'})};", *_as_expected(guarded)]
+    return [f"must({test});" for output in guarded.outputs for test in _numbers(guarded, output)]
+
+
+def _refused(guarded: Guarded, robot: str) -> list[str]:
+    """The statements that hold after inputs were refused."""
+    if guarded.prepares:
+        nominal = {"params": "nominal", "prepared": "expected"}
+        calls = [f"{robot}_params_default(&nominal);", f"{guarded.step.call(nominal)};"]
+        return [*calls, *_as_expected(guarded)]
+    return [f"must({_is_safe(guarded, output)});" for output in guarded.outputs]
+
+
+def _as_expected(guarded: Guarded) -> Iterator[str]:
+    for member in guarded.step.arguments["prepared"].members.values():
+        yield f"must(is_number(prepared.{member}) && (prepared.{member} == expected.{member}));"
+
+
+def _numbers(guarded: Guarded, output: Safe) -> Iterator[str]:
+    read = guarded.written(output.port, ".")
+    yield f"is_number({read})"
+    if output.limit:
+        yield f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
+
+
+def _is_safe(guarded: Guarded, output: Safe) -> str:
+    read = guarded.written(output.port, ".")
+    if output.limit:
+        return f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
+    if output.held:
+        present = guarded.read(output.port, ".")
+        return f"is_number({present}) ? ({read} == {present}) : ({read} == 0)"
+    return f"{read} == 0"

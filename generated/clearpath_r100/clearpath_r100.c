@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_R100_PAIR_5b0783ac03142504)
+#if !defined(CLEARPATH_R100_PAIR_946e7018787ec275)
 #error "clearpath_r100.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

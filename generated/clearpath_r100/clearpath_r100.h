@@ -54,7 +54,7 @@
 #define WMRGEN_CLEARPATH_R100_H
 
 #define CLEARPATH_R100_MODEL_HASH "d2d473fb5ffa09d58576428bd1ce21c3"
-#define CLEARPATH_R100_PAIR_5b0783ac03142504 1
+#define CLEARPATH_R100_PAIR_946e7018787ec275 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -145,7 +145,7 @@ typedef struct {
 void clearpath_r100_params_default(clearpath_r100_params *params);
 
 /* Values that depend on the tunable parameters alone. Call once, and again after every change of
- * a parameter.
+ * a parameter. clearpath_r100_prepare_checked() refuses parameters that are far from nominal.
  * Operations of the formula: 4 multiplications, 1 division, 1 comparison. */
 void clearpath_r100_prepare(const clearpath_r100_params *params, clearpath_r100_prepared *prepared);
 

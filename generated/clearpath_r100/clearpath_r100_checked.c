@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_R100_PAIR_5b0783ac03142504)
+#if !defined(CLEARPATH_R100_PAIR_946e7018787ec275)
 #error "clearpath_r100_checked.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -30,6 +30,32 @@ static bool is_number(const float x)
 static float held(const float x)
 {
     return is_number(x) ? x : 0.0f;
+}
+
+clearpath_r100_status clearpath_r100_prepare_checked(
+    const clearpath_r100_params *params,
+    clearpath_r100_prepared *prepared)
+{
+    clearpath_r100_status status = CLEARPATH_R100_OK;
+
+    if (!(
+            is_number(params->radius)
+        )) {
+        status = CLEARPATH_R100_NOT_A_NUMBER;
+    } else if (!(
+            is_within(params->radius, 0.06831f, 0.08349f)
+        )) {
+        status = CLEARPATH_R100_OUT_OF_RANGE;
+    } else {
+        clearpath_r100_prepare(params, prepared);
+    }
+    if (status != CLEARPATH_R100_OK) {
+        clearpath_r100_params nominal;
+
+        clearpath_r100_params_default(&nominal);
+        clearpath_r100_prepare(&nominal, prepared);
+    }
+    return status;
 }
 
 clearpath_r100_status clearpath_r100_inverse_checked(

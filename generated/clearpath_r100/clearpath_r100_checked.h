@@ -9,19 +9,24 @@
  * command from a network. Each returns CLEARPATH_R100_OK and the outputs of the function, to the
  * last bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and
  * poses as they were (0 where that is no number either: look at the status before a motor follows),
- * steering inside its limits. Parameters are not checked.
+ * steering inside its limits.
  * A commanded twist must keep the limits of the robot file. A joint may be measured 1.25 times as
  * far from the middle of its limits, for one at its stop overshoots, and a measured twist may be
  * whatever clearpath_r100_forward() gives of such joints. What has no limits by that must be of a
  * size that gives finite results. That is wider than the ranges for which clearpath_r100.h states
  * bounds. Angles are not wrapped here: wrap theta.
+ * Tunable parameters are checked by clearpath_r100_prepare_checked(), which takes what lies within
+ * 10 % of the nominal value, within 0.01 (m, rad) where that is 0. A block of parameters with
+ * anything else in it, one that was erased say, is refused as a whole: then the robot is prepared
+ * for its nominal parameters. What clearpath_r100_prepare() makes of parameters that nobody checked
+ * is not checked later.
  */
 #ifndef WMRGEN_CLEARPATH_R100_CHECKED_H
 #define WMRGEN_CLEARPATH_R100_CHECKED_H
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_5b0783ac03142504)
+#if !defined(CLEARPATH_R100_PAIR_946e7018787ec275)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 
@@ -34,6 +39,12 @@ typedef enum {
     CLEARPATH_R100_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
     CLEARPATH_R100_OUT_OF_RANGE = 2  /* an input is not in its range */
 } clearpath_r100_status;
+
+/* clearpath_r100_prepare() with its inputs checked. Accepted: radius 0.06831 to 0.08349 m. Else
+ * prepared is that of the nominal parameters. */
+clearpath_r100_status clearpath_r100_prepare_checked(
+    const clearpath_r100_params *params,
+    clearpath_r100_prepared *prepared);
 
 /* clearpath_r100_inverse() with its inputs checked. Accepted: vx, vy -1.1 to 1.1 m/s; omega -2
  * to 2 rad/s. */

@@ -9,7 +9,7 @@
  * from a network. Each returns JPL_OSR_OK and the outputs of the function, to the last bit, or a
  * status and safe outputs: joint rates, twists and slips 0, steering angles and poses as they were
  * (0 where that is no number either: look at the status before a motor follows), steering inside
- * its limits. Parameters are not checked.
+ * its limits.
  * A commanded twist must keep the limits of the robot file. A joint may be measured 1.25 times as
  * far from the middle of its limits, for one at its stop overshoots, and a measured twist may be
  * whatever jpl_osr_forward() gives of such joints. What has no limits by that must be of a size

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_14a58cbccef5fd8e)
+#if !defined(KUKA_YOUBOT_PAIR_84dd184ed6ca659a)
 #error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -52,7 +52,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "93798f78d55a634b2c48bae90eee16a9"
-#define KUKA_YOUBOT_PAIR_14a58cbccef5fd8e 1
+#define KUKA_YOUBOT_PAIR_84dd184ed6ca659a 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -143,7 +143,7 @@ typedef struct {
 void kuka_youbot_params_default(kuka_youbot_params *params);
 
 /* Values that depend on the tunable parameters alone. Call once, and again after every change of
- * a parameter.
+ * a parameter. kuka_youbot_prepare_checked() refuses parameters that are far from nominal.
  * Operations of the formula: 4 multiplications, 1 division, 1 comparison. */
 void kuka_youbot_prepare(const kuka_youbot_params *params, kuka_youbot_prepared *prepared);
 

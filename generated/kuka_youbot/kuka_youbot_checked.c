@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_14a58cbccef5fd8e)
+#if !defined(KUKA_YOUBOT_PAIR_84dd184ed6ca659a)
 #error "kuka_youbot_checked.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -30,6 +30,32 @@ static bool is_number(const float x)
 static float held(const float x)
 {
     return is_number(x) ? x : 0.0f;
+}
+
+kuka_youbot_status kuka_youbot_prepare_checked(
+    const kuka_youbot_params *params,
+    kuka_youbot_prepared *prepared)
+{
+    kuka_youbot_status status = KUKA_YOUBOT_OK;
+
+    if (!(
+            is_number(params->radius)
+        )) {
+        status = KUKA_YOUBOT_NOT_A_NUMBER;
+    } else if (!(
+            is_within(params->radius, 0.045f, 0.055f)
+        )) {
+        status = KUKA_YOUBOT_OUT_OF_RANGE;
+    } else {
+        kuka_youbot_prepare(params, prepared);
+    }
+    if (status != KUKA_YOUBOT_OK) {
+        kuka_youbot_params nominal;
+
+        kuka_youbot_params_default(&nominal);
+        kuka_youbot_prepare(&nominal, prepared);
+    }
+    return status;
 }
 
 kuka_youbot_status kuka_youbot_inverse_checked(

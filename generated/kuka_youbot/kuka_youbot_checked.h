@@ -9,19 +9,24 @@
  * command from a network. Each returns KUKA_YOUBOT_OK and the outputs of the function, to the last
  * bit, or a status and safe outputs: joint rates, twists and slips 0, steering angles and poses as
  * they were (0 where that is no number either: look at the status before a motor follows), steering
- * inside its limits. Parameters are not checked.
+ * inside its limits.
  * A commanded twist must keep the limits of the robot file. A joint may be measured 1.25 times as
  * far from the middle of its limits, for one at its stop overshoots, and a measured twist may be
  * whatever kuka_youbot_forward() gives of such joints. What has no limits by that must be of a size
  * that gives finite results. That is wider than the ranges for which kuka_youbot.h states bounds.
  * Angles are not wrapped here: wrap theta.
+ * Tunable parameters are checked by kuka_youbot_prepare_checked(), which takes what lies within 10
+ * % of the nominal value, within 0.01 (m, rad) where that is 0. A block of parameters with anything
+ * else in it, one that was erased say, is refused as a whole: then the robot is prepared for its
+ * nominal parameters. What kuka_youbot_prepare() makes of parameters that nobody checked is not
+ * checked later.
  */
 #ifndef WMRGEN_KUKA_YOUBOT_CHECKED_H
 #define WMRGEN_KUKA_YOUBOT_CHECKED_H
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_14a58cbccef5fd8e)
+#if !defined(KUKA_YOUBOT_PAIR_84dd184ed6ca659a)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 
@@ -34,6 +39,12 @@ typedef enum {
     KUKA_YOUBOT_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
     KUKA_YOUBOT_OUT_OF_RANGE = 2  /* an input is not in its range */
 } kuka_youbot_status;
+
+/* kuka_youbot_prepare() with its inputs checked. Accepted: radius 0.045 to 0.055 m. Else
+ * prepared is that of the nominal parameters. */
+kuka_youbot_status kuka_youbot_prepare_checked(
+    const kuka_youbot_params *params,
+    kuka_youbot_prepared *prepared);
 
 /* kuka_youbot_inverse() with its inputs checked. Accepted: vx, vy -0.8 to 0.8 m/s; omega -1.2 to
  * 1.2 rad/s. */

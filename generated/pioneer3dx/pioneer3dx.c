@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_7a49d46355c8bde5)
+#if !defined(PIONEER3DX_PAIR_efbce57426dcb9b3)
 #error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__)

@@ -53,7 +53,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "386f5b368d65f4cb6d4b1781f406dd00"
-#define PIONEER3DX_PAIR_7a49d46355c8bde5 1
+#define PIONEER3DX_PAIR_efbce57426dcb9b3 1
 
 #ifdef __cplusplus
 extern "C" {
@@ -146,7 +146,7 @@ typedef struct {
 void pioneer3dx_params_default(pioneer3dx_params *params);
 
 /* Values that depend on the tunable parameters alone. Call once, and again after every change of
- * a parameter.
+ * a parameter. pioneer3dx_prepare_checked() refuses parameters that are far from nominal.
  * Operations of the formula: 4 multiplications, 2 divisions, 2 comparisons. */
 void pioneer3dx_prepare(const pioneer3dx_params *params, pioneer3dx_prepared *prepared);
 

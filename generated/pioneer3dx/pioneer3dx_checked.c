@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PIONEER3DX_PAIR_7a49d46355c8bde5)
+#if !defined(PIONEER3DX_PAIR_efbce57426dcb9b3)
 #error "pioneer3dx_checked.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -30,6 +30,34 @@ static bool is_number(const float x)
 static float held(const float x)
 {
     return is_number(x) ? x : 0.0f;
+}
+
+pioneer3dx_status pioneer3dx_prepare_checked(
+    const pioneer3dx_params *params,
+    pioneer3dx_prepared *prepared)
+{
+    pioneer3dx_status status = PIONEER3DX_OK;
+
+    if (!(
+            is_number(params->half_track) &&
+            is_number(params->radius)
+        )) {
+        status = PIONEER3DX_NOT_A_NUMBER;
+    } else if (!(
+            is_within(params->half_track, 0.14895001f, 0.18204999f) &&
+            is_within(params->radius, 0.08775f, 0.10725f)
+        )) {
+        status = PIONEER3DX_OUT_OF_RANGE;
+    } else {
+        pioneer3dx_prepare(params, prepared);
+    }
+    if (status != PIONEER3DX_OK) {
+        pioneer3dx_params nominal;
+
+        pioneer3dx_params_default(&nominal);
+        pioneer3dx_prepare(&nominal, prepared);
+    }
+    return status;
 }
 
 pioneer3dx_status pioneer3dx_inverse_checked(

@@ -9,19 +9,24 @@
  * from a network. Each returns PIONEER3DX_OK and the outputs of the function, to the last bit, or a
  * status and safe outputs: joint rates, twists and slips 0, steering angles and poses as they were
  * (0 where that is no number either: look at the status before a motor follows), steering inside
- * its limits. Parameters are not checked.
+ * its limits.
  * A commanded twist must keep the limits of the robot file. A joint may be measured 1.25 times as
  * far from the middle of its limits, for one at its stop overshoots, and a measured twist may be
  * whatever pioneer3dx_forward() gives of such joints. What has no limits by that must be of a size
  * that gives finite results. That is wider than the ranges for which pioneer3dx.h states bounds.
  * Angles are not wrapped here: wrap theta.
+ * Tunable parameters are checked by pioneer3dx_prepare_checked(), which takes what lies within 10 %
+ * of the nominal value, within 0.01 (m, rad) where that is 0. A block of parameters with anything
+ * else in it, one that was erased say, is refused as a whole: then the robot is prepared for its
+ * nominal parameters. What pioneer3dx_prepare() makes of parameters that nobody checked is not
+ * checked later.
  */
 #ifndef WMRGEN_PIONEER3DX_CHECKED_H
 #define WMRGEN_PIONEER3DX_CHECKED_H
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_7a49d46355c8bde5)
+#if !defined(PIONEER3DX_PAIR_efbce57426dcb9b3)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 
@@ -34,6 +39,12 @@ typedef enum {
     PIONEER3DX_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
     PIONEER3DX_OUT_OF_RANGE = 2  /* an input is not in its range */
 } pioneer3dx_status;
+
+/* pioneer3dx_prepare() with its inputs checked. Accepted: half_track 0.14895001 to 0.18204999 m;
+ * radius 0.08775 to 0.10725 m. Else prepared is that of the nominal parameters. */
+pioneer3dx_status pioneer3dx_prepare_checked(
+    const pioneer3dx_params *params,
+    pioneer3dx_prepared *prepared);
 
 /* pioneer3dx_inverse() with its inputs checked. Accepted: vx -1.2 to 1.2 m/s; vy -1e9 to 1e9
  * m/s; omega -5.2359877 to 5.2359877 rad/s; tail.steer -1e4 to 1e4 rad. */

@@ -16,7 +16,7 @@
  */
 #include "../pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_7a49d46355c8bde5)
+#if !defined(PIONEER3DX_PAIR_efbce57426dcb9b3)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

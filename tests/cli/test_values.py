@@ -46,3 +46,10 @@ def test_lengths_and_angles_have_the_units_of_robot_files() -> None:
     assert read("30 cm", "m") == Fraction(3, 10)
     assert read("2 mm/s", "m/s") == Fraction(2, 1000)
     assert float(read("180 deg", "rad")) == pytest.approx(3.141592653589793, rel=1e-15)
+
+
+def test_numbers_that_another_program_prints_are_taken_as_far_as_floats_go() -> None:
+    assert read("1e-200", "s") == Fraction(1, 10**200)
+    assert float(read("-1.5e308", "s")) == -1.5e308
+    with pytest.raises(UsageError, match="q = '2e308'"):
+        read("2e308", "s")

@@ -15,6 +15,7 @@ from wmrgen.symbolic import (
     Clamp,
     Compensated,
     Expr,
+    Nearest,
     WithSignOf,
     add,
     expression,
@@ -114,6 +115,12 @@ def test_operations_of_what_is_not_known_stay() -> None:
         assert isinstance(operation(two, X), operation)
     assert isinstance(WithSignOf(two, X), WithSignOf)
     assert WithSignOf(X, -two) == -X and WithSignOf(X, two) == X
+
+
+def test_the_nearest_number_is_whole_and_flat() -> None:
+    nearest = Nearest(X)
+    assert nearest.is_integer and nearest.is_real and sympy.diff(nearest, X) == 0
+    assert isinstance(Nearest(sympy.Rational(5, 2)), Nearest), "nothing evaluates it"
 
 
 def test_a_substitution_evaluates_nothing() -> None:

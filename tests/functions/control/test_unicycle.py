@@ -107,3 +107,23 @@ def test_one_wheel_off_the_axle_is_enough_to_lock(tmp_path: Path) -> None:
     text = pair("0", 0, 0) + "  - {name: c, type: fixed, x: 1, y: 0, heading: pi/2, r: 0.1}\n"
     with pytest.raises(NotDerivableError, match="pursuit"):
         of(write(tmp_path, text))
+
+
+def test_who_is_to_blame_is_said(tmp_path: Path) -> None:
+    """Three steered wheels on one chain cannot turn the robot; with a fixed wheel beside them the axles cannot."""
+    places = ((0.4, 0.3), (-0.5, 0.2), (0.1, -0.6))
+    wheels = "".join(
+        f"  - {{name: w{k}, type: steered, x: {x}, y: {y}, heading: 0, r: 0.1}}\n"
+        for k, (x, y) in enumerate(places)
+    )
+    chain = "couplings: [{equal: [w0.spin, w1.spin, w2.spin]}]\n"
+    head = "wmrgen: 1\nname: chain\nwheels:\n"
+    with pytest.raises(NotDerivableError, match=r"but its coupled wheels do not let it turn$"):
+        of(write(tmp_path, head + wheels + chain))
+    parallel = "".join(
+        f"  - {{name: f{k}, type: fixed, x: {k}, y: 0.1, heading: {k} * pi/4, r: 0.1}}\n" for k in range(2)
+    )
+    with pytest.raises(
+        NotDerivableError, match="but the axles of its wheels do not let it turn and drive straight"
+    ):
+        of(write(tmp_path, head + parallel))

@@ -1,0 +1,102 @@
+"""The value of LaTeX that the report prints: sums, products, fractions, roots, powers, functions of known symbols."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+
+_SKIPPED = re.compile(r"(\\[,;]|\\cdot|\\qquad|\\\\|[\s&])+")
+_NUMBER = re.compile(r"\d+(\.\d+)?")
+_OPENED = {r"\left(": r"\right)", r"\Bigl(": r"\Bigr)", "{": "}", r"\left|": r"\right|"}
+_FUNCTIONS = {r"\cos": math.cos, r"\sin": math.sin, r"\tan": math.tan}
+
+
+class Reading:
+    """One text, read from left to right. ``values``: of symbols, by their LaTeX."""
+
+    def __init__(self, text: str, values: Mapping[str, float]) -> None:
+        self.text, self.at = text, 0
+        self.values = dict(sorted(values.items(), key=lambda item: -len(item[0])))
+
+    def taken(self, word: str) -> bool:
+        while skipped := _SKIPPED.match(self.text, self.at):
+            self.at = skipped.end()
+        if self.text.startswith(word, self.at):
+            self.at += len(word)
+            return True
+        return False
+
+    def expect(self, word: str) -> None:
+        assert self.taken(word), f"{word} is missing before {self.text[self.at :]!r}"
+
+    def whole(self) -> float:
+        value = self.sum()
+        assert self.taken("") and self.at == len(self.text), self.text[self.at :]
+        return value
+
+    def sum(self) -> float:
+        total, sign = 0.0, -1 if self.taken("-") else 1
+        while True:
+            total += sign * self.product()
+            if self.taken("+"):
+                sign = 1
+            elif self.taken("-"):
+                sign = -1
+            else:
+                return total
+
+    def product(self) -> float:
+        value, count = 1.0, 0
+        while (factor := self.factor()) is not None:
+            value, count = value * factor, count + 1
+        assert count, f"nothing stands before {self.text[self.at :]!r}"
+        return value
+
+    def factor(self) -> float | None:
+        value = self.base()
+        if value is not None and self.taken("^"):
+            return float(value ** self.braced())
+        return value
+
+    def braced(self) -> float:
+        self.expect("{")
+        value = self.sum()
+        self.expect("}")
+        return value
+
+    def base(self) -> float | None:
+        self.taken("")
+        if number := _NUMBER.match(self.text, self.at):
+            self.at = number.end()
+            return float(number[0])
+        if self.taken(r"\frac"):
+            return self.braced() / self.braced()
+        if self.taken(r"\sqrt"):
+            return math.sqrt(self.braced())
+        if self.taken(r"\mathrm{atan2}\left("):
+            y = self.sum()
+            self.expect(",")
+            x = self.sum()
+            self.expect(r"\right)")
+            return math.atan2(y, x)
+        for name, function in _FUNCTIONS.items():
+            if self.taken(name):
+                power = self.braced() if self.taken("^") else 1
+                argument = self.base()
+                assert argument is not None, name
+                return float(function(argument) ** power)
+        for symbol, value in self.values.items():
+            if self.taken(symbol):
+                return value
+        for opened, closed in _OPENED.items():
+            if self.taken(opened):
+                inner = self.sum()
+                self.expect(closed)
+                return abs(inner) if "|" in opened else inner
+        return None
+
+
+def read(text: str, values: Mapping[str, float]) -> float:
+    """What ``text`` is worth."""
+    return Reading(text, values).whole()

@@ -49,8 +49,8 @@ DEVIATIONS = (
     ),
     Deviation(
         TIDY, "bugprone-easily-swappable-parameters", r"\w+\.c",
-        "`is_within(x, low, high)`, `between(x, low, high)`, `wmrgen_negate_if_odd(a, n)` and its like and kernels "
-        "take floats side by side",
+        "`<robot>_is_within(x, low, high)`, `<robot>_between(x, low, high)`, `wmrgen_negate_if_odd(a, n)` "
+        "and its like and kernels take floats side by side",
         "They are static, and every call of them is generated.",
     ),
     Deviation(

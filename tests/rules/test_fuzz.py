@@ -87,14 +87,14 @@ def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
-HELD = "held(in->front_left.steer)"
+HELD = "ackermann_car_held(in->front_left.steer)"
 CAR, TUNABLE = "ackermann_car", "pioneer3dx"
 PLANTED = {
-    "a range left out": (CAR, "is_within(in->omega, -2.0f, 2.0f)", "(in->omega >= -2.0f)"),
-    "a limit left out": (CAR, f"between({HELD}, -0.6981317f, 0.6981317f)", HELD),
+    "a range left out": (CAR, "ackermann_car_is_within(in->omega, -2.0f, 2.0f)", "(in->omega >= -2.0f)"),
+    "a limit left out": (CAR, f"ackermann_car_between({HELD}, -0.6981317f, 0.6981317f)", HELD),
     "a parameter left out": (
         TUNABLE,
-        "is_within(params->radius, 0.08775f, 0.10725f)",
+        "pioneer3dx_is_within(params->radius, 0.08775f, 0.10725f)",
         "(params->radius < 1.0f)",
     ),
     "parameters kept": (TUNABLE, "pioneer3dx_params_default(&nominal)", "nominal = *params"),

@@ -170,8 +170,8 @@ def checked(module: Module, unit: Unit, site: Site, common: Mapping[str, object]
         "zero": _number(0.0, unit.choice.scalar),
         "about": about((*ABOUT, *ABOUT_TUNABLE) if tunable(module, unit) else ABOUT, unit.robot),
         "functions": functions,
-        "holds": "held(" in stores,
-        "limits": "between(" in stores,
+        "holds": "_held(" in stores,
+        "limits": "_between(" in stores,
     }
     return render("c99/checked.h.j2", **context), render("c99/checked.c.j2", **context)
 
@@ -193,12 +193,12 @@ def _checked(unit: Unit, guarded: Guarded) -> dict[str, Any]:
     return {
         "comment": block_comment([f"{step.name}() with its inputs checked. Accepted: {text}.{otherwise}"]),
         "prototype": prototype(f"{unit.robot}_status {step.name}_checked", step.parameters),
-        "numbers": _all_of([f"is_number({read})" for read, _ in reads]),
-        "inside": _all_of([f"is_within({read}, {r.low}, {r.high})" for read, r in reads]),
+        "numbers": _all_of([f"{unit.robot}_is_number({read})" for read, _ in reads]),
+        "inside": _all_of([f"{unit.robot}_is_within({read}, {r.low}, {r.high})" for read, r in reads]),
         "call": f"{step.name}({', '.join(step.arguments)});",
         "safe": _nominal(unit.robot)
         if guarded.prepares
-        else [_store(guarded, output, unit.choice.scalar) for output in guarded.outputs],
+        else [_store(unit, guarded, output) for output in guarded.outputs],
     }
 
 
@@ -221,8 +221,10 @@ def _plain(literal: str) -> str:
     return literal.removesuffix("f").removesuffix(".0")
 
 
-def _store(guarded: Guarded, output: Safe, scalar: str) -> str:
-    value = f"held({guarded.read(output.port)})" if output.held else _number(0.0, scalar)
+def _store(unit: Unit, guarded: Guarded, output: Safe) -> str:
+    value = _number(0.0, unit.choice.scalar)
+    if output.held:
+        value = f"{unit.robot}_held({guarded.read(output.port)})"
     if output.limit:
-        value = f"between({value}, {output.limit[0]}, {output.limit[1]})"
+        value = f"{unit.robot}_between({value}, {output.limit[0]}, {output.limit[1]})"
     return f"{guarded.written(output.port)} = {value};"

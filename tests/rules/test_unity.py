@@ -1,0 +1,52 @@
+"""Several robots, and their checked functions, in one translation unit, as unity builds have them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.c.harness import COMPILERS, STRICT
+from tests.conftest import put
+from tests.selftest.every import files_of
+from wmrgen.compiler import compile_program, run_program
+
+ROBOTS = ("pioneer3dx", "ackermann_car", "agilex_ranger")
+MAIN = """
+int main(void)
+{
+    pioneer3dx_odometry_in step = {1.0f, 2.0f, 3.0f, 0.1f, 0.0f, 0.5f, 0.01f};
+    pioneer3dx_odometry_out pose;
+    ackermann_car_inverse_in drive = {10.0f, 0.0f, 1.0f, {0.5f}, {3.0f}};
+    ackermann_car_inverse_out wheels;
+    int wrong = 0;
+
+    step.y = 3e38f;
+    wrong += pioneer3dx_odometry_checked(&step, &pose) != PIONEER3DX_OUT_OF_RANGE;
+    wrong += (pose.x < 1.0f) || (pose.x > 1.0f);
+    wrong += ackermann_car_inverse_checked(&drive, &wheels) != ACKERMANN_CAR_OUT_OF_RANGE;
+    wrong += (wheels.front_left.steer < 0.5f) || (wheels.front_left.steer > 0.5f);
+    wrong += (wheels.front_right.steer < 0.69f) || (wheels.front_right.steer > 0.7f);
+    return wrong;
+}
+"""
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_checked_functions_of_several_robots_in_one_unit(compiler: str, tmp_path: Path) -> None:
+    for robot in ROBOTS:
+        put(tmp_path, files_of(robot))
+    included = [f'#include "{robot}{part}.c"' for part in ("", "_checked") for robot in ROBOTS]
+    (tmp_path / "unity.c").write_text("\n".join(included) + MAIN)
+    assert run_program(compile_program(tmp_path, ["unity.c"], compiler, (*STRICT, "-O1")), "") == ""
+
+
+def test_checked_functions_of_two_scalars_in_one_unit(tmp_path: Path) -> None:
+    """The functions themselves are compiled apart; what checks them need not be."""
+    put(tmp_path, files_of(ROBOTS[0]))
+    put(tmp_path, files_of(ROBOTS[1], "double"))
+    included = [f'#include "{robot}_checked.c"' for robot in ROBOTS[:2]]
+    (tmp_path / "unity.c").write_text("\n".join(included) + MAIN)
+    sources = ["unity.c", *(f"{robot}.c" for robot in ROBOTS[:2])]
+    flags = tuple(flag for flag in STRICT if flag != "-Wdouble-promotion")
+    assert run_program(compile_program(tmp_path, sources, None, (*flags, "-O1")), "") == ""

@@ -17,22 +17,22 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool ackermann_car_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool ackermann_car_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return ackermann_car_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float ackermann_car_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return ackermann_car_is_number(x) ? x : 0.0f;
 }
 
-static float between(const float x, const float low, const float high)
+static float ackermann_car_between(const float x, const float low, const float high)
 {
     const float above = (x < low) ? low : x;
 
@@ -46,19 +46,19 @@ ackermann_car_status ackermann_car_inverse_checked(
     ackermann_car_status status = ACKERMANN_CAR_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            ackermann_car_is_number(in->vx) &&
+            ackermann_car_is_number(in->vy) &&
+            ackermann_car_is_number(in->omega) &&
+            ackermann_car_is_number(in->front_left.steer) &&
+            ackermann_car_is_number(in->front_right.steer)
         )) {
         status = ACKERMANN_CAR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -30.0f, 30.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.0f, 2.0f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            ackermann_car_is_within(in->vx, -30.0f, 30.0f) &&
+            ackermann_car_is_within(in->vy, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->omega, -2.0f, 2.0f) &&
+            ackermann_car_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            ackermann_car_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = ACKERMANN_CAR_OUT_OF_RANGE;
     } else {
@@ -68,9 +68,9 @@ ackermann_car_status ackermann_car_inverse_checked(
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
         out->front_left.spin = 0.0f;
-        out->front_left.steer = between(held(in->front_left.steer), -0.6981317f, 0.6981317f);
+        out->front_left.steer = ackermann_car_between(ackermann_car_held(in->front_left.steer), -0.6981317f, 0.6981317f);
         out->front_right.spin = 0.0f;
-        out->front_right.steer = between(held(in->front_right.steer), -0.6981317f, 0.6981317f);
+        out->front_right.steer = ackermann_car_between(ackermann_car_held(in->front_right.steer), -0.6981317f, 0.6981317f);
     }
     return status;
 }
@@ -82,19 +82,19 @@ ackermann_car_status ackermann_car_inverse_slip_checked(
     ackermann_car_status status = ACKERMANN_CAR_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            ackermann_car_is_number(in->vx) &&
+            ackermann_car_is_number(in->vy) &&
+            ackermann_car_is_number(in->omega) &&
+            ackermann_car_is_number(in->front_left.steer) &&
+            ackermann_car_is_number(in->front_right.steer)
         )) {
         status = ACKERMANN_CAR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -30.0f, 30.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.0f, 2.0f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            ackermann_car_is_within(in->vx, -30.0f, 30.0f) &&
+            ackermann_car_is_within(in->vy, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->omega, -2.0f, 2.0f) &&
+            ackermann_car_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            ackermann_car_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = ACKERMANN_CAR_OUT_OF_RANGE;
     } else {
@@ -113,17 +113,17 @@ ackermann_car_status ackermann_car_forward_checked(
     ackermann_car_status status = ACKERMANN_CAR_OK;
 
     if (!(
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            ackermann_car_is_number(in->rear_left.spin) &&
+            ackermann_car_is_number(in->rear_right.spin) &&
+            ackermann_car_is_number(in->front_left.steer) &&
+            ackermann_car_is_number(in->front_right.steer)
         )) {
         status = ACKERMANN_CAR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            ackermann_car_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            ackermann_car_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = ACKERMANN_CAR_OUT_OF_RANGE;
     } else {
@@ -144,17 +144,17 @@ ackermann_car_status ackermann_car_forward_slip_checked(
     ackermann_car_status status = ACKERMANN_CAR_OK;
 
     if (!(
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            ackermann_car_is_number(in->rear_left.spin) &&
+            ackermann_car_is_number(in->rear_right.spin) &&
+            ackermann_car_is_number(in->front_left.steer) &&
+            ackermann_car_is_number(in->front_right.steer)
         )) {
         status = ACKERMANN_CAR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            ackermann_car_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            ackermann_car_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = ACKERMANN_CAR_OUT_OF_RANGE;
     } else {
@@ -176,32 +176,32 @@ ackermann_car_status ackermann_car_odometry_checked(
     ackermann_car_status status = ACKERMANN_CAR_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            ackermann_car_is_number(in->x) &&
+            ackermann_car_is_number(in->y) &&
+            ackermann_car_is_number(in->theta) &&
+            ackermann_car_is_number(in->vx) &&
+            ackermann_car_is_number(in->vy) &&
+            ackermann_car_is_number(in->omega) &&
+            ackermann_car_is_number(in->dt)
         )) {
         status = ACKERMANN_CAR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            ackermann_car_is_within(in->x, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->y, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->theta, -1e4f, 1e4f) &&
+            ackermann_car_is_within(in->vx, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->vy, -1e9f, 1e9f) &&
+            ackermann_car_is_within(in->omega, -200.0f, 200.0f) &&
+            ackermann_car_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = ACKERMANN_CAR_OUT_OF_RANGE;
     } else {
         ackermann_car_odometry(in, out);
     }
     if (status != ACKERMANN_CAR_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = ackermann_car_held(in->x);
+        out->y = ackermann_car_held(in->y);
+        out->theta = ackermann_car_held(in->theta);
     }
     return status;
 }

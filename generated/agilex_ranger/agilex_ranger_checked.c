@@ -17,22 +17,22 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool agilex_ranger_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool agilex_ranger_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return agilex_ranger_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float agilex_ranger_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return agilex_ranger_is_number(x) ? x : 0.0f;
 }
 
-static float between(const float x, const float low, const float high)
+static float agilex_ranger_between(const float x, const float low, const float high)
 {
     const float above = (x < low) ? low : x;
 
@@ -46,23 +46,23 @@ agilex_ranger_status agilex_ranger_inverse_checked(
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->rear_left.steer) &&
-            is_number(in->rear_right.steer)
+            agilex_ranger_is_number(in->vx) &&
+            agilex_ranger_is_number(in->vy) &&
+            agilex_ranger_is_number(in->omega) &&
+            agilex_ranger_is_number(in->front_left.steer) &&
+            agilex_ranger_is_number(in->front_right.steer) &&
+            agilex_ranger_is_number(in->rear_left.steer) &&
+            agilex_ranger_is_number(in->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -2.7f, 2.7f) &&
-            is_within(in->vy, -2.7f, 2.7f) &&
-            is_within(in->omega, -0.7853f, 0.7853f) &&
-            is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(in->vx, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(in->vy, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(in->omega, -0.7853f, 0.7853f) &&
+            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
@@ -70,13 +70,13 @@ agilex_ranger_status agilex_ranger_inverse_checked(
     }
     if (status != AGILEX_RANGER_OK) {
         out->front_left.spin = 0.0f;
-        out->front_left.steer = between(held(in->front_left.steer), -1.57f, 1.57f);
+        out->front_left.steer = agilex_ranger_between(agilex_ranger_held(in->front_left.steer), -1.57f, 1.57f);
         out->front_right.spin = 0.0f;
-        out->front_right.steer = between(held(in->front_right.steer), -1.57f, 1.57f);
+        out->front_right.steer = agilex_ranger_between(agilex_ranger_held(in->front_right.steer), -1.57f, 1.57f);
         out->rear_left.spin = 0.0f;
-        out->rear_left.steer = between(held(in->rear_left.steer), -1.57f, 1.57f);
+        out->rear_left.steer = agilex_ranger_between(agilex_ranger_held(in->rear_left.steer), -1.57f, 1.57f);
         out->rear_right.spin = 0.0f;
-        out->rear_right.steer = between(held(in->rear_right.steer), -1.57f, 1.57f);
+        out->rear_right.steer = agilex_ranger_between(agilex_ranger_held(in->rear_right.steer), -1.57f, 1.57f);
     }
     return status;
 }
@@ -88,23 +88,23 @@ agilex_ranger_status agilex_ranger_inverse_slip_checked(
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->rear_left.steer) &&
-            is_number(in->rear_right.steer)
+            agilex_ranger_is_number(in->vx) &&
+            agilex_ranger_is_number(in->vy) &&
+            agilex_ranger_is_number(in->omega) &&
+            agilex_ranger_is_number(in->front_left.steer) &&
+            agilex_ranger_is_number(in->front_right.steer) &&
+            agilex_ranger_is_number(in->rear_left.steer) &&
+            agilex_ranger_is_number(in->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -2.7f, 2.7f) &&
-            is_within(in->vy, -2.7f, 2.7f) &&
-            is_within(in->omega, -0.7853f, 0.7853f) &&
-            is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(in->vx, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(in->vy, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(in->omega, -0.7853f, 0.7853f) &&
+            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
@@ -123,25 +123,25 @@ agilex_ranger_status agilex_ranger_forward_checked(
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_left.steer) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->rear_right.steer)
+            agilex_ranger_is_number(in->front_left.spin) &&
+            agilex_ranger_is_number(in->front_left.steer) &&
+            agilex_ranger_is_number(in->front_right.spin) &&
+            agilex_ranger_is_number(in->front_right.steer) &&
+            agilex_ranger_is_number(in->rear_left.spin) &&
+            agilex_ranger_is_number(in->rear_left.steer) &&
+            agilex_ranger_is_number(in->rear_right.spin) &&
+            agilex_ranger_is_number(in->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
@@ -162,25 +162,25 @@ agilex_ranger_status agilex_ranger_forward_slip_checked(
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_left.steer) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->rear_right.steer)
+            agilex_ranger_is_number(in->front_left.spin) &&
+            agilex_ranger_is_number(in->front_left.steer) &&
+            agilex_ranger_is_number(in->front_right.spin) &&
+            agilex_ranger_is_number(in->front_right.steer) &&
+            agilex_ranger_is_number(in->rear_left.spin) &&
+            agilex_ranger_is_number(in->rear_left.steer) &&
+            agilex_ranger_is_number(in->rear_right.spin) &&
+            agilex_ranger_is_number(in->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
@@ -202,32 +202,32 @@ agilex_ranger_status agilex_ranger_odometry_checked(
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            agilex_ranger_is_number(in->x) &&
+            agilex_ranger_is_number(in->y) &&
+            agilex_ranger_is_number(in->theta) &&
+            agilex_ranger_is_number(in->vx) &&
+            agilex_ranger_is_number(in->vy) &&
+            agilex_ranger_is_number(in->omega) &&
+            agilex_ranger_is_number(in->dt)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            agilex_ranger_is_within(in->x, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->y, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->theta, -1e4f, 1e4f) &&
+            agilex_ranger_is_within(in->vx, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->vy, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(in->omega, -200.0f, 200.0f) &&
+            agilex_ranger_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
         agilex_ranger_odometry(in, out);
     }
     if (status != AGILEX_RANGER_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = agilex_ranger_held(in->x);
+        out->y = agilex_ranger_held(in->y);
+        out->theta = agilex_ranger_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool andino_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool andino_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return andino_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float andino_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return andino_is_number(x) ? x : 0.0f;
 }
 
 andino_status andino_inverse_checked(const andino_inverse_in *in, andino_inverse_out *out)
@@ -37,17 +37,17 @@ andino_status andino_inverse_checked(const andino_inverse_in *in, andino_inverse
     andino_status status = ANDINO_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->caster.steer)
+            andino_is_number(in->vx) &&
+            andino_is_number(in->vy) &&
+            andino_is_number(in->omega) &&
+            andino_is_number(in->caster.steer)
         )) {
         status = ANDINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->caster.steer, -1e4f, 1e4f)
+            andino_is_within(in->vx, -1e9f, 1e9f) &&
+            andino_is_within(in->vy, -1e9f, 1e9f) &&
+            andino_is_within(in->omega, -200.0f, 200.0f) &&
+            andino_is_within(in->caster.steer, -1e4f, 1e4f)
         )) {
         status = ANDINO_OUT_OF_RANGE;
     } else {
@@ -69,17 +69,17 @@ andino_status andino_inverse_slip_checked(
     andino_status status = ANDINO_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->caster.steer)
+            andino_is_number(in->vx) &&
+            andino_is_number(in->vy) &&
+            andino_is_number(in->omega) &&
+            andino_is_number(in->caster.steer)
         )) {
         status = ANDINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->caster.steer, -1e4f, 1e4f)
+            andino_is_within(in->vx, -1e9f, 1e9f) &&
+            andino_is_within(in->vy, -1e9f, 1e9f) &&
+            andino_is_within(in->omega, -200.0f, 200.0f) &&
+            andino_is_within(in->caster.steer, -1e4f, 1e4f)
         )) {
         status = ANDINO_OUT_OF_RANGE;
     } else {
@@ -96,13 +96,13 @@ andino_status andino_forward_checked(const andino_forward_in *in, andino_forward
     andino_status status = ANDINO_OK;
 
     if (!(
-            is_number(in->right.spin) &&
-            is_number(in->left.spin)
+            andino_is_number(in->right.spin) &&
+            andino_is_number(in->left.spin)
         )) {
         status = ANDINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->right.spin, -1e9f, 1e9f) &&
-            is_within(in->left.spin, -1e9f, 1e9f)
+            andino_is_within(in->right.spin, -1e9f, 1e9f) &&
+            andino_is_within(in->left.spin, -1e9f, 1e9f)
         )) {
         status = ANDINO_OUT_OF_RANGE;
     } else {
@@ -123,13 +123,13 @@ andino_status andino_forward_slip_checked(
     andino_status status = ANDINO_OK;
 
     if (!(
-            is_number(in->right.spin) &&
-            is_number(in->left.spin)
+            andino_is_number(in->right.spin) &&
+            andino_is_number(in->left.spin)
         )) {
         status = ANDINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->right.spin, -1e9f, 1e9f) &&
-            is_within(in->left.spin, -1e9f, 1e9f)
+            andino_is_within(in->right.spin, -1e9f, 1e9f) &&
+            andino_is_within(in->left.spin, -1e9f, 1e9f)
         )) {
         status = ANDINO_OUT_OF_RANGE;
     } else {
@@ -149,32 +149,32 @@ andino_status andino_odometry_checked(const andino_odometry_in *in, andino_odome
     andino_status status = ANDINO_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            andino_is_number(in->x) &&
+            andino_is_number(in->y) &&
+            andino_is_number(in->theta) &&
+            andino_is_number(in->vx) &&
+            andino_is_number(in->vy) &&
+            andino_is_number(in->omega) &&
+            andino_is_number(in->dt)
         )) {
         status = ANDINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            andino_is_within(in->x, -1e9f, 1e9f) &&
+            andino_is_within(in->y, -1e9f, 1e9f) &&
+            andino_is_within(in->theta, -1e4f, 1e4f) &&
+            andino_is_within(in->vx, -1e9f, 1e9f) &&
+            andino_is_within(in->vy, -1e9f, 1e9f) &&
+            andino_is_within(in->omega, -200.0f, 200.0f) &&
+            andino_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = ANDINO_OUT_OF_RANGE;
     } else {
         andino_odometry(in, out);
     }
     if (status != ANDINO_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = andino_held(in->x);
+        out->y = andino_held(in->y);
+        out->theta = andino_held(in->theta);
     }
     return status;
 }

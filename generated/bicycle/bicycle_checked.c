@@ -17,22 +17,22 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool bicycle_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool bicycle_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return bicycle_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float bicycle_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return bicycle_is_number(x) ? x : 0.0f;
 }
 
-static float between(const float x, const float low, const float high)
+static float bicycle_between(const float x, const float low, const float high)
 {
     const float above = (x < low) ? low : x;
 
@@ -44,17 +44,17 @@ bicycle_status bicycle_inverse_checked(const bicycle_inverse_in *in, bicycle_inv
     bicycle_status status = BICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            bicycle_is_number(in->vx) &&
+            bicycle_is_number(in->vy) &&
+            bicycle_is_number(in->omega) &&
+            bicycle_is_number(in->front.steer)
         )) {
         status = BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -8.0f, 8.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -4.0f, 4.0f) &&
-            is_within(in->front.steer, -1.3089969f, 1.3089969f)
+            bicycle_is_within(in->vx, -8.0f, 8.0f) &&
+            bicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            bicycle_is_within(in->omega, -4.0f, 4.0f) &&
+            bicycle_is_within(in->front.steer, -1.3089969f, 1.3089969f)
         )) {
         status = BICYCLE_OUT_OF_RANGE;
     } else {
@@ -63,7 +63,7 @@ bicycle_status bicycle_inverse_checked(const bicycle_inverse_in *in, bicycle_inv
     if (status != BICYCLE_OK) {
         out->rear.spin = 0.0f;
         out->front.spin = 0.0f;
-        out->front.steer = between(held(in->front.steer), -1.0471976f, 1.0471976f);
+        out->front.steer = bicycle_between(bicycle_held(in->front.steer), -1.0471976f, 1.0471976f);
     }
     return status;
 }
@@ -75,17 +75,17 @@ bicycle_status bicycle_inverse_slip_checked(
     bicycle_status status = BICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            bicycle_is_number(in->vx) &&
+            bicycle_is_number(in->vy) &&
+            bicycle_is_number(in->omega) &&
+            bicycle_is_number(in->front.steer)
         )) {
         status = BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -8.0f, 8.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -4.0f, 4.0f) &&
-            is_within(in->front.steer, -1.3089969f, 1.3089969f)
+            bicycle_is_within(in->vx, -8.0f, 8.0f) &&
+            bicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            bicycle_is_within(in->omega, -4.0f, 4.0f) &&
+            bicycle_is_within(in->front.steer, -1.3089969f, 1.3089969f)
         )) {
         status = BICYCLE_OUT_OF_RANGE;
     } else {
@@ -102,13 +102,13 @@ bicycle_status bicycle_forward_checked(const bicycle_forward_in *in, bicycle_for
     bicycle_status status = BICYCLE_OK;
 
     if (!(
-            is_number(in->rear.spin) &&
-            is_number(in->front.steer)
+            bicycle_is_number(in->rear.spin) &&
+            bicycle_is_number(in->front.steer)
         )) {
         status = BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear.spin, -1e9f, 1e9f) &&
-            is_within(in->front.steer, -1.3089969f, 1.3089969f)
+            bicycle_is_within(in->rear.spin, -1e9f, 1e9f) &&
+            bicycle_is_within(in->front.steer, -1.3089969f, 1.3089969f)
         )) {
         status = BICYCLE_OUT_OF_RANGE;
     } else {
@@ -129,13 +129,13 @@ bicycle_status bicycle_forward_slip_checked(
     bicycle_status status = BICYCLE_OK;
 
     if (!(
-            is_number(in->rear.spin) &&
-            is_number(in->front.steer)
+            bicycle_is_number(in->rear.spin) &&
+            bicycle_is_number(in->front.steer)
         )) {
         status = BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear.spin, -1e9f, 1e9f) &&
-            is_within(in->front.steer, -1.3089969f, 1.3089969f)
+            bicycle_is_within(in->rear.spin, -1e9f, 1e9f) &&
+            bicycle_is_within(in->front.steer, -1.3089969f, 1.3089969f)
         )) {
         status = BICYCLE_OUT_OF_RANGE;
     } else {
@@ -155,32 +155,32 @@ bicycle_status bicycle_odometry_checked(const bicycle_odometry_in *in, bicycle_o
     bicycle_status status = BICYCLE_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            bicycle_is_number(in->x) &&
+            bicycle_is_number(in->y) &&
+            bicycle_is_number(in->theta) &&
+            bicycle_is_number(in->vx) &&
+            bicycle_is_number(in->vy) &&
+            bicycle_is_number(in->omega) &&
+            bicycle_is_number(in->dt)
         )) {
         status = BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            bicycle_is_within(in->x, -1e9f, 1e9f) &&
+            bicycle_is_within(in->y, -1e9f, 1e9f) &&
+            bicycle_is_within(in->theta, -1e4f, 1e4f) &&
+            bicycle_is_within(in->vx, -1e9f, 1e9f) &&
+            bicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            bicycle_is_within(in->omega, -200.0f, 200.0f) &&
+            bicycle_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = BICYCLE_OUT_OF_RANGE;
     } else {
         bicycle_odometry(in, out);
     }
     if (status != BICYCLE_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = bicycle_held(in->x);
+        out->y = bicycle_held(in->y);
+        out->theta = bicycle_held(in->theta);
     }
     return status;
 }

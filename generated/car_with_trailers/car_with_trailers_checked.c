@@ -17,22 +17,22 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool car_with_trailers_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool car_with_trailers_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return car_with_trailers_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float car_with_trailers_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return car_with_trailers_is_number(x) ? x : 0.0f;
 }
 
-static float between(const float x, const float low, const float high)
+static float car_with_trailers_between(const float x, const float low, const float high)
 {
     const float above = (x < low) ? low : x;
 
@@ -46,19 +46,19 @@ car_with_trailers_status car_with_trailers_inverse_checked(
     car_with_trailers_status status = CAR_WITH_TRAILERS_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            car_with_trailers_is_number(in->vx) &&
+            car_with_trailers_is_number(in->vy) &&
+            car_with_trailers_is_number(in->omega) &&
+            car_with_trailers_is_number(in->front_left.steer) &&
+            car_with_trailers_is_number(in->front_right.steer)
         )) {
         status = CAR_WITH_TRAILERS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -2.0f, 2.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -1.0f, 1.0f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            car_with_trailers_is_within(in->vx, -2.0f, 2.0f) &&
+            car_with_trailers_is_within(in->vy, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->omega, -1.0f, 1.0f) &&
+            car_with_trailers_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            car_with_trailers_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = CAR_WITH_TRAILERS_OUT_OF_RANGE;
     } else {
@@ -68,9 +68,9 @@ car_with_trailers_status car_with_trailers_inverse_checked(
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
         out->front_left.spin = 0.0f;
-        out->front_left.steer = between(held(in->front_left.steer), -0.6981317f, 0.6981317f);
+        out->front_left.steer = car_with_trailers_between(car_with_trailers_held(in->front_left.steer), -0.6981317f, 0.6981317f);
         out->front_right.spin = 0.0f;
-        out->front_right.steer = between(held(in->front_right.steer), -0.6981317f, 0.6981317f);
+        out->front_right.steer = car_with_trailers_between(car_with_trailers_held(in->front_right.steer), -0.6981317f, 0.6981317f);
     }
     return status;
 }
@@ -82,19 +82,19 @@ car_with_trailers_status car_with_trailers_inverse_slip_checked(
     car_with_trailers_status status = CAR_WITH_TRAILERS_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            car_with_trailers_is_number(in->vx) &&
+            car_with_trailers_is_number(in->vy) &&
+            car_with_trailers_is_number(in->omega) &&
+            car_with_trailers_is_number(in->front_left.steer) &&
+            car_with_trailers_is_number(in->front_right.steer)
         )) {
         status = CAR_WITH_TRAILERS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -2.0f, 2.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -1.0f, 1.0f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            car_with_trailers_is_within(in->vx, -2.0f, 2.0f) &&
+            car_with_trailers_is_within(in->vy, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->omega, -1.0f, 1.0f) &&
+            car_with_trailers_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            car_with_trailers_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = CAR_WITH_TRAILERS_OUT_OF_RANGE;
     } else {
@@ -113,17 +113,17 @@ car_with_trailers_status car_with_trailers_forward_checked(
     car_with_trailers_status status = CAR_WITH_TRAILERS_OK;
 
     if (!(
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            car_with_trailers_is_number(in->rear_left.spin) &&
+            car_with_trailers_is_number(in->rear_right.spin) &&
+            car_with_trailers_is_number(in->front_left.steer) &&
+            car_with_trailers_is_number(in->front_right.steer)
         )) {
         status = CAR_WITH_TRAILERS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            car_with_trailers_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            car_with_trailers_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = CAR_WITH_TRAILERS_OUT_OF_RANGE;
     } else {
@@ -144,17 +144,17 @@ car_with_trailers_status car_with_trailers_forward_slip_checked(
     car_with_trailers_status status = CAR_WITH_TRAILERS_OK;
 
     if (!(
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer)
+            car_with_trailers_is_number(in->rear_left.spin) &&
+            car_with_trailers_is_number(in->rear_right.spin) &&
+            car_with_trailers_is_number(in->front_left.steer) &&
+            car_with_trailers_is_number(in->front_right.steer)
         )) {
         status = CAR_WITH_TRAILERS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
-            is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
+            car_with_trailers_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->front_left.steer, -0.87266463f, 0.87266463f) &&
+            car_with_trailers_is_within(in->front_right.steer, -0.87266463f, 0.87266463f)
         )) {
         status = CAR_WITH_TRAILERS_OUT_OF_RANGE;
     } else {
@@ -176,32 +176,32 @@ car_with_trailers_status car_with_trailers_odometry_checked(
     car_with_trailers_status status = CAR_WITH_TRAILERS_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            car_with_trailers_is_number(in->x) &&
+            car_with_trailers_is_number(in->y) &&
+            car_with_trailers_is_number(in->theta) &&
+            car_with_trailers_is_number(in->vx) &&
+            car_with_trailers_is_number(in->vy) &&
+            car_with_trailers_is_number(in->omega) &&
+            car_with_trailers_is_number(in->dt)
         )) {
         status = CAR_WITH_TRAILERS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            car_with_trailers_is_within(in->x, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->y, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->theta, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->vx, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->vy, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->omega, -200.0f, 200.0f) &&
+            car_with_trailers_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = CAR_WITH_TRAILERS_OUT_OF_RANGE;
     } else {
         car_with_trailers_odometry(in, out);
     }
     if (status != CAR_WITH_TRAILERS_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = car_with_trailers_held(in->x);
+        out->y = car_with_trailers_held(in->y);
+        out->theta = car_with_trailers_held(in->theta);
     }
     return status;
 }
@@ -213,21 +213,21 @@ car_with_trailers_status car_with_trailers_posture_checked(
     car_with_trailers_status status = CAR_WITH_TRAILERS_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->front.steer) &&
-            is_number(in->rear.speed) &&
-            is_number(in->front.steer_rate)
+            car_with_trailers_is_number(in->x) &&
+            car_with_trailers_is_number(in->y) &&
+            car_with_trailers_is_number(in->theta) &&
+            car_with_trailers_is_number(in->front.steer) &&
+            car_with_trailers_is_number(in->rear.speed) &&
+            car_with_trailers_is_number(in->front.steer_rate)
         )) {
         status = CAR_WITH_TRAILERS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->front.steer, -1e4f, 1e4f) &&
-            is_within(in->rear.speed, -1e9f, 1e9f) &&
-            is_within(in->front.steer_rate, -1e9f, 1e9f)
+            car_with_trailers_is_within(in->x, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->y, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->theta, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->front.steer, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->rear.speed, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->front.steer_rate, -1e9f, 1e9f)
         )) {
         status = CAR_WITH_TRAILERS_OUT_OF_RANGE;
     } else {
@@ -249,25 +249,25 @@ car_with_trailers_status car_with_trailers_trailer_checked(
     car_with_trailers_status status = CAR_WITH_TRAILERS_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->front.steer) &&
-            is_number(in->trailer1.theta) &&
-            is_number(in->trailer2.theta) &&
-            is_number(in->rear.speed) &&
-            is_number(in->front.steer_rate)
+            car_with_trailers_is_number(in->x) &&
+            car_with_trailers_is_number(in->y) &&
+            car_with_trailers_is_number(in->theta) &&
+            car_with_trailers_is_number(in->front.steer) &&
+            car_with_trailers_is_number(in->trailer1.theta) &&
+            car_with_trailers_is_number(in->trailer2.theta) &&
+            car_with_trailers_is_number(in->rear.speed) &&
+            car_with_trailers_is_number(in->front.steer_rate)
         )) {
         status = CAR_WITH_TRAILERS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->front.steer, -1e4f, 1e4f) &&
-            is_within(in->trailer1.theta, -1e4f, 1e4f) &&
-            is_within(in->trailer2.theta, -1e4f, 1e4f) &&
-            is_within(in->rear.speed, -1e9f, 1e9f) &&
-            is_within(in->front.steer_rate, -1e9f, 1e9f)
+            car_with_trailers_is_within(in->x, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->y, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->theta, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->front.steer, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->trailer1.theta, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->trailer2.theta, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->rear.speed, -1e9f, 1e9f) &&
+            car_with_trailers_is_within(in->front.steer_rate, -1e9f, 1e9f)
         )) {
         status = CAR_WITH_TRAILERS_OUT_OF_RANGE;
     } else {

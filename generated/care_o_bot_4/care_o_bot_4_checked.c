@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool care_o_bot_4_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool care_o_bot_4_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return care_o_bot_4_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float care_o_bot_4_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return care_o_bot_4_is_number(x) ? x : 0.0f;
 }
 
 care_o_bot_4_status care_o_bot_4_inverse_checked(
@@ -39,21 +39,21 @@ care_o_bot_4_status care_o_bot_4_inverse_checked(
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->fl.steer) &&
-            is_number(in->b.steer) &&
-            is_number(in->fr.steer)
+            care_o_bot_4_is_number(in->vx) &&
+            care_o_bot_4_is_number(in->vy) &&
+            care_o_bot_4_is_number(in->omega) &&
+            care_o_bot_4_is_number(in->fl.steer) &&
+            care_o_bot_4_is_number(in->b.steer) &&
+            care_o_bot_4_is_number(in->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->fl.steer, -1e4f, 1e4f) &&
-            is_within(in->b.steer, -1e4f, 1e4f) &&
-            is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(in->vx, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->vy, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->omega, -200.0f, 200.0f) &&
+            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
@@ -61,11 +61,11 @@ care_o_bot_4_status care_o_bot_4_inverse_checked(
     }
     if (status != CARE_O_BOT_4_OK) {
         out->fl.spin = 0.0f;
-        out->fl.steer = held(in->fl.steer);
+        out->fl.steer = care_o_bot_4_held(in->fl.steer);
         out->b.spin = 0.0f;
-        out->b.steer = held(in->b.steer);
+        out->b.steer = care_o_bot_4_held(in->b.steer);
         out->fr.spin = 0.0f;
-        out->fr.steer = held(in->fr.steer);
+        out->fr.steer = care_o_bot_4_held(in->fr.steer);
     }
     return status;
 }
@@ -77,21 +77,21 @@ care_o_bot_4_status care_o_bot_4_inverse_slip_checked(
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->fl.steer) &&
-            is_number(in->b.steer) &&
-            is_number(in->fr.steer)
+            care_o_bot_4_is_number(in->vx) &&
+            care_o_bot_4_is_number(in->vy) &&
+            care_o_bot_4_is_number(in->omega) &&
+            care_o_bot_4_is_number(in->fl.steer) &&
+            care_o_bot_4_is_number(in->b.steer) &&
+            care_o_bot_4_is_number(in->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->fl.steer, -1e4f, 1e4f) &&
-            is_within(in->b.steer, -1e4f, 1e4f) &&
-            is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(in->vx, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->vy, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->omega, -200.0f, 200.0f) &&
+            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
@@ -110,21 +110,21 @@ care_o_bot_4_status care_o_bot_4_forward_checked(
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            is_number(in->fl.spin) &&
-            is_number(in->fl.steer) &&
-            is_number(in->b.spin) &&
-            is_number(in->b.steer) &&
-            is_number(in->fr.spin) &&
-            is_number(in->fr.steer)
+            care_o_bot_4_is_number(in->fl.spin) &&
+            care_o_bot_4_is_number(in->fl.steer) &&
+            care_o_bot_4_is_number(in->b.spin) &&
+            care_o_bot_4_is_number(in->b.steer) &&
+            care_o_bot_4_is_number(in->fr.spin) &&
+            care_o_bot_4_is_number(in->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->fl.spin, -1e9f, 1e9f) &&
-            is_within(in->fl.steer, -1e4f, 1e4f) &&
-            is_within(in->b.spin, -1e9f, 1e9f) &&
-            is_within(in->b.steer, -1e4f, 1e4f) &&
-            is_within(in->fr.spin, -1e9f, 1e9f) &&
-            is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(in->fl.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->b.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->fr.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
@@ -145,21 +145,21 @@ care_o_bot_4_status care_o_bot_4_forward_slip_checked(
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            is_number(in->fl.spin) &&
-            is_number(in->fl.steer) &&
-            is_number(in->b.spin) &&
-            is_number(in->b.steer) &&
-            is_number(in->fr.spin) &&
-            is_number(in->fr.steer)
+            care_o_bot_4_is_number(in->fl.spin) &&
+            care_o_bot_4_is_number(in->fl.steer) &&
+            care_o_bot_4_is_number(in->b.spin) &&
+            care_o_bot_4_is_number(in->b.steer) &&
+            care_o_bot_4_is_number(in->fr.spin) &&
+            care_o_bot_4_is_number(in->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->fl.spin, -1e9f, 1e9f) &&
-            is_within(in->fl.steer, -1e4f, 1e4f) &&
-            is_within(in->b.spin, -1e9f, 1e9f) &&
-            is_within(in->b.steer, -1e4f, 1e4f) &&
-            is_within(in->fr.spin, -1e9f, 1e9f) &&
-            is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(in->fl.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->b.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->fr.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
@@ -181,32 +181,32 @@ care_o_bot_4_status care_o_bot_4_odometry_checked(
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            care_o_bot_4_is_number(in->x) &&
+            care_o_bot_4_is_number(in->y) &&
+            care_o_bot_4_is_number(in->theta) &&
+            care_o_bot_4_is_number(in->vx) &&
+            care_o_bot_4_is_number(in->vy) &&
+            care_o_bot_4_is_number(in->omega) &&
+            care_o_bot_4_is_number(in->dt)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            care_o_bot_4_is_within(in->x, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->y, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->theta, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(in->vx, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->vy, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(in->omega, -200.0f, 200.0f) &&
+            care_o_bot_4_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
         care_o_bot_4_odometry(in, out);
     }
     if (status != CARE_O_BOT_4_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = care_o_bot_4_held(in->x);
+        out->y = care_o_bot_4_held(in->y);
+        out->theta = care_o_bot_4_held(in->theta);
     }
     return status;
 }

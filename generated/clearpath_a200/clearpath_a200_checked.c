@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool clearpath_a200_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool clearpath_a200_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return clearpath_a200_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float clearpath_a200_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return clearpath_a200_is_number(x) ? x : 0.0f;
 }
 
 clearpath_a200_status clearpath_a200_inverse_checked(
@@ -39,15 +39,15 @@ clearpath_a200_status clearpath_a200_inverse_checked(
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            clearpath_a200_is_number(in->vx) &&
+            clearpath_a200_is_number(in->vy) &&
+            clearpath_a200_is_number(in->omega)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.0f, 1.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.0f, 2.0f)
+            clearpath_a200_is_within(in->vx, -1.0f, 1.0f) &&
+            clearpath_a200_is_within(in->vy, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
@@ -69,15 +69,15 @@ clearpath_a200_status clearpath_a200_inverse_slip_checked(
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            clearpath_a200_is_number(in->vx) &&
+            clearpath_a200_is_number(in->vy) &&
+            clearpath_a200_is_number(in->omega)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.0f, 1.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.0f, 2.0f)
+            clearpath_a200_is_within(in->vx, -1.0f, 1.0f) &&
+            clearpath_a200_is_within(in->vy, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
@@ -96,17 +96,17 @@ clearpath_a200_status clearpath_a200_forward_checked(
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin)
+            clearpath_a200_is_number(in->front_left.spin) &&
+            clearpath_a200_is_number(in->front_right.spin) &&
+            clearpath_a200_is_number(in->rear_left.spin) &&
+            clearpath_a200_is_number(in->rear_right.spin)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_a200_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
@@ -127,17 +127,17 @@ clearpath_a200_status clearpath_a200_forward_slip_checked(
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin)
+            clearpath_a200_is_number(in->front_left.spin) &&
+            clearpath_a200_is_number(in->front_right.spin) &&
+            clearpath_a200_is_number(in->rear_left.spin) &&
+            clearpath_a200_is_number(in->rear_right.spin)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_a200_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
@@ -159,32 +159,32 @@ clearpath_a200_status clearpath_a200_odometry_checked(
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            clearpath_a200_is_number(in->x) &&
+            clearpath_a200_is_number(in->y) &&
+            clearpath_a200_is_number(in->theta) &&
+            clearpath_a200_is_number(in->vx) &&
+            clearpath_a200_is_number(in->vy) &&
+            clearpath_a200_is_number(in->omega) &&
+            clearpath_a200_is_number(in->dt)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            clearpath_a200_is_within(in->x, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->y, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->theta, -1e4f, 1e4f) &&
+            clearpath_a200_is_within(in->vx, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->vy, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(in->omega, -200.0f, 200.0f) &&
+            clearpath_a200_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
         clearpath_a200_odometry(in, out);
     }
     if (status != CLEARPATH_A200_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = clearpath_a200_held(in->x);
+        out->y = clearpath_a200_held(in->y);
+        out->theta = clearpath_a200_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool clearpath_do100_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool clearpath_do100_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return clearpath_do100_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float clearpath_do100_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return clearpath_do100_is_number(x) ? x : 0.0f;
 }
 
 clearpath_do100_status clearpath_do100_inverse_checked(
@@ -39,15 +39,15 @@ clearpath_do100_status clearpath_do100_inverse_checked(
     clearpath_do100_status status = CLEARPATH_DO100_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            clearpath_do100_is_number(in->vx) &&
+            clearpath_do100_is_number(in->vy) &&
+            clearpath_do100_is_number(in->omega)
         )) {
         status = CLEARPATH_DO100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.3f, 1.3f) &&
-            is_within(in->vy, -1.3f, 1.3f) &&
-            is_within(in->omega, -4.0f, 4.0f)
+            clearpath_do100_is_within(in->vx, -1.3f, 1.3f) &&
+            clearpath_do100_is_within(in->vy, -1.3f, 1.3f) &&
+            clearpath_do100_is_within(in->omega, -4.0f, 4.0f)
         )) {
         status = CLEARPATH_DO100_OUT_OF_RANGE;
     } else {
@@ -69,15 +69,15 @@ clearpath_do100_status clearpath_do100_inverse_slip_checked(
     clearpath_do100_status status = CLEARPATH_DO100_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            clearpath_do100_is_number(in->vx) &&
+            clearpath_do100_is_number(in->vy) &&
+            clearpath_do100_is_number(in->omega)
         )) {
         status = CLEARPATH_DO100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.3f, 1.3f) &&
-            is_within(in->vy, -1.3f, 1.3f) &&
-            is_within(in->omega, -4.0f, 4.0f)
+            clearpath_do100_is_within(in->vx, -1.3f, 1.3f) &&
+            clearpath_do100_is_within(in->vy, -1.3f, 1.3f) &&
+            clearpath_do100_is_within(in->omega, -4.0f, 4.0f)
         )) {
         status = CLEARPATH_DO100_OUT_OF_RANGE;
     } else {
@@ -96,17 +96,17 @@ clearpath_do100_status clearpath_do100_forward_checked(
     clearpath_do100_status status = CLEARPATH_DO100_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin)
+            clearpath_do100_is_number(in->front_left.spin) &&
+            clearpath_do100_is_number(in->front_right.spin) &&
+            clearpath_do100_is_number(in->rear_left.spin) &&
+            clearpath_do100_is_number(in->rear_right.spin)
         )) {
         status = CLEARPATH_DO100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_do100_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_DO100_OUT_OF_RANGE;
     } else {
@@ -127,17 +127,17 @@ clearpath_do100_status clearpath_do100_forward_slip_checked(
     clearpath_do100_status status = CLEARPATH_DO100_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin)
+            clearpath_do100_is_number(in->front_left.spin) &&
+            clearpath_do100_is_number(in->front_right.spin) &&
+            clearpath_do100_is_number(in->rear_left.spin) &&
+            clearpath_do100_is_number(in->rear_right.spin)
         )) {
         status = CLEARPATH_DO100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_do100_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_DO100_OUT_OF_RANGE;
     } else {
@@ -159,32 +159,32 @@ clearpath_do100_status clearpath_do100_odometry_checked(
     clearpath_do100_status status = CLEARPATH_DO100_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            clearpath_do100_is_number(in->x) &&
+            clearpath_do100_is_number(in->y) &&
+            clearpath_do100_is_number(in->theta) &&
+            clearpath_do100_is_number(in->vx) &&
+            clearpath_do100_is_number(in->vy) &&
+            clearpath_do100_is_number(in->omega) &&
+            clearpath_do100_is_number(in->dt)
         )) {
         status = CLEARPATH_DO100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            clearpath_do100_is_within(in->x, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->y, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->theta, -1e4f, 1e4f) &&
+            clearpath_do100_is_within(in->vx, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->vy, -1e9f, 1e9f) &&
+            clearpath_do100_is_within(in->omega, -200.0f, 200.0f) &&
+            clearpath_do100_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = CLEARPATH_DO100_OUT_OF_RANGE;
     } else {
         clearpath_do100_odometry(in, out);
     }
     if (status != CLEARPATH_DO100_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = clearpath_do100_held(in->x);
+        out->y = clearpath_do100_held(in->y);
+        out->theta = clearpath_do100_held(in->theta);
     }
     return status;
 }

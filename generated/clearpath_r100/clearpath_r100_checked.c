@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool clearpath_r100_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool clearpath_r100_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return clearpath_r100_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float clearpath_r100_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return clearpath_r100_is_number(x) ? x : 0.0f;
 }
 
 clearpath_r100_status clearpath_r100_prepare_checked(
@@ -39,11 +39,11 @@ clearpath_r100_status clearpath_r100_prepare_checked(
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            is_number(params->radius)
+            clearpath_r100_is_number(params->radius)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            is_within(params->radius, 0.06831f, 0.08349f)
+            clearpath_r100_is_within(params->radius, 0.06831f, 0.08349f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
@@ -66,15 +66,15 @@ clearpath_r100_status clearpath_r100_inverse_checked(
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            clearpath_r100_is_number(in->vx) &&
+            clearpath_r100_is_number(in->vy) &&
+            clearpath_r100_is_number(in->omega)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.1f, 1.1f) &&
-            is_within(in->vy, -1.1f, 1.1f) &&
-            is_within(in->omega, -2.0f, 2.0f)
+            clearpath_r100_is_within(in->vx, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(in->vy, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(in->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
@@ -97,15 +97,15 @@ clearpath_r100_status clearpath_r100_inverse_slip_checked(
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            clearpath_r100_is_number(in->vx) &&
+            clearpath_r100_is_number(in->vy) &&
+            clearpath_r100_is_number(in->omega)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.1f, 1.1f) &&
-            is_within(in->vy, -1.1f, 1.1f) &&
-            is_within(in->omega, -2.0f, 2.0f)
+            clearpath_r100_is_within(in->vx, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(in->vy, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(in->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
@@ -125,17 +125,17 @@ clearpath_r100_status clearpath_r100_forward_checked(
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin)
+            clearpath_r100_is_number(in->front_left.spin) &&
+            clearpath_r100_is_number(in->front_right.spin) &&
+            clearpath_r100_is_number(in->rear_left.spin) &&
+            clearpath_r100_is_number(in->rear_right.spin)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_r100_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
@@ -157,17 +157,17 @@ clearpath_r100_status clearpath_r100_forward_slip_checked(
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin)
+            clearpath_r100_is_number(in->front_left.spin) &&
+            clearpath_r100_is_number(in->front_right.spin) &&
+            clearpath_r100_is_number(in->rear_left.spin) &&
+            clearpath_r100_is_number(in->rear_right.spin)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_r100_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
@@ -189,32 +189,32 @@ clearpath_r100_status clearpath_r100_odometry_checked(
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            clearpath_r100_is_number(in->x) &&
+            clearpath_r100_is_number(in->y) &&
+            clearpath_r100_is_number(in->theta) &&
+            clearpath_r100_is_number(in->vx) &&
+            clearpath_r100_is_number(in->vy) &&
+            clearpath_r100_is_number(in->omega) &&
+            clearpath_r100_is_number(in->dt)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            clearpath_r100_is_within(in->x, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->y, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->theta, -1e4f, 1e4f) &&
+            clearpath_r100_is_within(in->vx, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->vy, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(in->omega, -200.0f, 200.0f) &&
+            clearpath_r100_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
         clearpath_r100_odometry(in, out);
     }
     if (status != CLEARPATH_R100_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = clearpath_r100_held(in->x);
+        out->y = clearpath_r100_held(in->y);
+        out->theta = clearpath_r100_held(in->theta);
     }
     return status;
 }

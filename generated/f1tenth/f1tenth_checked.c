@@ -17,22 +17,22 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool f1tenth_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool f1tenth_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return f1tenth_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float f1tenth_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return f1tenth_is_number(x) ? x : 0.0f;
 }
 
-static float between(const float x, const float low, const float high)
+static float f1tenth_between(const float x, const float low, const float high)
 {
     const float above = (x < low) ? low : x;
 
@@ -44,17 +44,17 @@ f1tenth_status f1tenth_inverse_checked(const f1tenth_inverse_in *in, f1tenth_inv
     f1tenth_status status = F1TENTH_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            f1tenth_is_number(in->vx) &&
+            f1tenth_is_number(in->vy) &&
+            f1tenth_is_number(in->omega) &&
+            f1tenth_is_number(in->front.steer)
         )) {
         status = F1TENTH_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -20.0f, 20.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -10.0f, 10.0f) &&
-            is_within(in->front.steer, -0.5235988f, 0.5235988f)
+            f1tenth_is_within(in->vx, -20.0f, 20.0f) &&
+            f1tenth_is_within(in->vy, -1e9f, 1e9f) &&
+            f1tenth_is_within(in->omega, -10.0f, 10.0f) &&
+            f1tenth_is_within(in->front.steer, -0.5235988f, 0.5235988f)
         )) {
         status = F1TENTH_OUT_OF_RANGE;
     } else {
@@ -62,7 +62,7 @@ f1tenth_status f1tenth_inverse_checked(const f1tenth_inverse_in *in, f1tenth_inv
     }
     if (status != F1TENTH_OK) {
         out->front.spin = 0.0f;
-        out->front.steer = between(held(in->front.steer), -0.41887903f, 0.41887903f);
+        out->front.steer = f1tenth_between(f1tenth_held(in->front.steer), -0.41887903f, 0.41887903f);
         out->rear.spin = 0.0f;
     }
     return status;
@@ -75,17 +75,17 @@ f1tenth_status f1tenth_inverse_slip_checked(
     f1tenth_status status = F1TENTH_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            f1tenth_is_number(in->vx) &&
+            f1tenth_is_number(in->vy) &&
+            f1tenth_is_number(in->omega) &&
+            f1tenth_is_number(in->front.steer)
         )) {
         status = F1TENTH_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -20.0f, 20.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -10.0f, 10.0f) &&
-            is_within(in->front.steer, -0.5235988f, 0.5235988f)
+            f1tenth_is_within(in->vx, -20.0f, 20.0f) &&
+            f1tenth_is_within(in->vy, -1e9f, 1e9f) &&
+            f1tenth_is_within(in->omega, -10.0f, 10.0f) &&
+            f1tenth_is_within(in->front.steer, -0.5235988f, 0.5235988f)
         )) {
         status = F1TENTH_OUT_OF_RANGE;
     } else {
@@ -102,13 +102,13 @@ f1tenth_status f1tenth_forward_checked(const f1tenth_forward_in *in, f1tenth_for
     f1tenth_status status = F1TENTH_OK;
 
     if (!(
-            is_number(in->front.steer) &&
-            is_number(in->rear.spin)
+            f1tenth_is_number(in->front.steer) &&
+            f1tenth_is_number(in->rear.spin)
         )) {
         status = F1TENTH_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front.steer, -0.5235988f, 0.5235988f) &&
-            is_within(in->rear.spin, -1e9f, 1e9f)
+            f1tenth_is_within(in->front.steer, -0.5235988f, 0.5235988f) &&
+            f1tenth_is_within(in->rear.spin, -1e9f, 1e9f)
         )) {
         status = F1TENTH_OUT_OF_RANGE;
     } else {
@@ -129,13 +129,13 @@ f1tenth_status f1tenth_forward_slip_checked(
     f1tenth_status status = F1TENTH_OK;
 
     if (!(
-            is_number(in->front.steer) &&
-            is_number(in->rear.spin)
+            f1tenth_is_number(in->front.steer) &&
+            f1tenth_is_number(in->rear.spin)
         )) {
         status = F1TENTH_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front.steer, -0.5235988f, 0.5235988f) &&
-            is_within(in->rear.spin, -1e9f, 1e9f)
+            f1tenth_is_within(in->front.steer, -0.5235988f, 0.5235988f) &&
+            f1tenth_is_within(in->rear.spin, -1e9f, 1e9f)
         )) {
         status = F1TENTH_OUT_OF_RANGE;
     } else {
@@ -155,32 +155,32 @@ f1tenth_status f1tenth_odometry_checked(const f1tenth_odometry_in *in, f1tenth_o
     f1tenth_status status = F1TENTH_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            f1tenth_is_number(in->x) &&
+            f1tenth_is_number(in->y) &&
+            f1tenth_is_number(in->theta) &&
+            f1tenth_is_number(in->vx) &&
+            f1tenth_is_number(in->vy) &&
+            f1tenth_is_number(in->omega) &&
+            f1tenth_is_number(in->dt)
         )) {
         status = F1TENTH_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            f1tenth_is_within(in->x, -1e9f, 1e9f) &&
+            f1tenth_is_within(in->y, -1e9f, 1e9f) &&
+            f1tenth_is_within(in->theta, -1e4f, 1e4f) &&
+            f1tenth_is_within(in->vx, -1e9f, 1e9f) &&
+            f1tenth_is_within(in->vy, -1e9f, 1e9f) &&
+            f1tenth_is_within(in->omega, -200.0f, 200.0f) &&
+            f1tenth_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = F1TENTH_OUT_OF_RANGE;
     } else {
         f1tenth_odometry(in, out);
     }
     if (status != F1TENTH_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = f1tenth_held(in->x);
+        out->y = f1tenth_held(in->y);
+        out->theta = f1tenth_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool festo_robotino_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool festo_robotino_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return festo_robotino_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float festo_robotino_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return festo_robotino_is_number(x) ? x : 0.0f;
 }
 
 festo_robotino_status festo_robotino_inverse_checked(
@@ -39,15 +39,15 @@ festo_robotino_status festo_robotino_inverse_checked(
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            festo_robotino_is_number(in->vx) &&
+            festo_robotino_is_number(in->vy) &&
+            festo_robotino_is_number(in->omega)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.5f, 1.5f) &&
-            is_within(in->vy, -1.5f, 1.5f) &&
-            is_within(in->omega, -3.0f, 3.0f)
+            festo_robotino_is_within(in->vx, -1.5f, 1.5f) &&
+            festo_robotino_is_within(in->vy, -1.5f, 1.5f) &&
+            festo_robotino_is_within(in->omega, -3.0f, 3.0f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
@@ -68,15 +68,15 @@ festo_robotino_status festo_robotino_inverse_slip_checked(
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            festo_robotino_is_number(in->vx) &&
+            festo_robotino_is_number(in->vy) &&
+            festo_robotino_is_number(in->omega)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.5f, 1.5f) &&
-            is_within(in->vy, -1.5f, 1.5f) &&
-            is_within(in->omega, -3.0f, 3.0f)
+            festo_robotino_is_within(in->vx, -1.5f, 1.5f) &&
+            festo_robotino_is_within(in->vy, -1.5f, 1.5f) &&
+            festo_robotino_is_within(in->omega, -3.0f, 3.0f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
@@ -95,15 +95,15 @@ festo_robotino_status festo_robotino_forward_checked(
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            is_number(in->wheel0.spin) &&
-            is_number(in->wheel1.spin) &&
-            is_number(in->wheel2.spin)
+            festo_robotino_is_number(in->wheel0.spin) &&
+            festo_robotino_is_number(in->wheel1.spin) &&
+            festo_robotino_is_number(in->wheel2.spin)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheel0.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel2.spin, -1e9f, 1e9f)
+            festo_robotino_is_within(in->wheel0.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->wheel2.spin, -1e9f, 1e9f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
@@ -124,15 +124,15 @@ festo_robotino_status festo_robotino_forward_slip_checked(
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            is_number(in->wheel0.spin) &&
-            is_number(in->wheel1.spin) &&
-            is_number(in->wheel2.spin)
+            festo_robotino_is_number(in->wheel0.spin) &&
+            festo_robotino_is_number(in->wheel1.spin) &&
+            festo_robotino_is_number(in->wheel2.spin)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheel0.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel2.spin, -1e9f, 1e9f)
+            festo_robotino_is_within(in->wheel0.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->wheel2.spin, -1e9f, 1e9f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
@@ -154,32 +154,32 @@ festo_robotino_status festo_robotino_odometry_checked(
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            festo_robotino_is_number(in->x) &&
+            festo_robotino_is_number(in->y) &&
+            festo_robotino_is_number(in->theta) &&
+            festo_robotino_is_number(in->vx) &&
+            festo_robotino_is_number(in->vy) &&
+            festo_robotino_is_number(in->omega) &&
+            festo_robotino_is_number(in->dt)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            festo_robotino_is_within(in->x, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->y, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->theta, -1e4f, 1e4f) &&
+            festo_robotino_is_within(in->vx, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->vy, -1e9f, 1e9f) &&
+            festo_robotino_is_within(in->omega, -200.0f, 200.0f) &&
+            festo_robotino_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
         festo_robotino_odometry(in, out);
     }
     if (status != FESTO_ROBOTINO_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = festo_robotino_held(in->x);
+        out->y = festo_robotino_held(in->y);
+        out->theta = festo_robotino_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool jpl_osr_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool jpl_osr_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return jpl_osr_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float jpl_osr_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return jpl_osr_is_number(x) ? x : 0.0f;
 }
 
 jpl_osr_status jpl_osr_inverse_checked(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out)
@@ -37,23 +37,23 @@ jpl_osr_status jpl_osr_inverse_checked(const jpl_osr_inverse_in *in, jpl_osr_inv
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->left_front.steer) &&
-            is_number(in->right_front.steer) &&
-            is_number(in->left_back.steer) &&
-            is_number(in->right_back.steer)
+            jpl_osr_is_number(in->vx) &&
+            jpl_osr_is_number(in->vy) &&
+            jpl_osr_is_number(in->omega) &&
+            jpl_osr_is_number(in->left_front.steer) &&
+            jpl_osr_is_number(in->right_front.steer) &&
+            jpl_osr_is_number(in->left_back.steer) &&
+            jpl_osr_is_number(in->right_back.steer)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            is_within(in->right_back.steer, -1e4f, 1e4f)
+            jpl_osr_is_within(in->vx, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->vy, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->omega, -200.0f, 200.0f) &&
+            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
@@ -61,13 +61,13 @@ jpl_osr_status jpl_osr_inverse_checked(const jpl_osr_inverse_in *in, jpl_osr_inv
     }
     if (status != JPL_OSR_OK) {
         out->left_front.spin = 0.0f;
-        out->left_front.steer = held(in->left_front.steer);
+        out->left_front.steer = jpl_osr_held(in->left_front.steer);
         out->right_front.spin = 0.0f;
-        out->right_front.steer = held(in->right_front.steer);
+        out->right_front.steer = jpl_osr_held(in->right_front.steer);
         out->left_back.spin = 0.0f;
-        out->left_back.steer = held(in->left_back.steer);
+        out->left_back.steer = jpl_osr_held(in->left_back.steer);
         out->right_back.spin = 0.0f;
-        out->right_back.steer = held(in->right_back.steer);
+        out->right_back.steer = jpl_osr_held(in->right_back.steer);
         out->left_middle.spin = 0.0f;
         out->right_middle.spin = 0.0f;
     }
@@ -81,23 +81,23 @@ jpl_osr_status jpl_osr_inverse_slip_checked(
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->left_front.steer) &&
-            is_number(in->right_front.steer) &&
-            is_number(in->left_back.steer) &&
-            is_number(in->right_back.steer)
+            jpl_osr_is_number(in->vx) &&
+            jpl_osr_is_number(in->vy) &&
+            jpl_osr_is_number(in->omega) &&
+            jpl_osr_is_number(in->left_front.steer) &&
+            jpl_osr_is_number(in->right_front.steer) &&
+            jpl_osr_is_number(in->left_back.steer) &&
+            jpl_osr_is_number(in->right_back.steer)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            is_within(in->right_back.steer, -1e4f, 1e4f)
+            jpl_osr_is_within(in->vx, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->vy, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->omega, -200.0f, 200.0f) &&
+            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
@@ -114,29 +114,29 @@ jpl_osr_status jpl_osr_forward_checked(const jpl_osr_forward_in *in, jpl_osr_for
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            is_number(in->left_front.spin) &&
-            is_number(in->left_front.steer) &&
-            is_number(in->right_front.spin) &&
-            is_number(in->right_front.steer) &&
-            is_number(in->left_back.spin) &&
-            is_number(in->left_back.steer) &&
-            is_number(in->right_back.spin) &&
-            is_number(in->right_back.steer) &&
-            is_number(in->left_middle.spin) &&
-            is_number(in->right_middle.spin)
+            jpl_osr_is_number(in->left_front.spin) &&
+            jpl_osr_is_number(in->left_front.steer) &&
+            jpl_osr_is_number(in->right_front.spin) &&
+            jpl_osr_is_number(in->right_front.steer) &&
+            jpl_osr_is_number(in->left_back.spin) &&
+            jpl_osr_is_number(in->left_back.steer) &&
+            jpl_osr_is_number(in->right_back.spin) &&
+            jpl_osr_is_number(in->right_back.steer) &&
+            jpl_osr_is_number(in->left_middle.spin) &&
+            jpl_osr_is_number(in->right_middle.spin)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left_front.spin, -1e9f, 1e9f) &&
-            is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            is_within(in->right_front.spin, -1e9f, 1e9f) &&
-            is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            is_within(in->left_back.spin, -1e9f, 1e9f) &&
-            is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            is_within(in->right_back.spin, -1e9f, 1e9f) &&
-            is_within(in->right_back.steer, -1e4f, 1e4f) &&
-            is_within(in->left_middle.spin, -1e9f, 1e9f) &&
-            is_within(in->right_middle.spin, -1e9f, 1e9f)
+            jpl_osr_is_within(in->left_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->left_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->left_middle.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->right_middle.spin, -1e9f, 1e9f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
@@ -157,29 +157,29 @@ jpl_osr_status jpl_osr_forward_slip_checked(
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            is_number(in->left_front.spin) &&
-            is_number(in->left_front.steer) &&
-            is_number(in->right_front.spin) &&
-            is_number(in->right_front.steer) &&
-            is_number(in->left_back.spin) &&
-            is_number(in->left_back.steer) &&
-            is_number(in->right_back.spin) &&
-            is_number(in->right_back.steer) &&
-            is_number(in->left_middle.spin) &&
-            is_number(in->right_middle.spin)
+            jpl_osr_is_number(in->left_front.spin) &&
+            jpl_osr_is_number(in->left_front.steer) &&
+            jpl_osr_is_number(in->right_front.spin) &&
+            jpl_osr_is_number(in->right_front.steer) &&
+            jpl_osr_is_number(in->left_back.spin) &&
+            jpl_osr_is_number(in->left_back.steer) &&
+            jpl_osr_is_number(in->right_back.spin) &&
+            jpl_osr_is_number(in->right_back.steer) &&
+            jpl_osr_is_number(in->left_middle.spin) &&
+            jpl_osr_is_number(in->right_middle.spin)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left_front.spin, -1e9f, 1e9f) &&
-            is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            is_within(in->right_front.spin, -1e9f, 1e9f) &&
-            is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            is_within(in->left_back.spin, -1e9f, 1e9f) &&
-            is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            is_within(in->right_back.spin, -1e9f, 1e9f) &&
-            is_within(in->right_back.steer, -1e4f, 1e4f) &&
-            is_within(in->left_middle.spin, -1e9f, 1e9f) &&
-            is_within(in->right_middle.spin, -1e9f, 1e9f)
+            jpl_osr_is_within(in->left_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->left_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->right_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->left_middle.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->right_middle.spin, -1e9f, 1e9f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
@@ -199,32 +199,32 @@ jpl_osr_status jpl_osr_odometry_checked(const jpl_osr_odometry_in *in, jpl_osr_o
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            jpl_osr_is_number(in->x) &&
+            jpl_osr_is_number(in->y) &&
+            jpl_osr_is_number(in->theta) &&
+            jpl_osr_is_number(in->vx) &&
+            jpl_osr_is_number(in->vy) &&
+            jpl_osr_is_number(in->omega) &&
+            jpl_osr_is_number(in->dt)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            jpl_osr_is_within(in->x, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->y, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->theta, -1e4f, 1e4f) &&
+            jpl_osr_is_within(in->vx, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->vy, -1e9f, 1e9f) &&
+            jpl_osr_is_within(in->omega, -200.0f, 200.0f) &&
+            jpl_osr_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
         jpl_osr_odometry(in, out);
     }
     if (status != JPL_OSR_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = jpl_osr_held(in->x);
+        out->y = jpl_osr_held(in->y);
+        out->theta = jpl_osr_held(in->theta);
     }
     return status;
 }

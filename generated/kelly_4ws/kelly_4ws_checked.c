@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool kelly_4ws_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool kelly_4ws_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return kelly_4ws_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float kelly_4ws_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return kelly_4ws_is_number(x) ? x : 0.0f;
 }
 
 kelly_4ws_status kelly_4ws_inverse_checked(
@@ -39,23 +39,23 @@ kelly_4ws_status kelly_4ws_inverse_checked(
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w3.steer) &&
-            is_number(in->w4.steer)
+            kelly_4ws_is_number(in->vx) &&
+            kelly_4ws_is_number(in->vy) &&
+            kelly_4ws_is_number(in->omega) &&
+            kelly_4ws_is_number(in->w1.steer) &&
+            kelly_4ws_is_number(in->w2.steer) &&
+            kelly_4ws_is_number(in->w3.steer) &&
+            kelly_4ws_is_number(in->w4.steer)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f) &&
-            is_within(in->w4.steer, -1e4f, 1e4f)
+            kelly_4ws_is_within(in->vx, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->vy, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->omega, -200.0f, 200.0f) &&
+            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
@@ -63,13 +63,13 @@ kelly_4ws_status kelly_4ws_inverse_checked(
     }
     if (status != KELLY_4WS_OK) {
         out->w1.spin = 0.0f;
-        out->w1.steer = held(in->w1.steer);
+        out->w1.steer = kelly_4ws_held(in->w1.steer);
         out->w2.spin = 0.0f;
-        out->w2.steer = held(in->w2.steer);
+        out->w2.steer = kelly_4ws_held(in->w2.steer);
         out->w3.spin = 0.0f;
-        out->w3.steer = held(in->w3.steer);
+        out->w3.steer = kelly_4ws_held(in->w3.steer);
         out->w4.spin = 0.0f;
-        out->w4.steer = held(in->w4.steer);
+        out->w4.steer = kelly_4ws_held(in->w4.steer);
     }
     return status;
 }
@@ -81,23 +81,23 @@ kelly_4ws_status kelly_4ws_inverse_slip_checked(
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w3.steer) &&
-            is_number(in->w4.steer)
+            kelly_4ws_is_number(in->vx) &&
+            kelly_4ws_is_number(in->vy) &&
+            kelly_4ws_is_number(in->omega) &&
+            kelly_4ws_is_number(in->w1.steer) &&
+            kelly_4ws_is_number(in->w2.steer) &&
+            kelly_4ws_is_number(in->w3.steer) &&
+            kelly_4ws_is_number(in->w4.steer)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f) &&
-            is_within(in->w4.steer, -1e4f, 1e4f)
+            kelly_4ws_is_within(in->vx, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->vy, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->omega, -200.0f, 200.0f) &&
+            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
@@ -116,33 +116,33 @@ kelly_4ws_status kelly_4ws_forward_checked(
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            is_number(in->w1.spin) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w1.steer_rate) &&
-            is_number(in->w2.spin) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w2.steer_rate) &&
-            is_number(in->w3.spin) &&
-            is_number(in->w3.steer) &&
-            is_number(in->w3.steer_rate) &&
-            is_number(in->w4.spin) &&
-            is_number(in->w4.steer) &&
-            is_number(in->w4.steer_rate)
+            kelly_4ws_is_number(in->w1.spin) &&
+            kelly_4ws_is_number(in->w1.steer) &&
+            kelly_4ws_is_number(in->w1.steer_rate) &&
+            kelly_4ws_is_number(in->w2.spin) &&
+            kelly_4ws_is_number(in->w2.steer) &&
+            kelly_4ws_is_number(in->w2.steer_rate) &&
+            kelly_4ws_is_number(in->w3.spin) &&
+            kelly_4ws_is_number(in->w3.steer) &&
+            kelly_4ws_is_number(in->w3.steer_rate) &&
+            kelly_4ws_is_number(in->w4.spin) &&
+            kelly_4ws_is_number(in->w4.steer) &&
+            kelly_4ws_is_number(in->w4.steer_rate)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->w1.spin, -1e9f, 1e9f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w1.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->w2.spin, -1e9f, 1e9f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->w3.spin, -1e9f, 1e9f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->w4.spin, -1e9f, 1e9f) &&
-            is_within(in->w4.steer, -1e4f, 1e4f) &&
-            is_within(in->w4.steer_rate, -1e9f, 1e9f)
+            kelly_4ws_is_within(in->w1.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w1.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w2.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w2.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w3.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w3.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w4.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w4.steer_rate, -1e9f, 1e9f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
@@ -163,33 +163,33 @@ kelly_4ws_status kelly_4ws_forward_slip_checked(
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            is_number(in->w1.spin) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w1.steer_rate) &&
-            is_number(in->w2.spin) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w2.steer_rate) &&
-            is_number(in->w3.spin) &&
-            is_number(in->w3.steer) &&
-            is_number(in->w3.steer_rate) &&
-            is_number(in->w4.spin) &&
-            is_number(in->w4.steer) &&
-            is_number(in->w4.steer_rate)
+            kelly_4ws_is_number(in->w1.spin) &&
+            kelly_4ws_is_number(in->w1.steer) &&
+            kelly_4ws_is_number(in->w1.steer_rate) &&
+            kelly_4ws_is_number(in->w2.spin) &&
+            kelly_4ws_is_number(in->w2.steer) &&
+            kelly_4ws_is_number(in->w2.steer_rate) &&
+            kelly_4ws_is_number(in->w3.spin) &&
+            kelly_4ws_is_number(in->w3.steer) &&
+            kelly_4ws_is_number(in->w3.steer_rate) &&
+            kelly_4ws_is_number(in->w4.spin) &&
+            kelly_4ws_is_number(in->w4.steer) &&
+            kelly_4ws_is_number(in->w4.steer_rate)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->w1.spin, -1e9f, 1e9f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w1.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->w2.spin, -1e9f, 1e9f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->w3.spin, -1e9f, 1e9f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->w4.spin, -1e9f, 1e9f) &&
-            is_within(in->w4.steer, -1e4f, 1e4f) &&
-            is_within(in->w4.steer_rate, -1e9f, 1e9f)
+            kelly_4ws_is_within(in->w1.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w1.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w2.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w2.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w3.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w3.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w4.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->w4.steer_rate, -1e9f, 1e9f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
@@ -211,32 +211,32 @@ kelly_4ws_status kelly_4ws_odometry_checked(
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            kelly_4ws_is_number(in->x) &&
+            kelly_4ws_is_number(in->y) &&
+            kelly_4ws_is_number(in->theta) &&
+            kelly_4ws_is_number(in->vx) &&
+            kelly_4ws_is_number(in->vy) &&
+            kelly_4ws_is_number(in->omega) &&
+            kelly_4ws_is_number(in->dt)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            kelly_4ws_is_within(in->x, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->y, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->theta, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(in->vx, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->vy, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(in->omega, -200.0f, 200.0f) &&
+            kelly_4ws_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
         kelly_4ws_odometry(in, out);
     }
     if (status != KELLY_4WS_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = kelly_4ws_held(in->x);
+        out->y = kelly_4ws_held(in->y);
+        out->theta = kelly_4ws_held(in->theta);
     }
     return status;
 }

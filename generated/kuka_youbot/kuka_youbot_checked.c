@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool kuka_youbot_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool kuka_youbot_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return kuka_youbot_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float kuka_youbot_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return kuka_youbot_is_number(x) ? x : 0.0f;
 }
 
 kuka_youbot_status kuka_youbot_prepare_checked(
@@ -39,11 +39,11 @@ kuka_youbot_status kuka_youbot_prepare_checked(
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            is_number(params->radius)
+            kuka_youbot_is_number(params->radius)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(params->radius, 0.045f, 0.055f)
+            kuka_youbot_is_within(params->radius, 0.045f, 0.055f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
@@ -66,15 +66,15 @@ kuka_youbot_status kuka_youbot_inverse_checked(
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            kuka_youbot_is_number(in->vx) &&
+            kuka_youbot_is_number(in->vy) &&
+            kuka_youbot_is_number(in->omega)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -0.8f, 0.8f) &&
-            is_within(in->vy, -0.8f, 0.8f) &&
-            is_within(in->omega, -1.2f, 1.2f)
+            kuka_youbot_is_within(in->vx, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(in->vy, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(in->omega, -1.2f, 1.2f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
@@ -97,15 +97,15 @@ kuka_youbot_status kuka_youbot_inverse_slip_checked(
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            kuka_youbot_is_number(in->vx) &&
+            kuka_youbot_is_number(in->vy) &&
+            kuka_youbot_is_number(in->omega)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -0.8f, 0.8f) &&
-            is_within(in->vy, -0.8f, 0.8f) &&
-            is_within(in->omega, -1.2f, 1.2f)
+            kuka_youbot_is_within(in->vx, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(in->vy, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(in->omega, -1.2f, 1.2f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
@@ -125,17 +125,17 @@ kuka_youbot_status kuka_youbot_forward_checked(
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            is_number(in->fl.spin) &&
-            is_number(in->fr.spin) &&
-            is_number(in->bl.spin) &&
-            is_number(in->br.spin)
+            kuka_youbot_is_number(in->fl.spin) &&
+            kuka_youbot_is_number(in->fr.spin) &&
+            kuka_youbot_is_number(in->bl.spin) &&
+            kuka_youbot_is_number(in->br.spin)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->fl.spin, -1e9f, 1e9f) &&
-            is_within(in->fr.spin, -1e9f, 1e9f) &&
-            is_within(in->bl.spin, -1e9f, 1e9f) &&
-            is_within(in->br.spin, -1e9f, 1e9f)
+            kuka_youbot_is_within(in->fl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->fr.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->bl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->br.spin, -1e9f, 1e9f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
@@ -157,17 +157,17 @@ kuka_youbot_status kuka_youbot_forward_slip_checked(
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            is_number(in->fl.spin) &&
-            is_number(in->fr.spin) &&
-            is_number(in->bl.spin) &&
-            is_number(in->br.spin)
+            kuka_youbot_is_number(in->fl.spin) &&
+            kuka_youbot_is_number(in->fr.spin) &&
+            kuka_youbot_is_number(in->bl.spin) &&
+            kuka_youbot_is_number(in->br.spin)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->fl.spin, -1e9f, 1e9f) &&
-            is_within(in->fr.spin, -1e9f, 1e9f) &&
-            is_within(in->bl.spin, -1e9f, 1e9f) &&
-            is_within(in->br.spin, -1e9f, 1e9f)
+            kuka_youbot_is_within(in->fl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->fr.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->bl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->br.spin, -1e9f, 1e9f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
@@ -189,32 +189,32 @@ kuka_youbot_status kuka_youbot_odometry_checked(
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            kuka_youbot_is_number(in->x) &&
+            kuka_youbot_is_number(in->y) &&
+            kuka_youbot_is_number(in->theta) &&
+            kuka_youbot_is_number(in->vx) &&
+            kuka_youbot_is_number(in->vy) &&
+            kuka_youbot_is_number(in->omega) &&
+            kuka_youbot_is_number(in->dt)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            kuka_youbot_is_within(in->x, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->y, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->theta, -1e4f, 1e4f) &&
+            kuka_youbot_is_within(in->vx, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->vy, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(in->omega, -200.0f, 200.0f) &&
+            kuka_youbot_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
         kuka_youbot_odometry(in, out);
     }
     if (status != KUKA_YOUBOT_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = kuka_youbot_held(in->x);
+        out->y = kuka_youbot_held(in->y);
+        out->theta = kuka_youbot_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool lekiwi_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool lekiwi_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return lekiwi_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float lekiwi_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return lekiwi_is_number(x) ? x : 0.0f;
 }
 
 lekiwi_status lekiwi_inverse_checked(const lekiwi_inverse_in *in, lekiwi_inverse_out *out)
@@ -37,15 +37,15 @@ lekiwi_status lekiwi_inverse_checked(const lekiwi_inverse_in *in, lekiwi_inverse
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            lekiwi_is_number(in->vx) &&
+            lekiwi_is_number(in->vy) &&
+            lekiwi_is_number(in->omega)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -0.3f, 0.3f) &&
-            is_within(in->vy, -0.3f, 0.3f) &&
-            is_within(in->omega, -1.5707964f, 1.5707964f)
+            lekiwi_is_within(in->vx, -0.3f, 0.3f) &&
+            lekiwi_is_within(in->vy, -0.3f, 0.3f) &&
+            lekiwi_is_within(in->omega, -1.5707964f, 1.5707964f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
@@ -66,15 +66,15 @@ lekiwi_status lekiwi_inverse_slip_checked(
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            lekiwi_is_number(in->vx) &&
+            lekiwi_is_number(in->vy) &&
+            lekiwi_is_number(in->omega)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -0.3f, 0.3f) &&
-            is_within(in->vy, -0.3f, 0.3f) &&
-            is_within(in->omega, -1.5707964f, 1.5707964f)
+            lekiwi_is_within(in->vx, -0.3f, 0.3f) &&
+            lekiwi_is_within(in->vy, -0.3f, 0.3f) &&
+            lekiwi_is_within(in->omega, -1.5707964f, 1.5707964f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
@@ -91,15 +91,15 @@ lekiwi_status lekiwi_forward_checked(const lekiwi_forward_in *in, lekiwi_forward
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            is_number(in->left_wheel.spin) &&
-            is_number(in->back_wheel.spin) &&
-            is_number(in->right_wheel.spin)
+            lekiwi_is_number(in->left_wheel.spin) &&
+            lekiwi_is_number(in->back_wheel.spin) &&
+            lekiwi_is_number(in->right_wheel.spin)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left_wheel.spin, -1e9f, 1e9f) &&
-            is_within(in->back_wheel.spin, -1e9f, 1e9f) &&
-            is_within(in->right_wheel.spin, -1e9f, 1e9f)
+            lekiwi_is_within(in->left_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->back_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->right_wheel.spin, -1e9f, 1e9f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
@@ -120,15 +120,15 @@ lekiwi_status lekiwi_forward_slip_checked(
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            is_number(in->left_wheel.spin) &&
-            is_number(in->back_wheel.spin) &&
-            is_number(in->right_wheel.spin)
+            lekiwi_is_number(in->left_wheel.spin) &&
+            lekiwi_is_number(in->back_wheel.spin) &&
+            lekiwi_is_number(in->right_wheel.spin)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left_wheel.spin, -1e9f, 1e9f) &&
-            is_within(in->back_wheel.spin, -1e9f, 1e9f) &&
-            is_within(in->right_wheel.spin, -1e9f, 1e9f)
+            lekiwi_is_within(in->left_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->back_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->right_wheel.spin, -1e9f, 1e9f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
@@ -148,32 +148,32 @@ lekiwi_status lekiwi_odometry_checked(const lekiwi_odometry_in *in, lekiwi_odome
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            lekiwi_is_number(in->x) &&
+            lekiwi_is_number(in->y) &&
+            lekiwi_is_number(in->theta) &&
+            lekiwi_is_number(in->vx) &&
+            lekiwi_is_number(in->vy) &&
+            lekiwi_is_number(in->omega) &&
+            lekiwi_is_number(in->dt)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            lekiwi_is_within(in->x, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->y, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->theta, -1e4f, 1e4f) &&
+            lekiwi_is_within(in->vx, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->vy, -1e9f, 1e9f) &&
+            lekiwi_is_within(in->omega, -200.0f, 200.0f) &&
+            lekiwi_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
         lekiwi_odometry(in, out);
     }
     if (status != LEKIWI_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = lekiwi_held(in->x);
+        out->y = lekiwi_held(in->y);
+        out->theta = lekiwi_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool locked_bicycle_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool locked_bicycle_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return locked_bicycle_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float locked_bicycle_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return locked_bicycle_is_number(x) ? x : 0.0f;
 }
 
 locked_bicycle_status locked_bicycle_inverse_checked(
@@ -39,15 +39,15 @@ locked_bicycle_status locked_bicycle_inverse_checked(
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            locked_bicycle_is_number(in->vx) &&
+            locked_bicycle_is_number(in->vy) &&
+            locked_bicycle_is_number(in->omega)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            locked_bicycle_is_within(in->vx, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
@@ -67,15 +67,15 @@ locked_bicycle_status locked_bicycle_inverse_slip_checked(
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            locked_bicycle_is_number(in->vx) &&
+            locked_bicycle_is_number(in->vy) &&
+            locked_bicycle_is_number(in->omega)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            locked_bicycle_is_within(in->vx, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
@@ -94,13 +94,13 @@ locked_bicycle_status locked_bicycle_forward_checked(
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            is_number(in->front.spin) &&
-            is_number(in->rear.spin)
+            locked_bicycle_is_number(in->front.spin) &&
+            locked_bicycle_is_number(in->rear.spin)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front.spin, -1e9f, 1e9f) &&
-            is_within(in->rear.spin, -1e9f, 1e9f)
+            locked_bicycle_is_within(in->front.spin, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->rear.spin, -1e9f, 1e9f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
@@ -121,13 +121,13 @@ locked_bicycle_status locked_bicycle_forward_slip_checked(
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            is_number(in->front.spin) &&
-            is_number(in->rear.spin)
+            locked_bicycle_is_number(in->front.spin) &&
+            locked_bicycle_is_number(in->rear.spin)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front.spin, -1e9f, 1e9f) &&
-            is_within(in->rear.spin, -1e9f, 1e9f)
+            locked_bicycle_is_within(in->front.spin, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->rear.spin, -1e9f, 1e9f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
@@ -149,32 +149,32 @@ locked_bicycle_status locked_bicycle_odometry_checked(
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            locked_bicycle_is_number(in->x) &&
+            locked_bicycle_is_number(in->y) &&
+            locked_bicycle_is_number(in->theta) &&
+            locked_bicycle_is_number(in->vx) &&
+            locked_bicycle_is_number(in->vy) &&
+            locked_bicycle_is_number(in->omega) &&
+            locked_bicycle_is_number(in->dt)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            locked_bicycle_is_within(in->x, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->y, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->theta, -1e4f, 1e4f) &&
+            locked_bicycle_is_within(in->vx, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(in->omega, -200.0f, 200.0f) &&
+            locked_bicycle_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
         locked_bicycle_odometry(in, out);
     }
     if (status != LOCKED_BICYCLE_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = locked_bicycle_held(in->x);
+        out->y = locked_bicycle_held(in->y);
+        out->theta = locked_bicycle_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool mir_100_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool mir_100_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return mir_100_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float mir_100_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return mir_100_is_number(x) ? x : 0.0f;
 }
 
 mir_100_status mir_100_inverse_checked(const mir_100_inverse_in *in, mir_100_inverse_out *out)
@@ -37,23 +37,23 @@ mir_100_status mir_100_inverse_checked(const mir_100_inverse_in *in, mir_100_inv
     mir_100_status status = MIR_100_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->fl_caster.steer) &&
-            is_number(in->fr_caster.steer) &&
-            is_number(in->bl_caster.steer) &&
-            is_number(in->br_caster.steer)
+            mir_100_is_number(in->vx) &&
+            mir_100_is_number(in->vy) &&
+            mir_100_is_number(in->omega) &&
+            mir_100_is_number(in->fl_caster.steer) &&
+            mir_100_is_number(in->fr_caster.steer) &&
+            mir_100_is_number(in->bl_caster.steer) &&
+            mir_100_is_number(in->br_caster.steer)
         )) {
         status = MIR_100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.5f, 1.5f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -1.0f, 1.0f) &&
-            is_within(in->fl_caster.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_caster.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_caster.steer, -1e4f, 1e4f) &&
-            is_within(in->br_caster.steer, -1e4f, 1e4f)
+            mir_100_is_within(in->vx, -1.5f, 1.5f) &&
+            mir_100_is_within(in->vy, -1e9f, 1e9f) &&
+            mir_100_is_within(in->omega, -1.0f, 1.0f) &&
+            mir_100_is_within(in->fl_caster.steer, -1e4f, 1e4f) &&
+            mir_100_is_within(in->fr_caster.steer, -1e4f, 1e4f) &&
+            mir_100_is_within(in->bl_caster.steer, -1e4f, 1e4f) &&
+            mir_100_is_within(in->br_caster.steer, -1e4f, 1e4f)
         )) {
         status = MIR_100_OUT_OF_RANGE;
     } else {
@@ -81,23 +81,23 @@ mir_100_status mir_100_inverse_slip_checked(
     mir_100_status status = MIR_100_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->fl_caster.steer) &&
-            is_number(in->fr_caster.steer) &&
-            is_number(in->bl_caster.steer) &&
-            is_number(in->br_caster.steer)
+            mir_100_is_number(in->vx) &&
+            mir_100_is_number(in->vy) &&
+            mir_100_is_number(in->omega) &&
+            mir_100_is_number(in->fl_caster.steer) &&
+            mir_100_is_number(in->fr_caster.steer) &&
+            mir_100_is_number(in->bl_caster.steer) &&
+            mir_100_is_number(in->br_caster.steer)
         )) {
         status = MIR_100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.5f, 1.5f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -1.0f, 1.0f) &&
-            is_within(in->fl_caster.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_caster.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_caster.steer, -1e4f, 1e4f) &&
-            is_within(in->br_caster.steer, -1e4f, 1e4f)
+            mir_100_is_within(in->vx, -1.5f, 1.5f) &&
+            mir_100_is_within(in->vy, -1e9f, 1e9f) &&
+            mir_100_is_within(in->omega, -1.0f, 1.0f) &&
+            mir_100_is_within(in->fl_caster.steer, -1e4f, 1e4f) &&
+            mir_100_is_within(in->fr_caster.steer, -1e4f, 1e4f) &&
+            mir_100_is_within(in->bl_caster.steer, -1e4f, 1e4f) &&
+            mir_100_is_within(in->br_caster.steer, -1e4f, 1e4f)
         )) {
         status = MIR_100_OUT_OF_RANGE;
     } else {
@@ -114,13 +114,13 @@ mir_100_status mir_100_forward_checked(const mir_100_forward_in *in, mir_100_for
     mir_100_status status = MIR_100_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            mir_100_is_number(in->left.spin) &&
+            mir_100_is_number(in->right.spin)
         )) {
         status = MIR_100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            mir_100_is_within(in->left.spin, -1e9f, 1e9f) &&
+            mir_100_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = MIR_100_OUT_OF_RANGE;
     } else {
@@ -141,13 +141,13 @@ mir_100_status mir_100_forward_slip_checked(
     mir_100_status status = MIR_100_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            mir_100_is_number(in->left.spin) &&
+            mir_100_is_number(in->right.spin)
         )) {
         status = MIR_100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            mir_100_is_within(in->left.spin, -1e9f, 1e9f) &&
+            mir_100_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = MIR_100_OUT_OF_RANGE;
     } else {
@@ -167,32 +167,32 @@ mir_100_status mir_100_odometry_checked(const mir_100_odometry_in *in, mir_100_o
     mir_100_status status = MIR_100_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            mir_100_is_number(in->x) &&
+            mir_100_is_number(in->y) &&
+            mir_100_is_number(in->theta) &&
+            mir_100_is_number(in->vx) &&
+            mir_100_is_number(in->vy) &&
+            mir_100_is_number(in->omega) &&
+            mir_100_is_number(in->dt)
         )) {
         status = MIR_100_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            mir_100_is_within(in->x, -1e9f, 1e9f) &&
+            mir_100_is_within(in->y, -1e9f, 1e9f) &&
+            mir_100_is_within(in->theta, -1e4f, 1e4f) &&
+            mir_100_is_within(in->vx, -1e9f, 1e9f) &&
+            mir_100_is_within(in->vy, -1e9f, 1e9f) &&
+            mir_100_is_within(in->omega, -200.0f, 200.0f) &&
+            mir_100_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = MIR_100_OUT_OF_RANGE;
     } else {
         mir_100_odometry(in, out);
     }
     if (status != MIR_100_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = mir_100_held(in->x);
+        out->y = mir_100_held(in->y);
+        out->theta = mir_100_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool neobotix_mp_400_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool neobotix_mp_400_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return neobotix_mp_400_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float neobotix_mp_400_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return neobotix_mp_400_is_number(x) ? x : 0.0f;
 }
 
 neobotix_mp_400_status neobotix_mp_400_inverse_checked(
@@ -39,23 +39,23 @@ neobotix_mp_400_status neobotix_mp_400_inverse_checked(
     neobotix_mp_400_status status = NEOBOTIX_MP_400_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->castor_front_left.steer) &&
-            is_number(in->castor_back_left.steer) &&
-            is_number(in->castor_front_right.steer) &&
-            is_number(in->castor_back_right.steer)
+            neobotix_mp_400_is_number(in->vx) &&
+            neobotix_mp_400_is_number(in->vy) &&
+            neobotix_mp_400_is_number(in->omega) &&
+            neobotix_mp_400_is_number(in->castor_front_left.steer) &&
+            neobotix_mp_400_is_number(in->castor_back_left.steer) &&
+            neobotix_mp_400_is_number(in->castor_front_right.steer) &&
+            neobotix_mp_400_is_number(in->castor_back_right.steer)
         )) {
         status = NEOBOTIX_MP_400_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->castor_front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->castor_back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->castor_front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->castor_back_right.steer, -1e4f, 1e4f)
+            neobotix_mp_400_is_within(in->vx, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->vy, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->omega, -200.0f, 200.0f) &&
+            neobotix_mp_400_is_within(in->castor_front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mp_400_is_within(in->castor_back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mp_400_is_within(in->castor_front_right.steer, -1e4f, 1e4f) &&
+            neobotix_mp_400_is_within(in->castor_back_right.steer, -1e4f, 1e4f)
         )) {
         status = NEOBOTIX_MP_400_OUT_OF_RANGE;
     } else {
@@ -83,23 +83,23 @@ neobotix_mp_400_status neobotix_mp_400_inverse_slip_checked(
     neobotix_mp_400_status status = NEOBOTIX_MP_400_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->castor_front_left.steer) &&
-            is_number(in->castor_back_left.steer) &&
-            is_number(in->castor_front_right.steer) &&
-            is_number(in->castor_back_right.steer)
+            neobotix_mp_400_is_number(in->vx) &&
+            neobotix_mp_400_is_number(in->vy) &&
+            neobotix_mp_400_is_number(in->omega) &&
+            neobotix_mp_400_is_number(in->castor_front_left.steer) &&
+            neobotix_mp_400_is_number(in->castor_back_left.steer) &&
+            neobotix_mp_400_is_number(in->castor_front_right.steer) &&
+            neobotix_mp_400_is_number(in->castor_back_right.steer)
         )) {
         status = NEOBOTIX_MP_400_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->castor_front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->castor_back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->castor_front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->castor_back_right.steer, -1e4f, 1e4f)
+            neobotix_mp_400_is_within(in->vx, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->vy, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->omega, -200.0f, 200.0f) &&
+            neobotix_mp_400_is_within(in->castor_front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mp_400_is_within(in->castor_back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mp_400_is_within(in->castor_front_right.steer, -1e4f, 1e4f) &&
+            neobotix_mp_400_is_within(in->castor_back_right.steer, -1e4f, 1e4f)
         )) {
         status = NEOBOTIX_MP_400_OUT_OF_RANGE;
     } else {
@@ -118,13 +118,13 @@ neobotix_mp_400_status neobotix_mp_400_forward_checked(
     neobotix_mp_400_status status = NEOBOTIX_MP_400_OK;
 
     if (!(
-            is_number(in->right.spin) &&
-            is_number(in->left.spin)
+            neobotix_mp_400_is_number(in->right.spin) &&
+            neobotix_mp_400_is_number(in->left.spin)
         )) {
         status = NEOBOTIX_MP_400_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->right.spin, -1e9f, 1e9f) &&
-            is_within(in->left.spin, -1e9f, 1e9f)
+            neobotix_mp_400_is_within(in->right.spin, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->left.spin, -1e9f, 1e9f)
         )) {
         status = NEOBOTIX_MP_400_OUT_OF_RANGE;
     } else {
@@ -145,13 +145,13 @@ neobotix_mp_400_status neobotix_mp_400_forward_slip_checked(
     neobotix_mp_400_status status = NEOBOTIX_MP_400_OK;
 
     if (!(
-            is_number(in->right.spin) &&
-            is_number(in->left.spin)
+            neobotix_mp_400_is_number(in->right.spin) &&
+            neobotix_mp_400_is_number(in->left.spin)
         )) {
         status = NEOBOTIX_MP_400_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->right.spin, -1e9f, 1e9f) &&
-            is_within(in->left.spin, -1e9f, 1e9f)
+            neobotix_mp_400_is_within(in->right.spin, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->left.spin, -1e9f, 1e9f)
         )) {
         status = NEOBOTIX_MP_400_OUT_OF_RANGE;
     } else {
@@ -173,32 +173,32 @@ neobotix_mp_400_status neobotix_mp_400_odometry_checked(
     neobotix_mp_400_status status = NEOBOTIX_MP_400_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            neobotix_mp_400_is_number(in->x) &&
+            neobotix_mp_400_is_number(in->y) &&
+            neobotix_mp_400_is_number(in->theta) &&
+            neobotix_mp_400_is_number(in->vx) &&
+            neobotix_mp_400_is_number(in->vy) &&
+            neobotix_mp_400_is_number(in->omega) &&
+            neobotix_mp_400_is_number(in->dt)
         )) {
         status = NEOBOTIX_MP_400_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            neobotix_mp_400_is_within(in->x, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->y, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->theta, -1e4f, 1e4f) &&
+            neobotix_mp_400_is_within(in->vx, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->vy, -1e9f, 1e9f) &&
+            neobotix_mp_400_is_within(in->omega, -200.0f, 200.0f) &&
+            neobotix_mp_400_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = NEOBOTIX_MP_400_OUT_OF_RANGE;
     } else {
         neobotix_mp_400_odometry(in, out);
     }
     if (status != NEOBOTIX_MP_400_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = neobotix_mp_400_held(in->x);
+        out->y = neobotix_mp_400_held(in->y);
+        out->theta = neobotix_mp_400_held(in->theta);
     }
     return status;
 }

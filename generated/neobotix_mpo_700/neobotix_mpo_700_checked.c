@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool neobotix_mpo_700_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool neobotix_mpo_700_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return neobotix_mpo_700_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float neobotix_mpo_700_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return neobotix_mpo_700_is_number(x) ? x : 0.0f;
 }
 
 neobotix_mpo_700_status neobotix_mpo_700_inverse_checked(
@@ -39,23 +39,23 @@ neobotix_mpo_700_status neobotix_mpo_700_inverse_checked(
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_right.steer) &&
-            is_number(in->front_right.steer)
+            neobotix_mpo_700_is_number(in->vx) &&
+            neobotix_mpo_700_is_number(in->vy) &&
+            neobotix_mpo_700_is_number(in->omega) &&
+            neobotix_mpo_700_is_number(in->front_left.steer) &&
+            neobotix_mpo_700_is_number(in->back_left.steer) &&
+            neobotix_mpo_700_is_number(in->back_right.steer) &&
+            neobotix_mpo_700_is_number(in->front_right.steer)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f)
+            neobotix_mpo_700_is_within(in->vx, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->vy, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->omega, -200.0f, 200.0f) &&
+            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
@@ -81,23 +81,23 @@ neobotix_mpo_700_status neobotix_mpo_700_inverse_slip_checked(
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_right.steer) &&
-            is_number(in->front_right.steer)
+            neobotix_mpo_700_is_number(in->vx) &&
+            neobotix_mpo_700_is_number(in->vy) &&
+            neobotix_mpo_700_is_number(in->omega) &&
+            neobotix_mpo_700_is_number(in->front_left.steer) &&
+            neobotix_mpo_700_is_number(in->back_left.steer) &&
+            neobotix_mpo_700_is_number(in->back_right.steer) &&
+            neobotix_mpo_700_is_number(in->front_right.steer)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f)
+            neobotix_mpo_700_is_within(in->vx, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->vy, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->omega, -200.0f, 200.0f) &&
+            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
@@ -116,33 +116,33 @@ neobotix_mpo_700_status neobotix_mpo_700_forward_checked(
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_left.steer_rate) &&
-            is_number(in->back_left.spin) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_left.steer_rate) &&
-            is_number(in->back_right.spin) &&
-            is_number(in->back_right.steer) &&
-            is_number(in->back_right.steer_rate) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->front_right.steer_rate)
+            neobotix_mpo_700_is_number(in->front_left.spin) &&
+            neobotix_mpo_700_is_number(in->front_left.steer) &&
+            neobotix_mpo_700_is_number(in->front_left.steer_rate) &&
+            neobotix_mpo_700_is_number(in->back_left.spin) &&
+            neobotix_mpo_700_is_number(in->back_left.steer) &&
+            neobotix_mpo_700_is_number(in->back_left.steer_rate) &&
+            neobotix_mpo_700_is_number(in->back_right.spin) &&
+            neobotix_mpo_700_is_number(in->back_right.steer) &&
+            neobotix_mpo_700_is_number(in->back_right.steer_rate) &&
+            neobotix_mpo_700_is_number(in->front_right.spin) &&
+            neobotix_mpo_700_is_number(in->front_right.steer) &&
+            neobotix_mpo_700_is_number(in->front_right.steer_rate)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->front_left.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.steer_rate, -1e9f, 1e9f)
+            neobotix_mpo_700_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->front_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_right.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->front_right.steer_rate, -1e9f, 1e9f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
@@ -163,33 +163,33 @@ neobotix_mpo_700_status neobotix_mpo_700_forward_slip_checked(
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_left.steer_rate) &&
-            is_number(in->back_left.spin) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_left.steer_rate) &&
-            is_number(in->back_right.spin) &&
-            is_number(in->back_right.steer) &&
-            is_number(in->back_right.steer_rate) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->front_right.steer_rate)
+            neobotix_mpo_700_is_number(in->front_left.spin) &&
+            neobotix_mpo_700_is_number(in->front_left.steer) &&
+            neobotix_mpo_700_is_number(in->front_left.steer_rate) &&
+            neobotix_mpo_700_is_number(in->back_left.spin) &&
+            neobotix_mpo_700_is_number(in->back_left.steer) &&
+            neobotix_mpo_700_is_number(in->back_left.steer_rate) &&
+            neobotix_mpo_700_is_number(in->back_right.spin) &&
+            neobotix_mpo_700_is_number(in->back_right.steer) &&
+            neobotix_mpo_700_is_number(in->back_right.steer_rate) &&
+            neobotix_mpo_700_is_number(in->front_right.spin) &&
+            neobotix_mpo_700_is_number(in->front_right.steer) &&
+            neobotix_mpo_700_is_number(in->front_right.steer_rate)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->front_left.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.steer_rate, -1e9f, 1e9f)
+            neobotix_mpo_700_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->front_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->back_right.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->front_right.steer_rate, -1e9f, 1e9f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
@@ -211,32 +211,32 @@ neobotix_mpo_700_status neobotix_mpo_700_odometry_checked(
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            neobotix_mpo_700_is_number(in->x) &&
+            neobotix_mpo_700_is_number(in->y) &&
+            neobotix_mpo_700_is_number(in->theta) &&
+            neobotix_mpo_700_is_number(in->vx) &&
+            neobotix_mpo_700_is_number(in->vy) &&
+            neobotix_mpo_700_is_number(in->omega) &&
+            neobotix_mpo_700_is_number(in->dt)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            neobotix_mpo_700_is_within(in->x, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->y, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->theta, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(in->vx, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->vy, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(in->omega, -200.0f, 200.0f) &&
+            neobotix_mpo_700_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
         neobotix_mpo_700_odometry(in, out);
     }
     if (status != NEOBOTIX_MPO_700_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = neobotix_mpo_700_held(in->x);
+        out->y = neobotix_mpo_700_held(in->y);
+        out->theta = neobotix_mpo_700_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool nexus_4wd_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool nexus_4wd_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return nexus_4wd_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float nexus_4wd_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return nexus_4wd_is_number(x) ? x : 0.0f;
 }
 
 nexus_4wd_status nexus_4wd_inverse_checked(
@@ -39,15 +39,15 @@ nexus_4wd_status nexus_4wd_inverse_checked(
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            nexus_4wd_is_number(in->vx) &&
+            nexus_4wd_is_number(in->vy) &&
+            nexus_4wd_is_number(in->omega)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            nexus_4wd_is_within(in->vx, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->vy, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
@@ -69,15 +69,15 @@ nexus_4wd_status nexus_4wd_inverse_slip_checked(
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            nexus_4wd_is_number(in->vx) &&
+            nexus_4wd_is_number(in->vy) &&
+            nexus_4wd_is_number(in->omega)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            nexus_4wd_is_within(in->vx, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->vy, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
@@ -96,17 +96,17 @@ nexus_4wd_status nexus_4wd_forward_checked(
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            is_number(in->upper_left.spin) &&
-            is_number(in->lower_left.spin) &&
-            is_number(in->upper_right.spin) &&
-            is_number(in->lower_right.spin)
+            nexus_4wd_is_number(in->upper_left.spin) &&
+            nexus_4wd_is_number(in->lower_left.spin) &&
+            nexus_4wd_is_number(in->upper_right.spin) &&
+            nexus_4wd_is_number(in->lower_right.spin)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->upper_left.spin, -1e9f, 1e9f) &&
-            is_within(in->lower_left.spin, -1e9f, 1e9f) &&
-            is_within(in->upper_right.spin, -1e9f, 1e9f) &&
-            is_within(in->lower_right.spin, -1e9f, 1e9f)
+            nexus_4wd_is_within(in->upper_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->lower_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->upper_right.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->lower_right.spin, -1e9f, 1e9f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
@@ -127,17 +127,17 @@ nexus_4wd_status nexus_4wd_forward_slip_checked(
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            is_number(in->upper_left.spin) &&
-            is_number(in->lower_left.spin) &&
-            is_number(in->upper_right.spin) &&
-            is_number(in->lower_right.spin)
+            nexus_4wd_is_number(in->upper_left.spin) &&
+            nexus_4wd_is_number(in->lower_left.spin) &&
+            nexus_4wd_is_number(in->upper_right.spin) &&
+            nexus_4wd_is_number(in->lower_right.spin)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->upper_left.spin, -1e9f, 1e9f) &&
-            is_within(in->lower_left.spin, -1e9f, 1e9f) &&
-            is_within(in->upper_right.spin, -1e9f, 1e9f) &&
-            is_within(in->lower_right.spin, -1e9f, 1e9f)
+            nexus_4wd_is_within(in->upper_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->lower_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->upper_right.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->lower_right.spin, -1e9f, 1e9f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
@@ -159,32 +159,32 @@ nexus_4wd_status nexus_4wd_odometry_checked(
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            nexus_4wd_is_number(in->x) &&
+            nexus_4wd_is_number(in->y) &&
+            nexus_4wd_is_number(in->theta) &&
+            nexus_4wd_is_number(in->vx) &&
+            nexus_4wd_is_number(in->vy) &&
+            nexus_4wd_is_number(in->omega) &&
+            nexus_4wd_is_number(in->dt)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            nexus_4wd_is_within(in->x, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->y, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->theta, -1e4f, 1e4f) &&
+            nexus_4wd_is_within(in->vx, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->vy, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(in->omega, -200.0f, 200.0f) &&
+            nexus_4wd_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
         nexus_4wd_odometry(in, out);
     }
     if (status != NEXUS_4WD_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = nexus_4wd_held(in->x);
+        out->y = nexus_4wd_held(in->y);
+        out->theta = nexus_4wd_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool nomad_xr4000_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool nomad_xr4000_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return nomad_xr4000_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float nomad_xr4000_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return nomad_xr4000_is_number(x) ? x : 0.0f;
 }
 
 nomad_xr4000_status nomad_xr4000_inverse_checked(
@@ -39,23 +39,23 @@ nomad_xr4000_status nomad_xr4000_inverse_checked(
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->castor1.steer) &&
-            is_number(in->castor2.steer) &&
-            is_number(in->castor3.steer) &&
-            is_number(in->castor4.steer)
+            nomad_xr4000_is_number(in->vx) &&
+            nomad_xr4000_is_number(in->vy) &&
+            nomad_xr4000_is_number(in->omega) &&
+            nomad_xr4000_is_number(in->castor1.steer) &&
+            nomad_xr4000_is_number(in->castor2.steer) &&
+            nomad_xr4000_is_number(in->castor3.steer) &&
+            nomad_xr4000_is_number(in->castor4.steer)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.5f, 1.5f) &&
-            is_within(in->vy, -1.5f, 1.5f) &&
-            is_within(in->omega, -2.0f, 2.0f) &&
-            is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            is_within(in->castor4.steer, -1e4f, 1e4f)
+            nomad_xr4000_is_within(in->vx, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(in->vy, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(in->omega, -2.0f, 2.0f) &&
+            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
@@ -81,23 +81,23 @@ nomad_xr4000_status nomad_xr4000_inverse_slip_checked(
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->castor1.steer) &&
-            is_number(in->castor2.steer) &&
-            is_number(in->castor3.steer) &&
-            is_number(in->castor4.steer)
+            nomad_xr4000_is_number(in->vx) &&
+            nomad_xr4000_is_number(in->vy) &&
+            nomad_xr4000_is_number(in->omega) &&
+            nomad_xr4000_is_number(in->castor1.steer) &&
+            nomad_xr4000_is_number(in->castor2.steer) &&
+            nomad_xr4000_is_number(in->castor3.steer) &&
+            nomad_xr4000_is_number(in->castor4.steer)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.5f, 1.5f) &&
-            is_within(in->vy, -1.5f, 1.5f) &&
-            is_within(in->omega, -2.0f, 2.0f) &&
-            is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            is_within(in->castor4.steer, -1e4f, 1e4f)
+            nomad_xr4000_is_within(in->vx, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(in->vy, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(in->omega, -2.0f, 2.0f) &&
+            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
@@ -116,33 +116,33 @@ nomad_xr4000_status nomad_xr4000_forward_checked(
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            is_number(in->castor1.spin) &&
-            is_number(in->castor1.steer) &&
-            is_number(in->castor1.steer_rate) &&
-            is_number(in->castor2.spin) &&
-            is_number(in->castor2.steer) &&
-            is_number(in->castor2.steer_rate) &&
-            is_number(in->castor3.spin) &&
-            is_number(in->castor3.steer) &&
-            is_number(in->castor3.steer_rate) &&
-            is_number(in->castor4.spin) &&
-            is_number(in->castor4.steer) &&
-            is_number(in->castor4.steer_rate)
+            nomad_xr4000_is_number(in->castor1.spin) &&
+            nomad_xr4000_is_number(in->castor1.steer) &&
+            nomad_xr4000_is_number(in->castor1.steer_rate) &&
+            nomad_xr4000_is_number(in->castor2.spin) &&
+            nomad_xr4000_is_number(in->castor2.steer) &&
+            nomad_xr4000_is_number(in->castor2.steer_rate) &&
+            nomad_xr4000_is_number(in->castor3.spin) &&
+            nomad_xr4000_is_number(in->castor3.steer) &&
+            nomad_xr4000_is_number(in->castor3.steer_rate) &&
+            nomad_xr4000_is_number(in->castor4.spin) &&
+            nomad_xr4000_is_number(in->castor4.steer) &&
+            nomad_xr4000_is_number(in->castor4.steer_rate)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->castor1.spin, -1e9f, 1e9f) &&
-            is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            is_within(in->castor1.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->castor2.spin, -1e9f, 1e9f) &&
-            is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            is_within(in->castor2.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->castor3.spin, -1e9f, 1e9f) &&
-            is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            is_within(in->castor3.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->castor4.spin, -1e9f, 1e9f) &&
-            is_within(in->castor4.steer, -1e4f, 1e4f) &&
-            is_within(in->castor4.steer_rate, -1e9f, 1e9f)
+            nomad_xr4000_is_within(in->castor1.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor1.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor2.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor2.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor3.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor3.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor4.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor4.steer_rate, -1e9f, 1e9f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
@@ -163,33 +163,33 @@ nomad_xr4000_status nomad_xr4000_forward_slip_checked(
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            is_number(in->castor1.spin) &&
-            is_number(in->castor1.steer) &&
-            is_number(in->castor1.steer_rate) &&
-            is_number(in->castor2.spin) &&
-            is_number(in->castor2.steer) &&
-            is_number(in->castor2.steer_rate) &&
-            is_number(in->castor3.spin) &&
-            is_number(in->castor3.steer) &&
-            is_number(in->castor3.steer_rate) &&
-            is_number(in->castor4.spin) &&
-            is_number(in->castor4.steer) &&
-            is_number(in->castor4.steer_rate)
+            nomad_xr4000_is_number(in->castor1.spin) &&
+            nomad_xr4000_is_number(in->castor1.steer) &&
+            nomad_xr4000_is_number(in->castor1.steer_rate) &&
+            nomad_xr4000_is_number(in->castor2.spin) &&
+            nomad_xr4000_is_number(in->castor2.steer) &&
+            nomad_xr4000_is_number(in->castor2.steer_rate) &&
+            nomad_xr4000_is_number(in->castor3.spin) &&
+            nomad_xr4000_is_number(in->castor3.steer) &&
+            nomad_xr4000_is_number(in->castor3.steer_rate) &&
+            nomad_xr4000_is_number(in->castor4.spin) &&
+            nomad_xr4000_is_number(in->castor4.steer) &&
+            nomad_xr4000_is_number(in->castor4.steer_rate)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->castor1.spin, -1e9f, 1e9f) &&
-            is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            is_within(in->castor1.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->castor2.spin, -1e9f, 1e9f) &&
-            is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            is_within(in->castor2.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->castor3.spin, -1e9f, 1e9f) &&
-            is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            is_within(in->castor3.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->castor4.spin, -1e9f, 1e9f) &&
-            is_within(in->castor4.steer, -1e4f, 1e4f) &&
-            is_within(in->castor4.steer_rate, -1e9f, 1e9f)
+            nomad_xr4000_is_within(in->castor1.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor1.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor2.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor2.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor3.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor3.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor4.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->castor4.steer_rate, -1e9f, 1e9f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
@@ -211,32 +211,32 @@ nomad_xr4000_status nomad_xr4000_odometry_checked(
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            nomad_xr4000_is_number(in->x) &&
+            nomad_xr4000_is_number(in->y) &&
+            nomad_xr4000_is_number(in->theta) &&
+            nomad_xr4000_is_number(in->vx) &&
+            nomad_xr4000_is_number(in->vy) &&
+            nomad_xr4000_is_number(in->omega) &&
+            nomad_xr4000_is_number(in->dt)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            nomad_xr4000_is_within(in->x, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->y, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->theta, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(in->vx, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->vy, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(in->omega, -200.0f, 200.0f) &&
+            nomad_xr4000_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
         nomad_xr4000_odometry(in, out);
     }
     if (status != NOMAD_XR4000_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = nomad_xr4000_held(in->x);
+        out->y = nomad_xr4000_held(in->y);
+        out->theta = nomad_xr4000_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool office_chair_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool office_chair_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return office_chair_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float office_chair_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return office_chair_is_number(x) ? x : 0.0f;
 }
 
 office_chair_status office_chair_inverse_checked(
@@ -39,25 +39,25 @@ office_chair_status office_chair_inverse_checked(
     office_chair_status status = OFFICE_CHAIR_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->c1.steer) &&
-            is_number(in->c2.steer) &&
-            is_number(in->c3.steer) &&
-            is_number(in->c4.steer) &&
-            is_number(in->c5.steer)
+            office_chair_is_number(in->vx) &&
+            office_chair_is_number(in->vy) &&
+            office_chair_is_number(in->omega) &&
+            office_chair_is_number(in->c1.steer) &&
+            office_chair_is_number(in->c2.steer) &&
+            office_chair_is_number(in->c3.steer) &&
+            office_chair_is_number(in->c4.steer) &&
+            office_chair_is_number(in->c5.steer)
         )) {
         status = OFFICE_CHAIR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->c1.steer, -1e4f, 1e4f) &&
-            is_within(in->c2.steer, -1e4f, 1e4f) &&
-            is_within(in->c3.steer, -1e4f, 1e4f) &&
-            is_within(in->c4.steer, -1e4f, 1e4f) &&
-            is_within(in->c5.steer, -1e4f, 1e4f)
+            office_chair_is_within(in->vx, -1e9f, 1e9f) &&
+            office_chair_is_within(in->vy, -1e9f, 1e9f) &&
+            office_chair_is_within(in->omega, -200.0f, 200.0f) &&
+            office_chair_is_within(in->c1.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c2.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c3.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c4.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c5.steer, -1e4f, 1e4f)
         )) {
         status = OFFICE_CHAIR_OUT_OF_RANGE;
     } else {
@@ -85,25 +85,25 @@ office_chair_status office_chair_inverse_slip_checked(
     office_chair_status status = OFFICE_CHAIR_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->c1.steer) &&
-            is_number(in->c2.steer) &&
-            is_number(in->c3.steer) &&
-            is_number(in->c4.steer) &&
-            is_number(in->c5.steer)
+            office_chair_is_number(in->vx) &&
+            office_chair_is_number(in->vy) &&
+            office_chair_is_number(in->omega) &&
+            office_chair_is_number(in->c1.steer) &&
+            office_chair_is_number(in->c2.steer) &&
+            office_chair_is_number(in->c3.steer) &&
+            office_chair_is_number(in->c4.steer) &&
+            office_chair_is_number(in->c5.steer)
         )) {
         status = OFFICE_CHAIR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->c1.steer, -1e4f, 1e4f) &&
-            is_within(in->c2.steer, -1e4f, 1e4f) &&
-            is_within(in->c3.steer, -1e4f, 1e4f) &&
-            is_within(in->c4.steer, -1e4f, 1e4f) &&
-            is_within(in->c5.steer, -1e4f, 1e4f)
+            office_chair_is_within(in->vx, -1e9f, 1e9f) &&
+            office_chair_is_within(in->vy, -1e9f, 1e9f) &&
+            office_chair_is_within(in->omega, -200.0f, 200.0f) &&
+            office_chair_is_within(in->c1.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c2.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c3.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c4.steer, -1e4f, 1e4f) &&
+            office_chair_is_within(in->c5.steer, -1e4f, 1e4f)
         )) {
         status = OFFICE_CHAIR_OUT_OF_RANGE;
     } else {
@@ -122,32 +122,32 @@ office_chair_status office_chair_odometry_checked(
     office_chair_status status = OFFICE_CHAIR_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            office_chair_is_number(in->x) &&
+            office_chair_is_number(in->y) &&
+            office_chair_is_number(in->theta) &&
+            office_chair_is_number(in->vx) &&
+            office_chair_is_number(in->vy) &&
+            office_chair_is_number(in->omega) &&
+            office_chair_is_number(in->dt)
         )) {
         status = OFFICE_CHAIR_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            office_chair_is_within(in->x, -1e9f, 1e9f) &&
+            office_chair_is_within(in->y, -1e9f, 1e9f) &&
+            office_chair_is_within(in->theta, -1e4f, 1e4f) &&
+            office_chair_is_within(in->vx, -1e9f, 1e9f) &&
+            office_chair_is_within(in->vy, -1e9f, 1e9f) &&
+            office_chair_is_within(in->omega, -200.0f, 200.0f) &&
+            office_chair_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = OFFICE_CHAIR_OUT_OF_RANGE;
     } else {
         office_chair_odometry(in, out);
     }
     if (status != OFFICE_CHAIR_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = office_chair_held(in->x);
+        out->y = office_chair_held(in->y);
+        out->theta = office_chair_held(in->theta);
     }
     return status;
 }

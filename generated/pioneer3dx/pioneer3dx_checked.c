@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool pioneer3dx_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool pioneer3dx_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return pioneer3dx_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float pioneer3dx_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return pioneer3dx_is_number(x) ? x : 0.0f;
 }
 
 pioneer3dx_status pioneer3dx_prepare_checked(
@@ -39,13 +39,13 @@ pioneer3dx_status pioneer3dx_prepare_checked(
     pioneer3dx_status status = PIONEER3DX_OK;
 
     if (!(
-            is_number(params->half_track) &&
-            is_number(params->radius)
+            pioneer3dx_is_number(params->half_track) &&
+            pioneer3dx_is_number(params->radius)
         )) {
         status = PIONEER3DX_NOT_A_NUMBER;
     } else if (!(
-            is_within(params->half_track, 0.14895001f, 0.18204999f) &&
-            is_within(params->radius, 0.08775f, 0.10725f)
+            pioneer3dx_is_within(params->half_track, 0.14895001f, 0.18204999f) &&
+            pioneer3dx_is_within(params->radius, 0.08775f, 0.10725f)
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;
     } else {
@@ -68,17 +68,17 @@ pioneer3dx_status pioneer3dx_inverse_checked(
     pioneer3dx_status status = PIONEER3DX_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->tail.steer)
+            pioneer3dx_is_number(in->vx) &&
+            pioneer3dx_is_number(in->vy) &&
+            pioneer3dx_is_number(in->omega) &&
+            pioneer3dx_is_number(in->tail.steer)
         )) {
         status = PIONEER3DX_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.2f, 1.2f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -5.2359877f, 5.2359877f) &&
-            is_within(in->tail.steer, -1e4f, 1e4f)
+            pioneer3dx_is_within(in->vx, -1.2f, 1.2f) &&
+            pioneer3dx_is_within(in->vy, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->omega, -5.2359877f, 5.2359877f) &&
+            pioneer3dx_is_within(in->tail.steer, -1e4f, 1e4f)
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;
     } else {
@@ -101,17 +101,17 @@ pioneer3dx_status pioneer3dx_inverse_slip_checked(
     pioneer3dx_status status = PIONEER3DX_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->tail.steer)
+            pioneer3dx_is_number(in->vx) &&
+            pioneer3dx_is_number(in->vy) &&
+            pioneer3dx_is_number(in->omega) &&
+            pioneer3dx_is_number(in->tail.steer)
         )) {
         status = PIONEER3DX_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1.2f, 1.2f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -5.2359877f, 5.2359877f) &&
-            is_within(in->tail.steer, -1e4f, 1e4f)
+            pioneer3dx_is_within(in->vx, -1.2f, 1.2f) &&
+            pioneer3dx_is_within(in->vy, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->omega, -5.2359877f, 5.2359877f) &&
+            pioneer3dx_is_within(in->tail.steer, -1e4f, 1e4f)
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;
     } else {
@@ -131,13 +131,13 @@ pioneer3dx_status pioneer3dx_forward_checked(
     pioneer3dx_status status = PIONEER3DX_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            pioneer3dx_is_number(in->left.spin) &&
+            pioneer3dx_is_number(in->right.spin)
         )) {
         status = PIONEER3DX_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            pioneer3dx_is_within(in->left.spin, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;
     } else {
@@ -159,13 +159,13 @@ pioneer3dx_status pioneer3dx_forward_slip_checked(
     pioneer3dx_status status = PIONEER3DX_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            pioneer3dx_is_number(in->left.spin) &&
+            pioneer3dx_is_number(in->right.spin)
         )) {
         status = PIONEER3DX_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            pioneer3dx_is_within(in->left.spin, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;
     } else {
@@ -187,32 +187,32 @@ pioneer3dx_status pioneer3dx_odometry_checked(
     pioneer3dx_status status = PIONEER3DX_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            pioneer3dx_is_number(in->x) &&
+            pioneer3dx_is_number(in->y) &&
+            pioneer3dx_is_number(in->theta) &&
+            pioneer3dx_is_number(in->vx) &&
+            pioneer3dx_is_number(in->vy) &&
+            pioneer3dx_is_number(in->omega) &&
+            pioneer3dx_is_number(in->dt)
         )) {
         status = PIONEER3DX_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            pioneer3dx_is_within(in->x, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->y, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->theta, -1e4f, 1e4f) &&
+            pioneer3dx_is_within(in->vx, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->vy, -1e9f, 1e9f) &&
+            pioneer3dx_is_within(in->omega, -200.0f, 200.0f) &&
+            pioneer3dx_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;
     } else {
         pioneer3dx_odometry(in, out);
     }
     if (status != PIONEER3DX_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = pioneer3dx_held(in->x);
+        out->y = pioneer3dx_held(in->y);
+        out->theta = pioneer3dx_held(in->theta);
     }
     return status;
 }

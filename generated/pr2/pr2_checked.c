@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool pr2_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool pr2_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return pr2_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float pr2_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return pr2_is_number(x) ? x : 0.0f;
 }
 
 pr2_status pr2_inverse_checked(const pr2_inverse_in *in, pr2_inverse_out *out)
@@ -37,31 +37,31 @@ pr2_status pr2_inverse_checked(const pr2_inverse_in *in, pr2_inverse_out *out)
     pr2_status status = PR2_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->fl_l.steer) &&
-            is_number(in->fl_r.steer) &&
-            is_number(in->fr_l.steer) &&
-            is_number(in->fr_r.steer) &&
-            is_number(in->bl_l.steer) &&
-            is_number(in->bl_r.steer) &&
-            is_number(in->br_l.steer) &&
-            is_number(in->br_r.steer)
+            pr2_is_number(in->vx) &&
+            pr2_is_number(in->vy) &&
+            pr2_is_number(in->omega) &&
+            pr2_is_number(in->fl_l.steer) &&
+            pr2_is_number(in->fl_r.steer) &&
+            pr2_is_number(in->fr_l.steer) &&
+            pr2_is_number(in->fr_r.steer) &&
+            pr2_is_number(in->bl_l.steer) &&
+            pr2_is_number(in->bl_r.steer) &&
+            pr2_is_number(in->br_l.steer) &&
+            pr2_is_number(in->br_r.steer)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            is_within(in->br_r.steer, -1e4f, 1e4f)
+            pr2_is_within(in->vx, -1e9f, 1e9f) &&
+            pr2_is_within(in->vy, -1e9f, 1e9f) &&
+            pr2_is_within(in->omega, -200.0f, 200.0f) &&
+            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_r.steer, -1e4f, 1e4f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
@@ -69,21 +69,21 @@ pr2_status pr2_inverse_checked(const pr2_inverse_in *in, pr2_inverse_out *out)
     }
     if (status != PR2_OK) {
         out->fl_l.spin = 0.0f;
-        out->fl_l.steer = held(in->fl_l.steer);
+        out->fl_l.steer = pr2_held(in->fl_l.steer);
         out->fl_r.spin = 0.0f;
-        out->fl_r.steer = held(in->fl_r.steer);
+        out->fl_r.steer = pr2_held(in->fl_r.steer);
         out->fr_l.spin = 0.0f;
-        out->fr_l.steer = held(in->fr_l.steer);
+        out->fr_l.steer = pr2_held(in->fr_l.steer);
         out->fr_r.spin = 0.0f;
-        out->fr_r.steer = held(in->fr_r.steer);
+        out->fr_r.steer = pr2_held(in->fr_r.steer);
         out->bl_l.spin = 0.0f;
-        out->bl_l.steer = held(in->bl_l.steer);
+        out->bl_l.steer = pr2_held(in->bl_l.steer);
         out->bl_r.spin = 0.0f;
-        out->bl_r.steer = held(in->bl_r.steer);
+        out->bl_r.steer = pr2_held(in->bl_r.steer);
         out->br_l.spin = 0.0f;
-        out->br_l.steer = held(in->br_l.steer);
+        out->br_l.steer = pr2_held(in->br_l.steer);
         out->br_r.spin = 0.0f;
-        out->br_r.steer = held(in->br_r.steer);
+        out->br_r.steer = pr2_held(in->br_r.steer);
     }
     return status;
 }
@@ -93,31 +93,31 @@ pr2_status pr2_inverse_slip_checked(const pr2_inverse_slip_in *in, pr2_inverse_s
     pr2_status status = PR2_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->fl_l.steer) &&
-            is_number(in->fl_r.steer) &&
-            is_number(in->fr_l.steer) &&
-            is_number(in->fr_r.steer) &&
-            is_number(in->bl_l.steer) &&
-            is_number(in->bl_r.steer) &&
-            is_number(in->br_l.steer) &&
-            is_number(in->br_r.steer)
+            pr2_is_number(in->vx) &&
+            pr2_is_number(in->vy) &&
+            pr2_is_number(in->omega) &&
+            pr2_is_number(in->fl_l.steer) &&
+            pr2_is_number(in->fl_r.steer) &&
+            pr2_is_number(in->fr_l.steer) &&
+            pr2_is_number(in->fr_r.steer) &&
+            pr2_is_number(in->bl_l.steer) &&
+            pr2_is_number(in->bl_r.steer) &&
+            pr2_is_number(in->br_l.steer) &&
+            pr2_is_number(in->br_r.steer)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            is_within(in->br_r.steer, -1e4f, 1e4f)
+            pr2_is_within(in->vx, -1e9f, 1e9f) &&
+            pr2_is_within(in->vy, -1e9f, 1e9f) &&
+            pr2_is_within(in->omega, -200.0f, 200.0f) &&
+            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_r.steer, -1e4f, 1e4f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
@@ -134,57 +134,57 @@ pr2_status pr2_forward_checked(const pr2_forward_in *in, pr2_forward_out *out)
     pr2_status status = PR2_OK;
 
     if (!(
-            is_number(in->fl_l.spin) &&
-            is_number(in->fl_l.steer) &&
-            is_number(in->fl_l.steer_rate) &&
-            is_number(in->fl_r.spin) &&
-            is_number(in->fl_r.steer) &&
-            is_number(in->fl_r.steer_rate) &&
-            is_number(in->fr_l.spin) &&
-            is_number(in->fr_l.steer) &&
-            is_number(in->fr_l.steer_rate) &&
-            is_number(in->fr_r.spin) &&
-            is_number(in->fr_r.steer) &&
-            is_number(in->fr_r.steer_rate) &&
-            is_number(in->bl_l.spin) &&
-            is_number(in->bl_l.steer) &&
-            is_number(in->bl_l.steer_rate) &&
-            is_number(in->bl_r.spin) &&
-            is_number(in->bl_r.steer) &&
-            is_number(in->bl_r.steer_rate) &&
-            is_number(in->br_l.spin) &&
-            is_number(in->br_l.steer) &&
-            is_number(in->br_l.steer_rate) &&
-            is_number(in->br_r.spin) &&
-            is_number(in->br_r.steer) &&
-            is_number(in->br_r.steer_rate)
+            pr2_is_number(in->fl_l.spin) &&
+            pr2_is_number(in->fl_l.steer) &&
+            pr2_is_number(in->fl_l.steer_rate) &&
+            pr2_is_number(in->fl_r.spin) &&
+            pr2_is_number(in->fl_r.steer) &&
+            pr2_is_number(in->fl_r.steer_rate) &&
+            pr2_is_number(in->fr_l.spin) &&
+            pr2_is_number(in->fr_l.steer) &&
+            pr2_is_number(in->fr_l.steer_rate) &&
+            pr2_is_number(in->fr_r.spin) &&
+            pr2_is_number(in->fr_r.steer) &&
+            pr2_is_number(in->fr_r.steer_rate) &&
+            pr2_is_number(in->bl_l.spin) &&
+            pr2_is_number(in->bl_l.steer) &&
+            pr2_is_number(in->bl_l.steer_rate) &&
+            pr2_is_number(in->bl_r.spin) &&
+            pr2_is_number(in->bl_r.steer) &&
+            pr2_is_number(in->bl_r.steer_rate) &&
+            pr2_is_number(in->br_l.spin) &&
+            pr2_is_number(in->br_l.steer) &&
+            pr2_is_number(in->br_l.steer_rate) &&
+            pr2_is_number(in->br_r.spin) &&
+            pr2_is_number(in->br_r.steer) &&
+            pr2_is_number(in->br_r.steer_rate)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->fl_l.spin, -1e9f, 1e9f) &&
-            is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fl_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->fl_r.spin, -1e9f, 1e9f) &&
-            is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->fl_r.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->fr_l.spin, -1e9f, 1e9f) &&
-            is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->fr_r.spin, -1e9f, 1e9f) &&
-            is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_r.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->bl_l.spin, -1e9f, 1e9f) &&
-            is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->bl_r.spin, -1e9f, 1e9f) &&
-            is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_r.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->br_l.spin, -1e9f, 1e9f) &&
-            is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            is_within(in->br_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->br_r.spin, -1e9f, 1e9f) &&
-            is_within(in->br_r.steer, -1e4f, 1e4f) &&
-            is_within(in->br_r.steer_rate, -1e9f, 1e9f)
+            pr2_is_within(in->fl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->fl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_r.steer_rate, -1e9f, 1e9f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
@@ -203,57 +203,57 @@ pr2_status pr2_forward_slip_checked(const pr2_forward_slip_in *in, pr2_forward_s
     pr2_status status = PR2_OK;
 
     if (!(
-            is_number(in->fl_l.spin) &&
-            is_number(in->fl_l.steer) &&
-            is_number(in->fl_l.steer_rate) &&
-            is_number(in->fl_r.spin) &&
-            is_number(in->fl_r.steer) &&
-            is_number(in->fl_r.steer_rate) &&
-            is_number(in->fr_l.spin) &&
-            is_number(in->fr_l.steer) &&
-            is_number(in->fr_l.steer_rate) &&
-            is_number(in->fr_r.spin) &&
-            is_number(in->fr_r.steer) &&
-            is_number(in->fr_r.steer_rate) &&
-            is_number(in->bl_l.spin) &&
-            is_number(in->bl_l.steer) &&
-            is_number(in->bl_l.steer_rate) &&
-            is_number(in->bl_r.spin) &&
-            is_number(in->bl_r.steer) &&
-            is_number(in->bl_r.steer_rate) &&
-            is_number(in->br_l.spin) &&
-            is_number(in->br_l.steer) &&
-            is_number(in->br_l.steer_rate) &&
-            is_number(in->br_r.spin) &&
-            is_number(in->br_r.steer) &&
-            is_number(in->br_r.steer_rate)
+            pr2_is_number(in->fl_l.spin) &&
+            pr2_is_number(in->fl_l.steer) &&
+            pr2_is_number(in->fl_l.steer_rate) &&
+            pr2_is_number(in->fl_r.spin) &&
+            pr2_is_number(in->fl_r.steer) &&
+            pr2_is_number(in->fl_r.steer_rate) &&
+            pr2_is_number(in->fr_l.spin) &&
+            pr2_is_number(in->fr_l.steer) &&
+            pr2_is_number(in->fr_l.steer_rate) &&
+            pr2_is_number(in->fr_r.spin) &&
+            pr2_is_number(in->fr_r.steer) &&
+            pr2_is_number(in->fr_r.steer_rate) &&
+            pr2_is_number(in->bl_l.spin) &&
+            pr2_is_number(in->bl_l.steer) &&
+            pr2_is_number(in->bl_l.steer_rate) &&
+            pr2_is_number(in->bl_r.spin) &&
+            pr2_is_number(in->bl_r.steer) &&
+            pr2_is_number(in->bl_r.steer_rate) &&
+            pr2_is_number(in->br_l.spin) &&
+            pr2_is_number(in->br_l.steer) &&
+            pr2_is_number(in->br_l.steer_rate) &&
+            pr2_is_number(in->br_r.spin) &&
+            pr2_is_number(in->br_r.steer) &&
+            pr2_is_number(in->br_r.steer_rate)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->fl_l.spin, -1e9f, 1e9f) &&
-            is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fl_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->fl_r.spin, -1e9f, 1e9f) &&
-            is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->fl_r.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->fr_l.spin, -1e9f, 1e9f) &&
-            is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->fr_r.spin, -1e9f, 1e9f) &&
-            is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            is_within(in->fr_r.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->bl_l.spin, -1e9f, 1e9f) &&
-            is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->bl_r.spin, -1e9f, 1e9f) &&
-            is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            is_within(in->bl_r.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->br_l.spin, -1e9f, 1e9f) &&
-            is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            is_within(in->br_l.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->br_r.spin, -1e9f, 1e9f) &&
-            is_within(in->br_r.steer, -1e4f, 1e4f) &&
-            is_within(in->br_r.steer_rate, -1e9f, 1e9f)
+            pr2_is_within(in->fl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->fl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->fr_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->bl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(in->br_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(in->br_r.steer_rate, -1e9f, 1e9f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
@@ -273,32 +273,32 @@ pr2_status pr2_odometry_checked(const pr2_odometry_in *in, pr2_odometry_out *out
     pr2_status status = PR2_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            pr2_is_number(in->x) &&
+            pr2_is_number(in->y) &&
+            pr2_is_number(in->theta) &&
+            pr2_is_number(in->vx) &&
+            pr2_is_number(in->vy) &&
+            pr2_is_number(in->omega) &&
+            pr2_is_number(in->dt)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            pr2_is_within(in->x, -1e9f, 1e9f) &&
+            pr2_is_within(in->y, -1e9f, 1e9f) &&
+            pr2_is_within(in->theta, -1e4f, 1e4f) &&
+            pr2_is_within(in->vx, -1e9f, 1e9f) &&
+            pr2_is_within(in->vy, -1e9f, 1e9f) &&
+            pr2_is_within(in->omega, -200.0f, 200.0f) &&
+            pr2_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
         pr2_odometry(in, out);
     }
     if (status != PR2_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = pr2_held(in->x);
+        out->y = pr2_held(in->y);
+        out->theta = pr2_held(in->theta);
     }
     return status;
 }

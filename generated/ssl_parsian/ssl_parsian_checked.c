@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool ssl_parsian_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool ssl_parsian_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return ssl_parsian_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float ssl_parsian_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return ssl_parsian_is_number(x) ? x : 0.0f;
 }
 
 ssl_parsian_status ssl_parsian_inverse_checked(
@@ -39,15 +39,15 @@ ssl_parsian_status ssl_parsian_inverse_checked(
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            ssl_parsian_is_number(in->vx) &&
+            ssl_parsian_is_number(in->vy) &&
+            ssl_parsian_is_number(in->omega)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            ssl_parsian_is_within(in->vx, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->vy, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
@@ -69,15 +69,15 @@ ssl_parsian_status ssl_parsian_inverse_slip_checked(
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            ssl_parsian_is_number(in->vx) &&
+            ssl_parsian_is_number(in->vy) &&
+            ssl_parsian_is_number(in->omega)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            ssl_parsian_is_within(in->vx, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->vy, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
@@ -96,17 +96,17 @@ ssl_parsian_status ssl_parsian_forward_checked(
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            is_number(in->wheel1.spin) &&
-            is_number(in->wheel2.spin) &&
-            is_number(in->wheel3.spin) &&
-            is_number(in->wheel4.spin)
+            ssl_parsian_is_number(in->wheel1.spin) &&
+            ssl_parsian_is_number(in->wheel2.spin) &&
+            ssl_parsian_is_number(in->wheel3.spin) &&
+            ssl_parsian_is_number(in->wheel4.spin)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel2.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel3.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel4.spin, -1e9f, 1e9f)
+            ssl_parsian_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->wheel2.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->wheel3.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->wheel4.spin, -1e9f, 1e9f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
@@ -127,17 +127,17 @@ ssl_parsian_status ssl_parsian_forward_slip_checked(
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            is_number(in->wheel1.spin) &&
-            is_number(in->wheel2.spin) &&
-            is_number(in->wheel3.spin) &&
-            is_number(in->wheel4.spin)
+            ssl_parsian_is_number(in->wheel1.spin) &&
+            ssl_parsian_is_number(in->wheel2.spin) &&
+            ssl_parsian_is_number(in->wheel3.spin) &&
+            ssl_parsian_is_number(in->wheel4.spin)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel2.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel3.spin, -1e9f, 1e9f) &&
-            is_within(in->wheel4.spin, -1e9f, 1e9f)
+            ssl_parsian_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->wheel2.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->wheel3.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->wheel4.spin, -1e9f, 1e9f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
@@ -159,32 +159,32 @@ ssl_parsian_status ssl_parsian_odometry_checked(
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            ssl_parsian_is_number(in->x) &&
+            ssl_parsian_is_number(in->y) &&
+            ssl_parsian_is_number(in->theta) &&
+            ssl_parsian_is_number(in->vx) &&
+            ssl_parsian_is_number(in->vy) &&
+            ssl_parsian_is_number(in->omega) &&
+            ssl_parsian_is_number(in->dt)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            ssl_parsian_is_within(in->x, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->y, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->theta, -1e4f, 1e4f) &&
+            ssl_parsian_is_within(in->vx, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->vy, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(in->omega, -200.0f, 200.0f) &&
+            ssl_parsian_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
         ssl_parsian_odometry(in, out);
     }
     if (status != SSL_PARSIAN_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = ssl_parsian_held(in->x);
+        out->y = ssl_parsian_held(in->y);
+        out->theta = ssl_parsian_held(in->theta);
     }
     return status;
 }

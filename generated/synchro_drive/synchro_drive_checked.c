@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool synchro_drive_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool synchro_drive_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return synchro_drive_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float synchro_drive_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return synchro_drive_is_number(x) ? x : 0.0f;
 }
 
 synchro_drive_status synchro_drive_inverse_checked(
@@ -39,21 +39,21 @@ synchro_drive_status synchro_drive_inverse_checked(
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w3.steer)
+            synchro_drive_is_number(in->vx) &&
+            synchro_drive_is_number(in->vy) &&
+            synchro_drive_is_number(in->omega) &&
+            synchro_drive_is_number(in->w1.steer) &&
+            synchro_drive_is_number(in->w2.steer) &&
+            synchro_drive_is_number(in->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(in->vx, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->vy, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->omega, -200.0f, 200.0f) &&
+            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
@@ -61,11 +61,11 @@ synchro_drive_status synchro_drive_inverse_checked(
     }
     if (status != SYNCHRO_DRIVE_OK) {
         out->w1.spin = 0.0f;
-        out->w1.steer = held(in->w1.steer);
+        out->w1.steer = synchro_drive_held(in->w1.steer);
         out->w2.spin = 0.0f;
-        out->w2.steer = held(in->w2.steer);
+        out->w2.steer = synchro_drive_held(in->w2.steer);
         out->w3.spin = 0.0f;
-        out->w3.steer = held(in->w3.steer);
+        out->w3.steer = synchro_drive_held(in->w3.steer);
     }
     return status;
 }
@@ -77,21 +77,21 @@ synchro_drive_status synchro_drive_inverse_slip_checked(
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w3.steer)
+            synchro_drive_is_number(in->vx) &&
+            synchro_drive_is_number(in->vy) &&
+            synchro_drive_is_number(in->omega) &&
+            synchro_drive_is_number(in->w1.steer) &&
+            synchro_drive_is_number(in->w2.steer) &&
+            synchro_drive_is_number(in->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(in->vx, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->vy, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->omega, -200.0f, 200.0f) &&
+            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
@@ -110,21 +110,21 @@ synchro_drive_status synchro_drive_forward_checked(
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            is_number(in->w1.spin) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w2.spin) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w3.spin) &&
-            is_number(in->w3.steer)
+            synchro_drive_is_number(in->w1.spin) &&
+            synchro_drive_is_number(in->w1.steer) &&
+            synchro_drive_is_number(in->w2.spin) &&
+            synchro_drive_is_number(in->w2.steer) &&
+            synchro_drive_is_number(in->w3.spin) &&
+            synchro_drive_is_number(in->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->w1.spin, -1e9f, 1e9f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.spin, -1e9f, 1e9f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.spin, -1e9f, 1e9f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(in->w1.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w2.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w3.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
@@ -145,21 +145,21 @@ synchro_drive_status synchro_drive_forward_slip_checked(
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            is_number(in->w1.spin) &&
-            is_number(in->w1.steer) &&
-            is_number(in->w2.spin) &&
-            is_number(in->w2.steer) &&
-            is_number(in->w3.spin) &&
-            is_number(in->w3.steer)
+            synchro_drive_is_number(in->w1.spin) &&
+            synchro_drive_is_number(in->w1.steer) &&
+            synchro_drive_is_number(in->w2.spin) &&
+            synchro_drive_is_number(in->w2.steer) &&
+            synchro_drive_is_number(in->w3.spin) &&
+            synchro_drive_is_number(in->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->w1.spin, -1e9f, 1e9f) &&
-            is_within(in->w1.steer, -1e4f, 1e4f) &&
-            is_within(in->w2.spin, -1e9f, 1e9f) &&
-            is_within(in->w2.steer, -1e4f, 1e4f) &&
-            is_within(in->w3.spin, -1e9f, 1e9f) &&
-            is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(in->w1.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w2.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->w3.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
@@ -181,32 +181,32 @@ synchro_drive_status synchro_drive_odometry_checked(
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            synchro_drive_is_number(in->x) &&
+            synchro_drive_is_number(in->y) &&
+            synchro_drive_is_number(in->theta) &&
+            synchro_drive_is_number(in->vx) &&
+            synchro_drive_is_number(in->vy) &&
+            synchro_drive_is_number(in->omega) &&
+            synchro_drive_is_number(in->dt)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            synchro_drive_is_within(in->x, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->y, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->theta, -1e4f, 1e4f) &&
+            synchro_drive_is_within(in->vx, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->vy, -1e9f, 1e9f) &&
+            synchro_drive_is_within(in->omega, -200.0f, 200.0f) &&
+            synchro_drive_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
         synchro_drive_odometry(in, out);
     }
     if (status != SYNCHRO_DRIVE_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = synchro_drive_held(in->x);
+        out->y = synchro_drive_held(in->y);
+        out->theta = synchro_drive_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool textbook_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool textbook_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return textbook_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float textbook_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return textbook_is_number(x) ? x : 0.0f;
 }
 
 textbook_status textbook_rotation_world_to_robot_checked(
@@ -39,11 +39,11 @@ textbook_status textbook_rotation_world_to_robot_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->theta)
+            textbook_is_number(in->theta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->theta, -1e4f, 1e4f)
+            textbook_is_within(in->theta, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -70,11 +70,11 @@ textbook_status textbook_rotation_robot_to_world_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->theta)
+            textbook_is_number(in->theta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->theta, -1e4f, 1e4f)
+            textbook_is_within(in->theta, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -101,17 +101,17 @@ textbook_status textbook_world_to_robot_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->theta) &&
-            is_number(in->x_rate) &&
-            is_number(in->y_rate) &&
-            is_number(in->theta_rate)
+            textbook_is_number(in->theta) &&
+            textbook_is_number(in->x_rate) &&
+            textbook_is_number(in->y_rate) &&
+            textbook_is_number(in->theta_rate)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->x_rate, -1e9f, 1e9f) &&
-            is_within(in->y_rate, -1e9f, 1e9f) &&
-            is_within(in->theta_rate, -1e9f, 1e9f)
+            textbook_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_is_within(in->x_rate, -1e9f, 1e9f) &&
+            textbook_is_within(in->y_rate, -1e9f, 1e9f) &&
+            textbook_is_within(in->theta_rate, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -132,17 +132,17 @@ textbook_status textbook_robot_to_world_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            textbook_is_number(in->theta) &&
+            textbook_is_number(in->vx) &&
+            textbook_is_number(in->vy) &&
+            textbook_is_number(in->omega)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -161,23 +161,23 @@ textbook_status textbook_rotate_checked(const textbook_rotate_in *in, textbook_r
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->angle) &&
-            is_number(in->x) &&
-            is_number(in->y)
+            textbook_is_number(in->angle) &&
+            textbook_is_number(in->x) &&
+            textbook_is_number(in->y)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->angle, -1e4f, 1e4f) &&
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f)
+            textbook_is_within(in->angle, -1e4f, 1e4f) &&
+            textbook_is_within(in->x, -1e9f, 1e9f) &&
+            textbook_is_within(in->y, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
         textbook_rotate(in, out);
     }
     if (status != TEXTBOOK_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
+        out->x = textbook_held(in->x);
+        out->y = textbook_held(in->y);
     }
     return status;
 }
@@ -189,21 +189,21 @@ textbook_status textbook_pose_compose_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->a.x) &&
-            is_number(in->a.y) &&
-            is_number(in->a.theta) &&
-            is_number(in->b.x) &&
-            is_number(in->b.y) &&
-            is_number(in->b.theta)
+            textbook_is_number(in->a.x) &&
+            textbook_is_number(in->a.y) &&
+            textbook_is_number(in->a.theta) &&
+            textbook_is_number(in->b.x) &&
+            textbook_is_number(in->b.y) &&
+            textbook_is_number(in->b.theta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->a.x, -1e9f, 1e9f) &&
-            is_within(in->a.y, -1e9f, 1e9f) &&
-            is_within(in->a.theta, -1e4f, 1e4f) &&
-            is_within(in->b.x, -1e9f, 1e9f) &&
-            is_within(in->b.y, -1e9f, 1e9f) &&
-            is_within(in->b.theta, -1e4f, 1e4f)
+            textbook_is_within(in->a.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a.theta, -1e4f, 1e4f) &&
+            textbook_is_within(in->b.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->b.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->b.theta, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -224,15 +224,15 @@ textbook_status textbook_pose_inverse_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->a.x) &&
-            is_number(in->a.y) &&
-            is_number(in->a.theta)
+            textbook_is_number(in->a.x) &&
+            textbook_is_number(in->a.y) &&
+            textbook_is_number(in->a.theta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->a.x, -1e9f, 1e9f) &&
-            is_within(in->a.y, -1e9f, 1e9f) &&
-            is_within(in->a.theta, -1e4f, 1e4f)
+            textbook_is_within(in->a.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a.theta, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -253,11 +253,11 @@ textbook_status textbook_rotation_x_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->angle)
+            textbook_is_number(in->angle)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->angle, -1e4f, 1e4f)
+            textbook_is_within(in->angle, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -284,11 +284,11 @@ textbook_status textbook_rotation_y_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->angle)
+            textbook_is_number(in->angle)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->angle, -1e4f, 1e4f)
+            textbook_is_within(in->angle, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -315,11 +315,11 @@ textbook_status textbook_rotation_z_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->angle)
+            textbook_is_number(in->angle)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->angle, -1e4f, 1e4f)
+            textbook_is_within(in->angle, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -346,39 +346,39 @@ textbook_status textbook_transform_apply_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r11) &&
-            is_number(in->r12) &&
-            is_number(in->r13) &&
-            is_number(in->r21) &&
-            is_number(in->r22) &&
-            is_number(in->r23) &&
-            is_number(in->r31) &&
-            is_number(in->r32) &&
-            is_number(in->r33) &&
-            is_number(in->p.x) &&
-            is_number(in->p.y) &&
-            is_number(in->p.z) &&
-            is_number(in->b.x) &&
-            is_number(in->b.y) &&
-            is_number(in->b.z)
+            textbook_is_number(in->r11) &&
+            textbook_is_number(in->r12) &&
+            textbook_is_number(in->r13) &&
+            textbook_is_number(in->r21) &&
+            textbook_is_number(in->r22) &&
+            textbook_is_number(in->r23) &&
+            textbook_is_number(in->r31) &&
+            textbook_is_number(in->r32) &&
+            textbook_is_number(in->r33) &&
+            textbook_is_number(in->p.x) &&
+            textbook_is_number(in->p.y) &&
+            textbook_is_number(in->p.z) &&
+            textbook_is_number(in->b.x) &&
+            textbook_is_number(in->b.y) &&
+            textbook_is_number(in->b.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r11, -1e9f, 1e9f) &&
-            is_within(in->r12, -1e9f, 1e9f) &&
-            is_within(in->r13, -1e9f, 1e9f) &&
-            is_within(in->r21, -1e9f, 1e9f) &&
-            is_within(in->r22, -1e9f, 1e9f) &&
-            is_within(in->r23, -1e9f, 1e9f) &&
-            is_within(in->r31, -1e9f, 1e9f) &&
-            is_within(in->r32, -1e9f, 1e9f) &&
-            is_within(in->r33, -1e9f, 1e9f) &&
-            is_within(in->p.x, -1e9f, 1e9f) &&
-            is_within(in->p.y, -1e9f, 1e9f) &&
-            is_within(in->p.z, -1e9f, 1e9f) &&
-            is_within(in->b.x, -1e9f, 1e9f) &&
-            is_within(in->b.y, -1e9f, 1e9f) &&
-            is_within(in->b.z, -1e9f, 1e9f)
+            textbook_is_within(in->r11, -1e9f, 1e9f) &&
+            textbook_is_within(in->r12, -1e9f, 1e9f) &&
+            textbook_is_within(in->r13, -1e9f, 1e9f) &&
+            textbook_is_within(in->r21, -1e9f, 1e9f) &&
+            textbook_is_within(in->r22, -1e9f, 1e9f) &&
+            textbook_is_within(in->r23, -1e9f, 1e9f) &&
+            textbook_is_within(in->r31, -1e9f, 1e9f) &&
+            textbook_is_within(in->r32, -1e9f, 1e9f) &&
+            textbook_is_within(in->r33, -1e9f, 1e9f) &&
+            textbook_is_within(in->p.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->p.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->p.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->b.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->b.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->b.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -399,57 +399,57 @@ textbook_status textbook_transform_compose_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->a11) &&
-            is_number(in->a12) &&
-            is_number(in->a13) &&
-            is_number(in->a21) &&
-            is_number(in->a22) &&
-            is_number(in->a23) &&
-            is_number(in->a31) &&
-            is_number(in->a32) &&
-            is_number(in->a33) &&
-            is_number(in->pa.x) &&
-            is_number(in->pa.y) &&
-            is_number(in->pa.z) &&
-            is_number(in->b11) &&
-            is_number(in->b12) &&
-            is_number(in->b13) &&
-            is_number(in->b21) &&
-            is_number(in->b22) &&
-            is_number(in->b23) &&
-            is_number(in->b31) &&
-            is_number(in->b32) &&
-            is_number(in->b33) &&
-            is_number(in->pb.x) &&
-            is_number(in->pb.y) &&
-            is_number(in->pb.z)
+            textbook_is_number(in->a11) &&
+            textbook_is_number(in->a12) &&
+            textbook_is_number(in->a13) &&
+            textbook_is_number(in->a21) &&
+            textbook_is_number(in->a22) &&
+            textbook_is_number(in->a23) &&
+            textbook_is_number(in->a31) &&
+            textbook_is_number(in->a32) &&
+            textbook_is_number(in->a33) &&
+            textbook_is_number(in->pa.x) &&
+            textbook_is_number(in->pa.y) &&
+            textbook_is_number(in->pa.z) &&
+            textbook_is_number(in->b11) &&
+            textbook_is_number(in->b12) &&
+            textbook_is_number(in->b13) &&
+            textbook_is_number(in->b21) &&
+            textbook_is_number(in->b22) &&
+            textbook_is_number(in->b23) &&
+            textbook_is_number(in->b31) &&
+            textbook_is_number(in->b32) &&
+            textbook_is_number(in->b33) &&
+            textbook_is_number(in->pb.x) &&
+            textbook_is_number(in->pb.y) &&
+            textbook_is_number(in->pb.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->a11, -1e9f, 1e9f) &&
-            is_within(in->a12, -1e9f, 1e9f) &&
-            is_within(in->a13, -1e9f, 1e9f) &&
-            is_within(in->a21, -1e9f, 1e9f) &&
-            is_within(in->a22, -1e9f, 1e9f) &&
-            is_within(in->a23, -1e9f, 1e9f) &&
-            is_within(in->a31, -1e9f, 1e9f) &&
-            is_within(in->a32, -1e9f, 1e9f) &&
-            is_within(in->a33, -1e9f, 1e9f) &&
-            is_within(in->pa.x, -1e9f, 1e9f) &&
-            is_within(in->pa.y, -1e9f, 1e9f) &&
-            is_within(in->pa.z, -1e9f, 1e9f) &&
-            is_within(in->b11, -1e9f, 1e9f) &&
-            is_within(in->b12, -1e9f, 1e9f) &&
-            is_within(in->b13, -1e9f, 1e9f) &&
-            is_within(in->b21, -1e9f, 1e9f) &&
-            is_within(in->b22, -1e9f, 1e9f) &&
-            is_within(in->b23, -1e9f, 1e9f) &&
-            is_within(in->b31, -1e9f, 1e9f) &&
-            is_within(in->b32, -1e9f, 1e9f) &&
-            is_within(in->b33, -1e9f, 1e9f) &&
-            is_within(in->pb.x, -1e9f, 1e9f) &&
-            is_within(in->pb.y, -1e9f, 1e9f) &&
-            is_within(in->pb.z, -1e9f, 1e9f)
+            textbook_is_within(in->a11, -1e9f, 1e9f) &&
+            textbook_is_within(in->a12, -1e9f, 1e9f) &&
+            textbook_is_within(in->a13, -1e9f, 1e9f) &&
+            textbook_is_within(in->a21, -1e9f, 1e9f) &&
+            textbook_is_within(in->a22, -1e9f, 1e9f) &&
+            textbook_is_within(in->a23, -1e9f, 1e9f) &&
+            textbook_is_within(in->a31, -1e9f, 1e9f) &&
+            textbook_is_within(in->a32, -1e9f, 1e9f) &&
+            textbook_is_within(in->a33, -1e9f, 1e9f) &&
+            textbook_is_within(in->pa.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->pa.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->pa.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->b11, -1e9f, 1e9f) &&
+            textbook_is_within(in->b12, -1e9f, 1e9f) &&
+            textbook_is_within(in->b13, -1e9f, 1e9f) &&
+            textbook_is_within(in->b21, -1e9f, 1e9f) &&
+            textbook_is_within(in->b22, -1e9f, 1e9f) &&
+            textbook_is_within(in->b23, -1e9f, 1e9f) &&
+            textbook_is_within(in->b31, -1e9f, 1e9f) &&
+            textbook_is_within(in->b32, -1e9f, 1e9f) &&
+            textbook_is_within(in->b33, -1e9f, 1e9f) &&
+            textbook_is_within(in->pb.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->pb.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->pb.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -479,33 +479,33 @@ textbook_status textbook_transform_inverse_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r11) &&
-            is_number(in->r12) &&
-            is_number(in->r13) &&
-            is_number(in->r21) &&
-            is_number(in->r22) &&
-            is_number(in->r23) &&
-            is_number(in->r31) &&
-            is_number(in->r32) &&
-            is_number(in->r33) &&
-            is_number(in->p.x) &&
-            is_number(in->p.y) &&
-            is_number(in->p.z)
+            textbook_is_number(in->r11) &&
+            textbook_is_number(in->r12) &&
+            textbook_is_number(in->r13) &&
+            textbook_is_number(in->r21) &&
+            textbook_is_number(in->r22) &&
+            textbook_is_number(in->r23) &&
+            textbook_is_number(in->r31) &&
+            textbook_is_number(in->r32) &&
+            textbook_is_number(in->r33) &&
+            textbook_is_number(in->p.x) &&
+            textbook_is_number(in->p.y) &&
+            textbook_is_number(in->p.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r11, -1e9f, 1e9f) &&
-            is_within(in->r12, -1e9f, 1e9f) &&
-            is_within(in->r13, -1e9f, 1e9f) &&
-            is_within(in->r21, -1e9f, 1e9f) &&
-            is_within(in->r22, -1e9f, 1e9f) &&
-            is_within(in->r23, -1e9f, 1e9f) &&
-            is_within(in->r31, -1e9f, 1e9f) &&
-            is_within(in->r32, -1e9f, 1e9f) &&
-            is_within(in->r33, -1e9f, 1e9f) &&
-            is_within(in->p.x, -1e9f, 1e9f) &&
-            is_within(in->p.y, -1e9f, 1e9f) &&
-            is_within(in->p.z, -1e9f, 1e9f)
+            textbook_is_within(in->r11, -1e9f, 1e9f) &&
+            textbook_is_within(in->r12, -1e9f, 1e9f) &&
+            textbook_is_within(in->r13, -1e9f, 1e9f) &&
+            textbook_is_within(in->r21, -1e9f, 1e9f) &&
+            textbook_is_within(in->r22, -1e9f, 1e9f) &&
+            textbook_is_within(in->r23, -1e9f, 1e9f) &&
+            textbook_is_within(in->r31, -1e9f, 1e9f) &&
+            textbook_is_within(in->r32, -1e9f, 1e9f) &&
+            textbook_is_within(in->r33, -1e9f, 1e9f) &&
+            textbook_is_within(in->p.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->p.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->p.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -521,9 +521,9 @@ textbook_status textbook_transform_inverse_checked(
         out->r31 = 0.0f;
         out->r32 = 0.0f;
         out->r33 = 0.0f;
-        out->p.x = held(in->p.x);
-        out->p.y = held(in->p.y);
-        out->p.z = held(in->p.z);
+        out->p.x = textbook_held(in->p.x);
+        out->p.y = textbook_held(in->p.y);
+        out->p.z = textbook_held(in->p.z);
     }
     return status;
 }
@@ -535,17 +535,17 @@ textbook_status textbook_inverse_2x2_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j21) &&
-            is_number(in->j22)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -568,27 +568,27 @@ textbook_status textbook_inverse_3x3_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j13) &&
-            is_number(in->j21) &&
-            is_number(in->j22) &&
-            is_number(in->j23) &&
-            is_number(in->j31) &&
-            is_number(in->j32) &&
-            is_number(in->j33)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j13) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22) &&
+            textbook_is_number(in->j23) &&
+            textbook_is_number(in->j31) &&
+            textbook_is_number(in->j32) &&
+            textbook_is_number(in->j33)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j13, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f) &&
-            is_within(in->j23, -1e9f, 1e9f) &&
-            is_within(in->j31, -1e9f, 1e9f) &&
-            is_within(in->j32, -1e9f, 1e9f) &&
-            is_within(in->j33, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j13, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f) &&
+            textbook_is_within(in->j23, -1e9f, 1e9f) &&
+            textbook_is_within(in->j31, -1e9f, 1e9f) &&
+            textbook_is_within(in->j32, -1e9f, 1e9f) &&
+            textbook_is_within(in->j33, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -616,21 +616,21 @@ textbook_status textbook_inverse_3x2_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j21) &&
-            is_number(in->j22) &&
-            is_number(in->j31) &&
-            is_number(in->j32)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22) &&
+            textbook_is_number(in->j31) &&
+            textbook_is_number(in->j32)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f) &&
-            is_within(in->j31, -1e9f, 1e9f) &&
-            is_within(in->j32, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f) &&
+            textbook_is_within(in->j31, -1e9f, 1e9f) &&
+            textbook_is_within(in->j32, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -655,25 +655,25 @@ textbook_status textbook_inverse_4x2_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j21) &&
-            is_number(in->j22) &&
-            is_number(in->j31) &&
-            is_number(in->j32) &&
-            is_number(in->j41) &&
-            is_number(in->j42)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22) &&
+            textbook_is_number(in->j31) &&
+            textbook_is_number(in->j32) &&
+            textbook_is_number(in->j41) &&
+            textbook_is_number(in->j42)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f) &&
-            is_within(in->j31, -1e9f, 1e9f) &&
-            is_within(in->j32, -1e9f, 1e9f) &&
-            is_within(in->j41, -1e9f, 1e9f) &&
-            is_within(in->j42, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f) &&
+            textbook_is_within(in->j31, -1e9f, 1e9f) &&
+            textbook_is_within(in->j32, -1e9f, 1e9f) &&
+            textbook_is_within(in->j41, -1e9f, 1e9f) &&
+            textbook_is_within(in->j42, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -700,33 +700,33 @@ textbook_status textbook_inverse_4x3_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j13) &&
-            is_number(in->j21) &&
-            is_number(in->j22) &&
-            is_number(in->j23) &&
-            is_number(in->j31) &&
-            is_number(in->j32) &&
-            is_number(in->j33) &&
-            is_number(in->j41) &&
-            is_number(in->j42) &&
-            is_number(in->j43)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j13) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22) &&
+            textbook_is_number(in->j23) &&
+            textbook_is_number(in->j31) &&
+            textbook_is_number(in->j32) &&
+            textbook_is_number(in->j33) &&
+            textbook_is_number(in->j41) &&
+            textbook_is_number(in->j42) &&
+            textbook_is_number(in->j43)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j13, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f) &&
-            is_within(in->j23, -1e9f, 1e9f) &&
-            is_within(in->j31, -1e9f, 1e9f) &&
-            is_within(in->j32, -1e9f, 1e9f) &&
-            is_within(in->j33, -1e9f, 1e9f) &&
-            is_within(in->j41, -1e9f, 1e9f) &&
-            is_within(in->j42, -1e9f, 1e9f) &&
-            is_within(in->j43, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j13, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f) &&
+            textbook_is_within(in->j23, -1e9f, 1e9f) &&
+            textbook_is_within(in->j31, -1e9f, 1e9f) &&
+            textbook_is_within(in->j32, -1e9f, 1e9f) &&
+            textbook_is_within(in->j33, -1e9f, 1e9f) &&
+            textbook_is_within(in->j41, -1e9f, 1e9f) &&
+            textbook_is_within(in->j42, -1e9f, 1e9f) &&
+            textbook_is_within(in->j43, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -757,21 +757,21 @@ textbook_status textbook_inverse_2x3_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j13) &&
-            is_number(in->j21) &&
-            is_number(in->j22) &&
-            is_number(in->j23)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j13) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22) &&
+            textbook_is_number(in->j23)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j13, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f) &&
-            is_within(in->j23, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j13, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f) &&
+            textbook_is_within(in->j23, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -796,25 +796,25 @@ textbook_status textbook_inverse_2x4_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j13) &&
-            is_number(in->j14) &&
-            is_number(in->j21) &&
-            is_number(in->j22) &&
-            is_number(in->j23) &&
-            is_number(in->j24)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j13) &&
+            textbook_is_number(in->j14) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22) &&
+            textbook_is_number(in->j23) &&
+            textbook_is_number(in->j24)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j13, -1e9f, 1e9f) &&
-            is_within(in->j14, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f) &&
-            is_within(in->j23, -1e9f, 1e9f) &&
-            is_within(in->j24, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j13, -1e9f, 1e9f) &&
+            textbook_is_within(in->j14, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f) &&
+            textbook_is_within(in->j23, -1e9f, 1e9f) &&
+            textbook_is_within(in->j24, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -841,33 +841,33 @@ textbook_status textbook_inverse_3x4_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->j11) &&
-            is_number(in->j12) &&
-            is_number(in->j13) &&
-            is_number(in->j14) &&
-            is_number(in->j21) &&
-            is_number(in->j22) &&
-            is_number(in->j23) &&
-            is_number(in->j24) &&
-            is_number(in->j31) &&
-            is_number(in->j32) &&
-            is_number(in->j33) &&
-            is_number(in->j34)
+            textbook_is_number(in->j11) &&
+            textbook_is_number(in->j12) &&
+            textbook_is_number(in->j13) &&
+            textbook_is_number(in->j14) &&
+            textbook_is_number(in->j21) &&
+            textbook_is_number(in->j22) &&
+            textbook_is_number(in->j23) &&
+            textbook_is_number(in->j24) &&
+            textbook_is_number(in->j31) &&
+            textbook_is_number(in->j32) &&
+            textbook_is_number(in->j33) &&
+            textbook_is_number(in->j34)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->j11, -1e9f, 1e9f) &&
-            is_within(in->j12, -1e9f, 1e9f) &&
-            is_within(in->j13, -1e9f, 1e9f) &&
-            is_within(in->j14, -1e9f, 1e9f) &&
-            is_within(in->j21, -1e9f, 1e9f) &&
-            is_within(in->j22, -1e9f, 1e9f) &&
-            is_within(in->j23, -1e9f, 1e9f) &&
-            is_within(in->j24, -1e9f, 1e9f) &&
-            is_within(in->j31, -1e9f, 1e9f) &&
-            is_within(in->j32, -1e9f, 1e9f) &&
-            is_within(in->j33, -1e9f, 1e9f) &&
-            is_within(in->j34, -1e9f, 1e9f)
+            textbook_is_within(in->j11, -1e9f, 1e9f) &&
+            textbook_is_within(in->j12, -1e9f, 1e9f) &&
+            textbook_is_within(in->j13, -1e9f, 1e9f) &&
+            textbook_is_within(in->j14, -1e9f, 1e9f) &&
+            textbook_is_within(in->j21, -1e9f, 1e9f) &&
+            textbook_is_within(in->j22, -1e9f, 1e9f) &&
+            textbook_is_within(in->j23, -1e9f, 1e9f) &&
+            textbook_is_within(in->j24, -1e9f, 1e9f) &&
+            textbook_is_within(in->j31, -1e9f, 1e9f) &&
+            textbook_is_within(in->j32, -1e9f, 1e9f) &&
+            textbook_is_within(in->j33, -1e9f, 1e9f) &&
+            textbook_is_within(in->j34, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -898,27 +898,27 @@ textbook_status textbook_transport_theorem_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->u_rate.x) &&
-            is_number(in->u_rate.y) &&
-            is_number(in->u_rate.z) &&
-            is_number(in->omega.x) &&
-            is_number(in->omega.y) &&
-            is_number(in->omega.z) &&
-            is_number(in->u.x) &&
-            is_number(in->u.y) &&
-            is_number(in->u.z)
+            textbook_is_number(in->u_rate.x) &&
+            textbook_is_number(in->u_rate.y) &&
+            textbook_is_number(in->u_rate.z) &&
+            textbook_is_number(in->omega.x) &&
+            textbook_is_number(in->omega.y) &&
+            textbook_is_number(in->omega.z) &&
+            textbook_is_number(in->u.x) &&
+            textbook_is_number(in->u.y) &&
+            textbook_is_number(in->u.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->u_rate.x, -1e9f, 1e9f) &&
-            is_within(in->u_rate.y, -1e9f, 1e9f) &&
-            is_within(in->u_rate.z, -1e9f, 1e9f) &&
-            is_within(in->omega.x, -1e9f, 1e9f) &&
-            is_within(in->omega.y, -1e9f, 1e9f) &&
-            is_within(in->omega.z, -1e9f, 1e9f) &&
-            is_within(in->u.x, -1e9f, 1e9f) &&
-            is_within(in->u.y, -1e9f, 1e9f) &&
-            is_within(in->u.z, -1e9f, 1e9f)
+            textbook_is_within(in->u_rate.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->u_rate.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->u_rate.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->u.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->u.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->u.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -939,38 +939,38 @@ textbook_status textbook_galilean_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r.x) &&
-            is_number(in->r.y) &&
-            is_number(in->r.z) &&
-            is_number(in->r_start.x) &&
-            is_number(in->r_start.y) &&
-            is_number(in->r_start.z) &&
-            is_number(in->v.x) &&
-            is_number(in->v.y) &&
-            is_number(in->v.z) &&
-            is_number(in->t)
+            textbook_is_number(in->r.x) &&
+            textbook_is_number(in->r.y) &&
+            textbook_is_number(in->r.z) &&
+            textbook_is_number(in->r_start.x) &&
+            textbook_is_number(in->r_start.y) &&
+            textbook_is_number(in->r_start.z) &&
+            textbook_is_number(in->v.x) &&
+            textbook_is_number(in->v.y) &&
+            textbook_is_number(in->v.z) &&
+            textbook_is_number(in->t)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r.x, -1e9f, 1e9f) &&
-            is_within(in->r.y, -1e9f, 1e9f) &&
-            is_within(in->r.z, -1e9f, 1e9f) &&
-            is_within(in->r_start.x, -1e9f, 1e9f) &&
-            is_within(in->r_start.y, -1e9f, 1e9f) &&
-            is_within(in->r_start.z, -1e9f, 1e9f) &&
-            is_within(in->v.x, -1e9f, 1e9f) &&
-            is_within(in->v.y, -1e9f, 1e9f) &&
-            is_within(in->v.z, -1e9f, 1e9f) &&
-            is_within(in->t, -1e9f, 1e9f)
+            textbook_is_within(in->r.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_start.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_start.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_start.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->t, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
         textbook_galilean(in, out);
     }
     if (status != TEXTBOOK_OK) {
-        out->r.x = held(in->r.x);
-        out->r.y = held(in->r.y);
-        out->r.z = held(in->r.z);
+        out->r.x = textbook_held(in->r.x);
+        out->r.y = textbook_held(in->r.y);
+        out->r.z = textbook_held(in->r.z);
     }
     return status;
 }
@@ -982,33 +982,33 @@ textbook_status textbook_moving_frame_velocity_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->v_m.x) &&
-            is_number(in->v_m.y) &&
-            is_number(in->v_m.z) &&
-            is_number(in->omega.x) &&
-            is_number(in->omega.y) &&
-            is_number(in->omega.z) &&
-            is_number(in->r.x) &&
-            is_number(in->r.y) &&
-            is_number(in->r.z) &&
-            is_number(in->v_o.x) &&
-            is_number(in->v_o.y) &&
-            is_number(in->v_o.z)
+            textbook_is_number(in->v_m.x) &&
+            textbook_is_number(in->v_m.y) &&
+            textbook_is_number(in->v_m.z) &&
+            textbook_is_number(in->omega.x) &&
+            textbook_is_number(in->omega.y) &&
+            textbook_is_number(in->omega.z) &&
+            textbook_is_number(in->r.x) &&
+            textbook_is_number(in->r.y) &&
+            textbook_is_number(in->r.z) &&
+            textbook_is_number(in->v_o.x) &&
+            textbook_is_number(in->v_o.y) &&
+            textbook_is_number(in->v_o.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->v_m.x, -1e9f, 1e9f) &&
-            is_within(in->v_m.y, -1e9f, 1e9f) &&
-            is_within(in->v_m.z, -1e9f, 1e9f) &&
-            is_within(in->omega.x, -1e9f, 1e9f) &&
-            is_within(in->omega.y, -1e9f, 1e9f) &&
-            is_within(in->omega.z, -1e9f, 1e9f) &&
-            is_within(in->r.x, -1e9f, 1e9f) &&
-            is_within(in->r.y, -1e9f, 1e9f) &&
-            is_within(in->r.z, -1e9f, 1e9f) &&
-            is_within(in->v_o.x, -1e9f, 1e9f) &&
-            is_within(in->v_o.y, -1e9f, 1e9f) &&
-            is_within(in->v_o.z, -1e9f, 1e9f)
+            textbook_is_within(in->v_m.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_m.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_m.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1029,45 +1029,45 @@ textbook_status textbook_moving_frame_acceleration_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->a_m.x) &&
-            is_number(in->a_m.y) &&
-            is_number(in->a_m.z) &&
-            is_number(in->alpha.x) &&
-            is_number(in->alpha.y) &&
-            is_number(in->alpha.z) &&
-            is_number(in->omega.x) &&
-            is_number(in->omega.y) &&
-            is_number(in->omega.z) &&
-            is_number(in->r.x) &&
-            is_number(in->r.y) &&
-            is_number(in->r.z) &&
-            is_number(in->v_o.x) &&
-            is_number(in->v_o.y) &&
-            is_number(in->v_o.z) &&
-            is_number(in->a_o.x) &&
-            is_number(in->a_o.y) &&
-            is_number(in->a_o.z)
+            textbook_is_number(in->a_m.x) &&
+            textbook_is_number(in->a_m.y) &&
+            textbook_is_number(in->a_m.z) &&
+            textbook_is_number(in->alpha.x) &&
+            textbook_is_number(in->alpha.y) &&
+            textbook_is_number(in->alpha.z) &&
+            textbook_is_number(in->omega.x) &&
+            textbook_is_number(in->omega.y) &&
+            textbook_is_number(in->omega.z) &&
+            textbook_is_number(in->r.x) &&
+            textbook_is_number(in->r.y) &&
+            textbook_is_number(in->r.z) &&
+            textbook_is_number(in->v_o.x) &&
+            textbook_is_number(in->v_o.y) &&
+            textbook_is_number(in->v_o.z) &&
+            textbook_is_number(in->a_o.x) &&
+            textbook_is_number(in->a_o.y) &&
+            textbook_is_number(in->a_o.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->a_m.x, -1e9f, 1e9f) &&
-            is_within(in->a_m.y, -1e9f, 1e9f) &&
-            is_within(in->a_m.z, -1e9f, 1e9f) &&
-            is_within(in->alpha.x, -1e9f, 1e9f) &&
-            is_within(in->alpha.y, -1e9f, 1e9f) &&
-            is_within(in->alpha.z, -1e9f, 1e9f) &&
-            is_within(in->omega.x, -1e9f, 1e9f) &&
-            is_within(in->omega.y, -1e9f, 1e9f) &&
-            is_within(in->omega.z, -1e9f, 1e9f) &&
-            is_within(in->r.x, -1e9f, 1e9f) &&
-            is_within(in->r.y, -1e9f, 1e9f) &&
-            is_within(in->r.z, -1e9f, 1e9f) &&
-            is_within(in->v_o.x, -1e9f, 1e9f) &&
-            is_within(in->v_o.y, -1e9f, 1e9f) &&
-            is_within(in->v_o.z, -1e9f, 1e9f) &&
-            is_within(in->a_o.x, -1e9f, 1e9f) &&
-            is_within(in->a_o.y, -1e9f, 1e9f) &&
-            is_within(in->a_o.z, -1e9f, 1e9f)
+            textbook_is_within(in->a_m.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_m.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_m.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1097,15 +1097,15 @@ textbook_status textbook_skew_matrix_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->u.x) &&
-            is_number(in->u.y) &&
-            is_number(in->u.z)
+            textbook_is_number(in->u.x) &&
+            textbook_is_number(in->u.y) &&
+            textbook_is_number(in->u.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->u.x, -1e9f, 1e9f) &&
-            is_within(in->u.y, -1e9f, 1e9f) &&
-            is_within(in->u.z, -1e9f, 1e9f)
+            textbook_is_within(in->u.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->u.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->u.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1132,15 +1132,15 @@ textbook_status textbook_h_matrix_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r.x) &&
-            is_number(in->r.y) &&
-            is_number(in->r.z)
+            textbook_is_number(in->r.x) &&
+            textbook_is_number(in->r.y) &&
+            textbook_is_number(in->r.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r.x, -1e9f, 1e9f) &&
-            is_within(in->r.y, -1e9f, 1e9f) &&
-            is_within(in->r.z, -1e9f, 1e9f)
+            textbook_is_within(in->r.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1176,15 +1176,15 @@ textbook_status textbook_omega_matrix_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->omega.x) &&
-            is_number(in->omega.y) &&
-            is_number(in->omega.z)
+            textbook_is_number(in->omega.x) &&
+            textbook_is_number(in->omega.y) &&
+            textbook_is_number(in->omega.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->omega.x, -1e9f, 1e9f) &&
-            is_within(in->omega.y, -1e9f, 1e9f) &&
-            is_within(in->omega.z, -1e9f, 1e9f)
+            textbook_is_within(in->omega.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1220,51 +1220,51 @@ textbook_status textbook_two_step_velocity_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r_1.x) &&
-            is_number(in->r_1.y) &&
-            is_number(in->r_1.z) &&
-            is_number(in->r_2.x) &&
-            is_number(in->r_2.y) &&
-            is_number(in->r_2.z) &&
-            is_number(in->v_1.x) &&
-            is_number(in->v_1.y) &&
-            is_number(in->v_1.z) &&
-            is_number(in->omega_1.x) &&
-            is_number(in->omega_1.y) &&
-            is_number(in->omega_1.z) &&
-            is_number(in->v_2.x) &&
-            is_number(in->v_2.y) &&
-            is_number(in->v_2.z) &&
-            is_number(in->omega_2.x) &&
-            is_number(in->omega_2.y) &&
-            is_number(in->omega_2.z) &&
-            is_number(in->v_o.x) &&
-            is_number(in->v_o.y) &&
-            is_number(in->v_o.z)
+            textbook_is_number(in->r_1.x) &&
+            textbook_is_number(in->r_1.y) &&
+            textbook_is_number(in->r_1.z) &&
+            textbook_is_number(in->r_2.x) &&
+            textbook_is_number(in->r_2.y) &&
+            textbook_is_number(in->r_2.z) &&
+            textbook_is_number(in->v_1.x) &&
+            textbook_is_number(in->v_1.y) &&
+            textbook_is_number(in->v_1.z) &&
+            textbook_is_number(in->omega_1.x) &&
+            textbook_is_number(in->omega_1.y) &&
+            textbook_is_number(in->omega_1.z) &&
+            textbook_is_number(in->v_2.x) &&
+            textbook_is_number(in->v_2.y) &&
+            textbook_is_number(in->v_2.z) &&
+            textbook_is_number(in->omega_2.x) &&
+            textbook_is_number(in->omega_2.y) &&
+            textbook_is_number(in->omega_2.z) &&
+            textbook_is_number(in->v_o.x) &&
+            textbook_is_number(in->v_o.y) &&
+            textbook_is_number(in->v_o.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r_1.x, -1e9f, 1e9f) &&
-            is_within(in->r_1.y, -1e9f, 1e9f) &&
-            is_within(in->r_1.z, -1e9f, 1e9f) &&
-            is_within(in->r_2.x, -1e9f, 1e9f) &&
-            is_within(in->r_2.y, -1e9f, 1e9f) &&
-            is_within(in->r_2.z, -1e9f, 1e9f) &&
-            is_within(in->v_1.x, -1e9f, 1e9f) &&
-            is_within(in->v_1.y, -1e9f, 1e9f) &&
-            is_within(in->v_1.z, -1e9f, 1e9f) &&
-            is_within(in->omega_1.x, -1e9f, 1e9f) &&
-            is_within(in->omega_1.y, -1e9f, 1e9f) &&
-            is_within(in->omega_1.z, -1e9f, 1e9f) &&
-            is_within(in->v_2.x, -1e9f, 1e9f) &&
-            is_within(in->v_2.y, -1e9f, 1e9f) &&
-            is_within(in->v_2.z, -1e9f, 1e9f) &&
-            is_within(in->omega_2.x, -1e9f, 1e9f) &&
-            is_within(in->omega_2.y, -1e9f, 1e9f) &&
-            is_within(in->omega_2.z, -1e9f, 1e9f) &&
-            is_within(in->v_o.x, -1e9f, 1e9f) &&
-            is_within(in->v_o.y, -1e9f, 1e9f) &&
-            is_within(in->v_o.z, -1e9f, 1e9f)
+            textbook_is_within(in->r_1.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_1.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_1.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_1.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_1.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_1.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_1.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_1.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_1.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1285,75 +1285,75 @@ textbook_status textbook_two_step_acceleration_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r_1.x) &&
-            is_number(in->r_1.y) &&
-            is_number(in->r_1.z) &&
-            is_number(in->r_2.x) &&
-            is_number(in->r_2.y) &&
-            is_number(in->r_2.z) &&
-            is_number(in->a_1.x) &&
-            is_number(in->a_1.y) &&
-            is_number(in->a_1.z) &&
-            is_number(in->alpha_1.x) &&
-            is_number(in->alpha_1.y) &&
-            is_number(in->alpha_1.z) &&
-            is_number(in->omega_1.x) &&
-            is_number(in->omega_1.y) &&
-            is_number(in->omega_1.z) &&
-            is_number(in->v_2.x) &&
-            is_number(in->v_2.y) &&
-            is_number(in->v_2.z) &&
-            is_number(in->a_2.x) &&
-            is_number(in->a_2.y) &&
-            is_number(in->a_2.z) &&
-            is_number(in->alpha_2.x) &&
-            is_number(in->alpha_2.y) &&
-            is_number(in->alpha_2.z) &&
-            is_number(in->omega_2.x) &&
-            is_number(in->omega_2.y) &&
-            is_number(in->omega_2.z) &&
-            is_number(in->v_o.x) &&
-            is_number(in->v_o.y) &&
-            is_number(in->v_o.z) &&
-            is_number(in->a_o.x) &&
-            is_number(in->a_o.y) &&
-            is_number(in->a_o.z)
+            textbook_is_number(in->r_1.x) &&
+            textbook_is_number(in->r_1.y) &&
+            textbook_is_number(in->r_1.z) &&
+            textbook_is_number(in->r_2.x) &&
+            textbook_is_number(in->r_2.y) &&
+            textbook_is_number(in->r_2.z) &&
+            textbook_is_number(in->a_1.x) &&
+            textbook_is_number(in->a_1.y) &&
+            textbook_is_number(in->a_1.z) &&
+            textbook_is_number(in->alpha_1.x) &&
+            textbook_is_number(in->alpha_1.y) &&
+            textbook_is_number(in->alpha_1.z) &&
+            textbook_is_number(in->omega_1.x) &&
+            textbook_is_number(in->omega_1.y) &&
+            textbook_is_number(in->omega_1.z) &&
+            textbook_is_number(in->v_2.x) &&
+            textbook_is_number(in->v_2.y) &&
+            textbook_is_number(in->v_2.z) &&
+            textbook_is_number(in->a_2.x) &&
+            textbook_is_number(in->a_2.y) &&
+            textbook_is_number(in->a_2.z) &&
+            textbook_is_number(in->alpha_2.x) &&
+            textbook_is_number(in->alpha_2.y) &&
+            textbook_is_number(in->alpha_2.z) &&
+            textbook_is_number(in->omega_2.x) &&
+            textbook_is_number(in->omega_2.y) &&
+            textbook_is_number(in->omega_2.z) &&
+            textbook_is_number(in->v_o.x) &&
+            textbook_is_number(in->v_o.y) &&
+            textbook_is_number(in->v_o.z) &&
+            textbook_is_number(in->a_o.x) &&
+            textbook_is_number(in->a_o.y) &&
+            textbook_is_number(in->a_o.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r_1.x, -1e9f, 1e9f) &&
-            is_within(in->r_1.y, -1e9f, 1e9f) &&
-            is_within(in->r_1.z, -1e9f, 1e9f) &&
-            is_within(in->r_2.x, -1e9f, 1e9f) &&
-            is_within(in->r_2.y, -1e9f, 1e9f) &&
-            is_within(in->r_2.z, -1e9f, 1e9f) &&
-            is_within(in->a_1.x, -1e9f, 1e9f) &&
-            is_within(in->a_1.y, -1e9f, 1e9f) &&
-            is_within(in->a_1.z, -1e9f, 1e9f) &&
-            is_within(in->alpha_1.x, -1e9f, 1e9f) &&
-            is_within(in->alpha_1.y, -1e9f, 1e9f) &&
-            is_within(in->alpha_1.z, -1e9f, 1e9f) &&
-            is_within(in->omega_1.x, -1e9f, 1e9f) &&
-            is_within(in->omega_1.y, -1e9f, 1e9f) &&
-            is_within(in->omega_1.z, -1e9f, 1e9f) &&
-            is_within(in->v_2.x, -1e9f, 1e9f) &&
-            is_within(in->v_2.y, -1e9f, 1e9f) &&
-            is_within(in->v_2.z, -1e9f, 1e9f) &&
-            is_within(in->a_2.x, -1e9f, 1e9f) &&
-            is_within(in->a_2.y, -1e9f, 1e9f) &&
-            is_within(in->a_2.z, -1e9f, 1e9f) &&
-            is_within(in->alpha_2.x, -1e9f, 1e9f) &&
-            is_within(in->alpha_2.y, -1e9f, 1e9f) &&
-            is_within(in->alpha_2.z, -1e9f, 1e9f) &&
-            is_within(in->omega_2.x, -1e9f, 1e9f) &&
-            is_within(in->omega_2.y, -1e9f, 1e9f) &&
-            is_within(in->omega_2.z, -1e9f, 1e9f) &&
-            is_within(in->v_o.x, -1e9f, 1e9f) &&
-            is_within(in->v_o.y, -1e9f, 1e9f) &&
-            is_within(in->v_o.z, -1e9f, 1e9f) &&
-            is_within(in->a_o.x, -1e9f, 1e9f) &&
-            is_within(in->a_o.y, -1e9f, 1e9f) &&
-            is_within(in->a_o.z, -1e9f, 1e9f)
+            textbook_is_within(in->r_1.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_1.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_1.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_1.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_1.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_1.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_1.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_1.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_1.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_1.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_1.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_1.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_2.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_2.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_2.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1374,51 +1374,51 @@ textbook_status textbook_articulated_wheel_velocity_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r_vehicle.x) &&
-            is_number(in->r_vehicle.y) &&
-            is_number(in->r_vehicle.z) &&
-            is_number(in->r_steer.x) &&
-            is_number(in->r_steer.y) &&
-            is_number(in->r_steer.z) &&
-            is_number(in->v_vehicle.x) &&
-            is_number(in->v_vehicle.y) &&
-            is_number(in->v_vehicle.z) &&
-            is_number(in->omega_vehicle.x) &&
-            is_number(in->omega_vehicle.y) &&
-            is_number(in->omega_vehicle.z) &&
-            is_number(in->v_steer.x) &&
-            is_number(in->v_steer.y) &&
-            is_number(in->v_steer.z) &&
-            is_number(in->omega_steer.x) &&
-            is_number(in->omega_steer.y) &&
-            is_number(in->omega_steer.z) &&
-            is_number(in->v_o.x) &&
-            is_number(in->v_o.y) &&
-            is_number(in->v_o.z)
+            textbook_is_number(in->r_vehicle.x) &&
+            textbook_is_number(in->r_vehicle.y) &&
+            textbook_is_number(in->r_vehicle.z) &&
+            textbook_is_number(in->r_steer.x) &&
+            textbook_is_number(in->r_steer.y) &&
+            textbook_is_number(in->r_steer.z) &&
+            textbook_is_number(in->v_vehicle.x) &&
+            textbook_is_number(in->v_vehicle.y) &&
+            textbook_is_number(in->v_vehicle.z) &&
+            textbook_is_number(in->omega_vehicle.x) &&
+            textbook_is_number(in->omega_vehicle.y) &&
+            textbook_is_number(in->omega_vehicle.z) &&
+            textbook_is_number(in->v_steer.x) &&
+            textbook_is_number(in->v_steer.y) &&
+            textbook_is_number(in->v_steer.z) &&
+            textbook_is_number(in->omega_steer.x) &&
+            textbook_is_number(in->omega_steer.y) &&
+            textbook_is_number(in->omega_steer.z) &&
+            textbook_is_number(in->v_o.x) &&
+            textbook_is_number(in->v_o.y) &&
+            textbook_is_number(in->v_o.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r_vehicle.x, -1e9f, 1e9f) &&
-            is_within(in->r_vehicle.y, -1e9f, 1e9f) &&
-            is_within(in->r_vehicle.z, -1e9f, 1e9f) &&
-            is_within(in->r_steer.x, -1e9f, 1e9f) &&
-            is_within(in->r_steer.y, -1e9f, 1e9f) &&
-            is_within(in->r_steer.z, -1e9f, 1e9f) &&
-            is_within(in->v_vehicle.x, -1e9f, 1e9f) &&
-            is_within(in->v_vehicle.y, -1e9f, 1e9f) &&
-            is_within(in->v_vehicle.z, -1e9f, 1e9f) &&
-            is_within(in->omega_vehicle.x, -1e9f, 1e9f) &&
-            is_within(in->omega_vehicle.y, -1e9f, 1e9f) &&
-            is_within(in->omega_vehicle.z, -1e9f, 1e9f) &&
-            is_within(in->v_steer.x, -1e9f, 1e9f) &&
-            is_within(in->v_steer.y, -1e9f, 1e9f) &&
-            is_within(in->v_steer.z, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.x, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.y, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.z, -1e9f, 1e9f) &&
-            is_within(in->v_o.x, -1e9f, 1e9f) &&
-            is_within(in->v_o.y, -1e9f, 1e9f) &&
-            is_within(in->v_o.z, -1e9f, 1e9f)
+            textbook_is_within(in->r_vehicle.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_vehicle.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_vehicle.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_vehicle.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_vehicle.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_vehicle.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_vehicle.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_vehicle.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_vehicle.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1442,75 +1442,75 @@ textbook_status textbook_articulated_wheel_acceleration_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r_vehicle.x) &&
-            is_number(in->r_vehicle.y) &&
-            is_number(in->r_vehicle.z) &&
-            is_number(in->r_steer.x) &&
-            is_number(in->r_steer.y) &&
-            is_number(in->r_steer.z) &&
-            is_number(in->a_vehicle.x) &&
-            is_number(in->a_vehicle.y) &&
-            is_number(in->a_vehicle.z) &&
-            is_number(in->alpha_vehicle.x) &&
-            is_number(in->alpha_vehicle.y) &&
-            is_number(in->alpha_vehicle.z) &&
-            is_number(in->omega_vehicle.x) &&
-            is_number(in->omega_vehicle.y) &&
-            is_number(in->omega_vehicle.z) &&
-            is_number(in->v_steer.x) &&
-            is_number(in->v_steer.y) &&
-            is_number(in->v_steer.z) &&
-            is_number(in->a_steer.x) &&
-            is_number(in->a_steer.y) &&
-            is_number(in->a_steer.z) &&
-            is_number(in->alpha_steer.x) &&
-            is_number(in->alpha_steer.y) &&
-            is_number(in->alpha_steer.z) &&
-            is_number(in->omega_steer.x) &&
-            is_number(in->omega_steer.y) &&
-            is_number(in->omega_steer.z) &&
-            is_number(in->v_o.x) &&
-            is_number(in->v_o.y) &&
-            is_number(in->v_o.z) &&
-            is_number(in->a_o.x) &&
-            is_number(in->a_o.y) &&
-            is_number(in->a_o.z)
+            textbook_is_number(in->r_vehicle.x) &&
+            textbook_is_number(in->r_vehicle.y) &&
+            textbook_is_number(in->r_vehicle.z) &&
+            textbook_is_number(in->r_steer.x) &&
+            textbook_is_number(in->r_steer.y) &&
+            textbook_is_number(in->r_steer.z) &&
+            textbook_is_number(in->a_vehicle.x) &&
+            textbook_is_number(in->a_vehicle.y) &&
+            textbook_is_number(in->a_vehicle.z) &&
+            textbook_is_number(in->alpha_vehicle.x) &&
+            textbook_is_number(in->alpha_vehicle.y) &&
+            textbook_is_number(in->alpha_vehicle.z) &&
+            textbook_is_number(in->omega_vehicle.x) &&
+            textbook_is_number(in->omega_vehicle.y) &&
+            textbook_is_number(in->omega_vehicle.z) &&
+            textbook_is_number(in->v_steer.x) &&
+            textbook_is_number(in->v_steer.y) &&
+            textbook_is_number(in->v_steer.z) &&
+            textbook_is_number(in->a_steer.x) &&
+            textbook_is_number(in->a_steer.y) &&
+            textbook_is_number(in->a_steer.z) &&
+            textbook_is_number(in->alpha_steer.x) &&
+            textbook_is_number(in->alpha_steer.y) &&
+            textbook_is_number(in->alpha_steer.z) &&
+            textbook_is_number(in->omega_steer.x) &&
+            textbook_is_number(in->omega_steer.y) &&
+            textbook_is_number(in->omega_steer.z) &&
+            textbook_is_number(in->v_o.x) &&
+            textbook_is_number(in->v_o.y) &&
+            textbook_is_number(in->v_o.z) &&
+            textbook_is_number(in->a_o.x) &&
+            textbook_is_number(in->a_o.y) &&
+            textbook_is_number(in->a_o.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r_vehicle.x, -1e9f, 1e9f) &&
-            is_within(in->r_vehicle.y, -1e9f, 1e9f) &&
-            is_within(in->r_vehicle.z, -1e9f, 1e9f) &&
-            is_within(in->r_steer.x, -1e9f, 1e9f) &&
-            is_within(in->r_steer.y, -1e9f, 1e9f) &&
-            is_within(in->r_steer.z, -1e9f, 1e9f) &&
-            is_within(in->a_vehicle.x, -1e9f, 1e9f) &&
-            is_within(in->a_vehicle.y, -1e9f, 1e9f) &&
-            is_within(in->a_vehicle.z, -1e9f, 1e9f) &&
-            is_within(in->alpha_vehicle.x, -1e9f, 1e9f) &&
-            is_within(in->alpha_vehicle.y, -1e9f, 1e9f) &&
-            is_within(in->alpha_vehicle.z, -1e9f, 1e9f) &&
-            is_within(in->omega_vehicle.x, -1e9f, 1e9f) &&
-            is_within(in->omega_vehicle.y, -1e9f, 1e9f) &&
-            is_within(in->omega_vehicle.z, -1e9f, 1e9f) &&
-            is_within(in->v_steer.x, -1e9f, 1e9f) &&
-            is_within(in->v_steer.y, -1e9f, 1e9f) &&
-            is_within(in->v_steer.z, -1e9f, 1e9f) &&
-            is_within(in->a_steer.x, -1e9f, 1e9f) &&
-            is_within(in->a_steer.y, -1e9f, 1e9f) &&
-            is_within(in->a_steer.z, -1e9f, 1e9f) &&
-            is_within(in->alpha_steer.x, -1e9f, 1e9f) &&
-            is_within(in->alpha_steer.y, -1e9f, 1e9f) &&
-            is_within(in->alpha_steer.z, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.x, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.y, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.z, -1e9f, 1e9f) &&
-            is_within(in->v_o.x, -1e9f, 1e9f) &&
-            is_within(in->v_o.y, -1e9f, 1e9f) &&
-            is_within(in->v_o.z, -1e9f, 1e9f) &&
-            is_within(in->a_o.x, -1e9f, 1e9f) &&
-            is_within(in->a_o.y, -1e9f, 1e9f) &&
-            is_within(in->a_o.z, -1e9f, 1e9f)
+            textbook_is_within(in->r_vehicle.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_vehicle.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_vehicle.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_vehicle.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_vehicle.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_vehicle.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_vehicle.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_vehicle.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_vehicle.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_vehicle.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_vehicle.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_vehicle.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v_o.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a_o.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1534,27 +1534,27 @@ textbook_status textbook_wheel_velocity_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->v.x) &&
-            is_number(in->v.y) &&
-            is_number(in->v.z) &&
-            is_number(in->omega.x) &&
-            is_number(in->omega.y) &&
-            is_number(in->omega.z) &&
-            is_number(in->r.x) &&
-            is_number(in->r.y) &&
-            is_number(in->r.z)
+            textbook_is_number(in->v.x) &&
+            textbook_is_number(in->v.y) &&
+            textbook_is_number(in->v.z) &&
+            textbook_is_number(in->omega.x) &&
+            textbook_is_number(in->omega.y) &&
+            textbook_is_number(in->omega.z) &&
+            textbook_is_number(in->r.x) &&
+            textbook_is_number(in->r.y) &&
+            textbook_is_number(in->r.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->v.x, -1e9f, 1e9f) &&
-            is_within(in->v.y, -1e9f, 1e9f) &&
-            is_within(in->v.z, -1e9f, 1e9f) &&
-            is_within(in->omega.x, -1e9f, 1e9f) &&
-            is_within(in->omega.y, -1e9f, 1e9f) &&
-            is_within(in->omega.z, -1e9f, 1e9f) &&
-            is_within(in->r.x, -1e9f, 1e9f) &&
-            is_within(in->r.y, -1e9f, 1e9f) &&
-            is_within(in->r.z, -1e9f, 1e9f)
+            textbook_is_within(in->v.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1575,39 +1575,39 @@ textbook_status textbook_offset_wheel_velocity_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->v.x) &&
-            is_number(in->v.y) &&
-            is_number(in->v.z) &&
-            is_number(in->omega.x) &&
-            is_number(in->omega.y) &&
-            is_number(in->omega.z) &&
-            is_number(in->r.x) &&
-            is_number(in->r.y) &&
-            is_number(in->r.z) &&
-            is_number(in->r_steer.x) &&
-            is_number(in->r_steer.y) &&
-            is_number(in->r_steer.z) &&
-            is_number(in->omega_steer.x) &&
-            is_number(in->omega_steer.y) &&
-            is_number(in->omega_steer.z)
+            textbook_is_number(in->v.x) &&
+            textbook_is_number(in->v.y) &&
+            textbook_is_number(in->v.z) &&
+            textbook_is_number(in->omega.x) &&
+            textbook_is_number(in->omega.y) &&
+            textbook_is_number(in->omega.z) &&
+            textbook_is_number(in->r.x) &&
+            textbook_is_number(in->r.y) &&
+            textbook_is_number(in->r.z) &&
+            textbook_is_number(in->r_steer.x) &&
+            textbook_is_number(in->r_steer.y) &&
+            textbook_is_number(in->r_steer.z) &&
+            textbook_is_number(in->omega_steer.x) &&
+            textbook_is_number(in->omega_steer.y) &&
+            textbook_is_number(in->omega_steer.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->v.x, -1e9f, 1e9f) &&
-            is_within(in->v.y, -1e9f, 1e9f) &&
-            is_within(in->v.z, -1e9f, 1e9f) &&
-            is_within(in->omega.x, -1e9f, 1e9f) &&
-            is_within(in->omega.y, -1e9f, 1e9f) &&
-            is_within(in->omega.z, -1e9f, 1e9f) &&
-            is_within(in->r.x, -1e9f, 1e9f) &&
-            is_within(in->r.y, -1e9f, 1e9f) &&
-            is_within(in->r.z, -1e9f, 1e9f) &&
-            is_within(in->r_steer.x, -1e9f, 1e9f) &&
-            is_within(in->r_steer.y, -1e9f, 1e9f) &&
-            is_within(in->r_steer.z, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.x, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.y, -1e9f, 1e9f) &&
-            is_within(in->omega_steer.z, -1e9f, 1e9f)
+            textbook_is_within(in->v.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_steer.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega_steer.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1628,45 +1628,45 @@ textbook_status textbook_specific_force_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->t.x) &&
-            is_number(in->t.y) &&
-            is_number(in->t.z) &&
-            is_number(in->alpha.x) &&
-            is_number(in->alpha.y) &&
-            is_number(in->alpha.z) &&
-            is_number(in->omega.x) &&
-            is_number(in->omega.y) &&
-            is_number(in->omega.z) &&
-            is_number(in->r.x) &&
-            is_number(in->r.y) &&
-            is_number(in->r.z) &&
-            is_number(in->v.x) &&
-            is_number(in->v.y) &&
-            is_number(in->v.z) &&
-            is_number(in->a.x) &&
-            is_number(in->a.y) &&
-            is_number(in->a.z)
+            textbook_is_number(in->t.x) &&
+            textbook_is_number(in->t.y) &&
+            textbook_is_number(in->t.z) &&
+            textbook_is_number(in->alpha.x) &&
+            textbook_is_number(in->alpha.y) &&
+            textbook_is_number(in->alpha.z) &&
+            textbook_is_number(in->omega.x) &&
+            textbook_is_number(in->omega.y) &&
+            textbook_is_number(in->omega.z) &&
+            textbook_is_number(in->r.x) &&
+            textbook_is_number(in->r.y) &&
+            textbook_is_number(in->r.z) &&
+            textbook_is_number(in->v.x) &&
+            textbook_is_number(in->v.y) &&
+            textbook_is_number(in->v.z) &&
+            textbook_is_number(in->a.x) &&
+            textbook_is_number(in->a.y) &&
+            textbook_is_number(in->a.z)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->t.x, -1e9f, 1e9f) &&
-            is_within(in->t.y, -1e9f, 1e9f) &&
-            is_within(in->t.z, -1e9f, 1e9f) &&
-            is_within(in->alpha.x, -1e9f, 1e9f) &&
-            is_within(in->alpha.y, -1e9f, 1e9f) &&
-            is_within(in->alpha.z, -1e9f, 1e9f) &&
-            is_within(in->omega.x, -1e9f, 1e9f) &&
-            is_within(in->omega.y, -1e9f, 1e9f) &&
-            is_within(in->omega.z, -1e9f, 1e9f) &&
-            is_within(in->r.x, -1e9f, 1e9f) &&
-            is_within(in->r.y, -1e9f, 1e9f) &&
-            is_within(in->r.z, -1e9f, 1e9f) &&
-            is_within(in->v.x, -1e9f, 1e9f) &&
-            is_within(in->v.y, -1e9f, 1e9f) &&
-            is_within(in->v.z, -1e9f, 1e9f) &&
-            is_within(in->a.x, -1e9f, 1e9f) &&
-            is_within(in->a.y, -1e9f, 1e9f) &&
-            is_within(in->a.z, -1e9f, 1e9f)
+            textbook_is_within(in->t.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->t.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->t.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->r.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->v.z, -1e9f, 1e9f) &&
+            textbook_is_within(in->a.x, -1e9f, 1e9f) &&
+            textbook_is_within(in->a.y, -1e9f, 1e9f) &&
+            textbook_is_within(in->a.z, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1687,15 +1687,15 @@ textbook_status textbook_rolling_disk_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r) &&
-            is_number(in->spin) &&
-            is_number(in->phi)
+            textbook_is_number(in->r) &&
+            textbook_is_number(in->spin) &&
+            textbook_is_number(in->phi)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r, -1e9f, 1e9f) &&
-            is_within(in->spin, -1e9f, 1e9f) &&
-            is_within(in->phi, -1e4f, 1e4f)
+            textbook_is_within(in->r, -1e9f, 1e9f) &&
+            textbook_is_within(in->spin, -1e9f, 1e9f) &&
+            textbook_is_within(in->phi, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1715,15 +1715,15 @@ textbook_status textbook_disk_constraint_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->phi) &&
-            is_number(in->x_rate) &&
-            is_number(in->y_rate)
+            textbook_is_number(in->phi) &&
+            textbook_is_number(in->x_rate) &&
+            textbook_is_number(in->y_rate)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->phi, -1e4f, 1e4f) &&
-            is_within(in->x_rate, -1e9f, 1e9f) &&
-            is_within(in->y_rate, -1e9f, 1e9f)
+            textbook_is_within(in->phi, -1e4f, 1e4f) &&
+            textbook_is_within(in->x_rate, -1e9f, 1e9f) &&
+            textbook_is_within(in->y_rate, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1744,15 +1744,15 @@ textbook_status textbook_unicycle_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->theta) &&
-            is_number(in->v) &&
-            is_number(in->omega)
+            textbook_is_number(in->theta) &&
+            textbook_is_number(in->v) &&
+            textbook_is_number(in->omega)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->v, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_is_within(in->v, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1773,15 +1773,15 @@ textbook_status textbook_steer_sense_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r) &&
-            is_number(in->spin) &&
-            is_number(in->steer)
+            textbook_is_number(in->r) &&
+            textbook_is_number(in->spin) &&
+            textbook_is_number(in->steer)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r, -1e9f, 1e9f) &&
-            is_within(in->spin, -1e9f, 1e9f) &&
-            is_within(in->steer, -1e4f, 1e4f)
+            textbook_is_within(in->r, -1e9f, 1e9f) &&
+            textbook_is_within(in->spin, -1e9f, 1e9f) &&
+            textbook_is_within(in->steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1802,17 +1802,17 @@ textbook_status textbook_wheel_contributions_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->r) &&
-            is_number(in->l) &&
-            is_number(in->right.spin) &&
-            is_number(in->left.spin)
+            textbook_is_number(in->r) &&
+            textbook_is_number(in->l) &&
+            textbook_is_number(in->right.spin) &&
+            textbook_is_number(in->left.spin)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->r, -1e9f, 1e9f) &&
-            is_within(in->l, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f) &&
-            is_within(in->left.spin, -1e9f, 1e9f)
+            textbook_is_within(in->r, -1e9f, 1e9f) &&
+            textbook_is_within(in->l, -1e9f, 1e9f) &&
+            textbook_is_within(in->right.spin, -1e9f, 1e9f) &&
+            textbook_is_within(in->left.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1834,27 +1834,27 @@ textbook_status textbook_swedish_wheel_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->l) &&
-            is_number(in->alpha) &&
-            is_number(in->beta) &&
-            is_number(in->gamma) &&
-            is_number(in->r) &&
-            is_number(in->r_sw)
+            textbook_is_number(in->vx) &&
+            textbook_is_number(in->vy) &&
+            textbook_is_number(in->omega) &&
+            textbook_is_number(in->l) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->beta) &&
+            textbook_is_number(in->gamma) &&
+            textbook_is_number(in->r) &&
+            textbook_is_number(in->r_sw)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->l, -1e9f, 1e9f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->beta, -1e4f, 1e4f) &&
-            is_within(in->gamma, -1e4f, 1e4f) &&
-            is_within(in->r, -1e9f, 1e9f) &&
-            is_within(in->r_sw, -1e9f, 1e9f)
+            textbook_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega, -200.0f, 200.0f) &&
+            textbook_is_within(in->l, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->beta, -1e4f, 1e4f) &&
+            textbook_is_within(in->gamma, -1e4f, 1e4f) &&
+            textbook_is_within(in->r, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_sw, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1874,21 +1874,21 @@ textbook_status textbook_mecanum_wheel_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->radius) &&
-            is_number(in->r_sw) &&
-            is_number(in->alpha) &&
-            is_number(in->phi) &&
-            is_number(in->dx) &&
-            is_number(in->dy)
+            textbook_is_number(in->radius) &&
+            textbook_is_number(in->r_sw) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->phi) &&
+            textbook_is_number(in->dx) &&
+            textbook_is_number(in->dy)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->radius, -1e9f, 1e9f) &&
-            is_within(in->r_sw, -1e9f, 1e9f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->phi, -1e4f, 1e4f) &&
-            is_within(in->dx, -1e9f, 1e9f) &&
-            is_within(in->dy, -1e9f, 1e9f)
+            textbook_is_within(in->radius, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_sw, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->phi, -1e4f, 1e4f) &&
+            textbook_is_within(in->dx, -1e9f, 1e9f) &&
+            textbook_is_within(in->dy, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1916,27 +1916,27 @@ textbook_status textbook_mecanum_wheel_inverse_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->radius) &&
-            is_number(in->r_sw) &&
-            is_number(in->alpha) &&
-            is_number(in->phi) &&
-            is_number(in->dx) &&
-            is_number(in->dy) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            textbook_is_number(in->radius) &&
+            textbook_is_number(in->r_sw) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->phi) &&
+            textbook_is_number(in->dx) &&
+            textbook_is_number(in->dy) &&
+            textbook_is_number(in->vx) &&
+            textbook_is_number(in->vy) &&
+            textbook_is_number(in->omega)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->radius, -1e9f, 1e9f) &&
-            is_within(in->r_sw, -1e9f, 1e9f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->phi, -1e4f, 1e4f) &&
-            is_within(in->dx, -1e9f, 1e9f) &&
-            is_within(in->dy, -1e9f, 1e9f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_is_within(in->radius, -1e9f, 1e9f) &&
+            textbook_is_within(in->r_sw, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->phi, -1e4f, 1e4f) &&
+            textbook_is_within(in->dx, -1e9f, 1e9f) &&
+            textbook_is_within(in->dy, -1e9f, 1e9f) &&
+            textbook_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1957,15 +1957,15 @@ textbook_status textbook_mecanum_roller_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->radius) &&
-            is_number(in->count) &&
-            is_number(in->angle)
+            textbook_is_number(in->radius) &&
+            textbook_is_number(in->count) &&
+            textbook_is_number(in->angle)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->radius, -1e9f, 1e9f) &&
-            is_within(in->count, -1e9f, 1e9f) &&
-            is_within(in->angle, -1e4f, 1e4f)
+            textbook_is_within(in->radius, -1e9f, 1e9f) &&
+            textbook_is_within(in->count, -1e9f, 1e9f) &&
+            textbook_is_within(in->angle, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -1986,15 +1986,15 @@ textbook_status textbook_omni_wheel_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->v) &&
-            is_number(in->beta) &&
-            is_number(in->gamma)
+            textbook_is_number(in->v) &&
+            textbook_is_number(in->beta) &&
+            textbook_is_number(in->gamma)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->v, -1e9f, 1e9f) &&
-            is_within(in->beta, -1e4f, 1e4f) &&
-            is_within(in->gamma, -1e4f, 1e4f)
+            textbook_is_within(in->v, -1e9f, 1e9f) &&
+            textbook_is_within(in->beta, -1e4f, 1e4f) &&
+            textbook_is_within(in->gamma, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2015,28 +2015,28 @@ textbook_status textbook_castor_swivel_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->beta) &&
-            is_number(in->alpha) &&
-            is_number(in->d) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->t)
+            textbook_is_number(in->beta) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->d) &&
+            textbook_is_number(in->vx) &&
+            textbook_is_number(in->vy) &&
+            textbook_is_number(in->t)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->beta, -1e4f, 1e4f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->d, -1e9f, 1e9f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->t, -1e9f, 1e9f)
+            textbook_is_within(in->beta, -1e4f, 1e4f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->d, -1e9f, 1e9f) &&
+            textbook_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_is_within(in->t, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
         textbook_castor_swivel(in, out);
     }
     if (status != TEXTBOOK_OK) {
-        out->beta = held(in->beta);
+        out->beta = textbook_held(in->beta);
     }
     return status;
 }
@@ -2048,19 +2048,19 @@ textbook_status textbook_castor_alignment_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->alpha) &&
-            is_number(in->d) &&
-            is_number(in->r) &&
-            is_number(in->vx) &&
-            is_number(in->vy)
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->d) &&
+            textbook_is_number(in->r) &&
+            textbook_is_number(in->vx) &&
+            textbook_is_number(in->vy)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->d, -1e9f, 1e9f) &&
-            is_within(in->r, -1e9f, 1e9f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f)
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->d, -1e9f, 1e9f) &&
+            textbook_is_within(in->r, -1e9f, 1e9f) &&
+            textbook_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_is_within(in->vy, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2080,19 +2080,19 @@ textbook_status textbook_chain_3_checked(const textbook_chain_3_in *in, textbook
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x1) &&
-            is_number(in->x2) &&
-            is_number(in->x3) &&
-            is_number(in->u1) &&
-            is_number(in->u2)
+            textbook_is_number(in->x1) &&
+            textbook_is_number(in->x2) &&
+            textbook_is_number(in->x3) &&
+            textbook_is_number(in->u1) &&
+            textbook_is_number(in->u2)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x1, -1e9f, 1e9f) &&
-            is_within(in->x2, -1e9f, 1e9f) &&
-            is_within(in->x3, -1e9f, 1e9f) &&
-            is_within(in->u1, -1e9f, 1e9f) &&
-            is_within(in->u2, -1e9f, 1e9f)
+            textbook_is_within(in->x1, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2, -1e9f, 1e9f) &&
+            textbook_is_within(in->x3, -1e9f, 1e9f) &&
+            textbook_is_within(in->u1, -1e9f, 1e9f) &&
+            textbook_is_within(in->u2, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2111,21 +2111,21 @@ textbook_status textbook_chain_4_checked(const textbook_chain_4_in *in, textbook
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x1) &&
-            is_number(in->x2) &&
-            is_number(in->x3) &&
-            is_number(in->x4) &&
-            is_number(in->u1) &&
-            is_number(in->u2)
+            textbook_is_number(in->x1) &&
+            textbook_is_number(in->x2) &&
+            textbook_is_number(in->x3) &&
+            textbook_is_number(in->x4) &&
+            textbook_is_number(in->u1) &&
+            textbook_is_number(in->u2)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x1, -1e9f, 1e9f) &&
-            is_within(in->x2, -1e9f, 1e9f) &&
-            is_within(in->x3, -1e9f, 1e9f) &&
-            is_within(in->x4, -1e9f, 1e9f) &&
-            is_within(in->u1, -1e9f, 1e9f) &&
-            is_within(in->u2, -1e9f, 1e9f)
+            textbook_is_within(in->x1, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2, -1e9f, 1e9f) &&
+            textbook_is_within(in->x3, -1e9f, 1e9f) &&
+            textbook_is_within(in->x4, -1e9f, 1e9f) &&
+            textbook_is_within(in->u1, -1e9f, 1e9f) &&
+            textbook_is_within(in->u2, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2145,23 +2145,23 @@ textbook_status textbook_chain_5_checked(const textbook_chain_5_in *in, textbook
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x1) &&
-            is_number(in->x2) &&
-            is_number(in->x3) &&
-            is_number(in->x4) &&
-            is_number(in->x5) &&
-            is_number(in->u1) &&
-            is_number(in->u2)
+            textbook_is_number(in->x1) &&
+            textbook_is_number(in->x2) &&
+            textbook_is_number(in->x3) &&
+            textbook_is_number(in->x4) &&
+            textbook_is_number(in->x5) &&
+            textbook_is_number(in->u1) &&
+            textbook_is_number(in->u2)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x1, -1e9f, 1e9f) &&
-            is_within(in->x2, -1e9f, 1e9f) &&
-            is_within(in->x3, -1e9f, 1e9f) &&
-            is_within(in->x4, -1e9f, 1e9f) &&
-            is_within(in->x5, -1e9f, 1e9f) &&
-            is_within(in->u1, -1e9f, 1e9f) &&
-            is_within(in->u2, -1e9f, 1e9f)
+            textbook_is_within(in->x1, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2, -1e9f, 1e9f) &&
+            textbook_is_within(in->x3, -1e9f, 1e9f) &&
+            textbook_is_within(in->x4, -1e9f, 1e9f) &&
+            textbook_is_within(in->x5, -1e9f, 1e9f) &&
+            textbook_is_within(in->u1, -1e9f, 1e9f) &&
+            textbook_is_within(in->u2, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2182,25 +2182,25 @@ textbook_status textbook_chain_6_checked(const textbook_chain_6_in *in, textbook
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x1) &&
-            is_number(in->x2) &&
-            is_number(in->x3) &&
-            is_number(in->x4) &&
-            is_number(in->x5) &&
-            is_number(in->x6) &&
-            is_number(in->u1) &&
-            is_number(in->u2)
+            textbook_is_number(in->x1) &&
+            textbook_is_number(in->x2) &&
+            textbook_is_number(in->x3) &&
+            textbook_is_number(in->x4) &&
+            textbook_is_number(in->x5) &&
+            textbook_is_number(in->x6) &&
+            textbook_is_number(in->u1) &&
+            textbook_is_number(in->u2)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x1, -1e9f, 1e9f) &&
-            is_within(in->x2, -1e9f, 1e9f) &&
-            is_within(in->x3, -1e9f, 1e9f) &&
-            is_within(in->x4, -1e9f, 1e9f) &&
-            is_within(in->x5, -1e9f, 1e9f) &&
-            is_within(in->x6, -1e9f, 1e9f) &&
-            is_within(in->u1, -1e9f, 1e9f) &&
-            is_within(in->u2, -1e9f, 1e9f)
+            textbook_is_within(in->x1, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2, -1e9f, 1e9f) &&
+            textbook_is_within(in->x3, -1e9f, 1e9f) &&
+            textbook_is_within(in->x4, -1e9f, 1e9f) &&
+            textbook_is_within(in->x5, -1e9f, 1e9f) &&
+            textbook_is_within(in->x6, -1e9f, 1e9f) &&
+            textbook_is_within(in->u1, -1e9f, 1e9f) &&
+            textbook_is_within(in->u2, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2224,19 +2224,19 @@ textbook_status textbook_brockett_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x1) &&
-            is_number(in->x2) &&
-            is_number(in->x3) &&
-            is_number(in->u1) &&
-            is_number(in->u2)
+            textbook_is_number(in->x1) &&
+            textbook_is_number(in->x2) &&
+            textbook_is_number(in->x3) &&
+            textbook_is_number(in->u1) &&
+            textbook_is_number(in->u2)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x1, -1e9f, 1e9f) &&
-            is_within(in->x2, -1e9f, 1e9f) &&
-            is_within(in->x3, -1e9f, 1e9f) &&
-            is_within(in->u1, -1e9f, 1e9f) &&
-            is_within(in->u2, -1e9f, 1e9f)
+            textbook_is_within(in->x1, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2, -1e9f, 1e9f) &&
+            textbook_is_within(in->x3, -1e9f, 1e9f) &&
+            textbook_is_within(in->u1, -1e9f, 1e9f) &&
+            textbook_is_within(in->u2, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2257,21 +2257,21 @@ textbook_status textbook_brockett_double_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x1) &&
-            is_number(in->x2) &&
-            is_number(in->x1_rate) &&
-            is_number(in->x2_rate) &&
-            is_number(in->u1) &&
-            is_number(in->u2)
+            textbook_is_number(in->x1) &&
+            textbook_is_number(in->x2) &&
+            textbook_is_number(in->x1_rate) &&
+            textbook_is_number(in->x2_rate) &&
+            textbook_is_number(in->u1) &&
+            textbook_is_number(in->u2)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x1, -1e9f, 1e9f) &&
-            is_within(in->x2, -1e9f, 1e9f) &&
-            is_within(in->x1_rate, -1e9f, 1e9f) &&
-            is_within(in->x2_rate, -1e9f, 1e9f) &&
-            is_within(in->u1, -1e9f, 1e9f) &&
-            is_within(in->u2, -1e9f, 1e9f)
+            textbook_is_within(in->x1, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2, -1e9f, 1e9f) &&
+            textbook_is_within(in->x1_rate, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2_rate, -1e9f, 1e9f) &&
+            textbook_is_within(in->u1, -1e9f, 1e9f) &&
+            textbook_is_within(in->u2, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2292,19 +2292,19 @@ textbook_status textbook_unicycle_to_chain_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->v) &&
-            is_number(in->omega)
+            textbook_is_number(in->x) &&
+            textbook_is_number(in->y) &&
+            textbook_is_number(in->theta) &&
+            textbook_is_number(in->v) &&
+            textbook_is_number(in->omega)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->v, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_is_within(in->x, -1e9f, 1e9f) &&
+            textbook_is_within(in->y, -1e9f, 1e9f) &&
+            textbook_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_is_within(in->v, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2327,15 +2327,15 @@ textbook_status textbook_chain_to_brockett_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->z1) &&
-            is_number(in->z2) &&
-            is_number(in->z3)
+            textbook_is_number(in->z1) &&
+            textbook_is_number(in->z2) &&
+            textbook_is_number(in->z3)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->z1, -1e9f, 1e9f) &&
-            is_within(in->z2, -1e9f, 1e9f) &&
-            is_within(in->z3, -1e9f, 1e9f)
+            textbook_is_within(in->z1, -1e9f, 1e9f) &&
+            textbook_is_within(in->z2, -1e9f, 1e9f) &&
+            textbook_is_within(in->z3, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2356,15 +2356,15 @@ textbook_status textbook_brockett_to_chain_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x1) &&
-            is_number(in->x2) &&
-            is_number(in->x3)
+            textbook_is_number(in->x1) &&
+            textbook_is_number(in->x2) &&
+            textbook_is_number(in->x3)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x1, -1e9f, 1e9f) &&
-            is_within(in->x2, -1e9f, 1e9f) &&
-            is_within(in->x3, -1e9f, 1e9f)
+            textbook_is_within(in->x1, -1e9f, 1e9f) &&
+            textbook_is_within(in->x2, -1e9f, 1e9f) &&
+            textbook_is_within(in->x3, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2385,15 +2385,15 @@ textbook_status textbook_polar_coordinates_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta)
+            textbook_is_number(in->x) &&
+            textbook_is_number(in->y) &&
+            textbook_is_number(in->theta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f)
+            textbook_is_within(in->x, -1e9f, 1e9f) &&
+            textbook_is_within(in->y, -1e9f, 1e9f) &&
+            textbook_is_within(in->theta, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2414,15 +2414,15 @@ textbook_status textbook_polar_pose_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->rho) &&
-            is_number(in->alpha) &&
-            is_number(in->beta)
+            textbook_is_number(in->rho) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->beta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rho, -1e9f, 1e9f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->beta, -1e4f, 1e4f)
+            textbook_is_within(in->rho, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->beta, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2443,19 +2443,19 @@ textbook_status textbook_polar_rates_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->rho) &&
-            is_number(in->alpha) &&
-            is_number(in->beta) &&
-            is_number(in->v) &&
-            is_number(in->omega)
+            textbook_is_number(in->rho) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->beta) &&
+            textbook_is_number(in->v) &&
+            textbook_is_number(in->omega)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rho, -1e9f, 1e9f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->beta, -1e4f, 1e4f) &&
-            is_within(in->v, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_is_within(in->rho, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->beta, -1e4f, 1e4f) &&
+            textbook_is_within(in->v, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2476,19 +2476,19 @@ textbook_status textbook_polar_rates_reverse_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->rho) &&
-            is_number(in->alpha) &&
-            is_number(in->beta) &&
-            is_number(in->v) &&
-            is_number(in->omega)
+            textbook_is_number(in->rho) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->beta) &&
+            textbook_is_number(in->v) &&
+            textbook_is_number(in->omega)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rho, -1e9f, 1e9f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->beta, -1e4f, 1e4f) &&
-            is_within(in->v, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_is_within(in->rho, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->beta, -1e4f, 1e4f) &&
+            textbook_is_within(in->v, -1e9f, 1e9f) &&
+            textbook_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2509,21 +2509,21 @@ textbook_status textbook_polar_closed_loop_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->rho) &&
-            is_number(in->alpha) &&
-            is_number(in->beta) &&
-            is_number(in->k_rho) &&
-            is_number(in->k_alpha) &&
-            is_number(in->k_beta)
+            textbook_is_number(in->rho) &&
+            textbook_is_number(in->alpha) &&
+            textbook_is_number(in->beta) &&
+            textbook_is_number(in->k_rho) &&
+            textbook_is_number(in->k_alpha) &&
+            textbook_is_number(in->k_beta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rho, -1e9f, 1e9f) &&
-            is_within(in->alpha, -1e4f, 1e4f) &&
-            is_within(in->beta, -1e4f, 1e4f) &&
-            is_within(in->k_rho, -1e9f, 1e9f) &&
-            is_within(in->k_alpha, -1e9f, 1e9f) &&
-            is_within(in->k_beta, -1e9f, 1e9f)
+            textbook_is_within(in->rho, -1e9f, 1e9f) &&
+            textbook_is_within(in->alpha, -1e4f, 1e4f) &&
+            textbook_is_within(in->beta, -1e4f, 1e4f) &&
+            textbook_is_within(in->k_rho, -1e9f, 1e9f) &&
+            textbook_is_within(in->k_alpha, -1e9f, 1e9f) &&
+            textbook_is_within(in->k_beta, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2546,15 +2546,15 @@ textbook_status textbook_polar_linearisation_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->k_rho) &&
-            is_number(in->k_alpha) &&
-            is_number(in->k_beta)
+            textbook_is_number(in->k_rho) &&
+            textbook_is_number(in->k_alpha) &&
+            textbook_is_number(in->k_beta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->k_rho, -1e9f, 1e9f) &&
-            is_within(in->k_alpha, -1e9f, 1e9f) &&
-            is_within(in->k_beta, -1e9f, 1e9f)
+            textbook_is_within(in->k_rho, -1e9f, 1e9f) &&
+            textbook_is_within(in->k_alpha, -1e9f, 1e9f) &&
+            textbook_is_within(in->k_beta, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2584,15 +2584,15 @@ textbook_status textbook_polar_gains_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->k_rho) &&
-            is_number(in->k_alpha) &&
-            is_number(in->k_beta)
+            textbook_is_number(in->k_rho) &&
+            textbook_is_number(in->k_alpha) &&
+            textbook_is_number(in->k_beta)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->k_rho, -1e9f, 1e9f) &&
-            is_within(in->k_alpha, -1e9f, 1e9f) &&
-            is_within(in->k_beta, -1e9f, 1e9f)
+            textbook_is_within(in->k_rho, -1e9f, 1e9f) &&
+            textbook_is_within(in->k_alpha, -1e9f, 1e9f) &&
+            textbook_is_within(in->k_beta, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2613,13 +2613,13 @@ textbook_status textbook_turning_radius_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->wheelbase) &&
-            is_number(in->psi)
+            textbook_is_number(in->wheelbase) &&
+            textbook_is_number(in->psi)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheelbase, -1e9f, 1e9f) &&
-            is_within(in->psi, -1e4f, 1e4f)
+            textbook_is_within(in->wheelbase, -1e9f, 1e9f) &&
+            textbook_is_within(in->psi, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2637,15 +2637,15 @@ textbook_status textbook_pursuit_checked(const textbook_pursuit_in *in, textbook
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->wheelbase) &&
-            is_number(in->distance) &&
-            is_number(in->epsilon)
+            textbook_is_number(in->wheelbase) &&
+            textbook_is_number(in->distance) &&
+            textbook_is_number(in->epsilon)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheelbase, -1e9f, 1e9f) &&
-            is_within(in->distance, -1e9f, 1e9f) &&
-            is_within(in->epsilon, -1e4f, 1e4f)
+            textbook_is_within(in->wheelbase, -1e9f, 1e9f) &&
+            textbook_is_within(in->distance, -1e9f, 1e9f) &&
+            textbook_is_within(in->epsilon, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2668,15 +2668,15 @@ textbook_status textbook_car_reduction_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->u1) &&
-            is_number(in->xi) &&
-            is_number(in->wheelbase)
+            textbook_is_number(in->u1) &&
+            textbook_is_number(in->xi) &&
+            textbook_is_number(in->wheelbase)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->u1, -1e9f, 1e9f) &&
-            is_within(in->xi, -1e4f, 1e4f) &&
-            is_within(in->wheelbase, -1e9f, 1e9f)
+            textbook_is_within(in->u1, -1e9f, 1e9f) &&
+            textbook_is_within(in->xi, -1e4f, 1e4f) &&
+            textbook_is_within(in->wheelbase, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {
@@ -2696,17 +2696,17 @@ textbook_status textbook_car_bounds_checked(
     textbook_status status = TEXTBOOK_OK;
 
     if (!(
-            is_number(in->u1_max) &&
-            is_number(in->zeta_max) &&
-            is_number(in->v) &&
-            is_number(in->wheelbase)
+            textbook_is_number(in->u1_max) &&
+            textbook_is_number(in->zeta_max) &&
+            textbook_is_number(in->v) &&
+            textbook_is_number(in->wheelbase)
         )) {
         status = TEXTBOOK_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->u1_max, -1e9f, 1e9f) &&
-            is_within(in->zeta_max, -1e4f, 1e4f) &&
-            is_within(in->v, -1e9f, 1e9f) &&
-            is_within(in->wheelbase, -1e9f, 1e9f)
+            textbook_is_within(in->u1_max, -1e9f, 1e9f) &&
+            textbook_is_within(in->zeta_max, -1e4f, 1e4f) &&
+            textbook_is_within(in->v, -1e9f, 1e9f) &&
+            textbook_is_within(in->wheelbase, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OUT_OF_RANGE;
     } else {

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool textbook_differential_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool textbook_differential_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return textbook_differential_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float textbook_differential_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return textbook_differential_is_number(x) ? x : 0.0f;
 }
 
 textbook_differential_status textbook_differential_inverse_checked(
@@ -39,15 +39,15 @@ textbook_differential_status textbook_differential_inverse_checked(
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            textbook_differential_is_number(in->vx) &&
+            textbook_differential_is_number(in->vy) &&
+            textbook_differential_is_number(in->omega)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_differential_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
@@ -67,15 +67,15 @@ textbook_differential_status textbook_differential_inverse_slip_checked(
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            textbook_differential_is_number(in->vx) &&
+            textbook_differential_is_number(in->vy) &&
+            textbook_differential_is_number(in->omega)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_differential_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
@@ -94,13 +94,13 @@ textbook_differential_status textbook_differential_forward_checked(
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            is_number(in->right.spin) &&
-            is_number(in->left.spin)
+            textbook_differential_is_number(in->right.spin) &&
+            textbook_differential_is_number(in->left.spin)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->right.spin, -1e9f, 1e9f) &&
-            is_within(in->left.spin, -1e9f, 1e9f)
+            textbook_differential_is_within(in->right.spin, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->left.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
@@ -121,13 +121,13 @@ textbook_differential_status textbook_differential_forward_slip_checked(
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            is_number(in->right.spin) &&
-            is_number(in->left.spin)
+            textbook_differential_is_number(in->right.spin) &&
+            textbook_differential_is_number(in->left.spin)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->right.spin, -1e9f, 1e9f) &&
-            is_within(in->left.spin, -1e9f, 1e9f)
+            textbook_differential_is_within(in->right.spin, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->left.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
@@ -149,32 +149,32 @@ textbook_differential_status textbook_differential_odometry_checked(
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            textbook_differential_is_number(in->x) &&
+            textbook_differential_is_number(in->y) &&
+            textbook_differential_is_number(in->theta) &&
+            textbook_differential_is_number(in->vx) &&
+            textbook_differential_is_number(in->vy) &&
+            textbook_differential_is_number(in->omega) &&
+            textbook_differential_is_number(in->dt)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            textbook_differential_is_within(in->x, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->y, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_differential_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_differential_is_within(in->omega, -200.0f, 200.0f) &&
+            textbook_differential_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
         textbook_differential_odometry(in, out);
     }
     if (status != TEXTBOOK_DIFFERENTIAL_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = textbook_differential_held(in->x);
+        out->y = textbook_differential_held(in->y);
+        out->theta = textbook_differential_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool textbook_omni_steer_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool textbook_omni_steer_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return textbook_omni_steer_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float textbook_omni_steer_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return textbook_omni_steer_is_number(x) ? x : 0.0f;
 }
 
 textbook_omni_steer_status textbook_omni_steer_inverse_checked(
@@ -39,17 +39,17 @@ textbook_omni_steer_status textbook_omni_steer_inverse_checked(
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            textbook_omni_steer_is_number(in->vx) &&
+            textbook_omni_steer_is_number(in->vy) &&
+            textbook_omni_steer_is_number(in->omega) &&
+            textbook_omni_steer_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->omega, -200.0f, 200.0f) &&
+            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
@@ -57,7 +57,7 @@ textbook_omni_steer_status textbook_omni_steer_inverse_checked(
     }
     if (status != TEXTBOOK_OMNI_STEER_OK) {
         out->front.spin = 0.0f;
-        out->front.steer = held(in->front.steer);
+        out->front.steer = textbook_omni_steer_held(in->front.steer);
     }
     return status;
 }
@@ -69,17 +69,17 @@ textbook_omni_steer_status textbook_omni_steer_inverse_slip_checked(
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            textbook_omni_steer_is_number(in->vx) &&
+            textbook_omni_steer_is_number(in->vy) &&
+            textbook_omni_steer_is_number(in->omega) &&
+            textbook_omni_steer_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->omega, -200.0f, 200.0f) &&
+            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
@@ -98,13 +98,13 @@ textbook_omni_steer_status textbook_omni_steer_forward_checked(
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            is_number(in->front.spin) &&
-            is_number(in->front.steer)
+            textbook_omni_steer_is_number(in->front.spin) &&
+            textbook_omni_steer_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front.spin, -1e9f, 1e9f) &&
-            is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(in->front.spin, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
@@ -125,13 +125,13 @@ textbook_omni_steer_status textbook_omni_steer_forward_slip_checked(
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            is_number(in->front.spin) &&
-            is_number(in->front.steer)
+            textbook_omni_steer_is_number(in->front.spin) &&
+            textbook_omni_steer_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front.spin, -1e9f, 1e9f) &&
-            is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(in->front.spin, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
@@ -153,32 +153,32 @@ textbook_omni_steer_status textbook_omni_steer_odometry_checked(
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            textbook_omni_steer_is_number(in->x) &&
+            textbook_omni_steer_is_number(in->y) &&
+            textbook_omni_steer_is_number(in->theta) &&
+            textbook_omni_steer_is_number(in->vx) &&
+            textbook_omni_steer_is_number(in->vy) &&
+            textbook_omni_steer_is_number(in->omega) &&
+            textbook_omni_steer_is_number(in->dt)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            textbook_omni_steer_is_within(in->x, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->y, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_omni_steer_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(in->omega, -200.0f, 200.0f) &&
+            textbook_omni_steer_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
         textbook_omni_steer_odometry(in, out);
     }
     if (status != TEXTBOOK_OMNI_STEER_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = textbook_omni_steer_held(in->x);
+        out->y = textbook_omni_steer_held(in->y);
+        out->theta = textbook_omni_steer_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool textbook_omnidirectional_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool textbook_omnidirectional_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return textbook_omnidirectional_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float textbook_omnidirectional_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return textbook_omnidirectional_is_number(x) ? x : 0.0f;
 }
 
 textbook_omnidirectional_status textbook_omnidirectional_inverse_checked(
@@ -39,15 +39,15 @@ textbook_omnidirectional_status textbook_omnidirectional_inverse_checked(
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            textbook_omnidirectional_is_number(in->vx) &&
+            textbook_omnidirectional_is_number(in->vy) &&
+            textbook_omnidirectional_is_number(in->omega)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_omnidirectional_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
@@ -68,15 +68,15 @@ textbook_omnidirectional_status textbook_omnidirectional_inverse_slip_checked(
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            textbook_omnidirectional_is_number(in->vx) &&
+            textbook_omnidirectional_is_number(in->vy) &&
+            textbook_omnidirectional_is_number(in->omega)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            textbook_omnidirectional_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
@@ -95,15 +95,15 @@ textbook_omnidirectional_status textbook_omnidirectional_forward_checked(
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            is_number(in->w1.spin) &&
-            is_number(in->w2.spin) &&
-            is_number(in->w3.spin)
+            textbook_omnidirectional_is_number(in->w1.spin) &&
+            textbook_omnidirectional_is_number(in->w2.spin) &&
+            textbook_omnidirectional_is_number(in->w3.spin)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->w1.spin, -1e9f, 1e9f) &&
-            is_within(in->w2.spin, -1e9f, 1e9f) &&
-            is_within(in->w3.spin, -1e9f, 1e9f)
+            textbook_omnidirectional_is_within(in->w1.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->w2.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->w3.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
@@ -124,15 +124,15 @@ textbook_omnidirectional_status textbook_omnidirectional_forward_slip_checked(
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            is_number(in->w1.spin) &&
-            is_number(in->w2.spin) &&
-            is_number(in->w3.spin)
+            textbook_omnidirectional_is_number(in->w1.spin) &&
+            textbook_omnidirectional_is_number(in->w2.spin) &&
+            textbook_omnidirectional_is_number(in->w3.spin)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->w1.spin, -1e9f, 1e9f) &&
-            is_within(in->w2.spin, -1e9f, 1e9f) &&
-            is_within(in->w3.spin, -1e9f, 1e9f)
+            textbook_omnidirectional_is_within(in->w1.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->w2.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->w3.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
@@ -154,32 +154,32 @@ textbook_omnidirectional_status textbook_omnidirectional_odometry_checked(
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            textbook_omnidirectional_is_number(in->x) &&
+            textbook_omnidirectional_is_number(in->y) &&
+            textbook_omnidirectional_is_number(in->theta) &&
+            textbook_omnidirectional_is_number(in->vx) &&
+            textbook_omnidirectional_is_number(in->vy) &&
+            textbook_omnidirectional_is_number(in->omega) &&
+            textbook_omnidirectional_is_number(in->dt)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            textbook_omnidirectional_is_within(in->x, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->y, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_omnidirectional_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(in->omega, -200.0f, 200.0f) &&
+            textbook_omnidirectional_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
         textbook_omnidirectional_odometry(in, out);
     }
     if (status != TEXTBOOK_OMNIDIRECTIONAL_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = textbook_omnidirectional_held(in->x);
+        out->y = textbook_omnidirectional_held(in->y);
+        out->theta = textbook_omnidirectional_held(in->theta);
     }
     return status;
 }

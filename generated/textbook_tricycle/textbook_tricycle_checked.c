@@ -17,22 +17,22 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool textbook_tricycle_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool textbook_tricycle_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return textbook_tricycle_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float textbook_tricycle_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return textbook_tricycle_is_number(x) ? x : 0.0f;
 }
 
-static float between(const float x, const float low, const float high)
+static float textbook_tricycle_between(const float x, const float low, const float high)
 {
     const float above = (x < low) ? low : x;
 
@@ -46,17 +46,17 @@ textbook_tricycle_status textbook_tricycle_inverse_checked(
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            textbook_tricycle_is_number(in->vx) &&
+            textbook_tricycle_is_number(in->vy) &&
+            textbook_tricycle_is_number(in->omega) &&
+            textbook_tricycle_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -2.0f, 2.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.0f, 2.0f) &&
-            is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(in->vx, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->omega, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
@@ -66,7 +66,7 @@ textbook_tricycle_status textbook_tricycle_inverse_checked(
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
         out->front.spin = 0.0f;
-        out->front.steer = between(held(in->front.steer), -1.3089969f, 1.3089969f);
+        out->front.steer = textbook_tricycle_between(textbook_tricycle_held(in->front.steer), -1.3089969f, 1.3089969f);
     }
     return status;
 }
@@ -78,17 +78,17 @@ textbook_tricycle_status textbook_tricycle_inverse_slip_checked(
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front.steer)
+            textbook_tricycle_is_number(in->vx) &&
+            textbook_tricycle_is_number(in->vy) &&
+            textbook_tricycle_is_number(in->omega) &&
+            textbook_tricycle_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -2.0f, 2.0f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.0f, 2.0f) &&
-            is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(in->vx, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->omega, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
@@ -107,17 +107,17 @@ textbook_tricycle_status textbook_tricycle_forward_checked(
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->front.spin) &&
-            is_number(in->front.steer)
+            textbook_tricycle_is_number(in->rear_left.spin) &&
+            textbook_tricycle_is_number(in->rear_right.spin) &&
+            textbook_tricycle_is_number(in->front.spin) &&
+            textbook_tricycle_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front.spin, -1e9f, 1e9f) &&
-            is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->front.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
@@ -138,17 +138,17 @@ textbook_tricycle_status textbook_tricycle_forward_slip_checked(
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            is_number(in->rear_left.spin) &&
-            is_number(in->rear_right.spin) &&
-            is_number(in->front.spin) &&
-            is_number(in->front.steer)
+            textbook_tricycle_is_number(in->rear_left.spin) &&
+            textbook_tricycle_is_number(in->rear_right.spin) &&
+            textbook_tricycle_is_number(in->front.spin) &&
+            textbook_tricycle_is_number(in->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front.spin, -1e9f, 1e9f) &&
-            is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->front.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
@@ -170,32 +170,32 @@ textbook_tricycle_status textbook_tricycle_odometry_checked(
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            textbook_tricycle_is_number(in->x) &&
+            textbook_tricycle_is_number(in->y) &&
+            textbook_tricycle_is_number(in->theta) &&
+            textbook_tricycle_is_number(in->vx) &&
+            textbook_tricycle_is_number(in->vy) &&
+            textbook_tricycle_is_number(in->omega) &&
+            textbook_tricycle_is_number(in->dt)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            textbook_tricycle_is_within(in->x, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->y, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->theta, -1e4f, 1e4f) &&
+            textbook_tricycle_is_within(in->vx, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->vy, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(in->omega, -200.0f, 200.0f) &&
+            textbook_tricycle_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
         textbook_tricycle_odometry(in, out);
     }
     if (status != TEXTBOOK_TRICYCLE_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = textbook_tricycle_held(in->x);
+        out->y = textbook_tricycle_held(in->y);
+        out->theta = textbook_tricycle_held(in->theta);
     }
     return status;
 }

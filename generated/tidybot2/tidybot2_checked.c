@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool tidybot2_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool tidybot2_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return tidybot2_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float tidybot2_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return tidybot2_is_number(x) ? x : 0.0f;
 }
 
 tidybot2_status tidybot2_inverse_checked(const tidybot2_inverse_in *in, tidybot2_inverse_out *out)
@@ -37,23 +37,23 @@ tidybot2_status tidybot2_inverse_checked(const tidybot2_inverse_in *in, tidybot2
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->caster_1.steer) &&
-            is_number(in->caster_2.steer) &&
-            is_number(in->caster_3.steer) &&
-            is_number(in->caster_4.steer)
+            tidybot2_is_number(in->vx) &&
+            tidybot2_is_number(in->vy) &&
+            tidybot2_is_number(in->omega) &&
+            tidybot2_is_number(in->caster_1.steer) &&
+            tidybot2_is_number(in->caster_2.steer) &&
+            tidybot2_is_number(in->caster_3.steer) &&
+            tidybot2_is_number(in->caster_4.steer)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_4.steer, -1e4f, 1e4f)
+            tidybot2_is_within(in->vx, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->vy, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->omega, -200.0f, 200.0f) &&
+            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
@@ -79,23 +79,23 @@ tidybot2_status tidybot2_inverse_slip_checked(
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->caster_1.steer) &&
-            is_number(in->caster_2.steer) &&
-            is_number(in->caster_3.steer) &&
-            is_number(in->caster_4.steer)
+            tidybot2_is_number(in->vx) &&
+            tidybot2_is_number(in->vy) &&
+            tidybot2_is_number(in->omega) &&
+            tidybot2_is_number(in->caster_1.steer) &&
+            tidybot2_is_number(in->caster_2.steer) &&
+            tidybot2_is_number(in->caster_3.steer) &&
+            tidybot2_is_number(in->caster_4.steer)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_4.steer, -1e4f, 1e4f)
+            tidybot2_is_within(in->vx, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->vy, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->omega, -200.0f, 200.0f) &&
+            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
@@ -112,33 +112,33 @@ tidybot2_status tidybot2_forward_checked(const tidybot2_forward_in *in, tidybot2
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            is_number(in->caster_1.spin) &&
-            is_number(in->caster_1.steer) &&
-            is_number(in->caster_1.steer_rate) &&
-            is_number(in->caster_2.spin) &&
-            is_number(in->caster_2.steer) &&
-            is_number(in->caster_2.steer_rate) &&
-            is_number(in->caster_3.spin) &&
-            is_number(in->caster_3.steer) &&
-            is_number(in->caster_3.steer_rate) &&
-            is_number(in->caster_4.spin) &&
-            is_number(in->caster_4.steer) &&
-            is_number(in->caster_4.steer_rate)
+            tidybot2_is_number(in->caster_1.spin) &&
+            tidybot2_is_number(in->caster_1.steer) &&
+            tidybot2_is_number(in->caster_1.steer_rate) &&
+            tidybot2_is_number(in->caster_2.spin) &&
+            tidybot2_is_number(in->caster_2.steer) &&
+            tidybot2_is_number(in->caster_2.steer_rate) &&
+            tidybot2_is_number(in->caster_3.spin) &&
+            tidybot2_is_number(in->caster_3.steer) &&
+            tidybot2_is_number(in->caster_3.steer_rate) &&
+            tidybot2_is_number(in->caster_4.spin) &&
+            tidybot2_is_number(in->caster_4.steer) &&
+            tidybot2_is_number(in->caster_4.steer_rate)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->caster_1.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_1.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->caster_2.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_2.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->caster_3.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_3.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->caster_4.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_4.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_4.steer_rate, -1e9f, 1e9f)
+            tidybot2_is_within(in->caster_1.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_1.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_2.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_2.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_3.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_3.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_4.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_4.steer_rate, -1e9f, 1e9f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
@@ -159,33 +159,33 @@ tidybot2_status tidybot2_forward_slip_checked(
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            is_number(in->caster_1.spin) &&
-            is_number(in->caster_1.steer) &&
-            is_number(in->caster_1.steer_rate) &&
-            is_number(in->caster_2.spin) &&
-            is_number(in->caster_2.steer) &&
-            is_number(in->caster_2.steer_rate) &&
-            is_number(in->caster_3.spin) &&
-            is_number(in->caster_3.steer) &&
-            is_number(in->caster_3.steer_rate) &&
-            is_number(in->caster_4.spin) &&
-            is_number(in->caster_4.steer) &&
-            is_number(in->caster_4.steer_rate)
+            tidybot2_is_number(in->caster_1.spin) &&
+            tidybot2_is_number(in->caster_1.steer) &&
+            tidybot2_is_number(in->caster_1.steer_rate) &&
+            tidybot2_is_number(in->caster_2.spin) &&
+            tidybot2_is_number(in->caster_2.steer) &&
+            tidybot2_is_number(in->caster_2.steer_rate) &&
+            tidybot2_is_number(in->caster_3.spin) &&
+            tidybot2_is_number(in->caster_3.steer) &&
+            tidybot2_is_number(in->caster_3.steer_rate) &&
+            tidybot2_is_number(in->caster_4.spin) &&
+            tidybot2_is_number(in->caster_4.steer) &&
+            tidybot2_is_number(in->caster_4.steer_rate)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->caster_1.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_1.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->caster_2.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_2.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->caster_3.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_3.steer_rate, -1e9f, 1e9f) &&
-            is_within(in->caster_4.spin, -1e9f, 1e9f) &&
-            is_within(in->caster_4.steer, -1e4f, 1e4f) &&
-            is_within(in->caster_4.steer_rate, -1e9f, 1e9f)
+            tidybot2_is_within(in->caster_1.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_1.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_2.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_2.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_3.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_3.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_4.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->caster_4.steer_rate, -1e9f, 1e9f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
@@ -207,32 +207,32 @@ tidybot2_status tidybot2_odometry_checked(
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            tidybot2_is_number(in->x) &&
+            tidybot2_is_number(in->y) &&
+            tidybot2_is_number(in->theta) &&
+            tidybot2_is_number(in->vx) &&
+            tidybot2_is_number(in->vy) &&
+            tidybot2_is_number(in->omega) &&
+            tidybot2_is_number(in->dt)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            tidybot2_is_within(in->x, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->y, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->theta, -1e4f, 1e4f) &&
+            tidybot2_is_within(in->vx, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->vy, -1e9f, 1e9f) &&
+            tidybot2_is_within(in->omega, -200.0f, 200.0f) &&
+            tidybot2_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
         tidybot2_odometry(in, out);
     }
     if (status != TIDYBOT2_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = tidybot2_held(in->x);
+        out->y = tidybot2_held(in->y);
+        out->theta = tidybot2_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool tractor_off_axle_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool tractor_off_axle_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return tractor_off_axle_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float tractor_off_axle_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return tractor_off_axle_is_number(x) ? x : 0.0f;
 }
 
 tractor_off_axle_status tractor_off_axle_inverse_checked(
@@ -39,17 +39,17 @@ tractor_off_axle_status tractor_off_axle_inverse_checked(
     tractor_off_axle_status status = TRACTOR_OFF_AXLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->tail.steer)
+            tractor_off_axle_is_number(in->vx) &&
+            tractor_off_axle_is_number(in->vy) &&
+            tractor_off_axle_is_number(in->omega) &&
+            tractor_off_axle_is_number(in->tail.steer)
         )) {
         status = TRACTOR_OFF_AXLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->tail.steer, -1e4f, 1e4f)
+            tractor_off_axle_is_within(in->vx, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->vy, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->omega, -200.0f, 200.0f) &&
+            tractor_off_axle_is_within(in->tail.steer, -1e4f, 1e4f)
         )) {
         status = TRACTOR_OFF_AXLE_OUT_OF_RANGE;
     } else {
@@ -71,17 +71,17 @@ tractor_off_axle_status tractor_off_axle_inverse_slip_checked(
     tractor_off_axle_status status = TRACTOR_OFF_AXLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->tail.steer)
+            tractor_off_axle_is_number(in->vx) &&
+            tractor_off_axle_is_number(in->vy) &&
+            tractor_off_axle_is_number(in->omega) &&
+            tractor_off_axle_is_number(in->tail.steer)
         )) {
         status = TRACTOR_OFF_AXLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->tail.steer, -1e4f, 1e4f)
+            tractor_off_axle_is_within(in->vx, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->vy, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->omega, -200.0f, 200.0f) &&
+            tractor_off_axle_is_within(in->tail.steer, -1e4f, 1e4f)
         )) {
         status = TRACTOR_OFF_AXLE_OUT_OF_RANGE;
     } else {
@@ -100,13 +100,13 @@ tractor_off_axle_status tractor_off_axle_forward_checked(
     tractor_off_axle_status status = TRACTOR_OFF_AXLE_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            tractor_off_axle_is_number(in->left.spin) &&
+            tractor_off_axle_is_number(in->right.spin)
         )) {
         status = TRACTOR_OFF_AXLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            tractor_off_axle_is_within(in->left.spin, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = TRACTOR_OFF_AXLE_OUT_OF_RANGE;
     } else {
@@ -127,13 +127,13 @@ tractor_off_axle_status tractor_off_axle_forward_slip_checked(
     tractor_off_axle_status status = TRACTOR_OFF_AXLE_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            tractor_off_axle_is_number(in->left.spin) &&
+            tractor_off_axle_is_number(in->right.spin)
         )) {
         status = TRACTOR_OFF_AXLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            tractor_off_axle_is_within(in->left.spin, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = TRACTOR_OFF_AXLE_OUT_OF_RANGE;
     } else {
@@ -155,32 +155,32 @@ tractor_off_axle_status tractor_off_axle_odometry_checked(
     tractor_off_axle_status status = TRACTOR_OFF_AXLE_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            tractor_off_axle_is_number(in->x) &&
+            tractor_off_axle_is_number(in->y) &&
+            tractor_off_axle_is_number(in->theta) &&
+            tractor_off_axle_is_number(in->vx) &&
+            tractor_off_axle_is_number(in->vy) &&
+            tractor_off_axle_is_number(in->omega) &&
+            tractor_off_axle_is_number(in->dt)
         )) {
         status = TRACTOR_OFF_AXLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            tractor_off_axle_is_within(in->x, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->y, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->theta, -1e4f, 1e4f) &&
+            tractor_off_axle_is_within(in->vx, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->vy, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->omega, -200.0f, 200.0f) &&
+            tractor_off_axle_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TRACTOR_OFF_AXLE_OUT_OF_RANGE;
     } else {
         tractor_off_axle_odometry(in, out);
     }
     if (status != TRACTOR_OFF_AXLE_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = tractor_off_axle_held(in->x);
+        out->y = tractor_off_axle_held(in->y);
+        out->theta = tractor_off_axle_held(in->theta);
     }
     return status;
 }
@@ -192,21 +192,21 @@ tractor_off_axle_status tractor_off_axle_trailer_checked(
     tractor_off_axle_status status = TRACTOR_OFF_AXLE_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->cart.theta) &&
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            tractor_off_axle_is_number(in->x) &&
+            tractor_off_axle_is_number(in->y) &&
+            tractor_off_axle_is_number(in->theta) &&
+            tractor_off_axle_is_number(in->cart.theta) &&
+            tractor_off_axle_is_number(in->left.spin) &&
+            tractor_off_axle_is_number(in->right.spin)
         )) {
         status = TRACTOR_OFF_AXLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->cart.theta, -1e4f, 1e4f) &&
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            tractor_off_axle_is_within(in->x, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->y, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->theta, -1e4f, 1e4f) &&
+            tractor_off_axle_is_within(in->cart.theta, -1e4f, 1e4f) &&
+            tractor_off_axle_is_within(in->left.spin, -1e9f, 1e9f) &&
+            tractor_off_axle_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = TRACTOR_OFF_AXLE_OUT_OF_RANGE;
     } else {

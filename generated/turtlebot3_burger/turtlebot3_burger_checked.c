@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool turtlebot3_burger_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool turtlebot3_burger_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return turtlebot3_burger_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float turtlebot3_burger_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return turtlebot3_burger_is_number(x) ? x : 0.0f;
 }
 
 turtlebot3_burger_status turtlebot3_burger_inverse_checked(
@@ -39,15 +39,15 @@ turtlebot3_burger_status turtlebot3_burger_inverse_checked(
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            turtlebot3_burger_is_number(in->vx) &&
+            turtlebot3_burger_is_number(in->vy) &&
+            turtlebot3_burger_is_number(in->omega)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -0.22f, 0.22f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.84f, 2.84f)
+            turtlebot3_burger_is_within(in->vx, -0.22f, 0.22f) &&
+            turtlebot3_burger_is_within(in->vy, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->omega, -2.84f, 2.84f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
@@ -67,15 +67,15 @@ turtlebot3_burger_status turtlebot3_burger_inverse_slip_checked(
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            turtlebot3_burger_is_number(in->vx) &&
+            turtlebot3_burger_is_number(in->vy) &&
+            turtlebot3_burger_is_number(in->omega)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -0.22f, 0.22f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -2.84f, 2.84f)
+            turtlebot3_burger_is_within(in->vx, -0.22f, 0.22f) &&
+            turtlebot3_burger_is_within(in->vy, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->omega, -2.84f, 2.84f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
@@ -94,13 +94,13 @@ turtlebot3_burger_status turtlebot3_burger_forward_checked(
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            turtlebot3_burger_is_number(in->left.spin) &&
+            turtlebot3_burger_is_number(in->right.spin)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            turtlebot3_burger_is_within(in->left.spin, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
@@ -121,13 +121,13 @@ turtlebot3_burger_status turtlebot3_burger_forward_slip_checked(
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            is_number(in->left.spin) &&
-            is_number(in->right.spin)
+            turtlebot3_burger_is_number(in->left.spin) &&
+            turtlebot3_burger_is_number(in->right.spin)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->left.spin, -1e9f, 1e9f) &&
-            is_within(in->right.spin, -1e9f, 1e9f)
+            turtlebot3_burger_is_within(in->left.spin, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->right.spin, -1e9f, 1e9f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
@@ -149,32 +149,32 @@ turtlebot3_burger_status turtlebot3_burger_odometry_checked(
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            turtlebot3_burger_is_number(in->x) &&
+            turtlebot3_burger_is_number(in->y) &&
+            turtlebot3_burger_is_number(in->theta) &&
+            turtlebot3_burger_is_number(in->vx) &&
+            turtlebot3_burger_is_number(in->vy) &&
+            turtlebot3_burger_is_number(in->omega) &&
+            turtlebot3_burger_is_number(in->dt)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            turtlebot3_burger_is_within(in->x, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->y, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->theta, -1e4f, 1e4f) &&
+            turtlebot3_burger_is_within(in->vx, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->vy, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(in->omega, -200.0f, 200.0f) &&
+            turtlebot3_burger_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
         turtlebot3_burger_odometry(in, out);
     }
     if (status != TURTLEBOT3_BURGER_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = turtlebot3_burger_held(in->x);
+        out->y = turtlebot3_burger_held(in->y);
+        out->theta = turtlebot3_burger_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool unicycle_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool unicycle_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return unicycle_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float unicycle_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return unicycle_is_number(x) ? x : 0.0f;
 }
 
 unicycle_status unicycle_inverse_checked(const unicycle_inverse_in *in, unicycle_inverse_out *out)
@@ -37,15 +37,15 @@ unicycle_status unicycle_inverse_checked(const unicycle_inverse_in *in, unicycle
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            unicycle_is_number(in->vx) &&
+            unicycle_is_number(in->vy) &&
+            unicycle_is_number(in->omega)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            unicycle_is_within(in->vx, -1e9f, 1e9f) &&
+            unicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            unicycle_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
@@ -64,15 +64,15 @@ unicycle_status unicycle_inverse_slip_checked(
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega)
+            unicycle_is_number(in->vx) &&
+            unicycle_is_number(in->vy) &&
+            unicycle_is_number(in->omega)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f)
+            unicycle_is_within(in->vx, -1e9f, 1e9f) &&
+            unicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            unicycle_is_within(in->omega, -200.0f, 200.0f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
@@ -89,11 +89,11 @@ unicycle_status unicycle_forward_checked(const unicycle_forward_in *in, unicycle
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            is_number(in->wheel.spin)
+            unicycle_is_number(in->wheel.spin)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheel.spin, -1e9f, 1e9f)
+            unicycle_is_within(in->wheel.spin, -1e9f, 1e9f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
@@ -114,11 +114,11 @@ unicycle_status unicycle_forward_slip_checked(
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            is_number(in->wheel.spin)
+            unicycle_is_number(in->wheel.spin)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->wheel.spin, -1e9f, 1e9f)
+            unicycle_is_within(in->wheel.spin, -1e9f, 1e9f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
@@ -140,32 +140,32 @@ unicycle_status unicycle_odometry_checked(
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            unicycle_is_number(in->x) &&
+            unicycle_is_number(in->y) &&
+            unicycle_is_number(in->theta) &&
+            unicycle_is_number(in->vx) &&
+            unicycle_is_number(in->vy) &&
+            unicycle_is_number(in->omega) &&
+            unicycle_is_number(in->dt)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            unicycle_is_within(in->x, -1e9f, 1e9f) &&
+            unicycle_is_within(in->y, -1e9f, 1e9f) &&
+            unicycle_is_within(in->theta, -1e4f, 1e4f) &&
+            unicycle_is_within(in->vx, -1e9f, 1e9f) &&
+            unicycle_is_within(in->vy, -1e9f, 1e9f) &&
+            unicycle_is_within(in->omega, -200.0f, 200.0f) &&
+            unicycle_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
         unicycle_odometry(in, out);
     }
     if (status != UNICYCLE_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = unicycle_held(in->x);
+        out->y = unicycle_held(in->y);
+        out->theta = unicycle_held(in->theta);
     }
     return status;
 }

@@ -17,19 +17,19 @@
 #error "this option of the compiler removes checks for NaN: compile without -ffast-math"
 #endif
 
-static bool is_within(const float x, const float low, const float high)
+static bool wpilib_swervebot_is_within(const float x, const float low, const float high)
 {
     return (x >= low) && (x <= high);
 }
 
-static bool is_number(const float x)
+static bool wpilib_swervebot_is_number(const float x)
 {
-    return is_within(x, -FLT_MAX, FLT_MAX);
+    return wpilib_swervebot_is_within(x, -FLT_MAX, FLT_MAX);
 }
 
-static float held(const float x)
+static float wpilib_swervebot_held(const float x)
 {
-    return is_number(x) ? x : 0.0f;
+    return wpilib_swervebot_is_number(x) ? x : 0.0f;
 }
 
 wpilib_swervebot_status wpilib_swervebot_inverse_checked(
@@ -39,23 +39,23 @@ wpilib_swervebot_status wpilib_swervebot_inverse_checked(
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(in->vx) &&
+            wpilib_swervebot_is_number(in->vy) &&
+            wpilib_swervebot_is_number(in->omega) &&
+            wpilib_swervebot_is_number(in->front_left.steer) &&
+            wpilib_swervebot_is_number(in->front_right.steer) &&
+            wpilib_swervebot_is_number(in->back_left.steer) &&
+            wpilib_swervebot_is_number(in->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -3.0f, 3.0f) &&
-            is_within(in->vy, -3.0f, 3.0f) &&
-            is_within(in->omega, -3.1415927f, 3.1415927f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(in->vx, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(in->vy, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(in->omega, -3.1415927f, 3.1415927f) &&
+            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
@@ -63,13 +63,13 @@ wpilib_swervebot_status wpilib_swervebot_inverse_checked(
     }
     if (status != WPILIB_SWERVEBOT_OK) {
         out->front_left.spin = 0.0f;
-        out->front_left.steer = held(in->front_left.steer);
+        out->front_left.steer = wpilib_swervebot_held(in->front_left.steer);
         out->front_right.spin = 0.0f;
-        out->front_right.steer = held(in->front_right.steer);
+        out->front_right.steer = wpilib_swervebot_held(in->front_right.steer);
         out->back_left.spin = 0.0f;
-        out->back_left.steer = held(in->back_left.steer);
+        out->back_left.steer = wpilib_swervebot_held(in->back_left.steer);
         out->back_right.spin = 0.0f;
-        out->back_right.steer = held(in->back_right.steer);
+        out->back_right.steer = wpilib_swervebot_held(in->back_right.steer);
     }
     return status;
 }
@@ -81,23 +81,23 @@ wpilib_swervebot_status wpilib_swervebot_inverse_slip_checked(
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(in->vx) &&
+            wpilib_swervebot_is_number(in->vy) &&
+            wpilib_swervebot_is_number(in->omega) &&
+            wpilib_swervebot_is_number(in->front_left.steer) &&
+            wpilib_swervebot_is_number(in->front_right.steer) &&
+            wpilib_swervebot_is_number(in->back_left.steer) &&
+            wpilib_swervebot_is_number(in->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->vx, -3.0f, 3.0f) &&
-            is_within(in->vy, -3.0f, 3.0f) &&
-            is_within(in->omega, -3.1415927f, 3.1415927f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(in->vx, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(in->vy, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(in->omega, -3.1415927f, 3.1415927f) &&
+            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
@@ -116,25 +116,25 @@ wpilib_swervebot_status wpilib_swervebot_forward_checked(
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->back_left.spin) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_right.spin) &&
-            is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(in->front_left.spin) &&
+            wpilib_swervebot_is_number(in->front_left.steer) &&
+            wpilib_swervebot_is_number(in->front_right.spin) &&
+            wpilib_swervebot_is_number(in->front_right.steer) &&
+            wpilib_swervebot_is_number(in->back_left.spin) &&
+            wpilib_swervebot_is_number(in->back_left.steer) &&
+            wpilib_swervebot_is_number(in->back_right.spin) &&
+            wpilib_swervebot_is_number(in->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
@@ -155,25 +155,25 @@ wpilib_swervebot_status wpilib_swervebot_forward_slip_checked(
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            is_number(in->front_left.spin) &&
-            is_number(in->front_left.steer) &&
-            is_number(in->front_right.spin) &&
-            is_number(in->front_right.steer) &&
-            is_number(in->back_left.spin) &&
-            is_number(in->back_left.steer) &&
-            is_number(in->back_right.spin) &&
-            is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(in->front_left.spin) &&
+            wpilib_swervebot_is_number(in->front_left.steer) &&
+            wpilib_swervebot_is_number(in->front_right.spin) &&
+            wpilib_swervebot_is_number(in->front_right.steer) &&
+            wpilib_swervebot_is_number(in->back_left.spin) &&
+            wpilib_swervebot_is_number(in->back_left.steer) &&
+            wpilib_swervebot_is_number(in->back_right.spin) &&
+            wpilib_swervebot_is_number(in->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(in->front_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->front_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->back_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
@@ -195,32 +195,32 @@ wpilib_swervebot_status wpilib_swervebot_odometry_checked(
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            is_number(in->x) &&
-            is_number(in->y) &&
-            is_number(in->theta) &&
-            is_number(in->vx) &&
-            is_number(in->vy) &&
-            is_number(in->omega) &&
-            is_number(in->dt)
+            wpilib_swervebot_is_number(in->x) &&
+            wpilib_swervebot_is_number(in->y) &&
+            wpilib_swervebot_is_number(in->theta) &&
+            wpilib_swervebot_is_number(in->vx) &&
+            wpilib_swervebot_is_number(in->vy) &&
+            wpilib_swervebot_is_number(in->omega) &&
+            wpilib_swervebot_is_number(in->dt)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            is_within(in->x, -1e9f, 1e9f) &&
-            is_within(in->y, -1e9f, 1e9f) &&
-            is_within(in->theta, -1e4f, 1e4f) &&
-            is_within(in->vx, -1e9f, 1e9f) &&
-            is_within(in->vy, -1e9f, 1e9f) &&
-            is_within(in->omega, -200.0f, 200.0f) &&
-            is_within(in->dt, -10.0f, 10.0f)
+            wpilib_swervebot_is_within(in->x, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->y, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->theta, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(in->vx, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->vy, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(in->omega, -200.0f, 200.0f) &&
+            wpilib_swervebot_is_within(in->dt, -10.0f, 10.0f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
         wpilib_swervebot_odometry(in, out);
     }
     if (status != WPILIB_SWERVEBOT_OK) {
-        out->x = held(in->x);
-        out->y = held(in->y);
-        out->theta = held(in->theta);
+        out->x = wpilib_swervebot_held(in->x);
+        out->y = wpilib_swervebot_held(in->y);
+        out->theta = wpilib_swervebot_held(in->theta);
     }
     return status;
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
+from wmrgen.backends.registry import BACKENDS
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
@@ -37,7 +38,10 @@ class Program:
 def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
     """One function. RobotFileError for an unknown name, NotDerivableError where the robot does not have it."""
     declared = declaration(name)
-    built = replace(declared.build(robot, mobility), source=declared.source, limits=declared.limits)
+    built = declared.build(robot, mobility)
+    if not isinstance(built, Formula):
+        raise TypeError(f"the builder of {name} returns {built!r}, which is no Formula")
+    built = replace(built, source=declared.source, limits=declared.limits)
     _refuse_shared_names(robot, built)
     _refuse_malformed(name, built)
     return built
@@ -47,8 +51,11 @@ def _refuse_malformed(name: str, built: Formula) -> None:
     """ValueError where the builder of ``name`` says what no code can be written of."""
     if built.name != name:
         raise ValueError(f"the builder of {name} calls its formula {built.name}: it bears the builder's name")
+    kept = {word: k.why for entry in BACKENDS.values() for k in entry.reserved for word in k.words}
     for what, ports in (("input", built.inputs), ("output", [port for port, _ in built.outputs])):
         names = [port.name.replace(".", "_") for port in ports]
+        for word in sorted({part for port in ports for part in port.name.split(".")} & kept.keys()):
+            raise ValueError(f"{name} has an {what} called {word}: {kept[word]}")
         for called in names:
             if not (called.isidentifier() and called.isascii()):
                 raise ValueError(f"{name} has an {what} called {called!r}: a name has a-z, A-Z, 0-9 and _")

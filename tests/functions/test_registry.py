@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sympy
@@ -185,6 +186,16 @@ def test_a_kernel_is_called_with_its_arguments() -> None:
             Locals().call(SINC, args)
 
 
+def test_a_builder_that_returns_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def build(*_: object) -> Any:
+        return None
+
+    declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, lambda _: True)
+    monkeypatch.setitem(registry._FUNCTIONS, "mine", declared)
+    with pytest.raises(TypeError, match="the builder of mine returns None, which is no Formula"):
+        _ = wmrgen.derive(wmrgen.load(asking(tmp_path, "mine"))).raw_module
+
+
 @pytest.mark.parametrize(
     ("name", "inputs", "outputs", "words"),
     [
@@ -194,6 +205,8 @@ def test_a_kernel_is_called_with_its_arguments() -> None:
         ("mine", ("left.spin", "left_spin"), ("a",), "mine has two inputs called left_spin"),
         ("mine", (), ("my radius",), "mine has an output called 'my radius'"),
         ("mine", ("2nd",), ("a",), "mine has an input called '2nd'"),
+        ("mine", ("left.double",), ("a",), "an input called double: C or"),
+        ("mine", (), ("lambda",), "an output called lambda: Python keeps that word"),
         ("mine", ("ω",), ("a",), "mine has an input called 'ω'"),
     ],
 )

@@ -153,7 +153,10 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
         "nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to "
         f"{LARGEST_INPUT[choice.scalar]} in magnitude{angles} give finite results; beyond, squares may overflow. NaN "
         "is not caught: some outputs may come out as numbers all the same, a steering angle at its limit for one. "
-        "Check inputs, or take the functions of the _checked files."
+        "Check inputs, or take the functions of the _checked files.",
+        "Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file refuses them "
+        "where the compiler tells of them, else it forbids regrouping where it can. Run the self-test with your "
+        f"compiler and flags: test/{unit.robot}_selftest.c.",
     ]
     if waves:
         notes.append(_accuracy_note(choice.target, unit.written))

@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_6ceae3c9e497802e)
+#if !defined(CAR_WITH_TRAILERS_PAIR_b9bbd0bec2adb3e0)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_7f71a83365bf799f)
+#if !defined(CLEARPATH_DO100_PAIR_8f48fbee4fc477f1)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(F1TENTH_PAIR_1d337eb46c126884)
+#if !defined(F1TENTH_PAIR_938eeb9ff6d7363d)
 #error "f1tenth_checked.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_1196d0d8bf20d920)
+#if !defined(JPL_OSR_PAIR_70604aef90a079a4)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_ef3799d0a2d3e384)
+#if !defined(KELLY_4WS_PAIR_9f8d3ba3a2cda9f2)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -12,6 +12,9 @@
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
  * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
  * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
+ * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
+ * self-test with your compiler and flags: test/neobotix_mp_400_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
@@ -35,7 +38,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "9d7a68a59e60c2d5cc56951fd9f9533d"
-#define NEOBOTIX_MP_400_PAIR_03f6ef66520e7dc0 1
+#define NEOBOTIX_MP_400_PAIR_b486e9b9dd2d6802 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_03f6ef66520e7dc0)
+#if !defined(NEOBOTIX_MP_400_PAIR_b486e9b9dd2d6802)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -12,6 +12,9 @@
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
  * may overflow. NaN is not caught: some outputs may come out as numbers all the same, a steering
  * angle at its limit for one. Check inputs, or take the functions of the _checked files.
+ * Compile without -ffast-math and -funsafe-math-optimizations, which regroup sums: the C file
+ * refuses them where the compiler tells of them, else it forbids regrouping where it can. Run the
+ * self-test with your compiler and flags: test/neobotix_mpo_700_selftest.c.
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
@@ -33,7 +36,7 @@
 #define WMRGEN_NEOBOTIX_MPO_700_H
 
 #define NEOBOTIX_MPO_700_MODEL_HASH "7c0eb96fb2cdd482c2e6b99dc5e028d8"
-#define NEOBOTIX_MPO_700_PAIR_1c1066438ea1cd02 1
+#define NEOBOTIX_MPO_700_PAIR_a98174ee493c3c4a 1
 
 #ifdef __cplusplus
 extern "C" {

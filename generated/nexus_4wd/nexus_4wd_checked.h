@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_31bf0498503d709a)
+#if !defined(NEXUS_4WD_PAIR_c9ee5be6940da08c)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_efbce57426dcb9b3)
+#if !defined(PIONEER3DX_PAIR_17d7532b2bcd83c8)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PR2_PAIR_0960313eef258488)
+#if !defined(PR2_PAIR_0e508ccc54bb992d)
 #error "pr2_checked.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_c60ac7edd083807e)
+#if !defined(SSL_PARSIAN_PAIR_cb0aaeaaea624f6b)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_8c92c2f80050182c)
+#if !defined(TEXTBOOK_PAIR_e5e752bf1c5f5d35)
 #error "textbook_checked.h and textbook.h were not generated together: copy both"
 #endif
 

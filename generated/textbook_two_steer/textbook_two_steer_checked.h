@@ -21,7 +21,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_7fbd688e4f531abc)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_d556acbe88231735)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(UNICYCLE_PAIR_23e2a3cc322a1ef2)
+#if !defined(UNICYCLE_PAIR_08d548c8de2e2de2)
 #error "unicycle_checked.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

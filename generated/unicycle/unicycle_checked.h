@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_23e2a3cc322a1ef2)
+#if !defined(UNICYCLE_PAIR_08d548c8de2e2de2)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_eca199cfaded6a66)
+#if !defined(WPILIB_SWERVEBOT_PAIR_1761b681c8816556)
 #error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

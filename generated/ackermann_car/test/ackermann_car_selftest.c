@@ -16,7 +16,7 @@
  */
 #include "../ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_66bdeba05e79d66b)
+#if !defined(ACKERMANN_CAR_PAIR_59ebb319bbd16a24)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

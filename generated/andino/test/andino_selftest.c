@@ -16,7 +16,7 @@
  */
 #include "../andino.h"
 
-#if !defined(ANDINO_PAIR_f82badd1d95028d9)
+#if !defined(ANDINO_PAIR_21c954ba0542638f)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

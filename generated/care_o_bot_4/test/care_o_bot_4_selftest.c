@@ -16,7 +16,7 @@
  */
 #include "../care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_0f6c5c309f710303)
+#if !defined(CARE_O_BOT_4_PAIR_1ee4d6183e808744)
 #error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "../clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_14e9e835f13bdf22)
+#if !defined(CLEARPATH_A200_PAIR_85346a51685746ac)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "../festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_c6ca1daaac935ad2)
+#if !defined(FESTO_ROBOTINO_PAIR_8c4375159ed7eb1e)
 #error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 

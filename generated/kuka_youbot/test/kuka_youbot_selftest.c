@@ -16,7 +16,7 @@
  */
 #include "../kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_84dd184ed6ca659a)
+#if !defined(KUKA_YOUBOT_PAIR_e2fa5af5c5f03226)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

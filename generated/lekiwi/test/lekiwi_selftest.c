@@ -16,7 +16,7 @@
  */
 #include "../lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_dba3fbe3e3347623)
+#if !defined(LEKIWI_PAIR_69c3dc5c7086b523)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

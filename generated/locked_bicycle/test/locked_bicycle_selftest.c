@@ -16,7 +16,7 @@
  */
 #include "../locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_6f2cbeeaf666c36b)
+#if !defined(LOCKED_BICYCLE_PAIR_e66bca5c8f109870)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "../neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_03f6ef66520e7dc0)
+#if !defined(NEOBOTIX_MP_400_PAIR_b486e9b9dd2d6802)
 #error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

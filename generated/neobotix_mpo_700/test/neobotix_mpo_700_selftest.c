@@ -16,7 +16,7 @@
  */
 #include "../neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_1c1066438ea1cd02)
+#if !defined(NEOBOTIX_MPO_700_PAIR_a98174ee493c3c4a)
 #error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "../office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_45edb4bb1611045e)
+#if !defined(OFFICE_CHAIR_PAIR_e71f3751f39a7e00)
 #error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
 #endif
 

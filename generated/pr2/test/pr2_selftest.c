@@ -16,7 +16,7 @@
  */
 #include "../pr2.h"
 
-#if !defined(PR2_PAIR_0960313eef258488)
+#if !defined(PR2_PAIR_0e508ccc54bb992d)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

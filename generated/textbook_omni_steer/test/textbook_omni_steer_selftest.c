@@ -16,7 +16,7 @@
  */
 #include "../textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_f970e84e58729d66)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e43bd2a2dc8647b)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

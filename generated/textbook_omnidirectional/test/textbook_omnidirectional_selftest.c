@@ -16,7 +16,7 @@
  */
 #include "../textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_77c9d58445bce14d)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5da50aca230985cf)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -16,7 +16,7 @@
  */
 #include "../tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_74795e5f5797290b)
+#if !defined(TIDYBOT2_PAIR_9ce5bd7a0c532c2b)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

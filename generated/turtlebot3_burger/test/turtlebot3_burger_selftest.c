@@ -16,7 +16,7 @@
  */
 #include "../turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_1476526def3de56b)
+#if !defined(TURTLEBOT3_BURGER_PAIR_ec0340f8525c4946)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

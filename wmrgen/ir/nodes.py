@@ -80,6 +80,26 @@ def uses_of(function: Function) -> Counter[int]:
     return uses
 
 
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """The part of a function that its variant has too, and that both compute alike: to the bit.
+
+    ``nodes``: those that common ``results`` need; ``uses``: how often each is an argument or a result among them.
+    """
+
+    results: tuple[int, ...]
+    nodes: frozenset[int]
+    uses: Counter[int]
+
+
+def shared(function: Function, results: tuple[int, ...]) -> Shared:
+    """What ``results`` need."""
+    nodes = frozenset(places(function.nodes, results))
+    uses = Counter(arg for i in nodes for arg in function.nodes[i].args)
+    uses.update(results)
+    return Shared(results, nodes, uses)
+
+
 def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:
     """Where each node that ``results`` need stands when the others are dropped."""
     live = bytearray(len(nodes))

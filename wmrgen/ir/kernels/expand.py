@@ -14,7 +14,7 @@ from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
 from wmrgen.ir.kernels.sums import compensated_sum, fuse
 from wmrgen.ir.kernels.trigonometry import EVEN32, RINT32, RINT64, Processor, flipped, library, soft
-from wmrgen.ir.nodes import Function, Module, Node, Op, uses_of
+from wmrgen.ir.nodes import Function, Module, Node, Op, shared, uses_of
 from wmrgen.ir.passes.schedule import calls_first, schedule
 from wmrgen.ir.tape import Tape, compared
 
@@ -40,7 +40,7 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     by_library = {kernel.name for kernel in common}
     vectors = "vector_at" in called(module.functions)
     own = tuple(_Expansion(f, processor).run(kernel=True) for f in module.kernels if f.name not in by_library)
-    functions = tuple(_Expansion(f, processor, vectors).run() for f in module.functions)
+    functions = tuple(_Expansion(f, processor, vectors, _common(f, module)).run() for f in module.functions)
     return Module(module.name, functions, prepare, _needed(functions, (*common, *own)))
 
 
@@ -55,6 +55,12 @@ def processor_of(scalar: str, math: str, target: str) -> Processor:
         integer=inline and target == M0,
         single=single,
     )
+
+
+def _common(function: Function, module: Module) -> tuple[int, ...]:
+    """Which results of a variant are those of the function itself, where ``module`` has both."""
+    names = {port.name for f in module.functions if f.name == function.variant_of for port in f.outputs}
+    return tuple(k for k, port in enumerate(function.outputs) if port.name in names)
 
 
 def _needed(functions: tuple[Function, ...], kernels: tuple[Function, ...]) -> tuple[Function, ...]:
@@ -76,25 +82,31 @@ def rounds(module: Module) -> bool:
 class _Expansion:
     """One function, node by node."""
 
-    def __init__(self, function: Function, processor: Processor, vectors: bool = False) -> None:
-        """``vectors``: the module has kernels for vectors, so that directions are those of size 1."""
+    def __init__(
+        self, function: Function, processor: Processor, vectors: bool = False, common: tuple[int, ...] = ()
+    ) -> None:
+        """``vectors``: the module has kernels for vectors, so that directions are those of size 1.
+
+        ``common``: results of which another function has the same bits; what they need is as if there were no others.
+        """
         self.processor, self.directions = processor, not vectors
         self.function = function
         self.tape = Tape()
         self.place: list[int] = []
+        self.common, self.part = common, shared(function, tuple(function.results[k] for k in common))
         self.uses = uses_of(function)
-        self.products = {node.args for node in function.nodes if node.op is Op.MUL}
+        self.products = {node.args: i for i, node in enumerate(function.nodes) if node.op is Op.MUL}
         self.constants = {i for i, node in enumerate(function.nodes) if node.value is not None}
 
     def run(self, kernel: bool = False) -> Function:
-        for node in self.function.nodes:
-            self.place.append(self._node(node))
+        for i, node in enumerate(self.function.nodes):
+            self.place.append(self._node(i, node))
         results = tuple(self.place[r] for r in self.function.results)
         expanded = replace(self.function, nodes=tuple(self.tape.nodes), results=results, named=())
-        expanded = fuse(expanded, kernel) if self.processor.fused else expanded
+        expanded = fuse(expanded, kernel, self.common) if self.processor.fused else expanded
         return ordered(soft(expanded) if self.processor.integer else expanded)
 
-    def _node(self, node: Node) -> int:
+    def _node(self, i: int, node: Node) -> int:
         tape, args, p = self.tape, tuple(self.place[a] for a in node.args), self.processor
         match node.op:
             case Op.COMPENSATED:
@@ -107,7 +119,7 @@ class _Expansion:
             case Op.FLIP:
                 return self._flip(args[0], node.args[1])
             case Op.MUL:
-                quotient = self._quotient(node)
+                quotient = self._quotient(node, i in self.part.nodes)
                 return tape.mul(*args) if quotient is None else quotient
             case Op.DIV if not p.bits and self.function.nodes[node.args[1]].op is Op.AT_LEAST:
                 return self._quotient_off_zero(args[0], *self.function.nodes[node.args[1]].args)
@@ -131,17 +143,18 @@ class _Expansion:
         size = tape.put(Op.MAX, tape.put(Op.ABS, a), least)
         return tape.div(compared(tape, Op.WITH_SIGN_OF, above, a), size)
 
-    def _quotient(self, node: Node) -> int | None:
+    def _quotient(self, node: Node, common: bool) -> int | None:
         """a (1/b) as a/b, and c (a/b) as (c a)/b where c a is there: a product less."""
-        nodes = self.function.nodes
+        nodes, uses = self.function.nodes, self.part.uses if common else self.uses
         for factor, other in (node.args, node.args[::-1]):
             quotient = nodes[other]
-            if quotient.op is not Op.DIV or self.uses[other] > 1:
+            if quotient.op is not Op.DIV or uses[other] > 1:
                 continue
             a, b = quotient.args
             if nodes[a].value == ONE:
                 return self.tape.div(self.place[factor], self.place[b])
-            if (factor, a) in self.products:
+            product = self.products.get((factor, a))
+            if product is not None and (not common or product in self.part.nodes):
                 return self.tape.div(self.tape.mul(self.place[factor], self.place[a]), self.place[b])
         return None
 

@@ -12,20 +12,22 @@ from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.nodes import Function, Node, Op, pruned, uses_of
+from wmrgen.ir.nodes import Function, Node, Op, Shared, pruned, shared, uses_of
 from wmrgen.ir.rounding import round_rational, to_float32
 from wmrgen.ir.tape import Tape
 
 _TWO = Exact(2)
 
 
-def fuse(function: Function, kernel: bool = False) -> Function:
+def fuse(function: Function, kernel: bool = False, common: tuple[int, ...] = ()) -> Function:
     """``function`` with sums of a product that nothing else needs as one operation.
 
     Squares of the inputs of a ``kernel`` stay: its calls have inputs in common, and a compiler shares the squares.
+    What ``common``, numbers of results, need is fused as if there were no others.
     """
     function = pruned(function)
-    nodes, uses = function.nodes, uses_of(function)
+    nodes = function.nodes
+    products = _products(function, kernel, shared(function, tuple(function.results[k] for k in common)))
     fused: list[Node] = []
     place: list[int] = []
     opposites: dict[int, int] = {}
@@ -41,7 +43,7 @@ def fuse(function: Function, kernel: bool = False) -> Function:
 
     for i, node in enumerate(nodes):
         args = tuple(place[a] for a in node.args)
-        k = _product(nodes, i, uses, kernel) if node.op is Op.ADD or node.op is Op.SUB else None
+        k = products.get(i)
         if k is not None:
             x, y = (place[a] for a in nodes[node.args[k]].args)
             other = args[1 - k]
@@ -53,6 +55,20 @@ def fuse(function: Function, kernel: bool = False) -> Function:
         place.append(len(fused))
         fused.append(node)
     return replace(function, nodes=tuple(fused), results=tuple(place[r] for r in function.results))
+
+
+def _products(function: Function, kernel: bool, part: Shared) -> dict[int, int]:
+    """Sum -> which of its arguments is a product for it alone; in ``part``, alone in it."""
+    sums = [i for i, node in enumerate(function.nodes) if node.op is Op.ADD or node.op is Op.SUB]
+    products: dict[int, int] = {}
+    uses = uses_of(function)
+    for inside, counts in ((True, part.uses), (False, uses)):
+        for i in sums:
+            k = _product(function.nodes, i, counts, kernel) if (i in part.nodes) is inside else None
+            if k is not None:
+                products[i] = k
+                uses[function.nodes[i].args[k]] -= inside
+    return products
 
 
 def _product(nodes: Sequence[Node], i: int, uses: Mapping[int, int], kernel: bool) -> int | None:

@@ -10,32 +10,11 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_9f8d3ba3a2cda9f2)
+#if !defined(KELLY_4WS_PAIR_3fcbeebd96bcb565)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
-#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
-#error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
-#endif
-#if defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
-#error "-freciprocal-math and -fno-signed-zeros change results; compile without"
-#endif
-/* Compilers that do not tell of these options are told to keep the order of sums. */
-#if defined(__clang__)
-#if __clang_major__ >= 18
-#pragma clang fp reassociate(off) reciprocal(off)
-#elif __clang_major__ >= 13
-#pragma clang fp reassociate(off)
-#endif
-#elif defined(__GNUC__)
-#if __GNUC__ < 12
-#pragma GCC optimize("no-associative-math")
-#endif
-#endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
+#if defined(__FAST_MATH__)
+#error "-ffast-math regroups operations; the results would be wrong"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
@@ -284,25 +263,21 @@ void kelly_4ws_forward(const kelly_4ws_forward_in *in, kelly_4ws_forward_out *ou
 void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forward_slip_out *out)
 {
     const float t0 = fmaf(0.07f, in->w1.steer_rate, 0.1f * in->w1.spin);
-    const wmrgen_vector w1 = wmrgen_direction(in->w1.steer);
-    const float w1_wy = t0 * w1.y; /* w1: its velocity, y */
     const float t1 = fmaf(0.1f, in->w2.spin, -(0.07f * in->w2.steer_rate));
     const wmrgen_vector w2 = wmrgen_direction(in->w2.steer);
     const float w2_wy = t1 * w2.y; /* w2: its velocity, y */
-    const float t2 = w1_wy + w2_wy;
+    const wmrgen_vector w1 = wmrgen_direction(in->w1.steer);
+    const float t2 = fmaf(t0, w1.y, w2_wy);
     const float t3 = fmaf(0.07f, in->w3.steer_rate, 0.1f * in->w3.spin);
-    const wmrgen_vector w3 = wmrgen_direction(in->w3.steer);
-    const float w3_wy = t3 * w3.y; /* w3: its velocity, y */
     const float t4 = fmaf(0.1f, in->w4.spin, -(0.07f * in->w4.steer_rate));
     const wmrgen_vector w4 = wmrgen_direction(in->w4.steer);
     const float w4_wy = t4 * w4.y; /* w4: its velocity, y */
-    const float t5 = w3_wy + w4_wy;
-    const float w2_wx = w2.x * t1; /* w2: its velocity, x */
+    const wmrgen_vector w3 = wmrgen_direction(in->w3.steer);
+    const float t5 = fmaf(t3, w3.y, w4_wy);
     const float w4_wx = w4.x * t4; /* w4: its velocity, x */
-    const float t6 = w2_wx + w4_wx;
-    const float w1_wx = w1.x * t0; /* w1: its velocity, x */
+    const float t6 = fmaf(w2.x, t1, w4_wx);
     const float w3_wx = w3.x * t3; /* w3: its velocity, x */
-    const float t7 = w1_wx + w3_wx;
+    const float t7 = fmaf(w1.x, t0, w3_wx);
     const float t8 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
     const float t9 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
     const float t10 = fmaf(0.028f, t8, -(0.0196f * (in->w4.steer_rate + t9)));
@@ -325,19 +300,19 @@ void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forwa
     const float t20 = 0.3f * omega_fit;
     const float t21 = t20 - t18;
     const float t22 = 0.07f * omega_fit;
-    const float error_0 = fmaf(w1.x, t22, w1_wx + t21); /* residual 0 */
+    const float error_0 = fmaf(w1.x, t22, fmaf(w1.x, t0, t21)); /* residual 0 */
     const float t23 = (-0.5f) * omega_fit;
     const float t24 = t23 - t19;
-    const float error_1 = fmaf(w1.y, t22, w1_wy + t24); /* residual 1 */
+    const float error_1 = fmaf(w1.y, t22, fmaf(t0, w1.y, t24)); /* residual 1 */
     const float t25 = t18 + t20;
     const float t26 = (-0.07f) * omega_fit;
-    const float error_2 = fmaf(w2.x, t26, w2_wx - t25); /* residual 2 */
+    const float error_2 = fmaf(w2.x, t26, fmaf(w2.x, t1, -t25)); /* residual 2 */
     const float t27 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
     const float error_3 = fmaf(w2.y, t26, w2_wy + t24); /* residual 3 */
     const float error_4 = fmaf(w3.x, t22, w3_wx + t21); /* residual 4 */
     const float t28 = fmaf(error_4, error_4, fmaf(error_3, error_3, t27));
     const float t29 = t19 + t23;
-    const float error_5 = fmaf(w3.y, t22, w3_wy - t29); /* residual 5 */
+    const float error_5 = fmaf(w3.y, t22, fmaf(t3, w3.y, -t29)); /* residual 5 */
     const float error_6 = fmaf(w4.x, t26, w4_wx - t25); /* residual 6 */
     const float t30 = fmaf(error_6, error_6, fmaf(error_5, error_5, t28));
     const float error_7 = fmaf(w4.y, t26, w4_wy - t29); /* residual 7 */

@@ -10,32 +10,11 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_0e508ccc54bb992d)
+#if !defined(PR2_PAIR_313fb4962f905d26)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
-#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
-#error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
-#endif
-#if defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
-#error "-freciprocal-math and -fno-signed-zeros change results; compile without"
-#endif
-/* Compilers that do not tell of these options are told to keep the order of sums. */
-#if defined(__clang__)
-#if __clang_major__ >= 18
-#pragma clang fp reassociate(off) reciprocal(off)
-#elif __clang_major__ >= 13
-#pragma clang fp reassociate(off)
-#endif
-#elif defined(__GNUC__)
-#if __GNUC__ < 12
-#pragma GCC optimize("no-associative-math")
-#endif
-#endif
-/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
-#if defined(__clang__)
-#if __clang_major__ < 22
-#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
-#endif
+#if defined(__FAST_MATH__)
+#error "-ffast-math regroups operations; the results would be wrong"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
@@ -321,34 +300,22 @@ void pr2_forward_slip(const pr2_forward_slip_in *in, pr2_forward_slip_out *out)
     const float sum_fx = (-0.049f) * (t0 + t1); /* sum fx */
     const float t2 = -sum_fx;
     const float t3 = fmaf(0.049f, in->bl_l.steer_rate, 0.074792f * in->bl_l.spin);
-    const float bl_l_wy = t3 * bl_l.y; /* bl_l: its velocity, y */
     const float t4 = fmaf(0.074792f, in->bl_r.spin, -(0.049f * in->bl_r.steer_rate));
     const float bl_r_wy = t4 * bl_r.y; /* bl_r: its velocity, y */
     const float t5 = fmaf(0.049f, in->br_l.steer_rate, 0.074792f * in->br_l.spin);
-    const float br_l_wy = t5 * br_l.y; /* br_l: its velocity, y */
     const float t6 = fmaf(0.074792f, in->br_r.spin, -(0.049f * in->br_r.steer_rate));
-    const float br_r_wy = t6 * br_r.y; /* br_r: its velocity, y */
-    const float t7 = br_r_wy + (br_l_wy + (bl_l_wy + bl_r_wy));
+    const float t7 = fmaf(t6, br_r.y, fmaf(t5, br_l.y, fmaf(t3, bl_l.y, bl_r_wy)));
     const float t8 = fmaf(0.049f, in->fl_l.steer_rate, 0.074792f * in->fl_l.spin);
-    const float fl_l_wy = t8 * fl_l.y; /* fl_l: its velocity, y */
     const float t9 = fmaf(0.074792f, in->fl_r.spin, -(0.049f * in->fl_r.steer_rate));
     const float fl_r_wy = t9 * fl_r.y; /* fl_r: its velocity, y */
     const float t10 = fmaf(0.049f, in->fr_l.steer_rate, 0.074792f * in->fr_l.spin);
-    const float fr_l_wy = t10 * fr_l.y; /* fr_l: its velocity, y */
     const float t11 = fmaf(0.074792f, in->fr_r.spin, -(0.049f * in->fr_r.steer_rate));
-    const float fr_r_wy = t11 * fr_r.y; /* fr_r: its velocity, y */
-    const float t12 = fr_r_wy + (fr_l_wy + (fl_l_wy + fl_r_wy));
+    const float t12 = fmaf(t11, fr_r.y, fmaf(t10, fr_l.y, fmaf(t8, fl_l.y, fl_r_wy)));
     const float sum_wy = t7 + t12; /* sum: its velocity, y */
-    const float fr_l_wx = fr_l.x * t10; /* fr_l: its velocity, x */
     const float fr_r_wx = fr_r.x * t11; /* fr_r: its velocity, x */
-    const float br_l_wx = br_l.x * t5; /* br_l: its velocity, x */
-    const float br_r_wx = br_r.x * t6; /* br_r: its velocity, x */
-    const float t13 = br_r_wx + (br_l_wx + (fr_l_wx + fr_r_wx));
-    const float fl_l_wx = fl_l.x * t8; /* fl_l: its velocity, x */
+    const float t13 = fmaf(br_r.x, t6, fmaf(br_l.x, t5, fmaf(fr_l.x, t10, fr_r_wx)));
     const float fl_r_wx = fl_r.x * t9; /* fl_r: its velocity, x */
-    const float bl_l_wx = bl_l.x * t3; /* bl_l: its velocity, x */
-    const float bl_r_wx = bl_r.x * t4; /* bl_r: its velocity, x */
-    const float t14 = bl_r_wx + (bl_l_wx + (fl_l_wx + fl_r_wx));
+    const float t14 = fmaf(bl_r.x, t4, fmaf(bl_l.x, t3, fmaf(fl_l.x, t8, fl_r_wx)));
     const float t15 = in->fl_r.spin - in->fl_l.spin - in->fr_l.spin;
     const float t16 = in->bl_r.spin + (in->fr_r.spin + t15 - in->bl_l.spin);
     const float t17 = in->fr_l.steer_rate + (in->fl_l.steer_rate + in->fl_r.steer_rate);
@@ -368,33 +335,33 @@ void pr2_forward_slip(const pr2_forward_slip_in *in, pr2_forward_slip_out *out)
     const float t27 = 0.2246f * omega_fit;
     const float t28 = t27 - t25;
     const float t29 = 0.049f * omega_fit;
-    const float error_0 = t28 + fmaf(fl_l.x, t29, fl_l_wx); /* residual 0 */
+    const float error_0 = t28 + fmaf(fl_l.x, t8, fl_l.x * t29); /* residual 0 */
     const float t30 = t26 + t27;
-    const float error_1 = fmaf(fl_l.y, t29, fl_l_wy) - t30; /* residual 1 */
+    const float error_1 = fmaf(t8, fl_l.y, fl_l.y * t29) - t30; /* residual 1 */
     const float t31 = (-0.049f) * omega_fit;
     const float error_2 = t28 + fmaf(fl_r.x, t31, fl_r_wx); /* residual 2 */
     const float t32 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
     const float error_3 = fmaf(fl_r.y, t31, fl_r_wy) - t30; /* residual 3 */
     const float t33 = t25 + t27;
-    const float error_4 = fmaf(fr_l.x, t29, fr_l_wx) - t33; /* residual 4 */
+    const float error_4 = fmaf(fr_l.x, t10, fr_l.x * t29) - t33; /* residual 4 */
     const float t34 = fmaf(error_4, error_4, fmaf(error_3, error_3, t32));
-    const float error_5 = fmaf(fr_l.y, t29, fr_l_wy) - t30; /* residual 5 */
+    const float error_5 = fmaf(t10, fr_l.y, fr_l.y * t29) - t30; /* residual 5 */
     const float error_6 = fmaf(fr_r.x, t31, fr_r_wx) - t33; /* residual 6 */
     const float t35 = fmaf(error_6, error_6, fmaf(error_5, error_5, t34));
-    const float error_7 = fmaf(fr_r.y, t31, fr_r_wy) - t30; /* residual 7 */
-    const float error_8 = t28 + fmaf(bl_l.x, t29, bl_l_wx); /* residual 8 */
+    const float error_7 = fmaf(t11, fr_r.y, fr_r.y * t31) - t30; /* residual 7 */
+    const float error_8 = t28 + fmaf(bl_l.x, t3, bl_l.x * t29); /* residual 8 */
     const float t36 = fmaf(error_8, error_8, fmaf(error_7, error_7, t35));
     const float t37 = t27 - t26;
-    const float error_9 = t37 + fmaf(bl_l.y, t29, bl_l_wy); /* residual 9 */
-    const float error_10 = t28 + fmaf(bl_r.x, t31, bl_r_wx); /* residual 10 */
+    const float error_9 = t37 + fmaf(t3, bl_l.y, bl_l.y * t29); /* residual 9 */
+    const float error_10 = t28 + fmaf(bl_r.x, t4, bl_r.x * t31); /* residual 10 */
     const float t38 = fmaf(error_10, error_10, fmaf(error_9, error_9, t36));
     const float error_11 = t37 + fmaf(bl_r.y, t31, bl_r_wy); /* residual 11 */
-    const float error_12 = fmaf(br_l.x, t29, br_l_wx) - t33; /* residual 12 */
+    const float error_12 = fmaf(br_l.x, t5, br_l.x * t29) - t33; /* residual 12 */
     const float t39 = fmaf(error_12, error_12, fmaf(error_11, error_11, t38));
-    const float error_13 = t37 + fmaf(br_l.y, t29, br_l_wy); /* residual 13 */
-    const float error_14 = fmaf(br_r.x, t31, br_r_wx) - t33; /* residual 14 */
+    const float error_13 = t37 + fmaf(t5, br_l.y, br_l.y * t29); /* residual 13 */
+    const float error_14 = fmaf(br_r.x, t6, br_r.x * t31) - t33; /* residual 14 */
     const float t40 = fmaf(error_14, error_14, fmaf(error_13, error_13, t39));
-    const float error_15 = t37 + fmaf(br_r.y, t31, br_r_wy); /* residual 15 */
+    const float error_15 = t37 + fmaf(t6, br_r.y, br_r.y * t31); /* residual 15 */
 
     out->vx = t25;
     out->vy = t26;

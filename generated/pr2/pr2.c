@@ -10,11 +10,32 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_313fb4962f905d26)
+#if !defined(PR2_PAIR_543bb6cd34ac8455)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
-#if defined(__FAST_MATH__)
-#error "-ffast-math regroups operations; the results would be wrong"
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
+#error "-ffast-math, -Ofast, -funsafe-math-optimizations regroup sums; the results would be wrong"
+#endif
+#if defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
+#error "-freciprocal-math and -fno-signed-zeros change results; compile without"
+#endif
+/* Compilers that do not tell of these options are told to keep the order of sums. */
+#if defined(__clang__)
+#if __clang_major__ >= 18
+#pragma clang fp reassociate(off) reciprocal(off)
+#elif __clang_major__ >= 13
+#pragma clang fp reassociate(off)
+#endif
+#elif defined(__GNUC__)
+#if __GNUC__ < 12
+#pragma GCC optimize("no-associative-math")
+#endif
+#endif
+/* Before clang 22 that holds for fmaf too where it is cast; the casts cost nothing and change nothing. */
+#if defined(__clang__)
+#if __clang_major__ < 22
+#define fmaf(a, b, c) ((float)(double)fmaf((a), (b), (c)))
+#endif
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"

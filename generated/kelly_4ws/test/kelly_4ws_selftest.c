@@ -16,7 +16,7 @@
  */
 #include "../kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_3fcbeebd96bcb565)
+#if !defined(KELLY_4WS_PAIR_2d88c9d89060e7a5)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

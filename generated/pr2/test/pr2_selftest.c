@@ -16,7 +16,7 @@
  */
 #include "../pr2.h"
 
-#if !defined(PR2_PAIR_313fb4962f905d26)
+#if !defined(PR2_PAIR_543bb6cd34ac8455)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

@@ -132,7 +132,7 @@ def _function(function: Function, where: Domain, outcomes: Outcomes) -> Function
 
 def _output(claim: Claim, name: str, unit: str) -> OutputBound:
     return OutputBound(
-        name, unit, _up(claim.low - 0.0, -1), _up(claim.high), _up(claim.error), _up(claim.over),
+        name, unit, _up(claim.low, -1), _up(claim.high), _up(claim.error), _up(claim.over),
         _up(SMALL_ANGLE * claim.rho), claim.singular,
     )  # fmt: skip
 
@@ -140,11 +140,11 @@ def _output(claim: Claim, name: str, unit: str) -> OutputBound:
 def _up(value: Any, sign: int = 1) -> float:
     """``value`` away from minus infinity (``sign`` 1) or plus infinity, to six digits; what rounds to zero is zero."""
     value = float(value)
-    value += (
-        sign * abs(value) * 1e-9
-    )  # whatever the processor does in the last place, the digits are the same
-    if not np.isfinite(value) or abs(value) < _NOTHING:
-        return value if not np.isfinite(value) else 0.0
+    if not np.isfinite(value):
+        return value
+    if abs(value) < _NOTHING:
+        return 0.0
+    value += sign * abs(value) * 1e-9  # whatever the last place on a processor, the digits are the same
     printed = float(f"{value:.5e}")
     if (printed - value) * sign >= 0:
         return printed

@@ -137,7 +137,7 @@ def _output(claim: Claim, name: str, unit: str) -> OutputBound:
     )  # fmt: skip
 
 
-def _up(value: Any, sign: int = 1) -> float:
+def _up(value: float, sign: int = 1) -> float:
     """``value`` away from minus infinity (``sign`` 1) or plus infinity, to six digits; what rounds to zero is zero."""
     value = float(value)
     if not np.isfinite(value):

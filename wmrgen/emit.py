@@ -72,7 +72,10 @@ def _bound_lines(derivation: Derivation, choice: Choice) -> tuple[str, ...]:
 
 
 def site(derivation: Derivation) -> Site:
-    """Limits, pivots and reach of a robot as numbers; a wheel's own limit comes before the robot's."""
+    """Limits, pivots and reach of a robot as numbers; a wheel's own limit comes before the robot's.
+
+    A virtual wheel steers between the wheels that it stands for.
+    """
     robot = derivation.robot
     limits = {name: limit for name, limit in robot.limits.items() if name in ("vx", "vy", "omega")}
     for wheel in robot.wheels:
@@ -83,6 +86,13 @@ def site(derivation: Derivation) -> Site:
                 limits[f"{wheel.name}.{joint}"] = limit
     pivots = tuple((w.name, float(w.nominal.x), float(w.nominal.y)) for w in robot.wheels)
     numbers = {name: (float(v.low), float(v.high)) for name, v in limits.items()}
+    for v in robot.virtual:
+        angles = [f"{name}.steer" for name in v.wheels]
+        if v.role == "steers" and all(name in numbers for name in angles):
+            numbers[f"{v.name}.steer"] = (
+                min(numbers[name][0] for name in angles),
+                max(numbers[name][1] for name in angles),
+            )
     return Site(numbers, pivots, reach(robot, derivation.c_module, numbers))
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import GALLERY, put
+from tests.rules.test_joints import CAR
 from tests.selftest.every import FEW
 from tests.tools import missing
 from wmrgen import derive, load
@@ -23,15 +24,17 @@ FLAGS = ("-std=c99", "-g", "-O1", f"-fsanitize={SANITIZERS}", "-fno-sanitize-rec
 SECONDS = 60  # of all robots together, in CI
 
 
-def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None) -> Path:
-    """The fuzzer of a robot; ``change`` replaces a piece of its checked functions."""
-    derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
+def compiled(folder: Path, robot: str, change: tuple[str, str] | None = None, text: str = "") -> Path:
+    """The fuzzer of a robot, of the gallery or by ``text``; ``change`` replaces a piece of its checked functions."""
+    path = folder / f"{robot}.yaml"
+    path.write_text(text or next(path for path in GALLERY if path.stem == robot).read_text())
+    derivation = derive(load(path))
     files = emit(derivation.c_module, Facts(site=site(derivation), options={"fuzz": True}))
     put(folder, files)
     if change:
-        text = files[f"{robot}_checked.c"].decode()
-        assert change[0] in text
-        (folder / f"{robot}_checked.c").write_text(text.replace(*change, 1))
+        checked = files[f"{robot}_checked.c"].decode()
+        assert change[0] in checked
+        (folder / f"{robot}_checked.c").write_text(checked.replace(*change, 1))
     sources = [f"test/{robot}_fuzz.c", f"{robot}_checked.c", f"{robot}.c"]
     command = [clang(), *FLAGS, *sources, "-lm", "-o", "fuzzer"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
@@ -80,6 +83,13 @@ def test_a_second_of_fuzzing(robot: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
+def test_virtual_wheels_do_not_command(tmp_path: Path) -> None:
+    """Measured angles may be beyond their limits, and so may those that follow from them."""
+    text = CAR.replace("[posture]", "[posture, virtual_angle, virtual_steering]")
+    done = run(compiled(tmp_path, "probed", text=text), 1)
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("robot", FEW)
 def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
@@ -88,10 +98,14 @@ def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
 
 
 HELD = "ackermann_car_held(in->front_left.steer)"
-CAR, TUNABLE = "ackermann_car", "pioneer3dx"
+ACKERMANN, TUNABLE = "ackermann_car", "pioneer3dx"
 PLANTED = {
-    "a range left out": (CAR, "ackermann_car_is_within(in->omega, -2.0f, 2.0f)", "(in->omega >= -2.0f)"),
-    "a limit left out": (CAR, f"ackermann_car_between({HELD}, -0.6981317f, 0.6981317f)", HELD),
+    "a range left out": (
+        ACKERMANN,
+        "ackermann_car_is_within(in->omega, -2.0f, 2.0f)",
+        "(in->omega >= -2.0f)",
+    ),
+    "a limit left out": (ACKERMANN, f"ackermann_car_between({HELD}, -0.6981317f, 0.6981317f)", HELD),
     "a parameter left out": (
         TUNABLE,
         "pioneer3dx_is_within(params->radius, 0.08775f, 0.10725f)",

@@ -66,12 +66,14 @@ class Safe:
 class Guarded:
     """A function with what it accepts, and what its outputs are where it accepts nothing.
 
-    `prepare` has no ``outputs`` of that kind: it works with the nominal parameters then.
+    `prepare` has no ``outputs`` of that kind: it works with the nominal parameters then. ``keeps``: the steering angles
+    that it gives keep their limits, be it measurements that do not.
     """
 
     step: Step
     ranges: tuple[Range, ...]
     outputs: tuple[Safe, ...]
+    keeps: bool
 
     @property
     def prepares(self) -> bool:
@@ -97,7 +99,8 @@ def guarded(module: Module, unit: Unit, site: Site) -> Iterator[Guarded]:
     for function in module.functions:
         accepted = ranges(function, scalar, site)
         if accepted and function.name in steps:
-            yield Guarded(steps[function.name], accepted, safe(function, scalar, site))
+            keeps = function.limits is Limits.COMMANDED
+            yield Guarded(steps[function.name], accepted, safe(function, scalar, site), keeps)
 
 
 def tunable(module: Module, unit: Unit) -> Guarded | None:
@@ -111,14 +114,15 @@ def tunable(module: Module, unit: Unit) -> Guarded | None:
         low, high = tuned(to_float64(port.default or ZERO))
         low, high = inside(low, high) if scalar == "float" else (low, high)
         accepted.append(Range(port, _number(low, scalar), _number(high, scalar)))
-    return Guarded(step, tuple(accepted), ())
+    return Guarded(step, tuple(accepted), (), keeps=False)
 
 
 def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
     """The accepted range of every contract input of ``function``.
 
     A commanded twist keeps its declared limits, a measured one what `forward` can give, a joint its `overshot`
-    limits; everything else, and what has no limits, only has to be of a size that gives finite results.
+    limits, whatever the function; everything else, and what has no limits, only has to be of a size that gives finite
+    results.
     """
     ports = (port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
     return tuple(_range(port, function.limits, scalar, site) for port in ports)
@@ -132,7 +136,7 @@ def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
     elif port.name in _TWIST and limits is Limits.MEASURED:
         reach = site.reach.get(port.name, (low, high))
         low, high = max(low, reach[0]), min(high, reach[1])
-    elif limits in (Limits.COMMANDED, Limits.MEASURED) and port.name in site.limits:
+    elif port.name in site.limits and port.name not in _TWIST and limits is not Limits.ASKED:
         low, high = overshot(*site.limits[port.name])
     return Range(port, _number(low, scalar), _number(high, scalar))
 

@@ -14,8 +14,8 @@ from wmrgen.render import render
 ABOUT = (
     "Fuzzing harness for libFuzzer: clang -g -O1 -fsanitize=fuzzer,address,undefined,float-divide-by-zero "
     "test/{0}_fuzz.c {0}_checked.c {0}.c -lm. Every function gets inputs of any bit pattern and inputs spread over "
-    "their range. What was accepted must give numbers, and steering angles inside their limits; what was refused must "
-    "give the safe outputs.",
+    "their range. What was accepted must give numbers, and commanded steering angles inside their limits; what was "
+    "refused must give the safe outputs.",
 )
 
 
@@ -83,7 +83,7 @@ def _as_expected(guarded: Guarded) -> Iterator[str]:
 def _numbers(guarded: Guarded, output: Safe) -> Iterator[str]:
     read = guarded.written(output.port, ".")
     yield f"is_number({read})"
-    if output.limit:
+    if output.limit and guarded.keeps:
         yield f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
 
 

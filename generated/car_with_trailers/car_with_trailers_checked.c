@@ -225,7 +225,7 @@ car_with_trailers_status car_with_trailers_posture_checked(
             car_with_trailers_is_within(in->x, -1e9f, 1e9f) &&
             car_with_trailers_is_within(in->y, -1e9f, 1e9f) &&
             car_with_trailers_is_within(in->theta, -1e4f, 1e4f) &&
-            car_with_trailers_is_within(in->front.steer, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->front.steer, -0.87266463f, 0.87266463f) &&
             car_with_trailers_is_within(in->rear.speed, -1e9f, 1e9f) &&
             car_with_trailers_is_within(in->front.steer_rate, -1e9f, 1e9f)
         )) {
@@ -263,7 +263,7 @@ car_with_trailers_status car_with_trailers_trailer_checked(
             car_with_trailers_is_within(in->x, -1e9f, 1e9f) &&
             car_with_trailers_is_within(in->y, -1e9f, 1e9f) &&
             car_with_trailers_is_within(in->theta, -1e4f, 1e4f) &&
-            car_with_trailers_is_within(in->front.steer, -1e4f, 1e4f) &&
+            car_with_trailers_is_within(in->front.steer, -0.87266463f, 0.87266463f) &&
             car_with_trailers_is_within(in->trailer1.theta, -1e4f, 1e4f) &&
             car_with_trailers_is_within(in->trailer2.theta, -1e4f, 1e4f) &&
             car_with_trailers_is_within(in->rear.speed, -1e9f, 1e9f) &&

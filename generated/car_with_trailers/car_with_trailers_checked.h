@@ -67,15 +67,16 @@ car_with_trailers_status car_with_trailers_odometry_checked(
     const car_with_trailers_odometry_in *in,
     car_with_trailers_odometry_out *out);
 
-/* car_with_trailers_posture() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta,
- * front.steer -1e4 to 1e4 rad; rear.speed -1e9 to 1e9 m/s; front.steer_rate -1e9 to 1e9 rad/s. */
+/* car_with_trailers_posture() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+ * to 1e4 rad; front.steer -0.87266463 to 0.87266463 rad; rear.speed -1e9 to 1e9 m/s;
+ * front.steer_rate -1e9 to 1e9 rad/s. */
 car_with_trailers_status car_with_trailers_posture_checked(
     const car_with_trailers_posture_in *in,
     car_with_trailers_posture_out *out);
 
 /* car_with_trailers_trailer() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta,
- * front.steer, trailer1.theta, trailer2.theta -1e4 to 1e4 rad; rear.speed -1e9 to 1e9 m/s;
- * front.steer_rate -1e9 to 1e9 rad/s. */
+ * trailer1.theta, trailer2.theta -1e4 to 1e4 rad; front.steer -0.87266463 to 0.87266463 rad;
+ * rear.speed -1e9 to 1e9 m/s; front.steer_rate -1e9 to 1e9 rad/s. */
 car_with_trailers_status car_with_trailers_trailer_checked(
     const car_with_trailers_trailer_in *in,
     car_with_trailers_trailer_out *out);

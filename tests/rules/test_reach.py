@@ -8,6 +8,8 @@ import pytest
 
 from tests.c.harness import COMPILERS
 from tests.rules.probe import printed
+from wmrgen import derive, load
+from wmrgen.emit import site
 
 QUICK = """
 wmrgen: 1
@@ -42,6 +44,15 @@ limits: {vx: 0.1, omega: 0.1, spin: 35}
 FREE = TRICYCLE.replace(
     ", limits: {spin: 35}}", "}"
 )  # wheels that are sensed alone, and as fast as they like
+# Straight across, the front wheel says nothing of how fast the robot turns.
+ACROSS = """
+wmrgen: 1
+name: probed
+wheels:
+  - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3, sensed: [spin]}
+  - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], sensed: [steer]}
+limits: {vx: 8, omega: 4, spin: 20}
+"""
 # Any joint at its stop, at a limit that was overshot, anywhere between, and at an angle of many turns.
 WALK = """
     enum { COUNT = (int)(sizeof(probed_forward_in) / sizeof(float)) };
@@ -108,6 +119,17 @@ TURNING = """
 """
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+
+
+def test_what_is_singular_is_not_bounded(tmp_path: Path) -> None:
+    (tmp_path / "probed.yaml").write_text(ACROSS)
+    assert "omega" not in site(derive(load(tmp_path / "probed.yaml"))).reach
+    limited = ACROSS.replace("sensed: [steer]}", "sensed: [steer], limits: {steer: 40 deg}}")
+    (tmp_path / "probed.yaml").write_text(limited)
+    low, high = site(derive(load(tmp_path / "probed.yaml"))).reach["omega"]
+    assert (
+        low == -high and 7.5 * 1.19 <= high <= 7.5 * 2.4
+    )  # 25 rad/s * 0.3 m * tan 50 deg / 1 m, and what boxes add
 
 
 def test_turns_faster_than_commands(tmp_path: Path) -> None:

@@ -9,7 +9,9 @@ from pathlib import Path
 
 from benchmarks.emulator import gcc
 from benchmarks.emulator.fleet import LIBM
+from tests.conftest import put
 from tests.processor.fleets import host, inputs
+from tests.selftest.every import files_of, place_of
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import unit
 from wmrgen.backends.c99.functions import Step
@@ -156,10 +158,20 @@ def cortex_m(folder: Path, files: Sequence[str], processor: str) -> Path:
     return folder / f"{processor}.elf"
 
 
-def atmega(folder: Path, files: Sequence[str]) -> Path:
+def self_test(folder: Path, robot: str, target: str) -> list[str]:
+    """The C files of ``int check(void)``: the self-test that ``derive --target`` writes for a robot of the gallery."""
+    put(folder, files_of(robot, target=target))
+    text = "int check(void);\nint {0}_selftest(void);\nint check(void) {{ return {0}_selftest(); }}\n"
+    (folder / "check.c").write_text(text.format(robot))
+    return ["check.c", f"{robot}.c", place_of(robot)]
+
+
+def atmega(folder: Path, files: Sequence[str], flags: Sequence[str] = ()) -> Path:
     (folder / "main.c").write_text(AVR)
     chosen = gcc.PROCESSORS["avr"]
-    gcc.run(folder, chosen.compiler, *chosen.flags, *gcc.FLAGS, "main.c", *files, "-o", "avr.elf", "-lm")
+    gcc.run(
+        folder, chosen.compiler, *chosen.flags, *gcc.FLAGS, *flags, "main.c", *files, "-o", "avr.elf", "-lm"
+    )
     return folder / "avr.elf"
 
 

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
+from benchmarks.emulator import gcc
+from benchmarks.emulator.image import Image
 from tests.c.harness import robot_module
+from tests.depth import everyday
 from tests.processor import boards
+from tests.selftest.every import NAMES
 from tests.tools import need
 
+RAM = 64  # bytes of an ATmega328P's 2,048 that a program of the self-test takes beside its stack
+FLASH = 32_256  # bytes that Arduino's boot loader leaves of it
 ROBOTS = ("clearpath_do100", "lekiwi", "nomad_xr4000", "wpilib_swervebot")
 BOARDS = pytest.mark.parametrize(("processor", "board"), [("m4f", "mps2-an386"), ("m0", "microbit")])
 
@@ -21,9 +29,10 @@ def on_qemu(folder: Path, files: list[str], processor: str, board: str) -> str:
     return boards.said("qemu-system-arm", "-M", board, *words, "-kernel", program)
 
 
-def on_simavr(folder: Path, files: list[str]) -> str:
+def on_simavr(folder: Path, files: list[str], flags: Sequence[str] = ()) -> str:
     need("avr-gcc", "simavr")
-    return boards.said("simavr", "-m", "atmega328p", "-f", "16000000", boards.atmega(folder, files))
+    program = boards.atmega(folder, files, flags)
+    return boards.said("simavr", "-m", "atmega328p", "-f", "16000000", program)
 
 
 def spoil(folder: Path) -> None:
@@ -61,3 +70,44 @@ def test_a_wrong_bit_is_seen_on_atmega(tmp_path: Path) -> None:
     files = boards.write(tmp_path, [robot_module("lekiwi")], "avr", 2)
     spoil(tmp_path)
     assert "different" in on_simavr(tmp_path, files)
+
+
+def static(program: Path) -> tuple[int, int]:
+    """Bytes of RAM and of flash that a program for an AVR takes."""
+    sizes = Image(program).sizes()
+    ram = sizes.get(".data", 0) + sizes.get(".bss", 0) + sizes.get(".rodata", 0)
+    return ram, sizes[".text"] + sizes.get(".data", 0)
+
+
+@pytest.mark.parametrize("few", [False, True], ids=["all", "few"])
+@pytest.mark.parametrize("robot", everyday(NAMES, ("turtlebot3_burger", "ackermann_car")))
+def test_the_self_test_on_atmega(robot: str, few: bool, tmp_path: Path) -> None:
+    """Its tables stay in flash; a quarter of them where that is asked for."""
+    files = boards.self_test(tmp_path, robot, "avr")
+    few = few or robot == "pr2"  # all its tables and its code take 35 kB of 32
+    flags = (f"-D{robot.upper()}_SELFTEST_FEW",) if few else ()
+    assert "the same" in on_simavr(tmp_path, files, flags)
+    ram, flash = static(tmp_path / "avr.elf")
+    assert ram <= RAM and flash <= FLASH
+
+
+def test_a_compiler_that_tells_of_no_option_keeps_the_order_of_sums(tmp_path: Path) -> None:
+    """avr-gcc 5.4 and -funsafe-math-optimizations: the same machine code as without, which it is not unguarded."""
+    need("avr-gcc")
+    avr = gcc.PROCESSORS["avr"]
+    boards.self_test(tmp_path, "ackermann_car", "avr")
+    guarded = (tmp_path / "ackermann_car.c").read_text()
+    (tmp_path / "unguarded.c").write_text(re.sub("^#pragma GCC .*$", "", guarded, flags=re.M))
+    for source, same in (("ackermann_car.c", True), ("unguarded.c", False)):
+        for name, flags in (("plain.o", ()), ("unsafe.o", ("-funsafe-math-optimizations",))):
+            gcc.run(tmp_path, avr.compiler, *avr.flags, *gcc.FLAGS, *flags, "-c", source, "-o", name)
+        plain, unsafe = ((tmp_path / name).read_bytes() for name in ("plain.o", "unsafe.o"))
+        assert (plain == unsafe) is same
+
+
+@pytest.mark.parametrize("few", [False, True], ids=["all", "few"])
+def test_the_self_test_on_atmega_sees_a_wrong_build(few: bool, tmp_path: Path) -> None:
+    files = boards.self_test(tmp_path, "lekiwi", "avr")
+    good = (tmp_path / "lekiwi.c").read_text()
+    (tmp_path / "lekiwi.c").write_text(good.replace("in->vx", "(1.001f * in->vx)", 1))
+    assert "different" in on_simavr(tmp_path, files, ("-DLEKIWI_SELFTEST_FEW",) if few else ())

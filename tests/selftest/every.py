@@ -12,6 +12,7 @@ from wmrgen import derive, load
 from wmrgen.backends.c99 import emit
 from wmrgen.backends.registry import Facts
 from wmrgen.emit import site
+from wmrgen.ir.kernels.choice import DEFAULT
 
 NAMES = tuple(path.stem for path in GALLERY)
 FEW = (
@@ -24,7 +25,7 @@ FEW = (
     "ackermann_car",
 )
 EVERY = "every.c"
-_OWN = re.compile(r"\b(miss|\w+_rows|\w+_misses)\b")  # what is static in a self-test
+_OWN = re.compile(r"\b(miss|fetch|\w+_rows|\w+_misses)\b")  # what is static in a self-test
 _MAIN = """
 #include <stdio.h>
 int main(void)
@@ -36,10 +37,12 @@ int main(void)
 
 
 @cache
-def files_of(robot: str, scalar: str = "float") -> Mapping[str, bytes]:
+def files_of(robot: str, scalar: str = "float", target: str = DEFAULT.target) -> Mapping[str, bytes]:
     """The C that derive writes for a robot of the gallery, and what goes with it."""
     derivation = derive(load(next(path for path in GALLERY if path.stem == robot)))
-    return emit(derivation.c_module, Facts(site=site(derivation), options={"scalar": scalar}))
+    return emit(
+        derivation.c_module, Facts(site=site(derivation), options={"scalar": scalar, "target": target})
+    )
 
 
 def place_of(robot: str) -> str:

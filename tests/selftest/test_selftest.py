@@ -126,8 +126,30 @@ def test_ends_with_its_verdict(tmp_path: Path) -> None:
         compile_program(tmp_path, [place_of(robot)], None, ("-c",))
 
 
+@needs_compiler
+def test_few_rows_on_request(tmp_path: Path) -> None:
+    """A quarter of the rows of each table, the first among them: half of the size, and still its verdict."""
+    robot = "turtlebot3_burger"
+    put(tmp_path, files_of(robot))
+    few = f"-D{robot.upper()}_SELFTEST_FEW"
+    sizes = [
+        compile_program(tmp_path, [place_of(robot)], None, ("-c", *STRICT, "-Os", *flags)).stat().st_size
+        for flags in ((), (few,))
+    ]
+    assert sizes[1] < 0.6 * sizes[0]
+    flags = (*STRICT, "-O1", f"-D{robot.upper()}_SELFTEST_MAIN", few)
+    run_program(compile_program(tmp_path, [f"{robot}.c", place_of(robot)], None, flags), "")
+    good = (tmp_path / f"{robot}.c").read_text()
+    (tmp_path / f"{robot}.c").write_text(good.replace("in->vx", "(1.001f * in->vx)", 1))
+    with pytest.raises(EnvironmentFailure, match="status 1"):
+        run_program(compile_program(tmp_path, [f"{robot}.c", place_of(robot)], None, flags), "")
+
+
 def test_no_library() -> None:
-    """Nothing is included but the robot's own header."""
+    """Nothing is included but the robot's own header, and what reads flash on an AVR."""
     for robot in FEW:
         text = files_of(robot)[place_of(robot)].decode()
-        assert re.findall(r"^#include (.*)$", text, flags=re.M) == [f'"../{robot}.h"']
+        assert re.findall(r"^#include (.*)$", text, flags=re.M) == [
+            f'"../{robot}.h"',
+            "<avr/pgmspace.h>",
+        ]

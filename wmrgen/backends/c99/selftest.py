@@ -15,13 +15,16 @@ from wmrgen.ports import Site
 from wmrgen.render import render
 from wmrgen.selftest.vectors import Table, Vector, tables
 
+FEWER = 4  # one of so many rows is enough for who asks for few
 ABOUT = (
     "Self-test of {0}.c, for the machine it is to run on. A row holds inputs, then for every output what the exact "
     "formula gives there (60 digits, rounded once; below 1e-12: 0) and how far a correct build may be from it: a "
     "bound of the rounding errors of all operations, with sines and cosines within 4 units of rounding ({2}) and "
     "arctangents within 6 ulp; contraction to fused multiply-add is covered. A NaN fails.",
-    "int {0}_selftest(void) returns 0, or the number of the first row that fails, counted through this file. Call it "
-    "from a program of your own; compiled with -D{1}_SELFTEST_MAIN this file has a main(), which returns 0 or 1.",
+    "int {0}_selftest(void) returns 0, or the number of the first row that fails, counted through the tables of this "
+    "file. Call it from a program of your own; compiled with -D{1}_SELFTEST_MAIN this file has a main(), which "
+    "returns 0 or 1. With -D{1}_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small flash; on an "
+    "AVR the rows stay there.",
 )
 
 
@@ -43,13 +46,15 @@ def _table(table: Table, unit: Unit) -> dict[str, Any]:
     names = [f"{step.name}()" for step in steps]
     title = f"{names[1]} after {names[0]}" if table.law else " and ".join(names)
     columns = ", ".join(table.inputs) + "; " if table.inputs else ""
+    few = table.vectors[::FEWER]
+    more = [vector for k, vector in enumerate(table.vectors) if k % FEWER]
     comment = f"{title}. Columns: {columns}expected and tolerance of {', '.join(table.outputs)}."
     return {
         "name": f"law_of_{table.functions[0]}" if table.law else table.functions[0],
         "comment": block_comment([comment]),
-        "count": len(table.vectors),
         "width": len(table.inputs) + 2 * len(table.outputs),
-        "rows": list(_rows(table.vectors, unit.choice.scalar)),
+        "few": list(_rows(few, unit.choice.scalar)),
+        "more": list(_rows(more, unit.choice.scalar)),
         "lines": _check(table, steps, unit.before(steps)),
     }
 

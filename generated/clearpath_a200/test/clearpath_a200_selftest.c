@@ -11,16 +11,43 @@
  * sines and cosines within 4 units of rounding (2**-24) and arctangents within 6 ulp;
  * contraction to fused multiply-add is covered. A NaN fails.
  * int clearpath_a200_selftest(void) returns 0, or the number of the first row that fails,
- * counted through this file. Call it from a program of your own; compiled with
- * -DCLEARPATH_A200_SELFTEST_MAIN this file has a main(), which returns 0 or 1.
+ * counted through the tables of this file. Call it from a program of your own; compiled with
+ * -DCLEARPATH_A200_SELFTEST_MAIN this file has a main(), which returns 0 or 1. With
+ * -DCLEARPATH_A200_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small flash;
+ * on an AVR the rows stay there.
  */
 #include "../clearpath_a200.h"
+#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#endif
 
 #if !defined(CLEARPATH_A200_PAIR_85346a51685746ac)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 
+#if !defined(WMRGEN_FLASH)
+#if defined(__AVR__)
+#define WMRGEN_FLASH PROGMEM
+#else
+#define WMRGEN_FLASH
+#endif
+#endif
+
 int clearpath_a200_selftest(void);
+
+/* Copies a row. On an AVR, where constants lie in RAM, the tables stay in flash. */
+static void fetch(float *row, const float *stored, const unsigned count)
+{
+#if defined(__AVR__)
+    (void)memcpy_P(row, stored, count * sizeof(*row));
+#else
+    unsigned k;
+
+    for (k = 0U; k < count; ++k) {
+        row[k] = stored[k];
+    }
+#endif
+}
 
 /* 1 where the value is further from row[0] than row[1], or not a number. */
 static int miss(const float value, const float *row)
@@ -32,9 +59,33 @@ static int miss(const float value, const float *row)
 
 /* clearpath_a200_inverse() and clearpath_a200_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of front_left.spin, front_right.spin, rear_left.spin, rear_right.spin, slip. */
-static const float inverse_rows[36][13] = {
+static const float inverse_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.75f, -0.0f, -0.0f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f,
+    -4.5427012f, 95e-8f, 0.0f, 1e-12f},
+    /* omega alone */
+    {0.0f, 0.0f, 1.5f, -2.5211992f, 53e-8f, 2.5211992f, 53e-8f, -2.5211992f, 53e-8f, 2.5211992f,
+    53e-8f, 0.384f, 16e-8f},
+    /* the same backwards */
+    {0.625f, -0.1875f, -1.6875f, 6.6219335f, 14e-7f, 0.9492353f, 67e-8f, 6.6219335f, 14e-7f,
+    0.9492353f, 67e-8f, 0.4709355f, 18e-8f},
+    {0.25f, -1.21875f, 0.25f, 1.094034f, 3e-7f, 1.9344337f, 41e-8f, 1.094034f, 3e-7f, 1.9344337f,
+    41e-8f, 1.2204293f, 36e-8f},
+    /* very slow */
+    {5.722046e-05f, 1.7166138e-05f, -7.247925e-05f, 0.00046840368f, 99e-12f, 0.00022475753f,
+    69e-12f, 0.00046840368f, 99e-12f, 0.00022475753f, 69e-12f, 2.5277513e-05f, 97e-13f},
+    /* a long arc */
+    {-6.0f, -11.625f, 0.265625f, -36.788074f, 77e-7f, -35.89515f, 76e-7f, -36.788074f, 77e-7f,
+    -35.89515f, 76e-7f, 11.625199f, 33e-7f},
+    /* centre of rotation near front_left */
+    {0.2696875f, -0.271625f, 1.0f, -0.047319785f, 28e-8f, 3.3142793f, 69e-8f, -0.047319785f,
+    28e-8f, 3.3142793f, 69e-8f, 0.37325078f, 13e-8f},
+    /* centre of rotation near rear_left */
+    {0.2696875f, 0.240375f, 1.0f, -0.047319785f, 28e-8f, 3.3142793f, 69e-8f, -0.047319785f, 28e-8f,
+    3.3142793f, 69e-8f, 0.35116398f, 12e-8f},
+#if !defined(CLEARPATH_A200_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone */
@@ -43,18 +94,12 @@ static const float inverse_rows[36][13] = {
     /* vx alone, backwards */
     {-0.75f, 0.0f, 0.0f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f,
     -4.5427012f, 95e-8f, 0.0f, 1e-12f},
-    /* vx alone, beside -0 */
-    {-0.75f, -0.0f, -0.0f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f, -4.5427012f, 95e-8f,
-    -4.5427012f, 95e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, beside -0 */
     {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
-    /* omega alone */
-    {0.0f, 0.0f, 1.5f, -2.5211992f, 53e-8f, 2.5211992f, 53e-8f, -2.5211992f, 53e-8f, 2.5211992f,
-    53e-8f, 0.384f, 16e-8f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 2.5211992f, 53e-8f, -2.5211992f, 53e-8f, 2.5211992f, 53e-8f, -2.5211992f,
     53e-8f, 0.384f, 16e-8f},
@@ -64,10 +109,6 @@ static const float inverse_rows[36][13] = {
     /* generic */
     {-0.625f, 0.1875f, 1.6875f, -6.6219335f, 14e-7f, -0.9492353f, 67e-8f, -6.6219335f, 14e-7f,
     -0.9492353f, 67e-8f, 0.4709355f, 18e-8f},
-    /* the same backwards */
-    {0.625f, -0.1875f, -1.6875f, 6.6219335f, 14e-7f, 0.9492353f, 67e-8f, 6.6219335f, 14e-7f,
-    0.9492353f, 67e-8f, 0.4709355f, 18e-8f},
-    /* generic */
     {0.5625f, -0.796875f, 0.75f, 2.1464264f, 66e-8f, 4.667626f, 98e-8f, 2.1464264f, 66e-8f,
     4.667626f, 98e-8f, 0.8196791f, 26e-8f},
     /* the same backwards */
@@ -76,19 +117,12 @@ static const float inverse_rows[36][13] = {
     /* generic */
     {-0.25f, 1.21875f, -0.25f, -1.094034f, 3e-7f, -1.9344337f, 41e-8f, -1.094034f, 3e-7f,
     -1.9344337f, 41e-8f, 1.2204293f, 36e-8f},
-    /* the same backwards */
-    {0.25f, -1.21875f, 0.25f, 1.094034f, 3e-7f, 1.9344337f, 41e-8f, 1.094034f, 3e-7f, 1.9344337f,
-    41e-8f, 1.2204293f, 36e-8f},
-    /* generic */
     {0.9375f, 0.28125f, -1.1875f, 7.674326f, 16e-7f, 3.6824274f, 11e-7f, 7.674326f, 16e-7f,
     3.6824274f, 11e-7f, 0.41414678f, 15e-8f},
     {0.15625f, -0.703125f, 1.8125f, -2.100053f, 6e-7f, 3.9928453f, 83e-8f, -2.100053f, 6e-7f,
     3.9928453f, 83e-8f, 0.8424255f, 29e-8f},
     {-0.65625f, 1.3125f, 0.875f, -5.4455633f, 12e-7f, -2.5041642f, 77e-8f, -5.4455633f, 12e-7f,
     -2.5041642f, 77e-8f, 1.3314775f, 4e-7f},
-    /* very slow */
-    {5.722046e-05f, 1.7166138e-05f, -7.247925e-05f, 0.00046840368f, 99e-12f, 0.00022475753f,
-    69e-12f, 0.00046840368f, 99e-12f, 0.00022475753f, 69e-12f, 2.5277513e-05f, 97e-13f},
     /* fast */
     {4.0f, 120.0f, -192.0f, 346.94125f, 72e-6f, -298.48578f, 66e-6f, 346.94125f, 72e-6f,
     -298.48578f, 66e-6f, 129.67621f, 42e-6f},
@@ -98,8 +132,6 @@ static const float inverse_rows[36][13] = {
     /* a long arc */
     {3.75f, -4.125f, -0.484375f, 23.527645f, 5e-6f, 21.89937f, 48e-7f, 23.527645f, 5e-6f,
     21.89937f, 48e-7f, 4.1268635f, 12e-7f},
-    {-6.0f, -11.625f, 0.265625f, -36.788074f, 77e-7f, -35.89515f, 76e-7f, -36.788074f, 77e-7f,
-    -35.89515f, 76e-7f, 11.625199f, 33e-7f},
     {8.25f, 4.5f, 0.03125f, 49.91719f, 11e-6f, 50.02224f, 11e-6f, 49.91719f, 11e-6f, 50.02224f,
     11e-6f, 4.500007f, 13e-7f},
     /* upper limits */
@@ -108,9 +140,6 @@ static const float inverse_rows[36][13] = {
     /* lower limits */
     {-1.0f, 0.46875f, -2.0f, -2.695336f, 12e-7f, -9.418534f, 2e-6f, -2.695336f, 12e-7f, -9.418534f,
     2e-6f, 0.694169f, 24e-8f},
-    /* centre of rotation near front_left */
-    {0.2696875f, -0.271625f, 1.0f, -0.047319785f, 28e-8f, 3.3142793f, 69e-8f, -0.047319785f,
-    28e-8f, 3.3142793f, 69e-8f, 0.37325078f, 13e-8f},
     /* centre of rotation on front_left */
     {0.2775f, -0.256f, 1.0f, 2.1661288e-08f, 28e-8f, 3.361599f, 7e-7f, 2.1661288e-08f, 28e-8f,
     3.361599f, 7e-7f, 0.36203867f, 13e-8f},
@@ -120,9 +149,6 @@ static const float inverse_rows[36][13] = {
     /* centre of rotation on front_right */
     {-0.2775f, -0.256f, 1.0f, -3.361599f, 7e-7f, -2.1661288e-08f, 28e-8f, -3.361599f, 7e-7f,
     -2.1661288e-08f, 28e-8f, 0.36203867f, 13e-8f},
-    /* centre of rotation near rear_left */
-    {0.2696875f, 0.240375f, 1.0f, -0.047319785f, 28e-8f, 3.3142793f, 69e-8f, -0.047319785f, 28e-8f,
-    3.3142793f, 69e-8f, 0.35116398f, 12e-8f},
     /* centre of rotation on rear_left */
     {0.2775f, 0.256f, 1.0f, 2.1661288e-08f, 28e-8f, 3.361599f, 7e-7f, 2.1661288e-08f, 28e-8f,
     3.361599f, 7e-7f, 0.36203867f, 13e-8f},
@@ -132,6 +158,7 @@ static const float inverse_rows[36][13] = {
     /* centre of rotation on rear_right */
     {-0.2775f, 0.256f, 1.0f, -3.361599f, 7e-7f, -2.1661288e-08f, 28e-8f, -3.361599f, 7e-7f,
     -2.1661288e-08f, 28e-8f, 0.36203867f, 13e-8f},
+#endif
 };
 
 static int inverse_misses(const float *row)
@@ -161,9 +188,27 @@ static int inverse_misses(const float *row)
 /* clearpath_a200_forward() and clearpath_a200_forward_slip(). Columns: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin; expected and tolerance of vx, vy, omega,
  * slip. */
-static const float forward_rows[25][12] = {
+static const float forward_rows[][12] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* front_right.spin alone */
+    {0.0f, 15.0f, 0.0f, 0.0f, 0.619125f, 11e-8f, 0.0f, 1e-12f, 1.2053071f, 21e-8f, 1.9420266f,
+    11e-7f},
+    /* rear_right.spin alone */
+    {0.0f, 0.0f, 0.0f, 15.0f, 0.619125f, 11e-8f, 0.0f, 1e-12f, 1.2053071f, 21e-8f, 1.9420266f,
+    11e-7f},
+    /* generic */
+    {11.25f, -10.625f, 7.5f, -14.375f, -0.25796875f, 44e-9f, 0.0f, 1e-12f, -3.515479f, 6e-7f,
+    2.5259082f, 13e-7f},
+    {18.75f, 3.75f, -11.875f, 12.5f, 0.9544844f, 16e-8f, 0.0f, 1e-12f, 0.75331694f, 13e-8f,
+    3.755177f, 2e-6f},
+    /* fast */
+    {80.0f, 1600.0f, -1920.0f, -400.0f, -26.416f, 45e-7f, 0.0f, 1e-12f, 244.27557f, 42e-6f,
+    371.46555f, 19e-5f},
+    /* a long arc */
+    {3.4375f, 1.875f, 0.3125f, -1.40625f, 0.1741289f, 3e-8f, 0.0f, 1e-12f, -0.26366094f, 45e-9f,
+    0.55996996f, 31e-8f},
+#if !defined(CLEARPATH_A200_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* front_left.spin alone */
@@ -171,9 +216,6 @@ static const float forward_rows[25][12] = {
     11e-7f},
     /* front_left.spin alone, backwards */
     {-15.0f, 0.0f, 0.0f, 0.0f, -0.619125f, 11e-8f, 0.0f, 1e-12f, 1.2053071f, 21e-8f, 1.9420266f,
-    11e-7f},
-    /* front_right.spin alone */
-    {0.0f, 15.0f, 0.0f, 0.0f, 0.619125f, 11e-8f, 0.0f, 1e-12f, 1.2053071f, 21e-8f, 1.9420266f,
     11e-7f},
     /* front_right.spin alone, backwards */
     {0.0f, -15.0f, 0.0f, 0.0f, -0.619125f, 11e-8f, 0.0f, 1e-12f, -1.2053071f, 21e-8f, 1.9420266f,
@@ -184,9 +226,6 @@ static const float forward_rows[25][12] = {
     /* rear_left.spin alone, backwards */
     {0.0f, 0.0f, -15.0f, 0.0f, -0.619125f, 11e-8f, 0.0f, 1e-12f, 1.2053071f, 21e-8f, 1.9420266f,
     11e-7f},
-    /* rear_right.spin alone */
-    {0.0f, 0.0f, 0.0f, 15.0f, 0.619125f, 11e-8f, 0.0f, 1e-12f, 1.2053071f, 21e-8f, 1.9420266f,
-    11e-7f},
     /* rear_right.spin alone, backwards */
     {0.0f, 0.0f, 0.0f, -15.0f, -0.619125f, 11e-8f, 0.0f, 1e-12f, -1.2053071f, 21e-8f, 1.9420266f,
     11e-7f},
@@ -196,10 +235,6 @@ static const float forward_rows[25][12] = {
     /* the same backwards */
     {12.5f, -2.5f, -16.875f, 8.125f, 0.05159375f, 87e-10f, 0.0f, 1e-12f, 0.8035381f, 14e-8f,
     3.6894763f, 17e-7f},
-    /* generic */
-    {11.25f, -10.625f, 7.5f, -14.375f, -0.25796875f, 44e-9f, 0.0f, 1e-12f, -3.515479f, 6e-7f,
-    2.5259082f, 13e-7f},
-    /* the same backwards */
     {-11.25f, 10.625f, -7.5f, 14.375f, 0.25796875f, 44e-9f, 0.0f, 1e-12f, 3.515479f, 6e-7f,
     2.5259082f, 13e-7f},
     /* generic */
@@ -209,8 +244,6 @@ static const float forward_rows[25][12] = {
     {5.0f, -16.25f, 2.5f, -18.75f, -1.1350625f, 2e-7f, 0.0f, 1e-12f, -3.415037f, 59e-8f,
     2.4144306f, 14e-7f},
     /* generic */
-    {18.75f, 3.75f, -11.875f, 12.5f, 0.9544844f, 16e-8f, 0.0f, 1e-12f, 0.75331694f, 13e-8f,
-    3.755177f, 2e-6f},
     {3.125f, -9.375f, 18.125f, 6.25f, 0.7481094f, 13e-8f, 0.0f, 1e-12f, -1.958624f, 34e-8f,
     2.873222f, 16e-7f},
     {-13.125f, 17.5f, 8.75f, -0.625f, 0.5159375f, 87e-9f, 0.0f, 1e-12f, 1.7075185f, 3e-7f,
@@ -218,9 +251,6 @@ static const float forward_rows[25][12] = {
     /* very slow */
     {0.0011444092f, 0.00022888184f, -0.0007247925f, 0.00076293945f, 5.8257105e-05f, 11e-12f, 0.0f,
     1e-12f, 4.5978817e-05f, 89e-13f, 0.00022919782f, 12e-11f},
-    /* fast */
-    {80.0f, 1600.0f, -1920.0f, -400.0f, -26.416f, 45e-7f, 0.0f, 1e-12f, 244.27557f, 42e-6f,
-    371.46555f, 19e-5f},
     /* very fast */
     {-2560.0f, -48640.0f, 66560.0f, 20480.0f, 1479.296f, 25e-5f, 0.0f, 1e-12f, -7405.4067f, 13e-4f,
     12523.49f, 62e-4f},
@@ -229,8 +259,7 @@ static const float forward_rows[25][12] = {
     0.8788491f, 43e-8f},
     {-2.5f, -4.84375f, 2.65625f, 0.3125f, -0.18057813f, 31e-9f, 0.0f, 1e-12f, -0.37665847f, 65e-9f,
     0.8908133f, 46e-8f},
-    {3.4375f, 1.875f, 0.3125f, -1.40625f, 0.1741289f, 3e-8f, 0.0f, 1e-12f, -0.26366094f, 45e-9f,
-    0.55996996f, 31e-8f},
+#endif
 };
 
 static int forward_misses(const float *row)
@@ -263,9 +292,41 @@ static int forward_misses(const float *row)
 
 /* clearpath_a200_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[48][13] = {
+static const float odometry_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.75f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* omega alone */
+    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* dt alone, backwards */
+    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* the same backwards */
+    {1.125f, -1.0625f, 1.125f, 0.71875f, -0.28125f, 1.8125f, 0.0078125f, 1.1293744f, 15e-8f,
+    -1.05835f, 14e-8f, 1.1391602f, 72e-9f},
+    /* generic */
+    {0.3125f, -0.9375f, 2.71875f, 0.3125f, -0.46875f, -1.8125f, 0.1171875f, 0.30861712f, 76e-9f,
+    -0.87171894f, 31e-8f, 2.5063477f, 16e-8f},
+    /* very fast */
+    {-0.0625f, -1.1875f, 2.4375f, 1024.0f, -2112.0f, -7424.0f, 0.125f, 0.27140382f, 42e-8f,
+    -1.5814611f, 63e-8f, -925.5625f, 58e-6f},
+    /* all round */
+    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
+    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
+    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
+    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
+    /* upper limits */
+    {-1.375f, -0.6875f, 0.09375f, 1.0f, 1.078125f, 2.0f, -0.140625f, -1.5220888f, 58e-8f,
+    -0.8318784f, 49e-8f, -0.1875f, 12e-9f},
+    /* centre of rotation near front_right */
+    {1.0625f, 0.5f, -0.1875f, -0.2853125f, -0.271625f, 1.0f, 0.1953125f, 1.0023354f, 33e-8f,
+    0.45223802f, 23e-8f, 0.0078125f, 49e-11f},
+    /* centre of rotation near rear_right */
+    {1.8125f, 1.875f, 2.90625f, -0.2853125f, 0.240375f, 1.0f, -0.21875f, 1.7716103f, 36e-8f,
+    1.945439f, 46e-8f, 2.6875f, 17e-8f},
+#if !defined(CLEARPATH_A200_SELFTEST_FEW)
     /* standstill */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -273,9 +334,6 @@ static const float odometry_rows[48][13] = {
     {0.0f, 0.0f, 0.0f, 0.75f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.75f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
-    /* vx alone, beside -0 */
-    {1.875f, 0.375f, -1.78125f, -0.75f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -285,8 +343,6 @@ static const float odometry_rows[48][13] = {
     /* vy alone, beside -0 */
     {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
-    /* omega alone */
-    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -295,9 +351,6 @@ static const float odometry_rows[48][13] = {
     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
-    /* dt alone, backwards */
-    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, -0.40625f, 0.515625f, -1.8125f, -0.046875f, -1.253054f, 18e-8f,
     0.28060922f, 56e-9f, 2.616211f, 17e-8f},
@@ -307,10 +360,6 @@ static const float odometry_rows[48][13] = {
     /* generic */
     {1.125f, -1.0625f, 1.125f, -0.71875f, 0.28125f, -1.8125f, -0.0078125f, 1.1293744f, 15e-8f,
     -1.05835f, 14e-8f, 1.1391602f, 72e-9f},
-    /* the same backwards */
-    {1.125f, -1.0625f, 1.125f, 0.71875f, -0.28125f, 1.8125f, 0.0078125f, 1.1293744f, 15e-8f,
-    -1.05835f, 14e-8f, 1.1391602f, 72e-9f},
-    /* generic */
     {-0.5f, 1.625f, -0.375f, 0.9375f, 0.046875f, -1.8125f, 0.0390625f, -0.46569648f, 79e-9f,
     1.6120708f, 22e-8f, -0.44580078f, 28e-9f},
     /* the same backwards */
@@ -319,8 +368,6 @@ static const float odometry_rows[48][13] = {
     /* generic */
     {1.875f, 0.375f, -1.78125f, 0.625f, -0.234375f, -1.8125f, 0.078125f, 1.8438821f, 37e-8f,
     0.33320767f, 23e-8f, -1.9228516f, 13e-8f},
-    {0.3125f, -0.9375f, 2.71875f, 0.3125f, -0.46875f, -1.8125f, 0.1171875f, 0.30861712f, 76e-9f,
-    -0.87171894f, 31e-8f, 2.5063477f, 16e-8f},
     {-1.3125f, 1.75f, 1.3125f, -0.03125f, -0.703125f, -1.8125f, 0.15625f, -1.2135373f, 39e-8f,
     1.7028878f, 35e-8f, 1.0292969f, 65e-9f},
     /* very slow */
@@ -329,9 +376,6 @@ static const float odometry_rows[48][13] = {
     /* fast */
     {0.0625f, 1.25f, -2.25f, -20.0f, 90.0f, -232.0f, -0.078125f, 0.2540861f, 32e-8f, 1.0435132f,
     43e-8f, 15.875f, 10e-7f},
-    /* very fast */
-    {-0.0625f, -1.1875f, 2.4375f, 1024.0f, -2112.0f, -7424.0f, 0.125f, 0.27140382f, 42e-8f,
-    -1.5814611f, 63e-8f, -925.5625f, 58e-6f},
     /* a long arc */
     {0.625f, -0.6875f, -2.90625f, 4.5f, -3.375f, -0.453125f, 0.109375f, 0.0665863f, 4e-7f,
     -0.42941087f, 37e-8f, -2.9558105f, 19e-8f},
@@ -340,25 +384,18 @@ static const float odometry_rows[48][13] = {
     {1.375f, 0.75f, 0.1875f, -3.375f, -7.125f, -0.453125f, 0.1875f, 0.942019f, 78e-8f,
     -0.66293806f, 11e-7f, 0.10253906f, 65e-10f},
     /* all round */
-    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
-    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
     {0.0f, 0.0f, -1.625f, -1.359375f, -1.359375f, -3.625f, -0.2265625f, 0.3850544f, 57e-8f,
     -0.17610833f, 36e-8f, -0.80371094f, 51e-9f},
     {0.0f, 0.0f, 3.0625f, 1.125f, 1.359375f, -7.25f, -0.1875f, 0.027724938f, 15e-8f, 0.30469656f,
     37e-8f, 4.421875f, 28e-8f},
     {0.0f, 0.0f, -64.40625f, 0.65625f, 1.125f, -14.5f, -0.1484375f, -0.13524784f, 16e-8f,
     -0.081900515f, 12e-8f, -62.253906f, 39e-7f},
-    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
-    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
     {0.0f, 0.0f, 1.40625f, -0.328125f, 0.65625f, -3.625f, -0.0703125f, 0.04683965f, 14e-8f,
     0.021285957f, 69e-9f, 1.6611328f, 11e-8f},
     {0.0f, 0.0f, 1.515625f, -0.796875f, 0.421875f, -7.25f, -0.03125f, 0.011690042f, 41e-9f,
     0.025571205f, 78e-9f, 1.7421875f, 11e-8f},
     {0.0f, 0.0f, -1.453125f, -1.265625f, 0.1875f, -14.5f, 0.015625f, 0.0028367678f, 14e-9f,
     0.019745767f, 59e-9f, -1.6796875f, 11e-8f},
-    /* upper limits */
-    {-1.375f, -0.6875f, 0.09375f, 1.0f, 1.078125f, 2.0f, -0.140625f, -1.5220888f, 58e-8f,
-    -0.8318784f, 49e-8f, -0.1875f, 12e-9f},
     /* lower limits */
     {0.25f, 0.625f, 1.5f, -1.0f, 1.3125f, -2.0f, -0.1796875f, 0.4637606f, 54e-8f, 0.82815605f,
     56e-8f, 1.859375f, 12e-8f},
@@ -368,9 +405,6 @@ static const float odometry_rows[48][13] = {
     /* centre of rotation on front_left */
     {-1.3125f, 1.75f, 1.3125f, 0.2775f, -0.256f, 1.0f, 0.15625f, -1.2654254f, 35e-8f, 1.7854536f,
     38e-8f, 1.46875f, 92e-9f},
-    /* centre of rotation near front_right */
-    {1.0625f, 0.5f, -0.1875f, -0.2853125f, -0.271625f, 1.0f, 0.1953125f, 1.0023354f, 33e-8f,
-    0.45223802f, 23e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation on front_right */
     {1.0625f, 0.5f, -0.1875f, -0.2775f, -0.256f, 1.0f, 0.1953125f, 1.0041261f, 32e-8f, 0.45513597f,
     22e-8f, 0.0078125f, 49e-11f},
@@ -380,9 +414,6 @@ static const float odometry_rows[48][13] = {
     /* centre of rotation on rear_left */
     {-0.5625f, -0.8125f, -1.59375f, 0.2775f, 0.256f, 1.0f, 0.234375f, -0.49679703f, 26e-8f,
     -0.8714697f, 29e-8f, -1.359375f, 86e-9f},
-    /* centre of rotation near rear_right */
-    {1.8125f, 1.875f, 2.90625f, -0.2853125f, 0.240375f, 1.0f, -0.21875f, 1.7716103f, 36e-8f,
-    1.945439f, 46e-8f, 2.6875f, 17e-8f},
     /* centre of rotation on rear_right */
     {1.8125f, 1.875f, 2.90625f, -0.2775f, 0.256f, 1.0f, -0.21875f, 1.7743683f, 36e-8f, 1.9480731f,
     47e-8f, 2.6875f, 17e-8f},
@@ -391,6 +422,7 @@ static const float odometry_rows[48][13] = {
     0.85653806f, 29e-8f, -0.29083505f, 24e-8f, 0.87403286f, 12e-8f},
     {0.8844305f, -0.32244864f, 0.9673459f, 0.073702544f, 0.37772554f, -0.8475793f, 0.110553816f,
     0.85613793f, 14e-8f, -0.29069316f, 62e-9f, 0.87364274f, 12e-8f},
+#endif
 };
 
 static int odometry_misses(const float *row)
@@ -415,7 +447,7 @@ static int odometry_misses(const float *row)
 
 /* clearpath_a200_forward() after clearpath_a200_inverse(). Columns: vx, vy, omega; expected and
  * tolerance of vx, vy, omega. */
-static const float law_of_inverse_rows[1][9] = {
+static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
     /* there and back beside -0 */
     {-1.0f, -0.0f, -0.0f, -1.0f, 44e-8f, 0.0f, 1e-12f, 0.0f, 41e-8f},
 };
@@ -445,31 +477,36 @@ static int law_of_inverse_misses(const float *row)
 
 int clearpath_a200_selftest(void)
 {
+    float row[13];
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 36U; ++k) {
+    for (k = 0U; k < (sizeof(inverse_rows) / sizeof(inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
+        fetch(row, inverse_rows[k], 13U);
+        if ((failed == 0) && (inverse_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 25U; ++k) {
+    for (k = 0U; k < (sizeof(forward_rows) / sizeof(forward_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (forward_misses(forward_rows[k]) != 0)) {
+        fetch(row, forward_rows[k], 12U);
+        if ((failed == 0) && (forward_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 48U; ++k) {
+    for (k = 0U; k < (sizeof(odometry_rows) / sizeof(odometry_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+        fetch(row, odometry_rows[k], 13U);
+        if ((failed == 0) && (odometry_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 1U; ++k) {
+    for (k = 0U; k < (sizeof(law_of_inverse_rows) / sizeof(law_of_inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
+        fetch(row, law_of_inverse_rows[k], 9U);
+        if ((failed == 0) && (law_of_inverse_misses(row) != 0)) {
             failed = number;
         }
     }

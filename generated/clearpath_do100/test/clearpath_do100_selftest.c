@@ -11,16 +11,43 @@
  * sines and cosines within 4 units of rounding (2**-24) and arctangents within 6 ulp;
  * contraction to fused multiply-add is covered. A NaN fails.
  * int clearpath_do100_selftest(void) returns 0, or the number of the first row that fails,
- * counted through this file. Call it from a program of your own; compiled with
- * -DCLEARPATH_DO100_SELFTEST_MAIN this file has a main(), which returns 0 or 1.
+ * counted through the tables of this file. Call it from a program of your own; compiled with
+ * -DCLEARPATH_DO100_SELFTEST_MAIN this file has a main(), which returns 0 or 1. With
+ * -DCLEARPATH_DO100_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small
+ * flash; on an AVR the rows stay there.
  */
 #include "../clearpath_do100.h"
+#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#endif
 
 #if !defined(CLEARPATH_DO100_PAIR_8f48fbee4fc477f1)
 #error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 
+#if !defined(WMRGEN_FLASH)
+#if defined(__AVR__)
+#define WMRGEN_FLASH PROGMEM
+#else
+#define WMRGEN_FLASH
+#endif
+#endif
+
 int clearpath_do100_selftest(void);
+
+/* Copies a row. On an AVR, where constants lie in RAM, the tables stay in flash. */
+static void fetch(float *row, const float *stored, const unsigned count)
+{
+#if defined(__AVR__)
+    (void)memcpy_P(row, stored, count * sizeof(*row));
+#else
+    unsigned k;
+
+    for (k = 0U; k < count; ++k) {
+        row[k] = stored[k];
+    }
+#endif
+}
 
 /* 1 where the value is further from row[0] than row[1], or not a number. */
 static int miss(const float value, const float *row)
@@ -32,9 +59,33 @@ static int miss(const float value, const float *row)
 
 /* clearpath_do100_inverse() and clearpath_do100_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of front_left.spin, front_right.spin, rear_left.spin, rear_right.spin, slip. */
-static const float inverse_rows[36][13] = {
+static const float inverse_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.9765625f, -0.0f, -0.0f, -19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f,
+    -19.53125f, 13e-7f, 0.0f, 1e-12f},
+    /* omega alone */
+    {0.0f, 0.0f, 1.5f, -14.862f, 29e-7f, 14.862f, 29e-7f, -14.862f, 29e-7f, 14.862f, 29e-7f, 0.0f,
+    1e-12f},
+    /* the same backwards */
+    {0.8125f, -0.1640625f, -1.6875f, 36.251f, 56e-7f, -3.751f, 16e-7f, 29.6885f, 48e-7f, 2.8115f,
+    15e-7f, 0.0f, 1e-12f},
+    {0.328125f, -1.0546875f, 0.25f, 25.17925f, 34e-7f, -12.05425f, 17e-7f, -17.00825f, 23e-7f,
+    30.13325f, 4e-6f, 0.0f, 1e-12f},
+    /* very slow */
+    {7.43866e-05f, 1.4781952e-05f, -7.247925e-05f, 0.0019102173f, 29e-11f, 0.0010652465f, 18e-11f,
+    0.0025014954f, 36e-11f, 0.0004739685f, 11e-11f, 0.0f, 1e-12f},
+    /* a long arc */
+    {-6.0f, -11.625f, 0.265625f, 109.86819f, 14e-6f, -349.8682f, 44e-6f, -355.1318f, 45e-6f,
+    115.13181f, 15e-6f, 0.0f, 1e-12f},
+    /* centre of rotation near front_left */
+    {0.2025875f, -0.300625f, 1.0f, 0.15624993f, 2e-6f, 7.94725f, 24e-7f, -11.86875f, 29e-7f,
+    19.97225f, 44e-7f, 0.0f, 1e-12f},
+    /* centre of rotation near rear_left */
+    {0.2025875f, 0.269375f, 1.0f, -11.24375f, 28e-7f, 19.34725f, 43e-7f, -0.46875006f, 19e-7f,
+    8.57225f, 24e-7f, 0.0f, 1e-12f},
+#if !defined(CLEARPATH_DO100_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone */
@@ -42,9 +93,6 @@ static const float inverse_rows[36][13] = {
     13e-7f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-0.9765625f, 0.0f, 0.0f, -19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f,
-    -19.53125f, 13e-7f, 0.0f, 1e-12f},
-    /* vx alone, beside -0 */
-    {-0.9765625f, -0.0f, -0.0f, -19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f,
     -19.53125f, 13e-7f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 0.9765625f, 0.0f, -19.53125f, 13e-7f, 19.53125f, 13e-7f, 19.53125f, 13e-7f, -19.53125f,
@@ -55,9 +103,6 @@ static const float inverse_rows[36][13] = {
     /* vy alone, beside -0 */
     {-0.0f, -0.9765625f, -0.0f, 19.53125f, 13e-7f, -19.53125f, 13e-7f, -19.53125f, 13e-7f,
     19.53125f, 13e-7f, 0.0f, 1e-12f},
-    /* omega alone */
-    {0.0f, 0.0f, 1.5f, -14.862f, 29e-7f, 14.862f, 29e-7f, -14.862f, 29e-7f, 14.862f, 29e-7f, 0.0f,
-    1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 14.862f, 29e-7f, -14.862f, 29e-7f, 14.862f, 29e-7f, -14.862f, 29e-7f, 0.0f,
     1e-12f},
@@ -67,10 +112,6 @@ static const float inverse_rows[36][13] = {
     /* generic */
     {-0.8125f, 0.1640625f, 1.6875f, -36.251f, 56e-7f, 3.751f, 16e-7f, -29.6885f, 48e-7f, -2.8115f,
     15e-7f, 0.0f, 1e-12f},
-    /* the same backwards */
-    {0.8125f, -0.1640625f, -1.6875f, 36.251f, 56e-7f, -3.751f, 16e-7f, 29.6885f, 48e-7f, 2.8115f,
-    15e-7f, 0.0f, 1e-12f},
-    /* generic */
     {0.734375f, -0.6875f, 0.75f, 21.0065f, 32e-7f, 8.3685f, 16e-7f, -6.4935f, 13e-7f, 35.8685f,
     5e-6f, 0.0f, 1e-12f},
     /* the same backwards */
@@ -79,19 +120,12 @@ static const float inverse_rows[36][13] = {
     /* generic */
     {-0.328125f, 1.0546875f, -0.25f, -25.17925f, 34e-7f, 12.05425f, 17e-7f, 17.00825f, 23e-7f,
     -30.13325f, 4e-6f, 0.0f, 1e-12f},
-    /* the same backwards */
-    {0.328125f, -1.0546875f, 0.25f, 25.17925f, 34e-7f, -12.05425f, 17e-7f, -17.00825f, 23e-7f,
-    30.13325f, 4e-6f, 0.0f, 1e-12f},
-    /* generic */
     {1.21875f, 0.2421875f, -1.1875f, 31.297f, 47e-7f, 17.453f, 3e-6f, 40.9845f, 59e-7f, 7.7655f,
     18e-7f, 0.0f, 1e-12f},
     {0.203125f, -0.609375f, 1.8125f, -1.70825f, 14e-7f, 9.83325f, 24e-7f, -26.08325f, 45e-7f,
     34.20825f, 55e-7f, 0.0f, 1e-12f},
     {-0.8515625f, 1.140625f, 0.875f, -48.51325f, 67e-7f, 14.45075f, 24e-7f, -2.88825f, 92e-8f,
     -31.17425f, 45e-7f, 0.0f, 1e-12f},
-    /* very slow */
-    {7.43866e-05f, 1.4781952e-05f, -7.247925e-05f, 0.0019102173f, 29e-11f, 0.0010652465f, 18e-11f,
-    0.0025014954f, 36e-11f, 0.0004739685f, 11e-11f, 0.0f, 1e-12f},
     /* fast */
     {5.0f, 104.0f, -192.0f, -77.664f, 14e-5f, 277.664f, 16e-5f, 4082.336f, 64e-5f, -3882.336f,
     61e-5f, 0.0f, 1e-12f},
@@ -101,8 +135,6 @@ static const float inverse_rows[36][13] = {
     /* a long arc */
     {3.75f, -4.125f, -0.484375f, 162.2992f, 21e-6f, -12.299188f, 19e-7f, -2.7008126f, 65e-8f,
     152.7008f, 2e-5f, 0.0f, 1e-12f},
-    {-6.0f, -11.625f, 0.265625f, 109.86819f, 14e-6f, -349.8682f, 44e-6f, -355.1318f, 45e-6f,
-    115.13181f, 15e-6f, 0.0f, 1e-12f},
     {8.25f, 4.5f, 0.03125f, 74.69038f, 94e-7f, 255.30963f, 32e-6f, 254.69037f, 32e-6f, 75.30962f,
     95e-7f, 0.0f, 1e-12f},
     /* upper limits */
@@ -111,9 +143,6 @@ static const float inverse_rows[36][13] = {
     /* lower limits */
     {-1.3f, -1.3f, -4.0f, 39.632f, 11e-6f, -91.631996f, 21e-6f, -12.367998f, 11e-6f, -39.632f,
     11e-6f, 0.0f, 1e-12f},
-    /* centre of rotation near front_left */
-    {0.2025875f, -0.300625f, 1.0f, 0.15624993f, 2e-6f, 7.94725f, 24e-7f, -11.86875f, 29e-7f,
-    19.97225f, 44e-7f, 0.0f, 1e-12f},
     /* centre of rotation on front_left */
     {0.2104f, -0.285f, 1.0f, -6.723404e-08f, 19e-7f, 8.416f, 24e-7f, -11.4f, 28e-7f, 19.816f,
     44e-7f, 0.0f, 1e-12f},
@@ -123,9 +152,6 @@ static const float inverse_rows[36][13] = {
     /* centre of rotation on front_right */
     {-0.2104f, -0.285f, 1.0f, -8.416f, 24e-7f, 6.723404e-08f, 19e-7f, -19.816f, 44e-7f, 11.4f,
     28e-7f, 0.0f, 1e-12f},
-    /* centre of rotation near rear_left */
-    {0.2025875f, 0.269375f, 1.0f, -11.24375f, 28e-7f, 19.34725f, 43e-7f, -0.46875006f, 19e-7f,
-    8.57225f, 24e-7f, 0.0f, 1e-12f},
     /* centre of rotation on rear_left */
     {0.2104f, 0.285f, 1.0f, -11.4f, 28e-7f, 19.816f, 44e-7f, -6.723404e-08f, 19e-7f, 8.416f,
     24e-7f, 0.0f, 1e-12f},
@@ -135,6 +161,7 @@ static const float inverse_rows[36][13] = {
     /* centre of rotation on rear_right */
     {-0.2104f, 0.285f, 1.0f, -19.816f, 44e-7f, 11.4f, 28e-7f, -8.416f, 24e-7f, 6.723404e-08f,
     19e-7f, 0.0f, 1e-12f},
+#endif
 };
 
 static int inverse_misses(const float *row)
@@ -164,9 +191,27 @@ static int inverse_misses(const float *row)
 /* clearpath_do100_forward() and clearpath_do100_forward_slip(). Columns: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin; expected and tolerance of vx, vy, omega,
  * slip. */
-static const float forward_rows[25][12] = {
+static const float forward_rows[][12] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* front_right.spin alone */
+    {0.0f, 15.0f, 0.0f, 0.0f, 0.1875f, 27e-9f, 0.1875f, 27e-9f, 0.37848204f, 57e-9f, 0.26516503f,
+    47e-9f},
+    /* rear_right.spin alone */
+    {0.0f, 0.0f, 0.0f, 15.0f, 0.1875f, 27e-9f, -0.1875f, 27e-9f, 0.37848204f, 57e-9f, 0.26516503f,
+    47e-9f},
+    /* generic */
+    {11.25f, -10.625f, 7.5f, -14.375f, -0.078125f, 12e-9f, 0.0f, 1e-12f, -1.1039059f, 17e-8f,
+    0.13258252f, 24e-9f},
+    {18.75f, 3.75f, -11.875f, 12.5f, 0.2890625f, 41e-9f, -0.4921875f, 7e-8f, 0.23655127f, 36e-9f,
+    0.38669902f, 68e-9f},
+    /* fast */
+    {80.0f, 1600.0f, -1920.0f, -400.0f, -8.0f, 12e-7f, 0.0f, 1e-12f, 76.705696f, 12e-6f, 70.71068f,
+    13e-6f},
+    /* a long arc */
+    {3.4375f, 1.875f, 0.3125f, -1.40625f, 0.052734375f, 75e-10f, 0.001953125f, 28e-11f,
+    -0.082792945f, 13e-9f, 0.11324757f, 2e-8f},
+#if !defined(CLEARPATH_DO100_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* front_left.spin alone */
@@ -174,9 +219,6 @@ static const float forward_rows[25][12] = {
     47e-9f},
     /* front_left.spin alone, backwards */
     {-15.0f, 0.0f, 0.0f, 0.0f, -0.1875f, 27e-9f, 0.1875f, 27e-9f, 0.37848204f, 57e-9f, 0.26516503f,
-    47e-9f},
-    /* front_right.spin alone */
-    {0.0f, 15.0f, 0.0f, 0.0f, 0.1875f, 27e-9f, 0.1875f, 27e-9f, 0.37848204f, 57e-9f, 0.26516503f,
     47e-9f},
     /* front_right.spin alone, backwards */
     {0.0f, -15.0f, 0.0f, 0.0f, -0.1875f, 27e-9f, -0.1875f, 27e-9f, -0.37848204f, 57e-9f,
@@ -187,9 +229,6 @@ static const float forward_rows[25][12] = {
     /* rear_left.spin alone, backwards */
     {0.0f, 0.0f, -15.0f, 0.0f, -0.1875f, 27e-9f, -0.1875f, 27e-9f, 0.37848204f, 57e-9f,
     0.26516503f, 47e-9f},
-    /* rear_right.spin alone */
-    {0.0f, 0.0f, 0.0f, 15.0f, 0.1875f, 27e-9f, -0.1875f, 27e-9f, 0.37848204f, 57e-9f, 0.26516503f,
-    47e-9f},
     /* rear_right.spin alone, backwards */
     {0.0f, 0.0f, 0.0f, -15.0f, -0.1875f, 27e-9f, 0.1875f, 27e-9f, -0.37848204f, 57e-9f,
     0.26516503f, 47e-9f},
@@ -199,10 +238,6 @@ static const float forward_rows[25][12] = {
     /* the same backwards */
     {12.5f, -2.5f, -16.875f, 8.125f, 0.015625f, 23e-10f, -0.5f, 71e-9f, 0.25232136f, 38e-9f,
     0.3314563f, 58e-9f},
-    /* generic */
-    {11.25f, -10.625f, 7.5f, -14.375f, -0.078125f, 12e-9f, 0.0f, 1e-12f, -1.1039059f, 17e-8f,
-    0.13258252f, 24e-9f},
-    /* the same backwards */
     {-11.25f, 10.625f, -7.5f, 14.375f, 0.078125f, 12e-9f, 0.0f, 1e-12f, 1.1039059f, 17e-8f,
     0.13258252f, 24e-9f},
     /* generic */
@@ -212,8 +247,6 @@ static const float forward_rows[25][12] = {
     {5.0f, -16.25f, 2.5f, -18.75f, -0.34375f, 49e-9f, 0.0f, 1e-12f, -1.0723658f, 17e-8f,
     0.088388346f, 16e-9f},
     /* generic */
-    {18.75f, 3.75f, -11.875f, 12.5f, 0.2890625f, 41e-9f, -0.4921875f, 7e-8f, 0.23655127f, 36e-9f,
-    0.38669902f, 68e-9f},
     {3.125f, -9.375f, 18.125f, 6.25f, 0.2265625f, 32e-9f, -0.0078125f, 12e-10f, -0.6150333f,
     93e-9f, 0.5413786f, 94e-9f},
     {-13.125f, 17.5f, 8.75f, -0.625f, 0.15625f, 23e-9f, 0.5f, 71e-9f, 0.5361829f, 81e-9f,
@@ -221,9 +254,6 @@ static const float forward_rows[25][12] = {
     /* very slow */
     {0.0011444092f, 0.00022888184f, -0.0007247925f, 0.00076293945f, 1.7642975e-05f, 35e-13f,
     -3.0040741e-05f, 53e-13f, 1.4437944e-05f, 32e-13f, 2.3602235e-05f, 51e-13f},
-    /* fast */
-    {80.0f, 1600.0f, -1920.0f, -400.0f, -8.0f, 12e-7f, 0.0f, 1e-12f, 76.705696f, 12e-6f, 70.71068f,
-    13e-6f},
     /* very fast */
     {-2560.0f, -48640.0f, 66560.0f, 20480.0f, 448.0f, 64e-6f, 0.0f, 1e-12f, -2325.3936f, 35e-5f,
     2443.761f, 43e-5f},
@@ -232,8 +262,7 @@ static const float forward_rows[25][12] = {
     14e-9f, 0.049718447f, 87e-10f},
     {-2.5f, -4.84375f, 2.65625f, 0.3125f, -0.0546875f, 78e-10f, 0.0f, 1e-12f, -0.118275635f,
     18e-9f, 0.18230097f, 32e-9f},
-    {3.4375f, 1.875f, 0.3125f, -1.40625f, 0.052734375f, 75e-10f, 0.001953125f, 28e-11f,
-    -0.082792945f, 13e-9f, 0.11324757f, 2e-8f},
+#endif
 };
 
 static int forward_misses(const float *row)
@@ -266,9 +295,41 @@ static int forward_misses(const float *row)
 
 /* clearpath_do100_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[48][13] = {
+static const float odometry_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.9765625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* omega alone */
+    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* dt alone, backwards */
+    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* the same backwards */
+    {1.125f, -1.0625f, 1.125f, 0.9375f, -0.2421875f, 1.8125f, 0.0078125f, 1.129824f, 15e-8f,
+    -1.0566732f, 14e-8f, 1.1391602f, 72e-9f},
+    /* generic */
+    {0.3125f, -0.9375f, 2.71875f, 0.40625f, -0.40625f, -1.8125f, 0.1171875f, 0.2954609f, 11e-8f,
+    -0.8724955f, 31e-8f, 2.5063477f, 16e-8f},
+    /* very fast */
+    {-0.0625f, -1.1875f, 2.4375f, 1344.0f, -1824.0f, -7424.0f, 0.125f, 0.32381746f, 46e-8f,
+    -1.5025603f, 57e-8f, -925.5625f, 58e-6f},
+    /* all round */
+    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
+    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
+    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
+    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
+    /* upper limits */
+    {-1.375f, -0.6875f, 0.09375f, 1.3f, 1.3f, 4.0f, -0.140625f, -1.5858792f, 55e-8f, -0.8311205f,
+    38e-8f, -0.46875f, 3e-8f},
+    /* centre of rotation near front_right */
+    {1.0625f, 0.5f, -0.1875f, -0.2182125f, -0.300625f, 1.0f, 0.1953125f, 1.0148599f, 29e-8f,
+    0.44543177f, 24e-8f, 0.0078125f, 49e-11f},
+    /* centre of rotation near rear_right */
+    {1.8125f, 1.875f, 2.90625f, -0.2182125f, 0.269375f, 1.0f, -0.21875f, 1.7875369f, 32e-8f,
+    1.9464474f, 46e-8f, 2.6875f, 17e-8f},
+#if !defined(CLEARPATH_DO100_SELFTEST_FEW)
     /* standstill */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -276,9 +337,6 @@ static const float odometry_rows[48][13] = {
     {0.0f, 0.0f, 0.0f, 0.9765625f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.9765625f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
-    /* vx alone, beside -0 */
-    {1.875f, 0.375f, -1.78125f, -0.9765625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.9765625f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -288,8 +346,6 @@ static const float odometry_rows[48][13] = {
     /* vy alone, beside -0 */
     {1.875f, 0.375f, -1.78125f, -0.0f, -0.9765625f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
-    /* omega alone */
-    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -298,9 +354,6 @@ static const float odometry_rows[48][13] = {
     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
-    /* dt alone, backwards */
-    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, -0.53125f, 0.4453125f, -1.8125f, -0.046875f, -1.2597643f, 18e-8f,
     0.28098184f, 57e-9f, 2.616211f, 17e-8f},
@@ -310,10 +363,6 @@ static const float odometry_rows[48][13] = {
     /* generic */
     {1.125f, -1.0625f, 1.125f, -0.9375f, 0.2421875f, -1.8125f, -0.0078125f, 1.129824f, 15e-8f,
     -1.0566732f, 14e-8f, 1.1391602f, 72e-9f},
-    /* the same backwards */
-    {1.125f, -1.0625f, 1.125f, 0.9375f, -0.2421875f, 1.8125f, 0.0078125f, 1.129824f, 15e-8f,
-    -1.0566732f, 14e-8f, 1.1391602f, 72e-9f},
-    /* generic */
     {-0.5f, 1.625f, -0.375f, 1.21875f, 0.0390625f, -1.8125f, 0.0390625f, -0.4557463f, 84e-9f,
     1.6074086f, 22e-8f, -0.44580078f, 28e-9f},
     /* the same backwards */
@@ -322,8 +371,6 @@ static const float odometry_rows[48][13] = {
     /* generic */
     {1.875f, 0.375f, -1.78125f, 0.8125f, -0.203125f, -1.8125f, 0.078125f, 1.8421632f, 38e-8f,
     0.31846946f, 28e-8f, -1.9228516f, 13e-8f},
-    {0.3125f, -0.9375f, 2.71875f, 0.40625f, -0.40625f, -1.8125f, 0.1171875f, 0.2954609f, 11e-8f,
-    -0.8724955f, 31e-8f, 2.5063477f, 16e-8f},
     {-1.3125f, 1.75f, 1.3125f, -0.0390625f, -0.609375f, -1.8125f, 0.15625f, -1.2274586f, 36e-8f,
     1.7074511f, 33e-8f, 1.0292969f, 65e-9f},
     /* very slow */
@@ -332,9 +379,6 @@ static const float odometry_rows[48][13] = {
     /* fast */
     {0.0625f, 1.25f, -2.25f, -26.0f, 78.0f, -232.0f, -0.078125f, 0.25139633f, 31e-8f, 1.084415f,
     39e-8f, 15.875f, 10e-7f},
-    /* very fast */
-    {-0.0625f, -1.1875f, 2.4375f, 1344.0f, -1824.0f, -7424.0f, 0.125f, 0.32381746f, 46e-8f,
-    -1.5025603f, 57e-8f, -925.5625f, 58e-6f},
     /* a long arc */
     {0.625f, -0.6875f, -2.90625f, 4.5f, -3.375f, -0.453125f, 0.109375f, 0.0665863f, 4e-7f,
     -0.42941087f, 37e-8f, -2.9558105f, 19e-8f},
@@ -343,25 +387,18 @@ static const float odometry_rows[48][13] = {
     {1.375f, 0.75f, 0.1875f, -3.375f, -7.125f, -0.453125f, 0.1875f, 0.942019f, 78e-8f,
     -0.66293806f, 11e-7f, 0.10253906f, 65e-10f},
     /* all round */
-    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
-    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
     {0.0f, 0.0f, -1.625f, -1.359375f, -1.359375f, -3.625f, -0.2265625f, 0.3850544f, 57e-8f,
     -0.17610833f, 36e-8f, -0.80371094f, 51e-9f},
     {0.0f, 0.0f, 3.0625f, 1.125f, 1.359375f, -7.25f, -0.1875f, 0.027724938f, 15e-8f, 0.30469656f,
     37e-8f, 4.421875f, 28e-8f},
     {0.0f, 0.0f, -64.40625f, 0.65625f, 1.125f, -14.5f, -0.1484375f, -0.13524784f, 16e-8f,
     -0.081900515f, 12e-8f, -62.253906f, 39e-7f},
-    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
-    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
     {0.0f, 0.0f, 1.40625f, -0.328125f, 0.65625f, -3.625f, -0.0703125f, 0.04683965f, 14e-8f,
     0.021285957f, 69e-9f, 1.6611328f, 11e-8f},
     {0.0f, 0.0f, 1.515625f, -0.796875f, 0.421875f, -7.25f, -0.03125f, 0.011690042f, 41e-9f,
     0.025571205f, 78e-9f, 1.7421875f, 11e-8f},
     {0.0f, 0.0f, -1.453125f, -1.265625f, 0.1875f, -14.5f, 0.015625f, 0.0028367678f, 14e-9f,
     0.019745767f, 59e-9f, -1.6796875f, 11e-8f},
-    /* upper limits */
-    {-1.375f, -0.6875f, 0.09375f, 1.3f, 1.3f, 4.0f, -0.140625f, -1.5858792f, 55e-8f, -0.8311205f,
-    38e-8f, -0.46875f, 3e-8f},
     /* lower limits */
     {0.25f, 0.625f, 1.5f, -1.3f, -1.3f, -4.0f, -0.1796875f, -0.034202006f, 41e-8f, 0.7790886f,
     38e-8f, 2.21875f, 14e-8f},
@@ -371,9 +408,6 @@ static const float odometry_rows[48][13] = {
     /* centre of rotation on front_left */
     {-1.3125f, 1.75f, 1.3125f, 0.2104f, -0.285f, 1.0f, 0.15625f, -1.262849f, 36e-8f, 1.7743381f,
     33e-8f, 1.46875f, 92e-9f},
-    /* centre of rotation near front_right */
-    {1.0625f, 0.5f, -0.1875f, -0.2182125f, -0.300625f, 1.0f, 0.1953125f, 1.0148599f, 29e-8f,
-    0.44543177f, 24e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation on front_right */
     {1.0625f, 0.5f, -0.1875f, -0.2104f, -0.285f, 1.0f, 0.1953125f, 1.0166506f, 29e-8f, 0.44832972f,
     23e-8f, 0.0078125f, 49e-11f},
@@ -383,9 +417,6 @@ static const float odometry_rows[48][13] = {
     /* centre of rotation on rear_left */
     {-0.5625f, -0.8125f, -1.59375f, 0.2104f, 0.285f, 1.0f, 0.234375f, -0.49152216f, 27e-8f,
     -0.8552106f, 25e-8f, -1.359375f, 86e-9f},
-    /* centre of rotation near rear_right */
-    {1.8125f, 1.875f, 2.90625f, -0.2182125f, 0.269375f, 1.0f, -0.21875f, 1.7875369f, 32e-8f,
-    1.9464474f, 46e-8f, 2.6875f, 17e-8f},
     /* centre of rotation on rear_right */
     {1.8125f, 1.875f, 2.90625f, -0.2104f, 0.285f, 1.0f, -0.21875f, 1.7902949f, 32e-8f, 1.9490815f,
     47e-8f, 2.6875f, 17e-8f},
@@ -394,6 +425,7 @@ static const float odometry_rows[48][13] = {
     0.85653806f, 29e-8f, -0.29083505f, 24e-8f, 0.87403286f, 12e-8f},
     {0.8844305f, -0.32244864f, 0.9673459f, 0.073702544f, 0.37772554f, -0.8475793f, 0.110553816f,
     0.85613793f, 14e-8f, -0.29069316f, 62e-9f, 0.87364274f, 12e-8f},
+#endif
 };
 
 static int odometry_misses(const float *row)
@@ -418,18 +450,22 @@ static int odometry_misses(const float *row)
 
 /* clearpath_do100_forward() after clearpath_do100_inverse(). Columns: vx, vy, omega; expected
  * and tolerance of vx, vy, omega. */
-static const float law_of_inverse_rows[9][9] = {
+static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
     /* there and back */
     {-0.8125f, 0.1640625f, 1.6875f, -0.8125f, 33e-8f, 0.1640625f, 2e-7f, 1.6875f, 69e-8f},
+    {0.203125f, -0.609375f, 1.8125f, 0.203125f, 17e-8f, -0.609375f, 3e-7f, 1.8125f, 73e-8f},
+    /* there and back beside -0 */
+    {-0.0f, -0.0f, -1.0f, 0.0f, 63e-9f, 0.0f, 94e-9f, -1.0f, 41e-8f},
+#if !defined(CLEARPATH_DO100_SELFTEST_FEW)
+    /* there and back */
     {0.734375f, -0.6875f, 0.75f, 0.734375f, 28e-8f, -0.6875f, 27e-8f, 0.75f, 41e-8f},
     {-0.328125f, 1.0546875f, -0.25f, -0.328125f, 17e-8f, 1.0546875f, 36e-8f, -0.25f, 34e-8f},
     {1.21875f, 0.2421875f, -1.1875f, 1.21875f, 44e-8f, 0.2421875f, 2e-7f, -1.1875f, 56e-8f},
-    {0.203125f, -0.609375f, 1.8125f, 0.203125f, 17e-8f, -0.609375f, 3e-7f, 1.8125f, 73e-8f},
     {-0.8515625f, 1.140625f, 0.875f, -0.8515625f, 33e-8f, 1.140625f, 41e-8f, 0.875f, 54e-8f},
     /* there and back beside -0 */
     {-1.0f, -0.0f, -0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     {-0.0f, -1.0f, -0.0f, 0.0f, 1e-12f, -1.0f, 15e-8f, 0.0f, 1e-12f},
-    {-0.0f, -0.0f, -1.0f, 0.0f, 63e-9f, 0.0f, 94e-9f, -1.0f, 41e-8f},
+#endif
 };
 
 static int law_of_inverse_misses(const float *row)
@@ -457,31 +493,36 @@ static int law_of_inverse_misses(const float *row)
 
 int clearpath_do100_selftest(void)
 {
+    float row[13];
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 36U; ++k) {
+    for (k = 0U; k < (sizeof(inverse_rows) / sizeof(inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
+        fetch(row, inverse_rows[k], 13U);
+        if ((failed == 0) && (inverse_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 25U; ++k) {
+    for (k = 0U; k < (sizeof(forward_rows) / sizeof(forward_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (forward_misses(forward_rows[k]) != 0)) {
+        fetch(row, forward_rows[k], 12U);
+        if ((failed == 0) && (forward_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 48U; ++k) {
+    for (k = 0U; k < (sizeof(odometry_rows) / sizeof(odometry_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+        fetch(row, odometry_rows[k], 13U);
+        if ((failed == 0) && (odometry_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 9U; ++k) {
+    for (k = 0U; k < (sizeof(law_of_inverse_rows) / sizeof(law_of_inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
+        fetch(row, law_of_inverse_rows[k], 9U);
+        if ((failed == 0) && (law_of_inverse_misses(row) != 0)) {
             failed = number;
         }
     }

@@ -11,16 +11,43 @@
  * sines and cosines within 4 units of rounding (2**-24) and arctangents within 6 ulp;
  * contraction to fused multiply-add is covered. A NaN fails.
  * int clearpath_r100_selftest(void) returns 0, or the number of the first row that fails,
- * counted through this file. Call it from a program of your own; compiled with
- * -DCLEARPATH_R100_SELFTEST_MAIN this file has a main(), which returns 0 or 1.
+ * counted through the tables of this file. Call it from a program of your own; compiled with
+ * -DCLEARPATH_R100_SELFTEST_MAIN this file has a main(), which returns 0 or 1. With
+ * -DCLEARPATH_R100_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small flash;
+ * on an AVR the rows stay there.
  */
 #include "../clearpath_r100.h"
+#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#endif
 
 #if !defined(CLEARPATH_R100_PAIR_3924d1f4ab0dae09)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 
+#if !defined(WMRGEN_FLASH)
+#if defined(__AVR__)
+#define WMRGEN_FLASH PROGMEM
+#else
+#define WMRGEN_FLASH
+#endif
+#endif
+
 int clearpath_r100_selftest(void);
+
+/* Copies a row. On an AVR, where constants lie in RAM, the tables stay in flash. */
+static void fetch(float *row, const float *stored, const unsigned count)
+{
+#if defined(__AVR__)
+    (void)memcpy_P(row, stored, count * sizeof(*row));
+#else
+    unsigned k;
+
+    for (k = 0U; k < count; ++k) {
+        row[k] = stored[k];
+    }
+#endif
+}
 
 /* 1 where the value is further from row[0] than row[1], or not a number. */
 static int miss(const float value, const float *row)
@@ -32,9 +59,33 @@ static int miss(const float value, const float *row)
 
 /* clearpath_r100_inverse() and clearpath_r100_inverse_slip(). Columns: vx, vy, omega; expected
  * and tolerance of front_left.spin, front_right.spin, rear_left.spin, rear_right.spin, slip. */
-static const float inverse_rows[36][13] = {
+static const float inverse_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.828125f, -0.0f, -0.0f, -10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f,
+    -10.910738f, 4e-6f, 0.0f, 1e-12f},
+    /* omega alone */
+    {0.0f, 0.0f, 1.5f, -11.749012f, 44e-7f, 11.749012f, 44e-7f, -11.749012f, 44e-7f, 11.749012f,
+    44e-7f, 0.0f, 1e-12f},
+    /* the same backwards */
+    {0.6875f, -0.140625f, -1.6875f, 24.128376f, 88e-7f, -6.012434f, 63e-7f, 20.422842f, 81e-7f,
+    -2.3069005f, 61e-7f, 0.0f, 1e-12f},
+    {0.2734375f, -0.890625f, 0.25f, 13.378623f, 58e-7f, -6.173419f, 44e-7f, -10.089756f, 49e-7f,
+    17.29496f, 63e-7f, 0.0f, 1e-12f},
+    /* very slow */
+    {6.2942505e-05f, 1.2397766e-05f, -7.247925e-05f, 0.0012336449f, 51e-11f, 0.00042491907f,
+    43e-11f, 0.0015603318f, 57e-11f, 9.823222e-05f, 37e-11f, 0.0f, 1e-12f},
+    /* a long arc */
+    {-6.0f, -11.625f, 0.265625f, 72.03012f, 54e-6f, -230.13289f, 84e-6f, -234.29399f, 85e-6f,
+    76.19122f, 55e-6f, 0.0f, 1e-12f},
+    /* centre of rotation near front_left */
+    {0.2676875f, -0.334625f, 1.0f, 0.10293156f, 38e-7f, 6.9507575f, 42e-7f, -8.714592f, 45e-7f,
+    15.768281f, 58e-7f, 0.0f, 1e-12f},
+    /* centre of rotation near rear_left */
+    {0.2676875f, 0.303375f, 1.0f, -8.302866f, 43e-7f, 15.356555f, 56e-7f, -0.3087944f, 37e-7f,
+    7.3624835f, 42e-7f, 0.0f, 1e-12f},
+#if !defined(CLEARPATH_R100_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone */
@@ -42,9 +93,6 @@ static const float inverse_rows[36][13] = {
     4e-6f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-0.828125f, 0.0f, 0.0f, -10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f,
-    -10.910738f, 4e-6f, 0.0f, 1e-12f},
-    /* vx alone, beside -0 */
-    {-0.828125f, -0.0f, -0.0f, -10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f,
     -10.910738f, 4e-6f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 0.828125f, 0.0f, -10.910738f, 4e-6f, 10.910738f, 4e-6f, 10.910738f, 4e-6f, -10.910738f,
@@ -55,9 +103,6 @@ static const float inverse_rows[36][13] = {
     /* vy alone, beside -0 */
     {-0.0f, -0.828125f, -0.0f, 10.910738f, 4e-6f, -10.910738f, 4e-6f, -10.910738f, 4e-6f,
     10.910738f, 4e-6f, 0.0f, 1e-12f},
-    /* omega alone */
-    {0.0f, 0.0f, 1.5f, -11.749012f, 44e-7f, 11.749012f, 44e-7f, -11.749012f, 44e-7f, 11.749012f,
-    44e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 11.749012f, 44e-7f, -11.749012f, 44e-7f, 11.749012f, 44e-7f, -11.749012f,
     44e-7f, 0.0f, 1e-12f},
@@ -67,10 +112,6 @@ static const float inverse_rows[36][13] = {
     /* generic */
     {-0.6875f, 0.140625f, 1.6875f, -24.128376f, 88e-7f, 6.012434f, 63e-7f, -20.422842f, 81e-7f,
     2.3069005f, 61e-7f, 0.0f, 1e-12f},
-    /* the same backwards */
-    {0.6875f, -0.140625f, -1.6875f, 24.128376f, 88e-7f, -6.012434f, 63e-7f, 20.422842f, 81e-7f,
-    -2.3069005f, 61e-7f, 0.0f, 1e-12f},
-    /* generic */
     {0.6171875f, -0.5859375f, 0.75f, 9.976943f, 64e-7f, 6.286232f, 5e-6f, -5.46278f, 49e-7f,
     21.725956f, 79e-7f, 0.0f, 1e-12f},
     /* the same backwards */
@@ -79,19 +120,12 @@ static const float inverse_rows[36][13] = {
     /* generic */
     {-0.2734375f, 0.890625f, -0.25f, -13.378623f, 58e-7f, 6.173419f, 44e-7f, 10.089756f, 49e-7f,
     -17.29496f, 63e-7f, 0.0f, 1e-12f},
-    /* the same backwards */
-    {0.2734375f, -0.890625f, 0.25f, 13.378623f, 58e-7f, -6.173419f, 44e-7f, -10.089756f, 49e-7f,
-    17.29496f, 63e-7f, 0.0f, 1e-12f},
-    /* generic */
     {1.03125f, 0.203125f, -1.1875f, 20.212038f, 83e-7f, 6.961874f, 7e-6f, 25.564476f, 93e-7f,
     1.6094368f, 6e-6f, 0.0f, 1e-12f},
     {0.171875f, -0.515625f, 1.8125f, -5.1387515f, 63e-7f, 9.667737f, 65e-7f, -18.725708f, 77e-7f,
     23.254694f, 85e-7f, 0.0f, 1e-12f},
     {-0.71875f, 0.9609375f, 0.875f, -28.98386f, 11e-6f, 10.044466f, 7e-6f, -3.662714f, 62e-7f,
     -15.27668f, 88e-7f, 0.0f, 1e-12f},
-    /* very slow */
-    {6.2942505e-05f, 1.2397766e-05f, -7.247925e-05f, 0.0012336449f, 51e-11f, 0.00042491907f,
-    43e-11f, 0.0015603318f, 57e-11f, 9.823222e-05f, 37e-11f, 0.0f, 1e-12f},
     /* fast */
     {4.0f, 88.0f, -192.0f, 397.15414f, 7e-4f, -291.75232f, 69e-5f, 2715.9946f, 99e-5f, -2610.5928f,
     97e-5f, 0.0f, 1e-12f},
@@ -101,8 +135,6 @@ static const float inverse_rows[36][13] = {
     /* a long arc */
     {3.75f, -4.125f, -0.484375f, 107.54889f, 39e-6f, -8.734663f, 21e-6f, -1.1467597f, 2e-5f,
     99.96099f, 38e-6f, 0.0f, 1e-12f},
-    {-6.0f, -11.625f, 0.265625f, 72.03012f, 54e-6f, -230.13289f, 84e-6f, -234.29399f, 85e-6f,
-    76.19122f, 55e-6f, 0.0f, 1e-12f},
     {8.25f, 4.5f, 0.03125f, 49.162342f, 39e-6f, 168.22896f, 61e-6f, 167.73943f, 61e-6f, 49.651886f,
     39e-6f, 0.0f, 1e-12f},
     /* upper limits */
@@ -111,9 +143,6 @@ static const float inverse_rows[36][13] = {
     /* lower limits */
     {-1.1f, -1.1f, -2.0f, 15.665349f, 11e-6f, -44.650856f, 17e-6f, -13.320159f, 13e-6f,
     -15.665349f, 11e-6f, 0.0f, 1e-12f},
-    /* centre of rotation near front_left */
-    {0.2676875f, -0.334625f, 1.0f, 0.10293156f, 38e-7f, 6.9507575f, 42e-7f, -8.714592f, 45e-7f,
-    15.768281f, 58e-7f, 0.0f, 1e-12f},
     /* centre of rotation on front_left */
     {0.2755f, -0.319f, 1.0f, 6.910683e-08f, 38e-7f, 7.259552f, 42e-7f, -8.405797f, 44e-7f,
     15.665349f, 57e-7f, 0.0f, 1e-12f},
@@ -123,9 +152,6 @@ static const float inverse_rows[36][13] = {
     /* centre of rotation on front_right */
     {-0.2755f, -0.319f, 1.0f, -7.259552f, 42e-7f, -6.910683e-08f, 38e-7f, -15.665349f, 57e-7f,
     8.405797f, 44e-7f, 0.0f, 1e-12f},
-    /* centre of rotation near rear_left */
-    {0.2676875f, 0.303375f, 1.0f, -8.302866f, 43e-7f, 15.356555f, 56e-7f, -0.3087944f, 37e-7f,
-    7.3624835f, 42e-7f, 0.0f, 1e-12f},
     /* centre of rotation on rear_left */
     {0.2755f, 0.319f, 1.0f, -8.405797f, 44e-7f, 15.665349f, 57e-7f, 6.910683e-08f, 38e-7f,
     7.259552f, 42e-7f, 0.0f, 1e-12f},
@@ -135,6 +161,7 @@ static const float inverse_rows[36][13] = {
     /* centre of rotation on rear_right */
     {-0.2755f, 0.319f, 1.0f, -15.665349f, 57e-7f, 8.405797f, 44e-7f, -7.259552f, 42e-7f,
     -6.910683e-08f, 38e-7f, 0.0f, 1e-12f},
+#endif
 };
 
 static int inverse_misses(const float *row)
@@ -168,9 +195,27 @@ static int inverse_misses(const float *row)
 /* clearpath_r100_forward() and clearpath_r100_forward_slip(). Columns: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin; expected and tolerance of vx, vy, omega,
  * slip. */
-static const float forward_rows[25][12] = {
+static const float forward_rows[][12] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* front_right.spin alone */
+    {0.0f, 15.0f, 0.0f, 0.0f, 0.284625f, 67e-9f, 0.284625f, 67e-9f, 0.47876367f, 13e-8f,
+    0.40252054f, 11e-8f},
+    /* rear_right.spin alone */
+    {0.0f, 0.0f, 0.0f, 15.0f, 0.284625f, 67e-9f, -0.284625f, 67e-9f, 0.47876367f, 13e-8f,
+    0.40252054f, 11e-8f},
+    /* generic */
+    {11.25f, -10.625f, 7.5f, -14.375f, -0.11859375f, 28e-9f, 0.0f, 1e-12f, -1.396394f, 36e-8f,
+    0.20126027f, 51e-9f},
+    {18.75f, 3.75f, -11.875f, 12.5f, 0.43879688f, 11e-8f, -0.74714065f, 18e-8f, 0.2992273f, 77e-9f,
+    0.58700913f, 15e-8f},
+    /* fast */
+    {80.0f, 1600.0f, -1920.0f, -400.0f, -12.144f, 29e-7f, 0.0f, 1e-12f, 97.029434f, 25e-6f,
+    107.338806f, 28e-6f},
+    /* a long arc */
+    {3.4375f, 1.875f, 0.3125f, -1.40625f, 0.08005078f, 19e-9f, 0.0029648438f, 7e-10f,
+    -0.104729556f, 27e-9f, 0.17190981f, 44e-9f},
+#if !defined(CLEARPATH_R100_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* front_left.spin alone */
@@ -178,9 +223,6 @@ static const float forward_rows[25][12] = {
     0.40252054f, 11e-8f},
     /* front_left.spin alone, backwards */
     {-15.0f, 0.0f, 0.0f, 0.0f, -0.284625f, 67e-9f, 0.284625f, 67e-9f, 0.47876367f, 13e-8f,
-    0.40252054f, 11e-8f},
-    /* front_right.spin alone */
-    {0.0f, 15.0f, 0.0f, 0.0f, 0.284625f, 67e-9f, 0.284625f, 67e-9f, 0.47876367f, 13e-8f,
     0.40252054f, 11e-8f},
     /* front_right.spin alone, backwards */
     {0.0f, -15.0f, 0.0f, 0.0f, -0.284625f, 67e-9f, -0.284625f, 67e-9f, -0.47876367f, 13e-8f,
@@ -191,9 +233,6 @@ static const float forward_rows[25][12] = {
     /* rear_left.spin alone, backwards */
     {0.0f, 0.0f, -15.0f, 0.0f, -0.284625f, 67e-9f, -0.284625f, 67e-9f, 0.47876367f, 13e-8f,
     0.40252054f, 11e-8f},
-    /* rear_right.spin alone */
-    {0.0f, 0.0f, 0.0f, 15.0f, 0.284625f, 67e-9f, -0.284625f, 67e-9f, 0.47876367f, 13e-8f,
-    0.40252054f, 11e-8f},
     /* rear_right.spin alone, backwards */
     {0.0f, 0.0f, 0.0f, -15.0f, -0.284625f, 67e-9f, 0.284625f, 67e-9f, -0.47876367f, 13e-8f,
     0.40252054f, 11e-8f},
@@ -203,10 +242,6 @@ static const float forward_rows[25][12] = {
     /* the same backwards */
     {12.5f, -2.5f, -16.875f, 8.125f, 0.02371875f, 56e-10f, -0.759f, 18e-8f, 0.31917578f, 82e-9f,
     0.50315064f, 13e-8f},
-    /* generic */
-    {11.25f, -10.625f, 7.5f, -14.375f, -0.11859375f, 28e-9f, 0.0f, 1e-12f, -1.396394f, 36e-8f,
-    0.20126027f, 51e-9f},
-    /* the same backwards */
     {-11.25f, 10.625f, -7.5f, 14.375f, 0.11859375f, 28e-9f, 0.0f, 1e-12f, 1.396394f, 36e-8f,
     0.20126027f, 51e-9f},
     /* generic */
@@ -216,8 +251,6 @@ static const float forward_rows[25][12] = {
     {5.0f, -16.25f, 2.5f, -18.75f, -0.5218125f, 13e-8f, 0.0f, 1e-12f, -1.356497f, 35e-8f,
     0.13417351f, 34e-9f},
     /* generic */
-    {18.75f, 3.75f, -11.875f, 12.5f, 0.43879688f, 11e-8f, -0.74714065f, 18e-8f, 0.2992273f, 77e-9f,
-    0.58700913f, 15e-8f},
     {3.125f, -9.375f, 18.125f, 6.25f, 0.34392187f, 81e-9f, -0.011859375f, 28e-10f, -0.77799094f,
     2e-7f, 0.82181275f, 21e-8f},
     {-13.125f, 17.5f, 8.75f, -0.625f, 0.2371875f, 56e-9f, 0.759f, 18e-8f, 0.6782485f, 18e-8f,
@@ -225,9 +258,6 @@ static const float forward_rows[25][12] = {
     /* very slow */
     {0.0011444092f, 0.00022888184f, -0.0007247925f, 0.00076293945f, 2.6782036e-05f, 73e-13f,
     -4.5601846e-05f, 12e-12f, 1.8263385e-05f, 57e-13f, 3.5828194e-05f, 11e-12f},
-    /* fast */
-    {80.0f, 1600.0f, -1920.0f, -400.0f, -12.144f, 29e-7f, 0.0f, 1e-12f, 97.029434f, 25e-6f,
-    107.338806f, 28e-6f},
     /* very fast */
     {-2560.0f, -48640.0f, 66560.0f, 20480.0f, 680.064f, 16e-5f, 0.0f, 1e-12f, -2941.524f, 75e-5f,
     3709.6292f, 94e-5f},
@@ -236,8 +266,7 @@ static const float forward_rows[25][12] = {
     28e-9f, 0.0754726f, 19e-9f},
     {-2.5f, -4.84375f, 2.65625f, 0.3125f, -0.08301563f, 2e-8f, 0.0f, 1e-12f, -0.14961365f, 39e-9f,
     0.27673286f, 7e-8f},
-    {3.4375f, 1.875f, 0.3125f, -1.40625f, 0.08005078f, 19e-9f, 0.0029648438f, 7e-10f,
-    -0.104729556f, 27e-9f, 0.17190981f, 44e-9f},
+#endif
 };
 
 static int forward_misses(const float *row)
@@ -274,9 +303,41 @@ static int forward_misses(const float *row)
 
 /* clearpath_r100_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance of
  * x, y, theta. */
-static const float odometry_rows[48][13] = {
+static const float odometry_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.828125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* omega alone */
+    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* dt alone, backwards */
+    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* the same backwards */
+    {1.125f, -1.0625f, 1.125f, 0.7890625f, -0.203125f, 1.8125f, 0.0078125f, 1.1290551f, 15e-8f,
+    -1.0575933f, 14e-8f, 1.1391602f, 72e-9f},
+    /* generic */
+    {0.3125f, -0.9375f, 2.71875f, 0.34375f, -0.34375f, -1.8125f, 0.1171875f, 0.29808232f, 99e-9f,
+    -0.8824962f, 28e-8f, 2.5063477f, 16e-8f},
+    /* very fast */
+    {-0.0625f, -1.1875f, 2.4375f, 1120.0f, -1536.0f, -7424.0f, 0.125f, 0.2603077f, 38e-8f,
+    -1.4534597f, 51e-8f, -925.5625f, 58e-6f},
+    /* all round */
+    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
+    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
+    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
+    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
+    /* upper limits */
+    {-1.375f, -0.6875f, 0.09375f, 1.1f, 1.1f, 2.0f, -0.140625f, -1.5362333f, 61e-8f, -0.83428437f,
+    5e-7f, -0.1875f, 12e-9f},
+    /* centre of rotation near front_right */
+    {1.0625f, 0.5f, -0.1875f, -0.2833125f, -0.334625f, 1.0f, 0.1953125f, 1.0016216f, 34e-8f,
+    0.43996745f, 26e-8f, 0.0078125f, 49e-11f},
+    /* centre of rotation near rear_right */
+    {1.8125f, 1.875f, 2.90625f, -0.2833125f, 0.303375f, 1.0f, -0.21875f, 1.776669f, 36e-8f,
+    1.9582361f, 5e-7f, 2.6875f, 17e-8f},
+#if !defined(CLEARPATH_R100_SELFTEST_FEW)
     /* standstill */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -284,9 +345,6 @@ static const float odometry_rows[48][13] = {
     {0.0f, 0.0f, 0.0f, 0.828125f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.828125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
-    /* vx alone, beside -0 */
-    {1.875f, 0.375f, -1.78125f, -0.828125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.828125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -296,8 +354,6 @@ static const float odometry_rows[48][13] = {
     /* vy alone, beside -0 */
     {1.875f, 0.375f, -1.78125f, -0.0f, -0.828125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
-    /* omega alone */
-    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -306,9 +362,6 @@ static const float odometry_rows[48][13] = {
     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
-    /* dt alone, backwards */
-    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, -0.4453125f, 0.375f, -1.8125f, -0.046875f, -1.2581414f, 18e-8f,
     0.27603814f, 53e-9f, 2.616211f, 17e-8f},
@@ -318,10 +371,6 @@ static const float odometry_rows[48][13] = {
     /* generic */
     {1.125f, -1.0625f, 1.125f, -0.7890625f, 0.203125f, -1.8125f, -0.0078125f, 1.1290551f, 15e-8f,
     -1.0575933f, 14e-8f, 1.1391602f, 72e-9f},
-    /* the same backwards */
-    {1.125f, -1.0625f, 1.125f, 0.7890625f, -0.203125f, 1.8125f, 0.0078125f, 1.1290551f, 15e-8f,
-    -1.0575933f, 14e-8f, 1.1391602f, 72e-9f},
-    /* generic */
     {-0.5f, 1.625f, -0.375f, 1.03125f, 0.03125f, -1.8125f, 0.0390625f, -0.46258265f, 81e-9f,
     1.6100504f, 22e-8f, -0.44580078f, 28e-9f},
     /* the same backwards */
@@ -330,8 +379,6 @@ static const float odometry_rows[48][13] = {
     /* generic */
     {1.875f, 0.375f, -1.78125f, 0.6875f, -0.171875f, -1.8125f, 0.078125f, 1.847215f, 36e-8f,
     0.32716647f, 25e-8f, -1.9228516f, 13e-8f},
-    {0.3125f, -0.9375f, 2.71875f, 0.34375f, -0.34375f, -1.8125f, 0.1171875f, 0.29808232f, 99e-9f,
-    -0.8824962f, 28e-8f, 2.5063477f, 16e-8f},
     {-1.3125f, 1.75f, 1.3125f, -0.03125f, -0.515625f, -1.8125f, 0.15625f, -1.2404326f, 33e-8f,
     1.7142557f, 32e-8f, 1.0292969f, 65e-9f},
     /* very slow */
@@ -340,9 +387,6 @@ static const float odometry_rows[48][13] = {
     /* fast */
     {0.0625f, 1.25f, -2.25f, -22.0f, 66.0f, -232.0f, -0.078125f, 0.22233537f, 26e-8f, 1.1098895f,
     36e-8f, 15.875f, 10e-7f},
-    /* very fast */
-    {-0.0625f, -1.1875f, 2.4375f, 1120.0f, -1536.0f, -7424.0f, 0.125f, 0.2603077f, 38e-8f,
-    -1.4534597f, 51e-8f, -925.5625f, 58e-6f},
     /* a long arc */
     {0.625f, -0.6875f, -2.90625f, 4.5f, -3.375f, -0.453125f, 0.109375f, 0.0665863f, 4e-7f,
     -0.42941087f, 37e-8f, -2.9558105f, 19e-8f},
@@ -351,25 +395,18 @@ static const float odometry_rows[48][13] = {
     {1.375f, 0.75f, 0.1875f, -3.375f, -7.125f, -0.453125f, 0.1875f, 0.942019f, 78e-8f,
     -0.66293806f, 11e-7f, 0.10253906f, 65e-10f},
     /* all round */
-    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
-    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
     {0.0f, 0.0f, -1.625f, -1.359375f, -1.359375f, -3.625f, -0.2265625f, 0.3850544f, 57e-8f,
     -0.17610833f, 36e-8f, -0.80371094f, 51e-9f},
     {0.0f, 0.0f, 3.0625f, 1.125f, 1.359375f, -7.25f, -0.1875f, 0.027724938f, 15e-8f, 0.30469656f,
     37e-8f, 4.421875f, 28e-8f},
     {0.0f, 0.0f, -64.40625f, 0.65625f, 1.125f, -14.5f, -0.1484375f, -0.13524784f, 16e-8f,
     -0.081900515f, 12e-8f, -62.253906f, 39e-7f},
-    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
-    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
     {0.0f, 0.0f, 1.40625f, -0.328125f, 0.65625f, -3.625f, -0.0703125f, 0.04683965f, 14e-8f,
     0.021285957f, 69e-9f, 1.6611328f, 11e-8f},
     {0.0f, 0.0f, 1.515625f, -0.796875f, 0.421875f, -7.25f, -0.03125f, 0.011690042f, 41e-9f,
     0.025571205f, 78e-9f, 1.7421875f, 11e-8f},
     {0.0f, 0.0f, -1.453125f, -1.265625f, 0.1875f, -14.5f, 0.015625f, 0.0028367678f, 14e-9f,
     0.019745767f, 59e-9f, -1.6796875f, 11e-8f},
-    /* upper limits */
-    {-1.375f, -0.6875f, 0.09375f, 1.1f, 1.1f, 2.0f, -0.140625f, -1.5362333f, 61e-8f, -0.83428437f,
-    5e-7f, -0.1875f, 12e-9f},
     /* lower limits */
     {0.25f, 0.625f, 1.5f, -1.1f, -1.1f, -2.0f, -0.1796875f, 0.03320495f, 48e-8f, 0.7990648f, 5e-7f,
     1.859375f, 12e-8f},
@@ -379,9 +416,6 @@ static const float odometry_rows[48][13] = {
     /* centre of rotation on front_left */
     {-1.3125f, 1.75f, 1.3125f, 0.2755f, -0.319f, 1.0f, 0.15625f, -1.2558068f, 39e-8f, 1.7833842f,
     37e-8f, 1.46875f, 92e-9f},
-    /* centre of rotation near front_right */
-    {1.0625f, 0.5f, -0.1875f, -0.2833125f, -0.334625f, 1.0f, 0.1953125f, 1.0016216f, 34e-8f,
-    0.43996745f, 26e-8f, 0.0078125f, 49e-11f},
     /* centre of rotation on front_right */
     {1.0625f, 0.5f, -0.1875f, -0.2755f, -0.319f, 1.0f, 0.1953125f, 1.0034122f, 33e-8f, 0.44286537f,
     25e-8f, 0.0078125f, 49e-11f},
@@ -391,9 +425,6 @@ static const float odometry_rows[48][13] = {
     /* centre of rotation on rear_left */
     {-0.5625f, -0.8125f, -1.59375f, 0.2755f, 0.319f, 1.0f, 0.234375f, -0.48217452f, 3e-7f,
     -0.8696179f, 29e-8f, -1.359375f, 86e-9f},
-    /* centre of rotation near rear_right */
-    {1.8125f, 1.875f, 2.90625f, -0.2833125f, 0.303375f, 1.0f, -0.21875f, 1.776669f, 36e-8f,
-    1.9582361f, 5e-7f, 2.6875f, 17e-8f},
     /* centre of rotation on rear_right */
     {1.8125f, 1.875f, 2.90625f, -0.2755f, 0.319f, 1.0f, -0.21875f, 1.779427f, 35e-8f, 1.9608703f,
     51e-8f, 2.6875f, 17e-8f},
@@ -402,6 +433,7 @@ static const float odometry_rows[48][13] = {
     0.85653806f, 29e-8f, -0.29083505f, 24e-8f, 0.87403286f, 12e-8f},
     {0.8844305f, -0.32244864f, 0.9673459f, 0.073702544f, 0.37772554f, -0.8475793f, 0.110553816f,
     0.85613793f, 14e-8f, -0.29069316f, 62e-9f, 0.87364274f, 12e-8f},
+#endif
 };
 
 static int odometry_misses(const float *row)
@@ -426,18 +458,22 @@ static int odometry_misses(const float *row)
 
 /* clearpath_r100_forward() after clearpath_r100_inverse(). Columns: vx, vy, omega; expected and
  * tolerance of vx, vy, omega. */
-static const float law_of_inverse_rows[9][9] = {
+static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
     /* there and back */
     {-0.6875f, 0.140625f, 1.6875f, -0.6875f, 74e-8f, 0.140625f, 6e-7f, 1.6875f, 15e-7f},
+    {0.171875f, -0.515625f, 1.8125f, 0.171875f, 55e-8f, -0.515625f, 7e-7f, 1.8125f, 15e-7f},
+    /* there and back beside -0 */
+    {-0.0f, -0.0f, -1.0f, 0.0f, 19e-8f, 0.0f, 22e-8f, -1.0f, 69e-8f},
+#if !defined(CLEARPATH_R100_SELFTEST_FEW)
+    /* there and back */
     {0.6171875f, -0.5859375f, 0.75f, 0.6171875f, 63e-8f, -0.5859375f, 62e-8f, 0.75f, 98e-8f},
     {-0.2734375f, 0.890625f, -0.25f, -0.2734375f, 45e-8f, 0.890625f, 67e-8f, -0.25f, 76e-8f},
     {1.03125f, 0.203125f, -1.1875f, 1.03125f, 89e-8f, 0.203125f, 62e-8f, -1.1875f, 14e-7f},
-    {0.171875f, -0.515625f, 1.8125f, 0.171875f, 55e-8f, -0.515625f, 7e-7f, 1.8125f, 15e-7f},
     {-0.71875f, 0.9609375f, 0.875f, -0.71875f, 81e-8f, 0.9609375f, 89e-8f, 0.875f, 13e-7f},
     /* there and back beside -0 */
     {-1.0f, -0.0f, -0.0f, -1.0f, 66e-8f, 0.0f, 3e-7f, 0.0f, 5e-7f},
     {-0.0f, -1.0f, -0.0f, 0.0f, 3e-7f, -1.0f, 66e-8f, 0.0f, 61e-8f},
-    {-0.0f, -0.0f, -1.0f, 0.0f, 19e-8f, 0.0f, 22e-8f, -1.0f, 69e-8f},
+#endif
 };
 
 static int law_of_inverse_misses(const float *row)
@@ -469,31 +505,36 @@ static int law_of_inverse_misses(const float *row)
 
 int clearpath_r100_selftest(void)
 {
+    float row[13];
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 36U; ++k) {
+    for (k = 0U; k < (sizeof(inverse_rows) / sizeof(inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
+        fetch(row, inverse_rows[k], 13U);
+        if ((failed == 0) && (inverse_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 25U; ++k) {
+    for (k = 0U; k < (sizeof(forward_rows) / sizeof(forward_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (forward_misses(forward_rows[k]) != 0)) {
+        fetch(row, forward_rows[k], 12U);
+        if ((failed == 0) && (forward_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 48U; ++k) {
+    for (k = 0U; k < (sizeof(odometry_rows) / sizeof(odometry_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+        fetch(row, odometry_rows[k], 13U);
+        if ((failed == 0) && (odometry_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 9U; ++k) {
+    for (k = 0U; k < (sizeof(law_of_inverse_rows) / sizeof(law_of_inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
+        fetch(row, law_of_inverse_rows[k], 9U);
+        if ((failed == 0) && (law_of_inverse_misses(row) != 0)) {
             failed = number;
         }
     }

@@ -11,16 +11,43 @@
  * operations, with sines and cosines within 4 units of rounding (2**-24) and arctangents within
  * 6 ulp; contraction to fused multiply-add is covered. A NaN fails.
  * int textbook_differential_selftest(void) returns 0, or the number of the first row that fails,
- * counted through this file. Call it from a program of your own; compiled with
- * -DTEXTBOOK_DIFFERENTIAL_SELFTEST_MAIN this file has a main(), which returns 0 or 1.
+ * counted through the tables of this file. Call it from a program of your own; compiled with
+ * -DTEXTBOOK_DIFFERENTIAL_SELFTEST_MAIN this file has a main(), which returns 0 or 1. With
+ * -DTEXTBOOK_DIFFERENTIAL_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small
+ * flash; on an AVR the rows stay there.
  */
 #include "../textbook_differential.h"
+#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#endif
 
 #if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_4783a90a5abb66c8)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 
+#if !defined(WMRGEN_FLASH)
+#if defined(__AVR__)
+#define WMRGEN_FLASH PROGMEM
+#else
+#define WMRGEN_FLASH
+#endif
+#endif
+
 int textbook_differential_selftest(void);
+
+/* Copies a row. On an AVR, where constants lie in RAM, the tables stay in flash. */
+static void fetch(float *row, const float *stored, const unsigned count)
+{
+#if defined(__AVR__)
+    (void)memcpy_P(row, stored, count * sizeof(*row));
+#else
+    unsigned k;
+
+    for (k = 0U; k < count; ++k) {
+        row[k] = stored[k];
+    }
+#endif
+}
 
 /* 1 where the value is further from row[0] than row[1], or not a number. */
 static int miss(const float value, const float *row)
@@ -32,68 +59,68 @@ static int miss(const float value, const float *row)
 
 /* textbook_differential_inverse() and textbook_differential_inverse_slip(). Columns: vx, vy,
  * omega; expected and tolerance of right.spin, left.spin, slip. */
-static const float inverse_rows[32][9] = {
+static const float inverse_rows[][9] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, -11.25f, 71e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f},
+    /* omega alone */
+    {0.0f, 0.0f, 1.5f, 9.0f, 57e-8f, -9.0f, 57e-8f, 0.0f, 1e-12f},
+    /* the same backwards */
+    {0.9375f, -0.1875f, -1.6875f, -0.75f, 47e-9f, 19.5f, 13e-7f, 0.1875f, 12e-9f},
+    {0.375f, -1.21875f, 0.25f, 5.25f, 33e-8f, 2.25f, 15e-8f, 1.21875f, 77e-9f},
+    /* very slow */
+    {8.583069e-05f, 1.7166138e-05f, -7.247925e-05f, 0.0004234314f, 28e-12f, 0.0012931824f, 82e-12f,
+    1.7166138e-05f, 21e-13f},
+    /* a long arc */
+    {-6.0f, -11.625f, 0.265625f, -58.40625f, 37e-7f, -61.59375f, 39e-7f, 11.625f, 73e-8f},
+    /* centre of rotation near left */
+    {0.5921875f, -0.015625f, 1.0f, 11.921875f, 19e-7f, -0.07812476f, 39e-8f, 0.015625f, 98e-11f},
+#if !defined(TEXTBOOK_DIFFERENTIAL_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone */
     {1.125f, 0.0f, 0.0f, 11.25f, 71e-8f, 11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, -11.25f, 71e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f},
-    /* vx alone, beside -0 */
-    {-1.125f, -0.0f, -0.0f, -11.25f, 71e-8f, -11.25f, 71e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, beside -0 */
     {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
-    /* omega alone */
-    {0.0f, 0.0f, 1.5f, 9.0f, 57e-8f, -9.0f, 57e-8f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, -9.0f, 57e-8f, 9.0f, 57e-8f, 0.0f, 1e-12f},
     /* omega alone, beside -0 */
     {-0.0f, -0.0f, -1.5f, -9.0f, 57e-8f, 9.0f, 57e-8f, 0.0f, 1e-12f},
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, 0.75f, 47e-9f, -19.5f, 13e-7f, 0.1875f, 12e-9f},
-    /* the same backwards */
-    {0.9375f, -0.1875f, -1.6875f, -0.75f, 47e-9f, 19.5f, 13e-7f, 0.1875f, 12e-9f},
-    /* generic */
     {0.84375f, -0.796875f, 0.75f, 12.9375f, 81e-8f, 3.9375f, 25e-8f, 0.796875f, 5e-8f},
     /* the same backwards */
     {-0.84375f, 0.796875f, -0.75f, -12.9375f, 81e-8f, -3.9375f, 25e-8f, 0.796875f, 5e-8f},
     /* generic */
     {-0.375f, 1.21875f, -0.25f, -5.25f, 33e-8f, -2.25f, 15e-8f, 1.21875f, 77e-9f},
-    /* the same backwards */
-    {0.375f, -1.21875f, 0.25f, 5.25f, 33e-8f, 2.25f, 15e-8f, 1.21875f, 77e-9f},
-    /* generic */
     {1.40625f, 0.28125f, -1.1875f, 6.9375f, 44e-8f, 21.1875f, 14e-7f, 0.28125f, 18e-9f},
     {0.234375f, -0.703125f, 1.8125f, 13.21875f, 83e-8f, -8.53125f, 54e-8f, 0.703125f, 45e-9f},
     {-0.984375f, 1.3125f, 0.875f, -4.59375f, 29e-8f, -15.09375f, 95e-8f, 1.3125f, 83e-9f},
-    /* very slow */
-    {8.583069e-05f, 1.7166138e-05f, -7.247925e-05f, 0.0004234314f, 28e-12f, 0.0012931824f, 82e-12f,
-    1.7166138e-05f, 21e-13f},
     /* fast */
     {6.0f, 120.0f, -192.0f, -1092.0f, 69e-6f, 1212.0f, 76e-6f, 120.0f, 76e-7f},
     /* very fast */
     {-192.0f, -3648.0f, 6656.0f, 38016.0f, 24e-4f, -41856.0f, 27e-4f, 3648.0f, 23e-5f},
     /* a long arc */
     {3.75f, -4.125f, -0.484375f, 34.59375f, 22e-7f, 40.40625f, 26e-7f, 4.125f, 26e-8f},
-    {-6.0f, -11.625f, 0.265625f, -58.40625f, 37e-7f, -61.59375f, 39e-7f, 11.625f, 73e-8f},
     {8.25f, 4.5f, 0.03125f, 82.6875f, 52e-7f, 82.3125f, 52e-7f, 4.5f, 29e-8f},
     /* centre of rotation near right */
     {-0.6078125f, -0.015625f, 1.0f, -0.07812524f, 4e-7f, -12.078125f, 19e-7f, 0.015625f, 98e-11f},
     /* centre of rotation on right */
     {-0.6f, -0.0f, 1.0f, -2.3841858e-07f, 38e-8f, -12.0f, 19e-7f, 0.0f, 1e-12f},
-    /* centre of rotation near left */
-    {0.5921875f, -0.015625f, 1.0f, 11.921875f, 19e-7f, -0.07812476f, 39e-8f, 0.015625f, 98e-11f},
     /* centre of rotation on left */
     {0.6f, -0.0f, 1.0f, 12.0f, 19e-7f, 2.3841858e-07f, 38e-8f, 0.0f, 1e-12f},
     /* centre of rotation near ball */
     {-0.0078125f, -0.415625f, 1.0f, 5.921875f, 38e-8f, -6.078125f, 39e-8f, 0.415625f, 27e-9f},
     /* centre of rotation on ball */
     {0.0f, -0.4f, 1.0f, 6.0f, 38e-8f, -6.0f, 38e-8f, 0.4f, 26e-9f},
+#endif
 };
 
 static int inverse_misses(const float *row)
@@ -120,46 +147,48 @@ static int inverse_misses(const float *row)
 
 /* textbook_differential_forward() and textbook_differential_forward_slip(). Columns: right.spin,
  * left.spin; expected and tolerance of vx, vy, omega, slip. */
-static const float forward_rows[21][10] = {
+static const float forward_rows[][10] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* left.spin alone */
+    {0.0f, 15.0f, 0.75f, 11e-8f, 0.0f, 1e-12f, -1.25f, 2e-7f, 0.0f, 1e-12f},
+    /* generic */
+    {11.25f, -10.625f, 0.03125f, 45e-10f, 0.0f, 1e-12f, 1.8229166f, 29e-8f, 0.0f, 1e-12f},
+    {18.75f, 3.75f, 1.125f, 16e-8f, 0.0f, 1e-12f, 1.25f, 2e-7f, 0.0f, 1e-12f},
+    /* fast */
+    {80.0f, 1600.0f, 84.0f, 12e-6f, 0.0f, 1e-12f, -126.666664f, 2e-5f, 0.0f, 1e-12f},
+    /* a long arc */
+    {3.4375f, 1.875f, 0.265625f, 38e-9f, 0.0f, 1e-12f, 0.13020833f, 21e-9f, 0.0f, 1e-12f},
+#if !defined(TEXTBOOK_DIFFERENTIAL_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* right.spin alone */
     {15.0f, 0.0f, 0.75f, 11e-8f, 0.0f, 1e-12f, 1.25f, 2e-7f, 0.0f, 1e-12f},
     /* right.spin alone, backwards */
     {-15.0f, 0.0f, -0.75f, 11e-8f, 0.0f, 1e-12f, -1.25f, 2e-7f, 0.0f, 1e-12f},
-    /* left.spin alone */
-    {0.0f, 15.0f, 0.75f, 11e-8f, 0.0f, 1e-12f, -1.25f, 2e-7f, 0.0f, 1e-12f},
     /* left.spin alone, backwards */
     {0.0f, -15.0f, -0.75f, 11e-8f, 0.0f, 1e-12f, 1.25f, 2e-7f, 0.0f, 1e-12f},
     /* generic */
     {-12.5f, 2.5f, -0.5f, 71e-9f, 0.0f, 1e-12f, -1.25f, 2e-7f, 0.0f, 1e-12f},
     /* the same backwards */
     {12.5f, -2.5f, 0.5f, 71e-9f, 0.0f, 1e-12f, 1.25f, 2e-7f, 0.0f, 1e-12f},
-    /* generic */
-    {11.25f, -10.625f, 0.03125f, 45e-10f, 0.0f, 1e-12f, 1.8229166f, 29e-8f, 0.0f, 1e-12f},
-    /* the same backwards */
     {-11.25f, 10.625f, -0.03125f, 45e-10f, 0.0f, 1e-12f, -1.8229166f, 29e-8f, 0.0f, 1e-12f},
     /* generic */
     {-5.0f, 16.25f, 0.5625f, 8e-8f, 0.0f, 1e-12f, -1.7708334f, 28e-8f, 0.0f, 1e-12f},
     /* the same backwards */
     {5.0f, -16.25f, -0.5625f, 8e-8f, 0.0f, 1e-12f, 1.7708334f, 28e-8f, 0.0f, 1e-12f},
     /* generic */
-    {18.75f, 3.75f, 1.125f, 16e-8f, 0.0f, 1e-12f, 1.25f, 2e-7f, 0.0f, 1e-12f},
     {3.125f, -9.375f, -0.3125f, 45e-9f, 0.0f, 1e-12f, 1.0416666f, 17e-8f, 0.0f, 1e-12f},
     {-13.125f, 17.5f, 0.21875f, 31e-9f, 0.0f, 1e-12f, -2.5520833f, 4e-7f, 0.0f, 1e-12f},
     /* very slow */
     {0.0011444092f, 0.00022888184f, 6.866455e-05f, 11e-12f, 0.0f, 1e-12f, 7.6293945e-05f, 13e-12f,
     0.0f, 1e-12f},
-    /* fast */
-    {80.0f, 1600.0f, 84.0f, 12e-6f, 0.0f, 1e-12f, -126.666664f, 2e-5f, 0.0f, 1e-12f},
     /* very fast */
     {-2560.0f, -48640.0f, -2560.0f, 37e-5f, 0.0f, 1e-12f, 3840.0f, 61e-5f, 0.0f, 1e-12f},
     /* a long arc */
     {1.5625f, -1.71875f, -0.0078125f, 12e-10f, 0.0f, 1e-12f, 0.2734375f, 43e-9f, 0.0f, 1e-12f},
     {-2.5f, -4.84375f, -0.3671875f, 52e-9f, 0.0f, 1e-12f, 0.1953125f, 31e-9f, 0.0f, 1e-12f},
-    {3.4375f, 1.875f, 0.265625f, 38e-9f, 0.0f, 1e-12f, 0.13020833f, 21e-9f, 0.0f, 1e-12f},
+#endif
 };
 
 static int forward_misses(const float *row)
@@ -188,9 +217,38 @@ static int forward_misses(const float *row)
 
 /* textbook_differential_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and
  * tolerance of x, y, theta. */
-static const float odometry_rows[44][13] = {
+static const float odometry_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* omega alone */
+    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* dt alone, backwards */
+    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* the same backwards */
+    {1.125f, -1.0625f, 1.125f, 1.078125f, -0.28125f, 1.8125f, 0.0078125f, 1.130567f, 15e-8f,
+    -1.0558082f, 14e-8f, 1.1391602f, 72e-9f},
+    /* generic */
+    {0.3125f, -0.9375f, 2.71875f, 0.46875f, -0.46875f, -1.8125f, 0.1171875f, 0.2928395f, 13e-8f,
+    -0.86249477f, 34e-8f, 2.5063477f, 16e-8f},
+    /* very fast */
+    {-0.0625f, -1.1875f, 2.4375f, 1536.0f, -2112.0f, -7424.0f, 0.125f, 0.3805082f, 53e-8f,
+    -1.5534137f, 64e-8f, -925.5625f, 58e-6f},
+    /* all round */
+    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
+    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
+    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
+    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
+    /* centre of rotation near right */
+    {-1.3125f, 1.75f, 1.3125f, -0.6078125f, -0.015625f, 1.0f, 0.15625f, -1.3271018f, 25e-8f,
+    1.6562246f, 57e-8f, 1.46875f, 92e-9f},
+    /* centre of rotation near ball */
+    {-0.5625f, -0.8125f, -1.59375f, -0.0078125f, -0.415625f, 1.0f, 0.234375f, -0.65943f, 35e-8f,
+    -0.8198262f, 15e-8f, -1.359375f, 86e-9f},
+#if !defined(TEXTBOOK_DIFFERENTIAL_SELFTEST_FEW)
     /* standstill */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -198,9 +256,6 @@ static const float odometry_rows[44][13] = {
     {0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
-    /* vx alone, beside -0 */
-    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -210,8 +265,6 @@ static const float odometry_rows[44][13] = {
     /* vy alone, beside -0 */
     {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
-    /* omega alone */
-    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -220,9 +273,6 @@ static const float odometry_rows[44][13] = {
     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
-    /* dt alone, backwards */
-    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, -0.609375f, 0.515625f, -1.8125f, -0.046875f, -1.2610787f, 18e-8f,
     0.2857286f, 61e-9f, 2.616211f, 17e-8f},
@@ -232,10 +282,6 @@ static const float odometry_rows[44][13] = {
     /* generic */
     {1.125f, -1.0625f, 1.125f, -1.078125f, 0.28125f, -1.8125f, -0.0078125f, 1.130567f, 15e-8f,
     -1.0558082f, 14e-8f, 1.1391602f, 72e-9f},
-    /* the same backwards */
-    {1.125f, -1.0625f, 1.125f, 1.078125f, -0.28125f, 1.8125f, 0.0078125f, 1.130567f, 15e-8f,
-    -1.0558082f, 14e-8f, 1.1391602f, 72e-9f},
-    /* generic */
     {-0.5f, 1.625f, -0.375f, 1.40625f, 0.046875f, -1.8125f, 0.0390625f, -0.44890994f, 87e-9f,
     1.6047668f, 23e-8f, -0.44580078f, 28e-9f},
     /* the same backwards */
@@ -244,8 +290,6 @@ static const float odometry_rows[44][13] = {
     /* generic */
     {1.875f, 0.375f, -1.78125f, 0.9375f, -0.234375f, -1.8125f, 0.078125f, 1.8371114f, 4e-7f,
     0.30977246f, 32e-8f, -1.9228516f, 13e-8f},
-    {0.3125f, -0.9375f, 2.71875f, 0.46875f, -0.46875f, -1.8125f, 0.1171875f, 0.2928395f, 13e-8f,
-    -0.86249477f, 34e-8f, 2.5063477f, 16e-8f},
     {-1.3125f, 1.75f, 1.3125f, -0.046875f, -0.703125f, -1.8125f, 0.15625f, -1.2144847f, 39e-8f,
     1.7006465f, 35e-8f, 1.0292969f, 65e-9f},
     /* very slow */
@@ -254,9 +298,6 @@ static const float odometry_rows[44][13] = {
     /* fast */
     {0.0625f, 1.25f, -2.25f, -30.0f, 90.0f, -232.0f, -0.078125f, 0.28045732f, 35e-8f, 1.0589403f,
     43e-8f, 15.875f, 10e-7f},
-    /* very fast */
-    {-0.0625f, -1.1875f, 2.4375f, 1536.0f, -2112.0f, -7424.0f, 0.125f, 0.3805082f, 53e-8f,
-    -1.5534137f, 64e-8f, -925.5625f, 58e-6f},
     /* a long arc */
     {0.625f, -0.6875f, -2.90625f, 4.5f, -3.375f, -0.453125f, 0.109375f, 0.0665863f, 4e-7f,
     -0.42941087f, 37e-8f, -2.9558105f, 19e-8f},
@@ -265,25 +306,18 @@ static const float odometry_rows[44][13] = {
     {1.375f, 0.75f, 0.1875f, -3.375f, -7.125f, -0.453125f, 0.1875f, 0.942019f, 78e-8f,
     -0.66293806f, 11e-7f, 0.10253906f, 65e-10f},
     /* all round */
-    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
-    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
     {0.0f, 0.0f, -1.625f, -1.359375f, -1.359375f, -3.625f, -0.2265625f, 0.3850544f, 57e-8f,
     -0.17610833f, 36e-8f, -0.80371094f, 51e-9f},
     {0.0f, 0.0f, 3.0625f, 1.125f, 1.359375f, -7.25f, -0.1875f, 0.027724938f, 15e-8f, 0.30469656f,
     37e-8f, 4.421875f, 28e-8f},
     {0.0f, 0.0f, -64.40625f, 0.65625f, 1.125f, -14.5f, -0.1484375f, -0.13524784f, 16e-8f,
     -0.081900515f, 12e-8f, -62.253906f, 39e-7f},
-    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
-    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
     {0.0f, 0.0f, 1.40625f, -0.328125f, 0.65625f, -3.625f, -0.0703125f, 0.04683965f, 14e-8f,
     0.021285957f, 69e-9f, 1.6611328f, 11e-8f},
     {0.0f, 0.0f, 1.515625f, -0.796875f, 0.421875f, -7.25f, -0.03125f, 0.011690042f, 41e-9f,
     0.025571205f, 78e-9f, 1.7421875f, 11e-8f},
     {0.0f, 0.0f, -1.453125f, -1.265625f, 0.1875f, -14.5f, 0.015625f, 0.0028367678f, 14e-9f,
     0.019745767f, 59e-9f, -1.6796875f, 11e-8f},
-    /* centre of rotation near right */
-    {-1.3125f, 1.75f, 1.3125f, -0.6078125f, -0.015625f, 1.0f, 0.15625f, -1.3271018f, 25e-8f,
-    1.6562246f, 57e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on right */
     {-1.3125f, 1.75f, 1.3125f, -0.6f, -0.0f, 1.0f, 0.15625f, -1.3292828f, 25e-8f, 1.6578614f,
     56e-8f, 1.46875f, 92e-9f},
@@ -293,9 +327,6 @@ static const float odometry_rows[44][13] = {
     /* centre of rotation on left */
     {1.0625f, 0.5f, -0.1875f, 0.6f, -0.0f, 1.0f, 0.1953125f, 1.1790295f, 52e-8f, 0.4895023f,
     13e-8f, 0.0078125f, 49e-11f},
-    /* centre of rotation near ball */
-    {-0.5625f, -0.8125f, -1.59375f, -0.0078125f, -0.415625f, 1.0f, 0.234375f, -0.65943f, 35e-8f,
-    -0.8198262f, 15e-8f, -1.359375f, 86e-9f},
     /* centre of rotation on ball */
     {-0.5625f, -0.8125f, -1.59375f, 0.0f, -0.4f, 1.0f, 0.234375f, -0.6556206f, 34e-8f,
     -0.82130116f, 15e-8f, -1.359375f, 86e-9f},
@@ -304,6 +335,7 @@ static const float odometry_rows[44][13] = {
     0.85653806f, 29e-8f, -0.29083505f, 24e-8f, 0.87403286f, 12e-8f},
     {0.8844305f, -0.32244864f, 0.9673459f, 0.073702544f, 0.37772554f, -0.8475793f, 0.110553816f,
     0.85613793f, 14e-8f, -0.29069316f, 62e-9f, 0.87364274f, 12e-8f},
+#endif
 };
 
 static int odometry_misses(const float *row)
@@ -328,17 +360,20 @@ static int odometry_misses(const float *row)
 
 /* textbook_differential_forward() after textbook_differential_inverse(). Columns: vx, vy, omega;
  * expected and tolerance of vx, vy, omega. */
-static const float law_of_inverse_rows[8][9] = {
+static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
     /* there and back */
     {-0.9375f, 0.0f, 1.6875f, -0.9375f, 14e-8f, 0.0f, 1e-12f, 1.6875f, 27e-8f},
+    {0.234375f, 0.0f, 1.8125f, 0.234375f, 34e-9f, 0.0f, 1e-12f, 1.8125f, 29e-8f},
+#if !defined(TEXTBOOK_DIFFERENTIAL_SELFTEST_FEW)
+    /* there and back */
     {0.84375f, 0.0f, 0.75f, 0.84375f, 12e-8f, 0.0f, 1e-12f, 0.75f, 12e-8f},
     {-0.375f, 0.0f, -0.25f, -0.375f, 53e-9f, 0.0f, 1e-12f, -0.25f, 4e-8f},
     {1.40625f, 0.0f, -1.1875f, 1.40625f, 2e-7f, 0.0f, 1e-12f, -1.1875f, 19e-8f},
-    {0.234375f, 0.0f, 1.8125f, 0.234375f, 34e-9f, 0.0f, 1e-12f, 1.8125f, 29e-8f},
     {-0.984375f, 0.0f, 0.875f, -0.984375f, 14e-8f, 0.0f, 1e-12f, 0.875f, 14e-8f},
     /* there and back beside -0 */
     {-1.0f, -0.0f, -0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     {-0.0f, -0.0f, -1.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, -1.0f, 16e-8f},
+#endif
 };
 
 static int law_of_inverse_misses(const float *row)
@@ -364,31 +399,36 @@ static int law_of_inverse_misses(const float *row)
 
 int textbook_differential_selftest(void)
 {
+    float row[13];
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 32U; ++k) {
+    for (k = 0U; k < (sizeof(inverse_rows) / sizeof(inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
+        fetch(row, inverse_rows[k], 9U);
+        if ((failed == 0) && (inverse_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 21U; ++k) {
+    for (k = 0U; k < (sizeof(forward_rows) / sizeof(forward_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (forward_misses(forward_rows[k]) != 0)) {
+        fetch(row, forward_rows[k], 10U);
+        if ((failed == 0) && (forward_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 44U; ++k) {
+    for (k = 0U; k < (sizeof(odometry_rows) / sizeof(odometry_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+        fetch(row, odometry_rows[k], 13U);
+        if ((failed == 0) && (odometry_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 8U; ++k) {
+    for (k = 0U; k < (sizeof(law_of_inverse_rows) / sizeof(law_of_inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
+        fetch(row, law_of_inverse_rows[k], 9U);
+        if ((failed == 0) && (law_of_inverse_misses(row) != 0)) {
             failed = number;
         }
     }

@@ -11,16 +11,43 @@
  * with sines and cosines within 4 units of rounding (2**-24) and arctangents within 6 ulp;
  * contraction to fused multiply-add is covered. A NaN fails.
  * int textbook_omni_steer_selftest(void) returns 0, or the number of the first row that fails,
- * counted through this file. Call it from a program of your own; compiled with
- * -DTEXTBOOK_OMNI_STEER_SELFTEST_MAIN this file has a main(), which returns 0 or 1.
+ * counted through the tables of this file. Call it from a program of your own; compiled with
+ * -DTEXTBOOK_OMNI_STEER_SELFTEST_MAIN this file has a main(), which returns 0 or 1. With
+ * -DTEXTBOOK_OMNI_STEER_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small
+ * flash; on an AVR the rows stay there.
  */
 #include "../textbook_omni_steer.h"
+#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#endif
 
 #if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e43bd2a2dc8647b)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 
+#if !defined(WMRGEN_FLASH)
+#if defined(__AVR__)
+#define WMRGEN_FLASH PROGMEM
+#else
+#define WMRGEN_FLASH
+#endif
+#endif
+
 int textbook_omni_steer_selftest(void);
+
+/* Copies a row. On an AVR, where constants lie in RAM, the tables stay in flash. */
+static void fetch(float *row, const float *stored, const unsigned count)
+{
+#if defined(__AVR__)
+    (void)memcpy_P(row, stored, count * sizeof(*row));
+#else
+    unsigned k;
+
+    for (k = 0U; k < count; ++k) {
+        row[k] = stored[k];
+    }
+#endif
+}
 
 /* 1 where the value is further from row[0] than row[1], or not a number. */
 static int miss(const float value, const float *row)
@@ -32,17 +59,37 @@ static int miss(const float value, const float *row)
 
 /* textbook_omni_steer_inverse() and textbook_omni_steer_inverse_slip(). Columns: vx, vy, omega,
  * front.steer; expected and tolerance of front.spin, front.steer, slip. */
-static const float inverse_rows[39][10] = {
+static const float inverse_rows[][10] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-1.125f, -0.0f, -0.0f, 1.875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 0.0f, 1e-12f},
+    /* the same backwards */
+    {0.9375f, -0.1875f, -1.6875f, -1.21875f, 11.662741f, 36e-7f, -0.63707036f, 88e-8f, 0.0f,
+    1e-12f},
+    {0.375f, -1.21875f, 0.25f, 2.8125f, -12.036566f, 45e-7f, 1.8876208f, 22e-7f, 0.0f, 1e-12f},
+    /* very slow */
+    {8.583069e-05f, 1.7166138e-05f, -7.247925e-05f, 1.875f, -0.00085952674f, 2e-10f, 3.0883098f,
+    77e-8f, 0.0f, 1e-12f},
+    /* a long arc */
+    {-6.0f, -11.625f, 0.265625f, 0.1875f, -130.11311f, 45e-6f, 1.09152f, 16e-7f, 0.0f, 1e-12f},
+    /* all round */
+    {0.421875f, 0.65625f, 4.75f, -1.453125f, -21.235771f, 93e-7f, -1.7707893f, 26e-7f, 0.0f,
+    1e-12f},
+    {-1.40625f, -0.234375f, 5.25f, -64.40625f, -19.428883f, 69e-7f, -63.593365f, 15e-6f, 0.0f,
+    1e-12f},
+    /* centre of rotation on left */
+    {0.25980762f, 0.15f, 1.0f, -1.03125f, -5.1961527f, 21e-7f, -2.0943952f, 2e-6f, 0.0f, 1e-12f},
+    /* beside a wall */
+    {2.6414852f, -0.18010126f, -1.8010125f, -11.256329f, -27.379604f, 73e-7f, -9.69103f, 25e-7f,
+    0.0f, 1e-12f},
+#if !defined(TEXTBOOK_OMNI_STEER_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 1.875f, 0.0f, 1e-12f, 1.875f, 12e-8f, 0.0f, 1e-12f},
     /* vx alone */
     {1.125f, 0.0f, 0.0f, 0.0f, 11.25f, 71e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-1.125f, 0.0f, 0.0f, 1.875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 0.0f, 1e-12f},
-    /* vx alone, beside -0 */
-    {-1.125f, -0.0f, -0.0f, 1.875f, 11.25f, 71e-8f, 3.1415927f, 69e-8f, 0.0f, 1e-12f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 1.875f, -11.25f, 71e-8f, 1.5707964f, 21e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
@@ -50,54 +97,37 @@ static const float inverse_rows[39][10] = {
     /* generic */
     {-0.9375f, 0.1875f, 1.6875f, -1.21875f, -11.662741f, 36e-7f, -0.63707036f, 88e-8f, 0.0f,
     1e-12f},
-    /* the same backwards */
-    {0.9375f, -0.1875f, -1.6875f, -1.21875f, 11.662741f, 36e-7f, -0.63707036f, 88e-8f, 0.0f,
-    1e-12f},
-    /* generic */
     {0.84375f, -0.796875f, 0.75f, -2.15625f, 10.192915f, 29e-7f, -0.5956555f, 8e-7f, 0.0f, 1e-12f},
     /* the same backwards */
     {-0.84375f, 0.796875f, -0.75f, -2.15625f, -10.192915f, 29e-7f, -0.5956555f, 8e-7f, 0.0f,
     1e-12f},
     /* generic */
     {-0.375f, 1.21875f, -0.25f, 2.8125f, 12.036566f, 45e-7f, 1.8876208f, 22e-7f, 0.0f, 1e-12f},
-    /* the same backwards */
-    {0.375f, -1.21875f, 0.25f, 2.8125f, -12.036566f, 45e-7f, 1.8876208f, 22e-7f, 0.0f, 1e-12f},
-    /* generic */
     {1.40625f, 0.28125f, -1.1875f, 1.875f, -14.082486f, 32e-7f, 3.0883098f, 77e-8f, 0.0f, 1e-12f},
     {0.234375f, -0.703125f, 1.8125f, 0.9375f, 2.8342905f, 11e-7f, -0.5971767f, 11e-7f, 0.0f,
     1e-12f},
     {-0.984375f, 1.3125f, 0.875f, -0.09375f, -18.57315f, 64e-7f, -1.012197f, 15e-7f, 0.0f, 1e-12f},
-    /* very slow */
-    {8.583069e-05f, 1.7166138e-05f, -7.247925e-05f, 1.875f, -0.00085952674f, 2e-10f, 3.0883098f,
-    77e-8f, 0.0f, 1e-12f},
     /* fast */
     {6.0f, 120.0f, -192.0f, -0.46875f, -626.878f, 3e-4f, -1.6666554f, 29e-7f, 0.0f, 1e-12f},
     /* very fast */
     {-192.0f, -3648.0f, 6656.0f, 0.75f, -16623.254f, 83e-4f, 1.4550371f, 27e-7f, 0.0f, 1e-12f},
     /* a long arc */
     {3.75f, -4.125f, -0.484375f, 1.125f, -56.83139f, 18e-6f, 2.291411f, 16e-7f, 0.0f, 1e-12f},
-    {-6.0f, -11.625f, 0.265625f, 0.1875f, -130.11311f, 45e-6f, 1.09152f, 16e-7f, 0.0f, 1e-12f},
     {8.25f, 4.5f, 0.03125f, -0.84375f, 94.01966f, 24e-6f, 0.5002221f, 64e-8f, 0.0f, 1e-12f},
     /* all round */
     {-0.1875f, -0.421875f, -0.875f, 1.40625f, -7.0959525f, 29e-7f, 1.3033855f, 21e-7f, 0.0f,
     1e-12f},
     {-1.359375f, -1.359375f, -3.625f, 1.515625f, -27.991245f, 11e-6f, 1.0636978f, 16e-7f, 0.0f,
     1e-12f},
-    {0.421875f, 0.65625f, 4.75f, -1.453125f, -21.235771f, 93e-7f, -1.7707893f, 26e-7f, 0.0f,
-    1e-12f},
     {-0.796875f, -0.328125f, 2.0f, 4.59375f, -8.419773f, 22e-7f, 5.9543924f, 18e-7f, 0.0f, 1e-12f},
     {0.984375f, -1.265625f, -0.75f, -1.625f, 17.86325f, 61e-7f, -0.9871605f, 14e-7f, 0.0f, 1e-12f},
     {-0.234375f, 0.75f, -3.375f, 3.0625f, 3.5190609f, 19e-7f, 3.9835343f, 23e-7f, 0.0f, 1e-12f},
-    {-1.40625f, -0.234375f, 5.25f, -64.40625f, -19.428883f, 69e-7f, -63.593365f, 15e-6f, 0.0f,
-    1e-12f},
     {0.375f, -1.171875f, 3.0f, 98.9375f, 4.6318574f, 19e-7f, 99.903656f, 23e-6f, 0.0f, 1e-12f},
     /* centre of rotation near front */
     {-0.0078125f, -0.315625f, 1.0f, -0.09375f, -0.17469291f, 35e-8f, 1.107149f, 54e-7f, 0.0f,
     1e-12f},
     /* centre of rotation near left */
     {0.25199512f, 0.134375f, 1.0f, -1.03125f, -5.0217843f, 2e-6f, -2.0964794f, 2e-6f, 0.0f, 1e-12f},
-    /* centre of rotation on left */
-    {0.25980762f, 0.15f, 1.0f, -1.03125f, -5.1961527f, 21e-7f, -2.0943952f, 2e-6f, 0.0f, 1e-12f},
     /* centre of rotation near right */
     {-0.26762012f, 0.134375f, 1.0f, -1.96875f, -5.1019816f, 21e-7f, -1.0186198f, 16e-7f, 0.0f,
     1e-12f},
@@ -106,12 +136,11 @@ static const float inverse_rows[39][10] = {
     /* beside a wall */
     {0.061837707f, -0.10076918f, 0.051735844f, 6.906817f, 1.0531474f, 37e-8f, 5.3399477f, 25e-7f,
     0.0f, 1e-12f},
-    {2.6414852f, -0.18010126f, -1.8010125f, -11.256329f, -27.379604f, 73e-7f, -9.69103f, 25e-7f,
-    0.0f, 1e-12f},
     {0.061864834f, -0.10086197f, 0.051991243f, 6.914789f, -1.0534376f, 37e-8f, 8.481659f, 32e-7f,
     0.0f, 1e-12f},
     {2.6440654f, -0.18027718f, -1.8027718f, -11.267324f, 27.40635f, 73e-7f, -12.832623f, 31e-7f,
     0.0f, 1e-12f},
+#endif
 };
 
 static int inverse_misses(const float *row)
@@ -140,9 +169,20 @@ static int inverse_misses(const float *row)
 
 /* textbook_omni_steer_forward() and textbook_omni_steer_forward_slip(). Columns: front.spin,
  * front.steer; expected and tolerance of vx, vy, omega, slip. */
-static const float forward_rows[27][10] = {
+static const float forward_rows[][10] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* generic */
+    {-12.5f, 0.375f, -1.1631346f, 55e-8f, -0.4200373f, 37e-8f, -0.1260112f, 12e-8f, 0.0f, 1e-12f},
+    {-5.0f, 2.4375f, 0.3810996f, 21e-8f, -0.2969461f, 18e-8f, -0.089083835f, 54e-9f, 0.0f, 1e-12f},
+    {-13.125f, 2.625f, 1.1412282f, 57e-8f, -0.5947435f, 42e-8f, -0.17842305f, 13e-8f, 0.0f, 1e-12f},
+    /* a long arc */
+    {1.5625f, -1.03125f, 0.08027294f, 56e-9f, -0.12298478f, 6e-8f, -0.036895435f, 19e-9f, 0.0f,
+    1e-12f},
+    /* all round */
+    {-36.25f, 98.9375f, 0.0821666f, 93e-8f, 3.3248336f, 15e-7f, 0.9974501f, 47e-8f, 0.0f, 1e-12f},
+    {-6.25f, 4.59375f, 0.07397554f, 18e-8f, 0.5693639f, 26e-8f, 0.17080916f, 8e-8f, 0.0f, 1e-12f},
+#if !defined(TEXTBOOK_OMNI_STEER_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.5625f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* front.spin alone */
@@ -150,8 +190,6 @@ static const float forward_rows[27][10] = {
     /* front.spin alone, backwards */
     {-15.0f, 0.5625f, -1.2688868f, 64e-8f, -0.73390275f, 49e-8f, -0.22017083f, 16e-8f, 0.0f,
     1e-12f},
-    /* generic */
-    {-12.5f, 0.375f, -1.1631346f, 55e-8f, -0.4200373f, 37e-8f, -0.1260112f, 12e-8f, 0.0f, 1e-12f},
     /* the same backwards */
     {12.5f, 0.375f, 1.1631346f, 55e-8f, 0.4200373f, 37e-8f, 0.1260112f, 12e-8f, 0.0f, 1e-12f},
     /* generic */
@@ -160,14 +198,10 @@ static const float forward_rows[27][10] = {
     /* the same backwards */
     {-11.25f, -1.59375f, 0.025820615f, 29e-8f, 1.0318382f, 46e-8f, 0.30955148f, 15e-8f, 0.0f,
     1e-12f},
-    /* generic */
-    {-5.0f, 2.4375f, 0.3810996f, 21e-8f, -0.2969461f, 18e-8f, -0.089083835f, 54e-9f, 0.0f, 1e-12f},
-    /* the same backwards */
     {5.0f, 2.4375f, -0.3810996f, 21e-8f, 0.2969461f, 18e-8f, 0.089083835f, 54e-9f, 0.0f, 1e-12f},
     /* generic */
     {18.75f, 0.5625f, 1.5861084f, 8e-7f, 0.9173784f, 61e-8f, 0.27521354f, 19e-8f, 0.0f, 1e-12f},
     {3.125f, -1.40625f, 0.051189f, 89e-9f, -0.28282475f, 13e-8f, -0.08484743f, 4e-8f, 0.0f, 1e-12f},
-    {-13.125f, 2.625f, 1.1412282f, 57e-8f, -0.5947435f, 42e-8f, -0.17842305f, 13e-8f, 0.0f, 1e-12f},
     /* very slow */
     {0.0011444092f, 0.5625f, 9.680838e-05f, 5e-11f, 5.5992336e-05f, 38e-12f, 1.6797701e-05f,
     13e-12f, 0.0f, 1e-12f},
@@ -176,22 +210,19 @@ static const float forward_rows[27][10] = {
     /* very fast */
     {-2560.0f, -1.78125f, 53.479317f, 75e-6f, 229.68044f, 11e-5f, 68.90413f, 33e-6f, 0.0f, 1e-12f},
     /* a long arc */
-    {1.5625f, -1.03125f, 0.08027294f, 56e-9f, -0.12298478f, 6e-8f, -0.036895435f, 19e-9f, 0.0f,
-    1e-12f},
     {-2.5f, -2.90625f, 0.24310863f, 12e-8f, 0.05348078f, 68e-9f, 0.016044235f, 21e-9f, 0.0f,
     1e-12f},
     {3.4375f, 1.125f, 0.14821693f, 12e-8f, 0.2845454f, 14e-8f, 0.08536362f, 42e-9f, 0.0f, 1e-12f},
     /* all round */
     {-2.5f, -64.40625f, 0.0009001484f, 63e-9f, 0.22935632f, 11e-8f, 0.068806894f, 32e-9f, 0.0f,
     1e-12f},
-    {-36.25f, 98.9375f, 0.0821666f, 93e-8f, 3.3248336f, 15e-7f, 0.9974501f, 47e-8f, 0.0f, 1e-12f},
     {22.5f, 1.40625f, 0.3685608f, 64e-8f, 2.0363383f, 91e-8f, 0.6109015f, 29e-8f, 0.0f, 1e-12f},
     {-85.0f, 1.515625f, -0.4687184f, 23e-7f, -7.7862997f, 35e-7f, -2.33589f, 11e-7f, 0.0f, 1e-12f},
     {13.125f, -1.453125f, 0.15408744f, 36e-8f, -1.1958015f, 53e-8f, -0.35874048f, 17e-8f, 0.0f,
     1e-12f},
-    {-6.25f, 4.59375f, 0.07397554f, 18e-8f, 0.5693639f, 26e-8f, 0.17080916f, 8e-8f, 0.0f, 1e-12f},
     {-75.0f, -1.625f, 0.4063285f, 2e-6f, 6.8706284f, 31e-7f, 2.0611885f, 96e-8f, 0.0f, 1e-12f},
     {40.0f, 3.0625f, -3.9874952f, 19e-7f, 0.28994575f, 98e-8f, 0.086983725f, 3e-7f, 0.0f, 1e-12f},
+#endif
 };
 
 static int forward_misses(const float *row)
@@ -220,9 +251,38 @@ static int forward_misses(const float *row)
 
 /* textbook_omni_steer_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and
  * tolerance of x, y, theta. */
-static const float odometry_rows[44][13] = {
+static const float odometry_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* omega alone */
+    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* dt alone, backwards */
+    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* the same backwards */
+    {1.125f, -1.0625f, 1.125f, 1.078125f, -0.28125f, 1.8125f, 0.0078125f, 1.130567f, 15e-8f,
+    -1.0558082f, 14e-8f, 1.1391602f, 72e-9f},
+    /* generic */
+    {0.3125f, -0.9375f, 2.71875f, 0.46875f, -0.46875f, -1.8125f, 0.1171875f, 0.2928395f, 13e-8f,
+    -0.86249477f, 34e-8f, 2.5063477f, 16e-8f},
+    /* very fast */
+    {-0.0625f, -1.1875f, 2.4375f, 1536.0f, -2112.0f, -7424.0f, 0.125f, 0.3805082f, 53e-8f,
+    -1.5534137f, 64e-8f, -925.5625f, 58e-6f},
+    /* all round */
+    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
+    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
+    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
+    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
+    /* centre of rotation near front */
+    {-1.3125f, 1.75f, 1.3125f, -0.0078125f, -0.315625f, 1.0f, 0.15625f, -1.2642497f, 35e-8f,
+    1.7399719f, 27e-8f, 1.46875f, 92e-9f},
+    /* centre of rotation near right */
+    {-0.5625f, -0.8125f, -1.59375f, -0.26762012f, 0.134375f, 1.0f, 0.234375f, -0.53710574f, 16e-8f,
+    -0.747241f, 28e-8f, -1.359375f, 86e-9f},
+#if !defined(TEXTBOOK_OMNI_STEER_SELFTEST_FEW)
     /* standstill */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -230,9 +290,6 @@ static const float odometry_rows[44][13] = {
     {0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -1.125f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
-    /* vx alone, beside -0 */
-    {1.875f, 0.375f, -1.78125f, -1.125f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -242,8 +299,6 @@ static const float odometry_rows[44][13] = {
     /* vy alone, beside -0 */
     {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
-    /* omega alone */
-    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -252,9 +307,6 @@ static const float odometry_rows[44][13] = {
     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
-    /* dt alone, backwards */
-    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, -0.609375f, 0.515625f, -1.8125f, -0.046875f, -1.2610787f, 18e-8f,
     0.2857286f, 61e-9f, 2.616211f, 17e-8f},
@@ -264,10 +316,6 @@ static const float odometry_rows[44][13] = {
     /* generic */
     {1.125f, -1.0625f, 1.125f, -1.078125f, 0.28125f, -1.8125f, -0.0078125f, 1.130567f, 15e-8f,
     -1.0558082f, 14e-8f, 1.1391602f, 72e-9f},
-    /* the same backwards */
-    {1.125f, -1.0625f, 1.125f, 1.078125f, -0.28125f, 1.8125f, 0.0078125f, 1.130567f, 15e-8f,
-    -1.0558082f, 14e-8f, 1.1391602f, 72e-9f},
-    /* generic */
     {-0.5f, 1.625f, -0.375f, 1.40625f, 0.046875f, -1.8125f, 0.0390625f, -0.44890994f, 87e-9f,
     1.6047668f, 23e-8f, -0.44580078f, 28e-9f},
     /* the same backwards */
@@ -276,8 +324,6 @@ static const float odometry_rows[44][13] = {
     /* generic */
     {1.875f, 0.375f, -1.78125f, 0.9375f, -0.234375f, -1.8125f, 0.078125f, 1.8371114f, 4e-7f,
     0.30977246f, 32e-8f, -1.9228516f, 13e-8f},
-    {0.3125f, -0.9375f, 2.71875f, 0.46875f, -0.46875f, -1.8125f, 0.1171875f, 0.2928395f, 13e-8f,
-    -0.86249477f, 34e-8f, 2.5063477f, 16e-8f},
     {-1.3125f, 1.75f, 1.3125f, -0.046875f, -0.703125f, -1.8125f, 0.15625f, -1.2144847f, 39e-8f,
     1.7006465f, 35e-8f, 1.0292969f, 65e-9f},
     /* very slow */
@@ -286,9 +332,6 @@ static const float odometry_rows[44][13] = {
     /* fast */
     {0.0625f, 1.25f, -2.25f, -30.0f, 90.0f, -232.0f, -0.078125f, 0.28045732f, 35e-8f, 1.0589403f,
     43e-8f, 15.875f, 10e-7f},
-    /* very fast */
-    {-0.0625f, -1.1875f, 2.4375f, 1536.0f, -2112.0f, -7424.0f, 0.125f, 0.3805082f, 53e-8f,
-    -1.5534137f, 64e-8f, -925.5625f, 58e-6f},
     /* a long arc */
     {0.625f, -0.6875f, -2.90625f, 4.5f, -3.375f, -0.453125f, 0.109375f, 0.0665863f, 4e-7f,
     -0.42941087f, 37e-8f, -2.9558105f, 19e-8f},
@@ -297,25 +340,18 @@ static const float odometry_rows[44][13] = {
     {1.375f, 0.75f, 0.1875f, -3.375f, -7.125f, -0.453125f, 0.1875f, 0.942019f, 78e-8f,
     -0.66293806f, 11e-7f, 0.10253906f, 65e-10f},
     /* all round */
-    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
-    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
     {0.0f, 0.0f, -1.625f, -1.359375f, -1.359375f, -3.625f, -0.2265625f, 0.3850544f, 57e-8f,
     -0.17610833f, 36e-8f, -0.80371094f, 51e-9f},
     {0.0f, 0.0f, 3.0625f, 1.125f, 1.359375f, -7.25f, -0.1875f, 0.027724938f, 15e-8f, 0.30469656f,
     37e-8f, 4.421875f, 28e-8f},
     {0.0f, 0.0f, -64.40625f, 0.65625f, 1.125f, -14.5f, -0.1484375f, -0.13524784f, 16e-8f,
     -0.081900515f, 12e-8f, -62.253906f, 39e-7f},
-    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
-    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
     {0.0f, 0.0f, 1.40625f, -0.328125f, 0.65625f, -3.625f, -0.0703125f, 0.04683965f, 14e-8f,
     0.021285957f, 69e-9f, 1.6611328f, 11e-8f},
     {0.0f, 0.0f, 1.515625f, -0.796875f, 0.421875f, -7.25f, -0.03125f, 0.011690042f, 41e-9f,
     0.025571205f, 78e-9f, 1.7421875f, 11e-8f},
     {0.0f, 0.0f, -1.453125f, -1.265625f, 0.1875f, -14.5f, 0.015625f, 0.0028367678f, 14e-9f,
     0.019745767f, 59e-9f, -1.6796875f, 11e-8f},
-    /* centre of rotation near front */
-    {-1.3125f, 1.75f, 1.3125f, -0.0078125f, -0.315625f, 1.0f, 0.15625f, -1.2642497f, 35e-8f,
-    1.7399719f, 27e-8f, 1.46875f, 92e-9f},
     /* centre of rotation on front */
     {-1.3125f, 1.75f, 1.3125f, 0.0f, -0.3f, 1.0f, 0.15625f, -1.2664306f, 34e-8f, 1.7416086f,
     26e-8f, 1.46875f, 92e-9f},
@@ -325,9 +361,6 @@ static const float odometry_rows[44][13] = {
     /* centre of rotation on left */
     {1.0625f, 0.5f, -0.1875f, 0.25980762f, 0.15f, 1.0f, 0.1953125f, 1.1155832f, 32e-8f,
     0.52458674f, 16e-8f, 0.0078125f, 49e-11f},
-    /* centre of rotation near right */
-    {-0.5625f, -0.8125f, -1.59375f, -0.26762012f, 0.134375f, 1.0f, 0.234375f, -0.53710574f, 16e-8f,
-    -0.747241f, 28e-8f, -1.359375f, 86e-9f},
     /* centre of rotation on right */
     {-0.5625f, -0.8125f, -1.59375f, -0.25980762f, 0.15f, 1.0f, 0.234375f, -0.5332963f, 17e-8f,
     -0.748716f, 28e-8f, -1.359375f, 86e-9f},
@@ -336,6 +369,7 @@ static const float odometry_rows[44][13] = {
     0.85653806f, 29e-8f, -0.29083505f, 24e-8f, 0.87403286f, 12e-8f},
     {0.8844305f, -0.32244864f, 0.9673459f, 0.073702544f, 0.37772554f, -0.8475793f, 0.110553816f,
     0.85613793f, 14e-8f, -0.29069316f, 62e-9f, 0.87364274f, 12e-8f},
+#endif
 };
 
 static int odometry_misses(const float *row)
@@ -360,7 +394,7 @@ static int odometry_misses(const float *row)
 
 /* textbook_omni_steer_forward() after textbook_omni_steer_inverse(). Columns: vx, vy, omega,
  * front.steer; expected and tolerance of vx, vy, omega. */
-static const float law_of_inverse_rows[1][10] = {
+static const float law_of_inverse_rows[][10] WMRGEN_FLASH = {
     /* there and back beside -0 */
     {-1.0f, -0.0f, -0.0f, 0.0f, -1.0f, 15e-8f, 0.0f, 1e-12f, 0.0f, 1e-12f},
 };
@@ -389,31 +423,36 @@ static int law_of_inverse_misses(const float *row)
 
 int textbook_omni_steer_selftest(void)
 {
+    float row[13];
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 39U; ++k) {
+    for (k = 0U; k < (sizeof(inverse_rows) / sizeof(inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
+        fetch(row, inverse_rows[k], 10U);
+        if ((failed == 0) && (inverse_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 27U; ++k) {
+    for (k = 0U; k < (sizeof(forward_rows) / sizeof(forward_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (forward_misses(forward_rows[k]) != 0)) {
+        fetch(row, forward_rows[k], 10U);
+        if ((failed == 0) && (forward_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 44U; ++k) {
+    for (k = 0U; k < (sizeof(odometry_rows) / sizeof(odometry_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+        fetch(row, odometry_rows[k], 13U);
+        if ((failed == 0) && (odometry_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 1U; ++k) {
+    for (k = 0U; k < (sizeof(law_of_inverse_rows) / sizeof(law_of_inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
+        fetch(row, law_of_inverse_rows[k], 10U);
+        if ((failed == 0) && (law_of_inverse_misses(row) != 0)) {
             failed = number;
         }
     }

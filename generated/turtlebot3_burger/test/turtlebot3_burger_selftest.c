@@ -11,16 +11,43 @@
  * with sines and cosines within 4 units of rounding (2**-24) and arctangents within 6 ulp;
  * contraction to fused multiply-add is covered. A NaN fails.
  * int turtlebot3_burger_selftest(void) returns 0, or the number of the first row that fails,
- * counted through this file. Call it from a program of your own; compiled with
- * -DTURTLEBOT3_BURGER_SELFTEST_MAIN this file has a main(), which returns 0 or 1.
+ * counted through the tables of this file. Call it from a program of your own; compiled with
+ * -DTURTLEBOT3_BURGER_SELFTEST_MAIN this file has a main(), which returns 0 or 1. With
+ * -DTURTLEBOT3_BURGER_SELFTEST_FEW a quarter of the rows is compiled, and counted, for small
+ * flash; on an AVR the rows stay there.
  */
 #include "../turtlebot3_burger.h"
+#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#endif
 
 #if !defined(TURTLEBOT3_BURGER_PAIR_ec0340f8525c4946)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 
+#if !defined(WMRGEN_FLASH)
+#if defined(__AVR__)
+#define WMRGEN_FLASH PROGMEM
+#else
+#define WMRGEN_FLASH
+#endif
+#endif
+
 int turtlebot3_burger_selftest(void);
+
+/* Copies a row. On an AVR, where constants lie in RAM, the tables stay in flash. */
+static void fetch(float *row, const float *stored, const unsigned count)
+{
+#if defined(__AVR__)
+    (void)memcpy_P(row, stored, count * sizeof(*row));
+#else
+    unsigned k;
+
+    for (k = 0U; k < count; ++k) {
+        row[k] = stored[k];
+    }
+#endif
+}
 
 /* 1 where the value is further from row[0] than row[1], or not a number. */
 static int miss(const float value, const float *row)
@@ -32,72 +59,72 @@ static int miss(const float value, const float *row)
 
 /* turtlebot3_burger_inverse() and turtlebot3_burger_inverse_slip(). Columns: vx, vy, omega;
  * expected and tolerance of left.spin, right.spin, slip. */
-static const float inverse_rows[34][9] = {
+static const float inverse_rows[][9] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {-0.1640625f, -0.0f, -0.0f, -4.971591f, 99e-8f, -4.971591f, 99e-8f, 0.0f, 1e-12f},
+    /* omega alone */
+    {0.0f, 0.0f, 1.5f, -3.6363637f, 8e-7f, 3.6363637f, 8e-7f, 0.0f, 1e-12f},
+    /* the same backwards */
+    {0.140625f, -0.1875f, -1.6875f, 8.352273f, 18e-7f, 0.17045455f, 72e-8f, 0.1875f, 12e-9f},
+    {0.0546875f, -1.21875f, 0.25f, 1.0511364f, 31e-8f, 2.2632575f, 47e-8f, 1.21875f, 77e-9f},
+    /* very slow */
+    {1.2397766e-05f, 1.7166138e-05f, -7.247925e-05f, 0.00055139716f, 12e-11f, 0.00019998262f,
+    7e-11f, 1.7166138e-05f, 21e-13f},
+    /* a long arc */
+    {-6.0f, -11.625f, 0.265625f, -182.46213f, 37e-6f, -181.17424f, 36e-6f, 11.625f, 73e-8f},
+    /* centre of rotation near left */
+    {0.0721875f, -0.015625f, 1.0f, -0.23674248f, 42e-8f, 4.6117425f, 97e-8f, 0.015625f, 98e-11f},
+    /* centre of rotation near ball */
+    {-0.0078125f, 0.065375f, 1.0f, -2.6609848f, 58e-8f, 2.1875f, 52e-8f, 0.065375f, 41e-10f},
+#if !defined(TURTLEBOT3_BURGER_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone */
     {0.1640625f, 0.0f, 0.0f, 4.971591f, 99e-8f, 4.971591f, 99e-8f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {-0.1640625f, 0.0f, 0.0f, -4.971591f, 99e-8f, -4.971591f, 99e-8f, 0.0f, 1e-12f},
-    /* vx alone, beside -0 */
-    {-0.1640625f, -0.0f, -0.0f, -4.971591f, 99e-8f, -4.971591f, 99e-8f, 0.0f, 1e-12f},
     /* vy alone */
     {0.0f, 1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, backwards */
     {0.0f, -1.125f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
     /* vy alone, beside -0 */
     {-0.0f, -1.125f, -0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 1.125f, 71e-9f},
-    /* omega alone */
-    {0.0f, 0.0f, 1.5f, -3.6363637f, 8e-7f, 3.6363637f, 8e-7f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {0.0f, 0.0f, -1.5f, 3.6363637f, 8e-7f, -3.6363637f, 8e-7f, 0.0f, 1e-12f},
     /* omega alone, beside -0 */
     {-0.0f, -0.0f, -1.5f, 3.6363637f, 8e-7f, -3.6363637f, 8e-7f, 0.0f, 1e-12f},
     /* generic */
     {-0.140625f, 0.1875f, 1.6875f, -8.352273f, 18e-7f, -0.17045455f, 72e-8f, 0.1875f, 12e-9f},
-    /* the same backwards */
-    {0.140625f, -0.1875f, -1.6875f, 8.352273f, 18e-7f, 0.17045455f, 72e-8f, 0.1875f, 12e-9f},
-    /* generic */
     {0.125f, -0.796875f, 0.75f, 1.969697f, 7e-7f, 5.6060605f, 12e-7f, 0.796875f, 5e-8f},
     /* the same backwards */
     {-0.125f, 0.796875f, -0.75f, -1.969697f, 7e-7f, -5.6060605f, 12e-7f, 0.796875f, 5e-8f},
     /* generic */
     {-0.0546875f, 1.21875f, -0.25f, -1.0511364f, 31e-8f, -2.2632575f, 47e-8f, 1.21875f, 77e-9f},
-    /* the same backwards */
-    {0.0546875f, -1.21875f, 0.25f, 1.0511364f, 31e-8f, 2.2632575f, 47e-8f, 1.21875f, 77e-9f},
-    /* generic */
     {0.203125f, 0.28125f, -1.1875f, 9.034091f, 19e-7f, 3.2765152f, 12e-7f, 0.28125f, 18e-9f},
     {0.03125f, -0.703125f, 1.8125f, -3.4469697f, 92e-8f, 5.340909f, 12e-7f, 0.703125f, 45e-9f},
     {-0.140625f, 1.3125f, 0.875f, -6.382576f, 14e-7f, -2.1401515f, 78e-8f, 1.3125f, 83e-9f},
-    /* very slow */
-    {1.2397766e-05f, 1.7166138e-05f, -7.247925e-05f, 0.00055139716f, 12e-11f, 0.00019998262f,
-    7e-11f, 1.7166138e-05f, 21e-13f},
     /* fast */
     {1.0f, 120.0f, -192.0f, 495.75757f, 11e-5f, -435.15152f, 11e-5f, 120.0f, 76e-7f},
     /* very fast */
     {-32.0f, -3648.0f, 6656.0f, -17105.455f, 38e-4f, 15166.061f, 35e-4f, 3648.0f, 23e-5f},
     /* a long arc */
     {3.75f, -4.125f, -0.484375f, 114.81061f, 23e-6f, 112.46212f, 23e-6f, 4.125f, 26e-8f},
-    {-6.0f, -11.625f, 0.265625f, -182.46213f, 37e-6f, -181.17424f, 36e-6f, 11.625f, 73e-8f},
     {8.25f, 4.5f, 0.03125f, 249.92424f, 5e-5f, 250.07576f, 5e-5f, 4.5f, 29e-8f},
     /* upper limits */
     {0.22f, -0.515625f, 2.84f, -0.21818164f, 12e-7f, 13.551515f, 29e-7f, 0.515625f, 33e-9f},
     /* lower limits */
     {-0.22f, 0.46875f, -2.84f, 0.21818164f, 12e-7f, -13.551515f, 29e-7f, 0.46875f, 3e-8f},
-    /* centre of rotation near left */
-    {0.0721875f, -0.015625f, 1.0f, -0.23674248f, 42e-8f, 4.6117425f, 97e-8f, 0.015625f, 98e-11f},
     /* centre of rotation on left */
     {0.08f, -0.0f, 1.0f, -5.4186042e-08f, 41e-8f, 4.848485f, 11e-7f, 0.0f, 1e-12f},
     /* centre of rotation near right */
     {-0.0878125f, -0.015625f, 1.0f, -5.085227f, 11e-7f, -0.23674238f, 46e-8f, 0.015625f, 98e-11f},
     /* centre of rotation on right */
     {-0.08f, -0.0f, 1.0f, -4.848485f, 11e-7f, 5.4186042e-08f, 41e-8f, 0.0f, 1e-12f},
-    /* centre of rotation near ball */
-    {-0.0078125f, 0.065375f, 1.0f, -2.6609848f, 58e-8f, 2.1875f, 52e-8f, 0.065375f, 41e-10f},
     /* centre of rotation on ball */
     {0.0f, 0.081f, 1.0f, -2.4242425f, 54e-8f, 2.4242425f, 54e-8f, 0.081f, 51e-10f},
+#endif
 };
 
 static int inverse_misses(const float *row)
@@ -124,46 +151,48 @@ static int inverse_misses(const float *row)
 
 /* turtlebot3_burger_forward() and turtlebot3_burger_forward_slip(). Columns: left.spin,
  * right.spin; expected and tolerance of vx, vy, omega, slip. */
-static const float forward_rows[21][10] = {
+static const float forward_rows[][10] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* right.spin alone */
+    {0.0f, 15.0f, 0.2475f, 33e-9f, 0.0f, 1e-12f, 3.09375f, 44e-8f, 0.0f, 1e-12f},
+    /* generic */
+    {11.25f, -10.625f, 0.0103125f, 14e-10f, 0.0f, 1e-12f, -4.5117188f, 64e-8f, 0.0f, 1e-12f},
+    {18.75f, 3.75f, 0.37125f, 49e-9f, 0.0f, 1e-12f, -3.09375f, 44e-8f, 0.0f, 1e-12f},
+    /* fast */
+    {80.0f, 1600.0f, 27.72f, 37e-7f, 0.0f, 1e-12f, 313.5f, 44e-6f, 0.0f, 1e-12f},
+    /* a long arc */
+    {3.4375f, 1.875f, 0.08765625f, 12e-9f, 0.0f, 1e-12f, -0.32226562f, 46e-9f, 0.0f, 1e-12f},
+#if !defined(TURTLEBOT3_BURGER_SELFTEST_FEW)
     /* standstill */
     {0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* left.spin alone */
     {15.0f, 0.0f, 0.2475f, 33e-9f, 0.0f, 1e-12f, -3.09375f, 44e-8f, 0.0f, 1e-12f},
     /* left.spin alone, backwards */
     {-15.0f, 0.0f, -0.2475f, 33e-9f, 0.0f, 1e-12f, 3.09375f, 44e-8f, 0.0f, 1e-12f},
-    /* right.spin alone */
-    {0.0f, 15.0f, 0.2475f, 33e-9f, 0.0f, 1e-12f, 3.09375f, 44e-8f, 0.0f, 1e-12f},
     /* right.spin alone, backwards */
     {0.0f, -15.0f, -0.2475f, 33e-9f, 0.0f, 1e-12f, -3.09375f, 44e-8f, 0.0f, 1e-12f},
     /* generic */
     {-12.5f, 2.5f, -0.165f, 22e-9f, 0.0f, 1e-12f, 3.09375f, 44e-8f, 0.0f, 1e-12f},
     /* the same backwards */
     {12.5f, -2.5f, 0.165f, 22e-9f, 0.0f, 1e-12f, -3.09375f, 44e-8f, 0.0f, 1e-12f},
-    /* generic */
-    {11.25f, -10.625f, 0.0103125f, 14e-10f, 0.0f, 1e-12f, -4.5117188f, 64e-8f, 0.0f, 1e-12f},
-    /* the same backwards */
     {-11.25f, 10.625f, -0.0103125f, 14e-10f, 0.0f, 1e-12f, 4.5117188f, 64e-8f, 0.0f, 1e-12f},
     /* generic */
     {-5.0f, 16.25f, 0.185625f, 25e-9f, 0.0f, 1e-12f, 4.3828125f, 62e-8f, 0.0f, 1e-12f},
     /* the same backwards */
     {5.0f, -16.25f, -0.185625f, 25e-9f, 0.0f, 1e-12f, -4.3828125f, 62e-8f, 0.0f, 1e-12f},
     /* generic */
-    {18.75f, 3.75f, 0.37125f, 49e-9f, 0.0f, 1e-12f, -3.09375f, 44e-8f, 0.0f, 1e-12f},
     {3.125f, -9.375f, -0.103125f, 14e-9f, 0.0f, 1e-12f, -2.578125f, 37e-8f, 0.0f, 1e-12f},
     {-13.125f, 17.5f, 0.0721875f, 95e-10f, 0.0f, 1e-12f, 6.3164062f, 89e-8f, 0.0f, 1e-12f},
     /* very slow */
     {0.0011444092f, 0.00022888184f, 2.2659302e-05f, 4e-12f, 0.0f, 1e-12f, -0.00018882751f, 28e-12f,
     0.0f, 1e-12f},
-    /* fast */
-    {80.0f, 1600.0f, 27.72f, 37e-7f, 0.0f, 1e-12f, 313.5f, 44e-6f, 0.0f, 1e-12f},
     /* very fast */
     {-2560.0f, -48640.0f, -844.8f, 12e-5f, 0.0f, 1e-12f, -9504.0f, 14e-4f, 0.0f, 1e-12f},
     /* a long arc */
     {1.5625f, -1.71875f, -0.002578125f, 34e-11f, 0.0f, 1e-12f, -0.6767578f, 95e-9f, 0.0f, 1e-12f},
     {-2.5f, -4.84375f, -0.12117188f, 16e-9f, 0.0f, 1e-12f, -0.48339844f, 68e-9f, 0.0f, 1e-12f},
-    {3.4375f, 1.875f, 0.08765625f, 12e-9f, 0.0f, 1e-12f, -0.32226562f, 46e-9f, 0.0f, 1e-12f},
+#endif
 };
 
 static int forward_misses(const float *row)
@@ -192,9 +221,41 @@ static int forward_misses(const float *row)
 
 /* turtlebot3_burger_odometry(). Columns: x, y, theta, vx, vy, omega, dt; expected and tolerance
  * of x, y, theta. */
-static const float odometry_rows[46][13] = {
+static const float odometry_rows[][13] WMRGEN_FLASH = {
     /* all zero */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* vx alone, beside -0 */
+    {1.875f, 0.375f, -1.78125f, -0.1640625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* omega alone */
+    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
+    /* dt alone, backwards */
+    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
+    -1.78125f, 12e-8f},
+    /* the same backwards */
+    {1.125f, -1.0625f, 1.125f, 0.15625f, -0.28125f, 1.8125f, 0.0078125f, 1.1275077f, 15e-8f,
+    -1.0623282f, 14e-8f, 1.1391602f, 72e-9f},
+    /* generic */
+    {0.3125f, -0.9375f, 2.71875f, 0.0703125f, -0.46875f, -1.8125f, 0.1171875f, 0.33307242f, 12e-8f,
+    -0.8860163f, 27e-8f, 2.5063477f, 16e-8f},
+    /* very fast */
+    {-0.0625f, -1.1875f, 2.4375f, 224.0f, -2112.0f, -7424.0f, 0.125f, 0.10092822f, 25e-8f,
+    -1.6252849f, 61e-8f, -925.5625f, 58e-6f},
+    /* all round */
+    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
+    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
+    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
+    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
+    /* upper limits */
+    {-1.375f, -0.6875f, 0.09375f, 0.22f, 1.078125f, 2.84f, -0.140625f, -1.421485f, 32e-8f,
+    -0.8340118f, 42e-8f, -0.305625f, 64e-9f},
+    /* centre of rotation near right */
+    {1.0625f, 0.5f, -0.1875f, -0.0878125f, -0.015625f, 1.0f, 0.1953125f, 1.0451721f, 19e-8f,
+    0.49850175f, 72e-9f, 0.0078125f, 49e-11f},
+    /* beside a wall */
+    {0.88487285f, -0.3226099f, 0.9678297f, 0.07373941f, 0.37791446f, -0.84800315f, 0.11060911f,
+    0.85653806f, 29e-8f, -0.29083505f, 24e-8f, 0.87403286f, 12e-8f},
+#if !defined(TURTLEBOT3_BURGER_SELFTEST_FEW)
     /* standstill */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -202,9 +263,6 @@ static const float odometry_rows[46][13] = {
     {0.0f, 0.0f, 0.0f, 0.1640625f, 0.0f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* vx alone, backwards */
     {1.875f, 0.375f, -1.78125f, -0.1640625f, 0.0f, 0.0f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
-    /* vx alone, beside -0 */
-    {1.875f, 0.375f, -1.78125f, -0.1640625f, -0.0f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
     /* vy alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 1.125f, 0.0f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
@@ -214,8 +272,6 @@ static const float odometry_rows[46][13] = {
     /* vy alone, beside -0 */
     {1.875f, 0.375f, -1.78125f, -0.0f, -1.125f, -0.0f, -0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f,
     -1.78125f, 12e-8f},
-    /* omega alone */
-    {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.5f, 0.0f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
     /* omega alone, backwards */
     {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, -1.5f, 0.0f, 1.875f, 12e-8f, 0.375f, 24e-9f, -1.78125f,
     12e-8f},
@@ -224,9 +280,6 @@ static const float odometry_rows[46][13] = {
     -1.78125f, 12e-8f},
     /* dt alone */
     {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.1875f, 0.0f, 1e-12f, 0.0f, 1e-12f, 0.0f, 1e-12f},
-    /* dt alone, backwards */
-    {1.875f, 0.375f, -1.78125f, 0.0f, 0.0f, 0.0f, -0.1875f, 1.875f, 12e-8f, 0.375f, 24e-9f,
-    -1.78125f, 12e-8f},
     /* generic */
     {-1.25f, 0.25f, 2.53125f, -0.0859375f, 0.515625f, -1.8125f, -0.046875f, -1.2403996f, 17e-8f,
     0.2725363f, 49e-9f, 2.616211f, 17e-8f},
@@ -236,10 +289,6 @@ static const float odometry_rows[46][13] = {
     /* generic */
     {1.125f, -1.0625f, 1.125f, -0.15625f, 0.28125f, -1.8125f, -0.0078125f, 1.1275077f, 15e-8f,
     -1.0623282f, 14e-8f, 1.1391602f, 72e-9f},
-    /* the same backwards */
-    {1.125f, -1.0625f, 1.125f, 0.15625f, -0.28125f, 1.8125f, 0.0078125f, 1.1275077f, 15e-8f,
-    -1.0623282f, 14e-8f, 1.1391602f, 72e-9f},
-    /* generic */
     {-0.5f, 1.625f, -0.375f, 0.203125f, 0.046875f, -1.8125f, 0.0390625f, -0.49199542f, 67e-9f,
     1.6235136f, 21e-8f, -0.44580078f, 28e-9f},
     /* the same backwards */
@@ -248,8 +297,6 @@ static const float odometry_rows[46][13] = {
     /* generic */
     {1.875f, 0.375f, -1.78125f, 0.140625f, -0.234375f, -1.8125f, 0.078125f, 1.8543768f, 32e-8f,
     0.3695322f, 76e-9f, -1.9228516f, 13e-8f},
-    {0.3125f, -0.9375f, 2.71875f, 0.0703125f, -0.46875f, -1.8125f, 0.1171875f, 0.33307242f, 12e-8f,
-    -0.8860163f, 27e-8f, 2.5063477f, 16e-8f},
     {-1.3125f, 1.75f, 1.3125f, -0.0078125f, -0.703125f, -1.8125f, 0.15625f, -1.2121164f, 39e-8f,
     1.7062497f, 34e-8f, 1.0292969f, 65e-9f},
     /* very slow */
@@ -258,9 +305,6 @@ static const float odometry_rows[46][13] = {
     /* fast */
     {0.0625f, 1.25f, -2.25f, -4.0f, 90.0f, -232.0f, -0.078125f, 0.21189216f, 26e-8f, 1.01883f,
     44e-8f, 15.875f, 10e-7f},
-    /* very fast */
-    {-0.0625f, -1.1875f, 2.4375f, 224.0f, -2112.0f, -7424.0f, 0.125f, 0.10092822f, 25e-8f,
-    -1.6252849f, 61e-8f, -925.5625f, 58e-6f},
     /* a long arc */
     {0.625f, -0.6875f, -2.90625f, 4.5f, -3.375f, -0.453125f, 0.109375f, 0.0665863f, 4e-7f,
     -0.42941087f, 37e-8f, -2.9558105f, 19e-8f},
@@ -269,25 +313,18 @@ static const float odometry_rows[46][13] = {
     {1.375f, 0.75f, 0.1875f, -3.375f, -7.125f, -0.453125f, 0.1875f, 0.942019f, 78e-8f,
     -0.66293806f, 11e-7f, 0.10253906f, 65e-10f},
     /* all round */
-    {0.0f, 0.0f, 4.59375f, -0.890625f, -1.125f, -1.8125f, 0.2265625f, -0.17614836f, 42e-8f,
-    0.2705112f, 57e-8f, 4.1831055f, 27e-8f},
     {0.0f, 0.0f, -1.625f, -1.359375f, -1.359375f, -3.625f, -0.2265625f, 0.3850544f, 57e-8f,
     -0.17610833f, 36e-8f, -0.80371094f, 51e-9f},
     {0.0f, 0.0f, 3.0625f, 1.125f, 1.359375f, -7.25f, -0.1875f, 0.027724938f, 15e-8f, 0.30469656f,
     37e-8f, 4.421875f, 28e-8f},
     {0.0f, 0.0f, -64.40625f, 0.65625f, 1.125f, -14.5f, -0.1484375f, -0.13524784f, 16e-8f,
     -0.081900515f, 12e-8f, -62.253906f, 39e-7f},
-    {0.0f, 0.0f, 98.9375f, 0.1875f, 0.890625f, -1.8125f, -0.109375f, -0.09853238f, 33e-8f,
-    0.012986471f, 69e-9f, 99.13574f, 63e-7f},
     {0.0f, 0.0f, 1.40625f, -0.328125f, 0.65625f, -3.625f, -0.0703125f, 0.04683965f, 14e-8f,
     0.021285957f, 69e-9f, 1.6611328f, 11e-8f},
     {0.0f, 0.0f, 1.515625f, -0.796875f, 0.421875f, -7.25f, -0.03125f, 0.011690042f, 41e-9f,
     0.025571205f, 78e-9f, 1.7421875f, 11e-8f},
     {0.0f, 0.0f, -1.453125f, -1.265625f, 0.1875f, -14.5f, 0.015625f, 0.0028367678f, 14e-9f,
     0.019745767f, 59e-9f, -1.6796875f, 11e-8f},
-    /* upper limits */
-    {-1.375f, -0.6875f, 0.09375f, 0.22f, 1.078125f, 2.84f, -0.140625f, -1.421485f, 32e-8f,
-    -0.8340118f, 42e-8f, -0.305625f, 64e-9f},
     /* lower limits */
     {0.25f, 0.625f, 1.5f, -0.22f, 1.3125f, -2.84f, -0.1796875f, 0.47216737f, 49e-8f, 0.706207f,
     32e-8f, 2.0103126f, 29e-8f},
@@ -297,9 +334,6 @@ static const float odometry_rows[46][13] = {
     /* centre of rotation on left */
     {-1.3125f, 1.75f, 1.3125f, 0.08f, -0.0f, 1.0f, 0.15625f, -1.3102623f, 18e-8f, 1.7622851f,
     27e-8f, 1.46875f, 92e-9f},
-    /* centre of rotation near right */
-    {1.0625f, 0.5f, -0.1875f, -0.0878125f, -0.015625f, 1.0f, 0.1953125f, 1.0451721f, 19e-8f,
-    0.49850175f, 72e-9f, 0.0078125f, 49e-11f},
     /* centre of rotation on right */
     {1.0625f, 0.5f, -0.1875f, -0.08f, -0.0f, 1.0f, 0.1953125f, 1.0469627f, 18e-8f, 0.5013997f,
     71e-9f, 0.0078125f, 49e-11f},
@@ -310,10 +344,9 @@ static const float odometry_rows[46][13] = {
     {-0.5625f, -0.8125f, -1.59375f, 0.0f, 0.081f, 1.0f, 0.234375f, -0.54364306f, 12e-8f,
     -0.81071776f, 12e-8f, -1.359375f, 86e-9f},
     /* beside a wall */
-    {0.88487285f, -0.3226099f, 0.9678297f, 0.07373941f, 0.37791446f, -0.84800315f, 0.11060911f,
-    0.85653806f, 29e-8f, -0.29083505f, 24e-8f, 0.87403286f, 12e-8f},
     {0.8844305f, -0.32244864f, 0.9673459f, 0.073702544f, 0.37772554f, -0.8475793f, 0.110553816f,
     0.85613793f, 14e-8f, -0.29069316f, 62e-9f, 0.87364274f, 12e-8f},
+#endif
 };
 
 static int odometry_misses(const float *row)
@@ -338,17 +371,20 @@ static int odometry_misses(const float *row)
 
 /* turtlebot3_burger_forward() after turtlebot3_burger_inverse(). Columns: vx, vy, omega;
  * expected and tolerance of vx, vy, omega. */
-static const float law_of_inverse_rows[8][9] = {
+static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
     /* there and back */
     {-0.140625f, 0.0f, 1.6875f, -0.140625f, 59e-9f, 0.0f, 1e-12f, 1.6875f, 74e-8f},
+    {0.03125f, 0.0f, 1.8125f, 0.03125f, 32e-9f, 0.0f, 1e-12f, 1.8125f, 68e-8f},
+#if !defined(TURTLEBOT3_BURGER_SELFTEST_FEW)
+    /* there and back */
     {0.125f, 0.0f, 0.75f, 0.125f, 47e-9f, 0.0f, 1e-12f, 0.75f, 44e-8f},
     {-0.0546875f, 0.0f, -0.25f, -0.0546875f, 2e-8f, 0.0f, 1e-12f, -0.25f, 17e-8f},
     {0.203125f, 0.0f, -1.1875f, 0.203125f, 76e-9f, 0.0f, 1e-12f, -1.1875f, 7e-7f},
-    {0.03125f, 0.0f, 1.8125f, 0.03125f, 32e-9f, 0.0f, 1e-12f, 1.8125f, 68e-8f},
     {-0.140625f, 0.0f, 0.875f, -0.140625f, 53e-9f, 0.0f, 1e-12f, 0.875f, 5e-7f},
     /* there and back beside -0 */
     {-1.0f, -0.0f, -0.0f, -1.0f, 33e-8f, 0.0f, 1e-12f, 0.0f, 17e-7f},
     {-0.0f, -0.0f, -1.0f, 0.0f, 13e-9f, 0.0f, 1e-12f, -1.0f, 36e-8f},
+#endif
 };
 
 static int law_of_inverse_misses(const float *row)
@@ -374,31 +410,36 @@ static int law_of_inverse_misses(const float *row)
 
 int turtlebot3_burger_selftest(void)
 {
+    float row[13];
     int number = 0;
     int failed = 0;
     unsigned k;
 
-    for (k = 0U; k < 34U; ++k) {
+    for (k = 0U; k < (sizeof(inverse_rows) / sizeof(inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (inverse_misses(inverse_rows[k]) != 0)) {
+        fetch(row, inverse_rows[k], 9U);
+        if ((failed == 0) && (inverse_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 21U; ++k) {
+    for (k = 0U; k < (sizeof(forward_rows) / sizeof(forward_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (forward_misses(forward_rows[k]) != 0)) {
+        fetch(row, forward_rows[k], 10U);
+        if ((failed == 0) && (forward_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 46U; ++k) {
+    for (k = 0U; k < (sizeof(odometry_rows) / sizeof(odometry_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (odometry_misses(odometry_rows[k]) != 0)) {
+        fetch(row, odometry_rows[k], 13U);
+        if ((failed == 0) && (odometry_misses(row) != 0)) {
             failed = number;
         }
     }
-    for (k = 0U; k < 8U; ++k) {
+    for (k = 0U; k < (sizeof(law_of_inverse_rows) / sizeof(law_of_inverse_rows[0])); ++k) {
         ++number;
-        if ((failed == 0) && (law_of_inverse_misses(law_of_inverse_rows[k]) != 0)) {
+        fetch(row, law_of_inverse_rows[k], 9U);
+        if ((failed == 0) && (law_of_inverse_misses(row) != 0)) {
             failed = number;
         }
     }

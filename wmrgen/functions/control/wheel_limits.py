@@ -24,7 +24,7 @@ from wmrgen.exact.poly import Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import joint_commands
 from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.steer import Target, Velocity, pivot
+from wmrgen.kinematics.steer import QUARTER, Target, Velocity, pivot
 from wmrgen.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -108,13 +108,14 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
 class _Unit:
     """Wheels that one motor steers.
 
-    ``seen``: per wheel the velocity (u, v) of its pivot along and across it. ``speed``: of the pivots. ``angles``:
-    the joint angle that rolls each of `WAYS`, on the full turn that leaves less of it outside ``limits``.
+    ``seen``: per wheel the velocity (u, v) of its pivot along and across it. ``moves``: the sum of
+    the squared speeds of the pivots. ``angles``: the joint angle that rolls each of `WAYS`, on the full turn that
+    leaves less of it outside ``limits``.
     """
 
     lead: Wheel
     seen: dict[int, tuple[Expr, Expr]]
-    speed: Expr
+    moves: Expr
     angles: dict[str, Expr]
     limits: Interval | None
 
@@ -147,53 +148,56 @@ def _unit(robot: Robot, members: list[Wheel], twist: Row, names: Locals) -> _Uni
     if moves_as_one(members, velocities):
         seen = dict.fromkeys(velocities, seen_from(lead, velocities[lead.index], names))
         rim, v = seen[lead.index]
-        speed = names.define(f"{lead.name}_speed", _length([velocities[lead.index]]))
+        moves = names.define(f"{lead.name}_moves", _squares([velocities[lead.index]]))
         swing = angle_of(select(rim, _ZERO, times(-1, v), v), absolute(rim))
     else:
         seen = {w.index: seen_from(w, velocities[w.index], names, lead) for w in members}
-        rim, speed, swing = _common(lead, seen, velocities, names)
+        rim, moves, swing = _common(lead, seen, velocities, names)
     near = names.define(f"{lead.name}_near", swing)
     opposite = select(_ZERO, near, subtract(near, sympy.pi), add(near, sympy.pi))
-    far = names.define(f"{lead.name}_far", select(_ZERO, speed, opposite, near))
+    far = names.define(f"{lead.name}_far", select(_ZERO, moves, opposite, near))
     now, limits = signal(f"{lead.name}.steer"), robot.limit(lead, "steer")
     angles = {}
     for way, low, high in zip(WAYS, (far, near), (near, far), strict=True):
         angles[way] = names.define(f"{lead.name}_{way}", add(now, select(rim, _ZERO, low, high)))
         if limits is not None:
             angles[way] = _wrapped(angles[way], limits, names, f"{lead.name}_{way}")
-    return _Unit(lead, seen, speed, angles, limits)
+    return _Unit(lead, seen, moves, angles, limits)
 
 
 def _common(
     lead: Wheel, seen: dict[int, tuple[Expr, Expr]], velocities: dict[int, Velocity], names: Locals
 ) -> tuple[Expr, Expr, Expr]:
-    """Rim speed on the nearer branch, speed and swing of wheels on one motor (see `steer_group`)."""
+    """Rim speed on the nearer branch, squared speeds and swing of wheels on one motor (see `steer_group`)."""
     double = add(*(times(2, u, v) for u, v in seen.values()))
     difference = add(*(subtract(square(u), square(v)) for u, v in seen.values()))
     swing = names.define(f"{lead.name}_swing", angle_of(double, difference) / 2)
     c, s = sympy.cos(swing), sympy.sin(swing)
     rim = add(*(add(times(u, c), times(v, s)) for u, v in seen.values()))
-    speed = _length(list(velocities.values()))
-    return names.define(f"{lead.name}_rim", rim), names.define(f"{lead.name}_speed", speed), swing
+    moves = names.define(f"{lead.name}_moves", _squares(list(velocities.values())))
+    return names.define(f"{lead.name}_rim", rim), moves, swing
 
 
-def _length(velocities: list[Velocity]) -> Expr:
-    """Root of the sum of squares of all pivots' velocities."""
-    return root(add(*(square(expression(p)) for velocity in velocities for p in velocity)))
+def _squares(velocities: list[Velocity]) -> Expr:
+    """The sum of the squares of all pivots' velocities."""
+    return add(*(square(expression(p)) for velocity in velocities for p in velocity))
 
 
-def _outside(angle: Expr, limits: Interval) -> Expr:
-    """How far an angle lies outside its limits [rad]."""
-    low, high = number(limits.low), number(limits.high)
-    return maximum(_ZERO, maximum(subtract(low, angle), subtract(angle, high)))
+def _beyond(angle: Expr, limits: Interval) -> Expr:
+    """How far an angle lies outside its limits [rad]; negative inside."""
+    middle, reach = (limits.low + limits.high) / 2, (limits.high - limits.low) / 2
+    return subtract(absolute(subtract(angle, number(middle))), number(reach))
 
 
 def _wrapped(angle: Expr, limits: Interval, names: Locals, name: str) -> Expr:
-    """``angle`` or, where that leaves less outside the limits, the same heading a full turn away."""
-    low, high, turn = number(limits.low), number(limits.high), 2 * sympy.pi
-    other = select(high, angle, subtract(angle, turn), select(angle, low, add(angle, turn), angle))
-    other = names.define(f"{name}_turned", other)
-    best = select(_outside(other, limits), _outside(angle, limits), other, angle)
+    """``angle`` or, where that leaves less outside the limits, the same heading a full turn away.
+
+    It does where the angle lies outside, and more than half a turn from the middle.
+    """
+    full = 2 * sympy.pi
+    middle, reach = (limits.low + limits.high) / 2, max((limits.high - limits.low) / 2, 2 * QUARTER)
+    low, high = number(middle - reach), number(middle + reach)
+    best = select(high, angle, subtract(angle, full), select(angle, low, add(angle, full), angle))
     return names.define(f"{name}_best", best)
 
 
@@ -205,7 +209,8 @@ def _direction(units: list[_Unit], names: Locals) -> Expr:
         return along
     forwards, backwards = (
         names.define(
-            f"over_{way}", reduce(maximum, [_outside(angles[way], limits) for angles, limits in limited])
+            f"over_{way}",
+            reduce(maximum, [_beyond(angles[way], limits) for angles, limits in limited], _ZERO),
         )
         for way in WAYS
     )
@@ -216,7 +221,8 @@ def _direction(units: list[_Unit], names: Locals) -> Expr:
 def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:
     wanted = select(direction, _ZERO, unit.angles["backwards"], unit.angles["forwards"])
     if unit.limits is None and len(set(unit.seen.values())) == 1:
-        rim = select(direction, _ZERO, times(-1, unit.speed), unit.speed)
+        speed = names.define(f"{unit.lead.name}_speed", root(unit.moves))
+        rim = select(direction, _ZERO, times(-1, speed), speed)
         return dict.fromkeys(unit.seen, Target(wanted, rim))
     if unit.limits is not None:
         wanted = kept_between(number(unit.limits.low), wanted, number(unit.limits.high))

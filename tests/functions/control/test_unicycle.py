@@ -127,3 +127,26 @@ def test_who_is_to_blame_is_said(tmp_path: Path) -> None:
         NotDerivableError, match="but the axles of its wheels do not let it turn and drive straight"
     ):
         of(write(tmp_path, head + parallel))
+
+
+@pytest.mark.parametrize("heading", ["0", "pi/6", "-2*pi/3"])
+def test_goto_pose_drives_the_axle_where_it_stands_at_the_goal(heading: str, tmp_path: Path) -> None:
+    """Polar coordinates of the axle's middle about its own place at the goal, along its direction there."""
+    path = write(tmp_path, pair(heading, x=-0.3, y=0.2))
+    ref = numbers(of(path))
+    q, e = complex(*ref[:2]), complex(*ref[2:])
+    for x, y, theta, way in (
+        (-1.2, 0.4, 0.3, 1),
+        (0.9, -0.7, 2.0, 1),
+        (0.9, 0.2, 0.4, -1),
+        (0.3, 1.5, -2.2, -1),
+    ):
+        out = call(path, "goto_pose", {"x": x, "y": y, "theta": theta, "direction": way})
+        there = (complex(x, y) + q * complex(math.cos(theta), math.sin(theta)) - q) * e.conjugate()
+        toward = math.atan2(*(-way * v for v in (there.imag, there.real)))
+        alpha, beta = math.remainder(toward - theta, math.tau), math.remainder(-toward, math.tau)
+        wanted = {"rho": abs(there), "alpha": alpha, "beta": beta, "v": way * 3 * abs(there)}
+        wanted |= {"omega": 8 * alpha - 1.5 * beta, "direction": way}
+        assert {name: out[name] for name in wanted} == pytest.approx(wanted, abs=1e-9)
+    still = call(path, "goto_pose", {})
+    assert still["rho"] == still["v"] == still["omega"] == 0

@@ -19,18 +19,13 @@
 #include "../ackermann_car.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(ACKERMANN_CAR_PAIR_59ebb319bbd16a24)
-#error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(ACKERMANN_CAR_PAIR_59ebb319bbd16a24)
+#error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 
 int ackermann_car_selftest(void);

@@ -19,18 +19,13 @@
 #include "../agilex_ranger.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(AGILEX_RANGER_PAIR_1e4b48c616959d21)
-#error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(AGILEX_RANGER_PAIR_1e4b48c616959d21)
+#error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 
 int agilex_ranger_selftest(void);

@@ -19,18 +19,13 @@
 #include "../andino.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(ANDINO_PAIR_21c954ba0542638f)
-#error "andino_selftest.c and andino.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(ANDINO_PAIR_21c954ba0542638f)
+#error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 
 int andino_selftest(void);

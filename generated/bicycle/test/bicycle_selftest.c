@@ -19,18 +19,13 @@
 #include "../bicycle.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(BICYCLE_PAIR_0d43763b496f9ad0)
-#error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(BICYCLE_PAIR_0d43763b496f9ad0)
+#error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 
 int bicycle_selftest(void);

@@ -19,18 +19,13 @@
 #include "../car_with_trailers.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(CAR_WITH_TRAILERS_PAIR_b9bbd0bec2adb3e0)
-#error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(CAR_WITH_TRAILERS_PAIR_b9bbd0bec2adb3e0)
+#error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 
 int car_with_trailers_selftest(void);

@@ -19,18 +19,13 @@
 #include "../care_o_bot_4.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(CARE_O_BOT_4_PAIR_1ee4d6183e808744)
-#error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(CARE_O_BOT_4_PAIR_1ee4d6183e808744)
+#error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 
 int care_o_bot_4_selftest(void);

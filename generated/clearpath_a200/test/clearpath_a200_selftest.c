@@ -19,18 +19,13 @@
 #include "../clearpath_a200.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(CLEARPATH_A200_PAIR_85346a51685746ac)
-#error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(CLEARPATH_A200_PAIR_85346a51685746ac)
+#error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 
 int clearpath_a200_selftest(void);

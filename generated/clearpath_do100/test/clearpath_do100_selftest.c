@@ -19,18 +19,13 @@
 #include "../clearpath_do100.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(CLEARPATH_DO100_PAIR_8f48fbee4fc477f1)
-#error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(CLEARPATH_DO100_PAIR_8f48fbee4fc477f1)
+#error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 
 int clearpath_do100_selftest(void);

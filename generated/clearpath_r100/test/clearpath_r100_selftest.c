@@ -19,18 +19,13 @@
 #include "../clearpath_r100.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(CLEARPATH_R100_PAIR_3924d1f4ab0dae09)
-#error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(CLEARPATH_R100_PAIR_3924d1f4ab0dae09)
+#error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 
 int clearpath_r100_selftest(void);

@@ -19,18 +19,13 @@
 #include "../f1tenth.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(F1TENTH_PAIR_938eeb9ff6d7363d)
-#error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(F1TENTH_PAIR_938eeb9ff6d7363d)
+#error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 
 int f1tenth_selftest(void);

@@ -19,18 +19,13 @@
 #include "../festo_robotino.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(FESTO_ROBOTINO_PAIR_8c4375159ed7eb1e)
-#error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(FESTO_ROBOTINO_PAIR_8c4375159ed7eb1e)
+#error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 
 int festo_robotino_selftest(void);

@@ -19,18 +19,13 @@
 #include "../jpl_osr.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(JPL_OSR_PAIR_70604aef90a079a4)
-#error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(JPL_OSR_PAIR_70604aef90a079a4)
+#error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 
 int jpl_osr_selftest(void);

@@ -19,18 +19,13 @@
 #include "../kelly_4ws.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(KELLY_4WS_PAIR_2d88c9d89060e7a5)
-#error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(KELLY_4WS_PAIR_2d88c9d89060e7a5)
+#error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 
 int kelly_4ws_selftest(void);

@@ -19,18 +19,13 @@
 #include "../kuka_youbot.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(KUKA_YOUBOT_PAIR_e2fa5af5c5f03226)
-#error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(KUKA_YOUBOT_PAIR_e2fa5af5c5f03226)
+#error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 
 int kuka_youbot_selftest(void);

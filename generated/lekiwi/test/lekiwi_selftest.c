@@ -19,18 +19,13 @@
 #include "../lekiwi.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(LEKIWI_PAIR_69c3dc5c7086b523)
-#error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(LEKIWI_PAIR_69c3dc5c7086b523)
+#error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 
 int lekiwi_selftest(void);

@@ -19,18 +19,13 @@
 #include "../locked_bicycle.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(LOCKED_BICYCLE_PAIR_e66bca5c8f109870)
-#error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(LOCKED_BICYCLE_PAIR_e66bca5c8f109870)
+#error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 
 int locked_bicycle_selftest(void);

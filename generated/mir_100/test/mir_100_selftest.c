@@ -19,18 +19,13 @@
 #include "../mir_100.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(MIR_100_PAIR_047b7a2087e4b7c1)
-#error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(MIR_100_PAIR_047b7a2087e4b7c1)
+#error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 
 int mir_100_selftest(void);

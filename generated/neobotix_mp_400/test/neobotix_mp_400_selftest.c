@@ -19,18 +19,13 @@
 #include "../neobotix_mp_400.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(NEOBOTIX_MP_400_PAIR_b486e9b9dd2d6802)
-#error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(NEOBOTIX_MP_400_PAIR_b486e9b9dd2d6802)
+#error "neobotix_mp_400_selftest.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 
 int neobotix_mp_400_selftest(void);

@@ -19,18 +19,13 @@
 #include "../neobotix_mpo_700.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(NEOBOTIX_MPO_700_PAIR_a98174ee493c3c4a)
-#error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(NEOBOTIX_MPO_700_PAIR_a98174ee493c3c4a)
+#error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 
 int neobotix_mpo_700_selftest(void);

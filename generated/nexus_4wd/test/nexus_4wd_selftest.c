@@ -19,18 +19,13 @@
 #include "../nexus_4wd.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(NEXUS_4WD_PAIR_c9ee5be6940da08c)
-#error "nexus_4wd_selftest.c and nexus_4wd.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(NEXUS_4WD_PAIR_c9ee5be6940da08c)
+#error "nexus_4wd_selftest.c and nexus_4wd.h were not generated together: copy both"
 #endif
 
 int nexus_4wd_selftest(void);

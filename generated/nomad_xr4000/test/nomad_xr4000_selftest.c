@@ -19,18 +19,13 @@
 #include "../nomad_xr4000.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(NOMAD_XR4000_PAIR_d536131290862dcc)
-#error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(NOMAD_XR4000_PAIR_d536131290862dcc)
+#error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 
 int nomad_xr4000_selftest(void);

@@ -19,18 +19,13 @@
 #include "../office_chair.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(OFFICE_CHAIR_PAIR_e71f3751f39a7e00)
-#error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(OFFICE_CHAIR_PAIR_e71f3751f39a7e00)
+#error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
 #endif
 
 int office_chair_selftest(void);

@@ -19,18 +19,13 @@
 #include "../pioneer3dx.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(PIONEER3DX_PAIR_17d7532b2bcd83c8)
-#error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(PIONEER3DX_PAIR_17d7532b2bcd83c8)
+#error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 
 int pioneer3dx_selftest(void);

@@ -18,18 +18,13 @@
 #include "../pr2.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(PR2_PAIR_543bb6cd34ac8455)
-#error "pr2_selftest.c and pr2.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(PR2_PAIR_543bb6cd34ac8455)
+#error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 
 int pr2_selftest(void);

@@ -19,18 +19,13 @@
 #include "../ssl_parsian.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(SSL_PARSIAN_PAIR_cb0aaeaaea624f6b)
-#error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(SSL_PARSIAN_PAIR_cb0aaeaaea624f6b)
+#error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 
 int ssl_parsian_selftest(void);

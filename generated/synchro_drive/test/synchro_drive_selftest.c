@@ -19,18 +19,13 @@
 #include "../synchro_drive.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(SYNCHRO_DRIVE_PAIR_143b848999ceb7cf)
-#error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(SYNCHRO_DRIVE_PAIR_143b848999ceb7cf)
+#error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
 #endif
 
 int synchro_drive_selftest(void);

@@ -19,18 +19,13 @@
 #include "../textbook.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TEXTBOOK_PAIR_e5e752bf1c5f5d35)
-#error "textbook_selftest.c and textbook.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TEXTBOOK_PAIR_e5e752bf1c5f5d35)
+#error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 
 int textbook_selftest(void);

@@ -19,18 +19,13 @@
 #include "../textbook_differential.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_4783a90a5abb66c8)
-#error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_4783a90a5abb66c8)
+#error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 
 int textbook_differential_selftest(void);

@@ -19,18 +19,13 @@
 #include "../textbook_omni_steer.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e43bd2a2dc8647b)
-#error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e43bd2a2dc8647b)
+#error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 
 int textbook_omni_steer_selftest(void);

@@ -19,18 +19,13 @@
 #include "../textbook_omnidirectional.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5da50aca230985cf)
-#error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5da50aca230985cf)
+#error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 
 int textbook_omnidirectional_selftest(void);

@@ -19,18 +19,13 @@
 #include "../textbook_tricycle.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_9216a56a3596d156)
-#error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_9216a56a3596d156)
+#error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 
 int textbook_tricycle_selftest(void);

@@ -19,18 +19,13 @@
 #include "../textbook_two_steer.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_d556acbe88231735)
-#error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_d556acbe88231735)
+#error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 
 int textbook_two_steer_selftest(void);

@@ -19,18 +19,13 @@
 #include "../tidybot2.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TIDYBOT2_PAIR_9ce5bd7a0c532c2b)
-#error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TIDYBOT2_PAIR_9ce5bd7a0c532c2b)
+#error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 
 int tidybot2_selftest(void);

@@ -19,18 +19,13 @@
 #include "../tractor_off_axle.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TRACTOR_OFF_AXLE_PAIR_26af235fa2335641)
-#error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TRACTOR_OFF_AXLE_PAIR_26af235fa2335641)
+#error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 
 int tractor_off_axle_selftest(void);

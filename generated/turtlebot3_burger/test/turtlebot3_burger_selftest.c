@@ -19,18 +19,13 @@
 #include "../turtlebot3_burger.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(TURTLEBOT3_BURGER_PAIR_ec0340f8525c4946)
-#error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(TURTLEBOT3_BURGER_PAIR_ec0340f8525c4946)
+#error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 
 int turtlebot3_burger_selftest(void);

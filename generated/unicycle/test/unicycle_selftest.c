@@ -19,18 +19,13 @@
 #include "../unicycle.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(UNICYCLE_PAIR_08d548c8de2e2de2)
-#error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(UNICYCLE_PAIR_08d548c8de2e2de2)
+#error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 
 int unicycle_selftest(void);

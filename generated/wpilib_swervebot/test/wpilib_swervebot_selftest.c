@@ -19,18 +19,13 @@
 #include "../wpilib_swervebot.h"
 #if defined(__AVR__)
 #include <avr/pgmspace.h>
-#endif
-
-#if !defined(WPILIB_SWERVEBOT_PAIR_1761b681c8816556)
-#error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
-#endif
-
-#if !defined(WMRGEN_FLASH)
-#if defined(__AVR__)
 #define WMRGEN_FLASH PROGMEM
 #else
 #define WMRGEN_FLASH
 #endif
+
+#if !defined(WPILIB_SWERVEBOT_PAIR_1761b681c8816556)
+#error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
 int wpilib_swervebot_selftest(void);

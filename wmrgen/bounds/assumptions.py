@@ -190,6 +190,8 @@ class Domain:
         if limit is not None:  # of a virtual wheel, which has none of its own
             self.declared[name] = _floats(limit.low, limit.high)
             return self.declared[name]
+        if joint == "wanted":  # a steering angle, as `inverse` gives it
+            return self.commanded.get(f"{owner}.steer")
         if joint in ("steer", "theta"):
             return inside(-TURNS, TURNS)
         return self.declared.get("vx") if joint == "speed" else self.commanded.get(name)

@@ -57,7 +57,12 @@ LIMITS = Section(
             "steering angle; inverse commands no other (coupled wheels keep the limits of all of them)",
             joint="steer",
         ),
-        Field("steer_rate", Interval(Kind.RATE), "rate of a steering angle", joint="steer"),
+        Field(
+            "steer_rate",
+            Interval(Kind.RATE),
+            "rate of a steering angle, which steer_toward keeps",
+            joint="steer",
+        ),
     ),
 )
 

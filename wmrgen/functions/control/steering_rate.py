@@ -1,0 +1,73 @@
+"""`steer_toward`: steering angles that are commanded step by step, as fast as the limits of ``steer_rate`` let them.
+
+`inverse` commands the angle that a twist needs, however far the wheel stands from it. In a step of dt the wheel comes
+no further than dt times its limit of ``steer_rate``:
+
+    steer' = max(steer + low dt, min(steer + high dt, wanted))
+
+so that it stands at ``wanted``, to the bit, as soon as that can be reached. No turn is taken off: the way from -170 to
+170 degrees leads through zero, as steering stops have it; `inverse` gives the angle that is nearest. An angle outside
+the limits of ``steer`` counts as at the limit.
+"""
+
+from __future__ import annotations
+
+import sympy
+
+from wmrgen.functions.registry import function, underivable
+from wmrgen.kinematics.records import Formula, Locals, joint_port
+from wmrgen.kinematics.steer import present
+from wmrgen.layout.records import Interval, Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Limits, Port, Role
+from wmrgen.symbolic import Expr, add, kept_between, maximum, minimum, number, signal, times
+
+DT = Port("dt", Role.COMMAND, "s", "duration of the step; what is below 0 counts as 0")
+_WANTED = "steering angle that is to be reached, as inverse commands it"
+
+
+@function("ours; the texts have none", limits=Limits.COMMANDED)
+def steer_toward(robot: Robot, _: Mobility) -> Formula:
+    """Present and wanted steering angles to those commanded next; a wheel without limit goes there at once."""
+    rates = _rates(robot)
+    names = Locals()
+    step = names.define("step", maximum(signal(DT.name), sympy.S.Zero))
+    outputs = [
+        (joint_port(w, "steer", Role.COMMAND), _next(w, limit, robot.limit(w, "steer"), step))
+        for w, limit in rates
+    ]
+    standing = [joint_port(w, "steer", Role.STATE) for w, limit in rates if limit is not None]
+    wanted = [Port(f"{w.name}.wanted", Role.COMMAND, "rad", _WANTED) for w, _ in rates]
+    text = "present and wanted steering angles to those commanded next, inside the limits of steer_rate"
+    return names.formula("steer_toward", (*standing, *wanted, DT), outputs, text)
+
+
+def _next(w: Wheel, limit: Interval | None, angles: Interval | None, step: Expr) -> Expr:
+    """``limit``: of the rate, ``angles``: of the angle."""
+    now, wanted = present(w, angles), signal(f"{w.name}.wanted")
+    if angles is not None:
+        wanted = kept_between(number(angles.low), wanted, number(angles.high))
+    if limit is None:
+        return wanted
+    low, high = (add(now, times(number(end), step)) for end in (limit.low, limit.high))
+    return maximum(low, minimum(high, wanted))
+
+
+def _rates(robot: Robot) -> list[tuple[Wheel, Interval | None]]:
+    """The wheels whose angle is chosen, with their limits of ``steer_rate``."""
+    rates = [(w, robot.limit(w, "steer_rate")) for w in robot.wheels if w.kind.steers]
+    if not rates:
+        raise underivable(robot, "steer_toward", "no wheel is steered")
+    limited = [(w, limit) for w, limit in rates if limit is not None]
+    if not limited:
+        raise underivable(
+            robot, "steer_toward", "its steering has no limit of rate; write limits: {steer_rate: 2} [rad/s]"
+        )
+    for w, limit in limited:
+        if limit.low.sign > 0 or limit.high.sign < 0:
+            raise underivable(
+                robot,
+                "steer_toward",
+                f"the limits of {w.name}.steer_rate do not let the wheel hold its angle",
+            )
+    return rates

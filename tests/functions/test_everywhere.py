@@ -32,7 +32,7 @@ TEXTS = {
     "mecanum": MECANUM_T + "limits: {spin: [-11, 12]}\n",
     "omni": OMNI_K,
     "skewed": SKEWED,
-    "tricycle": TRICYCLE + "limits: {steer: 0.6, vx: 1.7}\n",
+    "tricycle": TRICYCLE + "limits: {steer: 0.6, vx: 1.7, steer_rate: 2}\n",
 }
 TEXTS |= {p.stem: p.read_text(encoding="utf-8") for p in GALLERY}
 MADE = [name for name in TEXTS if name not in {p.stem for p in GALLERY}]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import pytest
 
@@ -101,7 +101,8 @@ def test_what_is_taken_is_refused(entry: Entry) -> None:
 
 @pytest.mark.parametrize("name", ["wpilib_swervebot", "pioneer3dx"])
 def test_entries_say_what_their_backends_write(name: str) -> None:
-    written = {p.name for p in (ROOT / "generated" / name).iterdir()}
+    folder = ROOT / "generated" / name
+    written = {p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file()}
     patterns = [n for entry in BACKENDS.values() for files in entry.files for n in files.names]
-    said = {p for p in written if any(Path(p).match(n.format(robot=name)) for n in patterns)}
+    said = {p for p in written if any(PurePosixPath(p).match(n.format(robot=name)) for n in patterns)}
     assert written - said <= {"model.json", "manifest.json", "budget.json"}

@@ -105,3 +105,31 @@ def test_a_virtual_wheel_stands_off_the_axle_line(x: float, y: float, refused: b
             d.formula("virtual_steering")
     else:
         assert d.formula("virtual_steering").outputs
+
+
+@pytest.mark.parametrize("extra", ["", PSI], ids=["real", "virtual"])
+def test_a_wheel_that_follows_rolls_with_its_own_steering_rate(extra: str) -> None:
+    """r spin = v . e - o (omega + steering rate) of a wheel with offset o; the rate by differences of its angle."""
+    follower = ("fr", "steered", 0.5, -0.3, "0", "offset_y: 0.05")
+    d = derived(wheels([*REAR, FRONT[0], follower]), extra)
+    system = d.system("configuration")
+    lead = "psi.steer" if extra else "fl.steer"
+    w = d.robot.wheel("fr")
+    x, y = float(w.nominal.x), float(w.nominal.y)
+    values = dict.fromkeys((p.name for p in (*system.state, *system.inputs)), 0.0)
+    values |= {lead: 0.3, f"{lead}_rate": 0.7, "rl.spin": 2.0}
+
+    def of(steer: float) -> tuple[dict[str, float], complex, float]:
+        """Rates, the velocity of the pivot, and the angle of the wheel that follows."""
+        rates = call(d, "configuration", values | {lead: steer})
+        omega = rates["theta_rate"]
+        velocity = complex(rates["x_rate"] - omega * y, rates["y_rate"] + omega * x)
+        heading = math.atan2(velocity.imag, velocity.real) - w.heading
+        return rates, velocity, math.remainder(heading, math.pi)
+
+    rates, velocity, angle = of(0.3)
+    h = 1e-6
+    rate = 0.7 * (of(0.3 + h)[2] - of(0.3 - h)[2]) / (2 * h)
+    along = (velocity * complex(math.cos(w.heading + angle), -math.sin(w.heading + angle))).real
+    wanted = (along - 0.05 * (rates["theta_rate"] + rate)) / 0.1
+    assert rates["fr.spin"] == pytest.approx(wanted, abs=1e-6) and abs(rate) > 0.1

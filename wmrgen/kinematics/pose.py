@@ -34,6 +34,7 @@ POSE = (
     Port("y", Role.STATE, "m", "position of P in the world frame"),
     Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
 )
+DT = Port("dt", Role.COMMAND, "s", "duration of the step")
 RATES = (
     Port("x_rate", Role.COMMAND, "m/s", "velocity of P along world x"),
     Port("y_rate", Role.COMMAND, "m/s", "velocity of P along world y"),
@@ -102,19 +103,21 @@ def _sinc() -> Formula:
 SINC = _sinc()
 
 
-def odometry() -> Formula:
-    """x y theta vx vy omega dt to the pose after dt."""
-    names = Locals()
-    x, y, theta, vx, vy, omega, dt = (signal(n) for n in ("x", "y", "theta", "vx", "vy", "omega", "dt"))
+def increments(names: Locals) -> tuple[Expr, Expr, Expr]:
+    """What a step of dt at the twist adds to x, y and theta."""
+    theta, vx, vy, omega, dt = (signal(n) for n in ("theta", "vx", "vy", "omega", "dt"))
     h = names.define("half_turn", omega * dt / 2)
     (sinc,) = names.call(SINC, {"h": h})
     chord = names.define("chord", dt * sinc)
     middle = names.define("middle", add(theta, h))
     c, s = sympy.cos(middle), sympy.sin(middle)
-    outputs = (
-        (POSE[0], add(x, chord * subtract(vx * c, vy * s))),
-        (POSE[1], add(y, chord * add(vx * s, vy * c))),
-        (POSE[2], add(theta, omega * dt)),
-    )
-    inputs = (*POSE, *twist_ports(), Port("dt", Role.COMMAND, "s", "duration of the step"))
-    return names.formula("odometry", inputs, outputs, "pose after driving a constant twist for dt")
+    return chord * subtract(vx * c, vy * s), chord * add(vx * s, vy * c), omega * dt
+
+
+def odometry() -> Formula:
+    """x y theta vx vy omega dt to the pose after dt."""
+    names = Locals()
+    steps = increments(names)
+    outputs = ((port, add(signal(port.name), step)) for port, step in zip(POSE, steps, strict=True))
+    text = "pose after driving a constant twist for dt"
+    return names.formula("odometry", (*POSE, *twist_ports(), DT), outputs, text)

@@ -21,7 +21,7 @@ class Role(StrEnum):
 class Limits(StrEnum):
     """Which inputs of a function the limits of the robot bound, as far as checked code is concerned."""
 
-    NONE = "none"
+    NONE = "none"  # joints are measured; a twist, if there is one, is neither commanded nor driven
     COMMANDED = "commanded"  # twists are commands, kept inside their limits; joints are measured
     MEASURED = "measured"  # twists and joints are measured
     ASKED = "asked"  # joint rates as `inverse` gives them for a twist inside its limits, beyond those of the joints too

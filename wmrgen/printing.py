@@ -79,6 +79,9 @@ class Latex(LatexPrinter):  # type: ignore[misc]
     def _print_WithSignOf(self, expr: Expr, exp: str | None = None) -> str:
         return self._upright(r"\mathrm{with\ sign\ of}", expr, exp)
 
+    def _print_RoundingError(self, expr: Expr, exp: str | None = None) -> str:
+        return self._upright(r"\mathrm{rounding\ error}", expr, exp)
+
     def _print_Add(self, expr: Expr, order: str | None = None) -> str:
         text = str(
             super()._print_Add(expr, order)

@@ -96,6 +96,16 @@ class WithSignOf(Operation):
         return (-a if b < 0 else a) if b.is_number else None
 
 
+class RoundingError(Operation):
+    """RoundingError(a, b): what a + b loses where code rounds it: 0 in exact numbers, and so to sympy's numbers."""
+
+    op = Op.ROUNDING_ERROR
+
+    @classmethod
+    def eval(cls, a: Expr, b: Expr) -> Expr | None:
+        return sympy.S.Zero if a.is_number and b.is_number else None
+
+
 class Compensated(sympy.Add):  # type: ignore[misc]
     """Compensated(x, c y): x + c y, of which code makes the rounding of the product good. To sympy it is a sum."""
 
@@ -272,6 +282,11 @@ def at_least(a: Expr, least: Expr) -> Expr:
 def with_sign_of(a: Expr, b: Expr) -> Expr:
     """-a where b < 0, else a, unevaluated. Either is right where b is 0: code may read the sign of a -0."""
     return WithSignOf(a, b, evaluate=False)
+
+
+def rounding_error(a: Expr, b: Expr) -> Expr:
+    """What code loses when it rounds ``compensated(a, b)``, unevaluated."""
+    return RoundingError(a, b, evaluate=False)
 
 
 def absolute(a: Expr) -> Expr:

@@ -25,6 +25,7 @@ CASES: dict[Op, tuple[Callable[[Builder, int, int], int], list[Ranges]]] = {
     Op.ADD: (lambda b, x, y: b.add(x, y), [{"x": (-3, 2), "y": (-1, 5)}]),
     Op.SUB: (lambda b, x, y: b.sub(x, y), [{"x": (-3, 2), "y": (-1, 5.5)}]),
     Op.COMPENSATED: (lambda b, x, y: b.apply(Op.COMPENSATED, (x, y)), [{"x": (-3, 2), "y": (-1, 5)}]),
+    Op.ROUNDING_ERROR: (lambda b, x, y: b.apply(Op.ROUNDING_ERROR, (x, y)), [{"x": (-3, 2), "y": (-1, 5)}]),
     Op.MUL: (lambda b, x, y: b.mul(x, y), [{"x": (-3, 2), "y": (-1, 5)}, {"x": (2, 3), "y": (-5, -4)}]),
     Op.DIV: (lambda b, x, y: b.div(x, y), [{"x": (-3, 2), "y": (0.5, 5)}, {"x": (2, 3), "y": (-5, -4)}]),
     Op.NEG: (lambda b, x, y: b.neg(x), [{"x": (-3, 2), "y": (0, 1)}]),

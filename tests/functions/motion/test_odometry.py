@@ -1,20 +1,27 @@
-"""Odometry over many steps in float: increments to be added in double."""
+"""Odometry over many steps in float: increments to be added in double, and sums that carry what roundings lose."""
 
 from __future__ import annotations
 
 import math
 import random
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
+import sympy
 
+from tests.c.harness import COMPILERS
 from wmrgen import derive, load
+from wmrgen.backends.c99 import sources
+from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.compiler import compile_program, run_program
 from wmrgen.exact.number import Exact
-from wmrgen.ir.interpret import FLOAT32, evaluate_module
+from wmrgen.ir.interpret import FLOAT32, FLOAT64, evaluate_module
 from wmrgen.ir.kernels import expand
-from wmrgen.ir.kernels.choice import DEFAULT
-from wmrgen.ir.nodes import Module
+from wmrgen.ir.kernels.choice import DEFAULT, Choice
+from wmrgen.ir.nodes import Module, Op
 from wmrgen.ir.rounding import nearest_float32
+from wmrgen.symbolic import RoundingError
 
 UNICYCLE = Path(__file__).resolve().parents[3] / "robots" / "unicycle.yaml"
 POSE, TWIST = ("x", "y", "theta"), ("vx", "vy", "omega")
@@ -64,3 +71,123 @@ def test_increments_added_in_double(speed: float, rate: float) -> None:
 def _exact(value: float) -> Exact:
     numerator, denominator = value.as_integer_ratio()
     return Exact(numerator) / denominator
+
+
+LONG = """\
+#include <math.h>
+#include <stdio.h>
+#include "unicycle.h"
+int main(void)
+{{
+    unicycle_odometry_in plain = {{.x = {x}f, .y = {x}f, .vx = {vx}f, .omega = {omega}f, .dt = 0.001f}};
+    unicycle_odometry_compensated_in in = {{.x = {x}f, .y = {x}f, .vx = {vx}f, .omega = {omega}f, .dt = 0.001f}};
+    unicycle_odometry_out after;
+    unicycle_odometry_compensated_out out;
+    float widest = 0.0f;
+    for (long k = 0; k < {steps}; k++) {{
+        unicycle_odometry(&plain, &after);
+        plain.x = after.x; plain.y = after.y; plain.theta = after.theta;
+        unicycle_odometry_compensated(&in, &out);
+        in.x = out.x; in.y = out.y; in.theta = out.theta;
+        in.x_rest = out.x_rest; in.y_rest = out.y_rest; in.theta_rest = out.theta_rest;
+        widest = fmaxf(widest, fabsf(out.theta));
+    }}
+    printf("%.9g %.9g %.9g %.9g\\n", after.x, after.y, after.theta, widest);
+    printf("%.17g %.17g ", (double)in.x + in.x_rest, (double)in.y + in.y_rest);
+    printf("%.17g\\n", (double)in.theta + in.theta_rest);
+    return 0;
+}}
+"""
+
+
+@pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
+@pytest.mark.parametrize(
+    "choice", [DEFAULT, Choice(target="host"), Choice(target="m0")], ids=lambda c: c.target
+)
+@pytest.mark.parametrize(
+    ("speed", "rate", "steps"), [(0.003, 0.0, 10**6), (0.003, 0.001, 10**6), (0.2, 1.0, 2 * 10**6)]
+)
+def test_a_long_way_in_c(tmp_path: Path, choice: Choice, speed: float, rate: float, steps: int) -> None:
+    """Half an hour at 1 kHz, 100 m out: as the closed form has it, where `odometry` stands still or drifts."""
+    module = derive(load(UNICYCLE), ["odometry", "odometry_compensated"]).c_module
+    files = dict(zip(("unicycle.h", "unicycle.c"), sources(module, choice), strict=True))
+    files["main.c"] = LONG.format(x=100.0, vx=speed, omega=rate, steps=steps)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    flags = ("-std=c99", "-O2", "-ffp-contract=off")
+    answer = run_program(compile_program(tmp_path, ["unicycle.c", "main.c"], COMPILERS[0], flags), "")
+    plain, pose = ([float(v) for v in line.split()] for line in answer.splitlines())
+    vx, omega, dt = (nearest_float32(v) for v in (speed, rate, 0.001))
+    turn, way = omega * dt * steps, vx * dt * steps
+    chord = way * math.sin(turn / 2) / (turn / 2) if turn else way
+    true = [100.0 + chord * math.cos(turn / 2), 100.0 + chord * math.sin(turn / 2), turn]
+    assert abs(math.remainder(pose[2] - true[2], math.tau)) <= 2e-7 * turn
+    assert math.dist(pose[:2], true[:2]) <= 1e-6 * way
+    assert plain[3] <= nearest_float32(math.pi)
+    if rate < 1:
+        assert math.dist(plain[:2], true[:2]) > 0.02 * way
+    else:
+        assert abs(plain[2] - true[2]) > 1e-3 * turn
+
+
+def test_in_exact_numbers_nothing_is_lost() -> None:
+    """The pose is that of `odometry`, less a turn where it lies beyond half a turn; the remainders are 0."""
+    d = derive(load(UNICYCLE), ["odometry", "odometry_compensated"])
+    source = random.Random(2)
+    turned = set()
+    for _ in range(40):
+        case = {n: Exact(source.randint(-999, 999)) / 300 for n in (*POSE, *TWIST, "dt")}
+        rests = {f"{n}_rest": Exact(0) for n in POSE}
+        after, kept = d.evaluate("odometry", case), d.evaluate("odometry_compensated", case | rests)
+        assert [kept[n] for n in ("x", "y")] == [after[n] for n in ("x", "y")]
+        assert all(not kept[n] for n in rests)
+        turns = float(after["theta"] - kept["theta"]) / math.tau
+        assert turns == pytest.approx(max(min(round(float(after["theta"]) / math.tau), 1), -1), abs=1e-12)
+        turned.add(round(turns))
+    assert turned == {-1, 0, 1}
+
+
+@pytest.mark.parametrize("choice", [DEFAULT, Choice(target="m0"), Choice("double", "libm")], ids=str)
+def test_c_has_the_bits_of_the_interpreter(choice: Choice) -> None:
+    module = derive(load(UNICYCLE), ["odometry", "odometry_compensated"]).c_module
+    operations = expand(module, choice.scalar, choice.math, choice.target)
+    source = random.Random(3)
+    sizes = dict.fromkeys(("x", "y"), 100.0) | {"theta": 4.0, "dt": 0.1}
+    sizes |= {f"{n}_rest": 1e-6 for n in POSE} | dict.fromkeys(TWIST, 1.0)
+    cases = [{n: nearest_float32(source.uniform(-s, s)) for n, s in sizes.items()} for _ in range(60)]
+    arithmetic = FLOAT32 if choice.scalar == "float" else FLOAT64
+    expected = [evaluate_module(operations, "odometry_compensated", case, arithmetic) for case in cases]
+    assert any(abs(e["x_rest"]) > 0 for e in expected)
+    got = evaluate_c(
+        module, "odometry_compensated", cases, choice, None, ("-std=c99", "-O2", "-ffp-contract=off")
+    )
+    if choice.scalar == "float":
+        assert got == expected
+    else:
+        assert all(
+            g[n] == pytest.approx(e[n], abs=1e-12) for g, e in zip(got, expected, strict=True) for n in e
+        )
+
+
+def test_the_error_of_a_sum_is_a_float() -> None:
+    """TwoSum: sum and error are the exact sum, whichever is larger; to sympy's numbers it is 0."""
+    source = random.Random(4)
+    for _ in range(500):
+        a, b = (nearest_float32(source.uniform(-1, 1) * 10.0 ** source.randint(-9, 9)) for _ in range(2))
+        total, error = Op.ADD.float32(a, b), Op.ROUNDING_ERROR.float32(a, b)
+        assert Fraction(total) + Fraction(error) == Fraction(a) + Fraction(b)
+        wide = Op.ADD.float64(a / 3, b / 7)
+        assert Fraction(wide) + Fraction(Op.ROUNDING_ERROR.float64(a / 3, b / 7)) == Fraction(
+            a / 3
+        ) + Fraction(b / 7)
+    assert RoundingError(sympy.Rational(1, 3), sympy.Rational(2, 7)) == 0
+
+
+def test_doubles_of_numpy_carry_remainders() -> None:
+    d = derive(load(UNICYCLE), ["odometry_compensated"])
+    step = d.numpy().odometry_compensated
+    pose = dict.fromkeys(("theta", "x_rest", "y_rest", "theta_rest"), 0.0) | {"x": 1e9, "y": 0.0}
+    for _ in range(1000):
+        pose = {n: float(v) for n, v in step(**pose, vx=1e-8, vy=0.0, omega=0.0, dt=1.0).items()}
+    assert pose["x"] + pose["x_rest"] == pytest.approx(1e9 + 1e-5, abs=2e-7)
+    assert 1e9 + 1e-8 == 1e9

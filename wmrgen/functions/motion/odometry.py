@@ -1,18 +1,28 @@
-"""Odometry over many steps: `odometry_increment`, what a step adds to the pose.
+"""Odometry over many steps: `odometry_increment`, what a step adds to the pose, and `odometry_compensated`.
 
 `odometry` gives the pose after a step. In float it stands still where a step is less than half a unit in the last
 place of the pose: at 100 m that is 3.8 um, the way of 3 mm/s in 1.3 ms. Whoever has a double to add in adds the
 increments of each step there; only theta is needed to compute them.
+
+`odometry_compensated` stays in float and carries, beside the pose, what its last roundings lost (Kahan; Higham 4.3):
+
+    s = step + rest    x' = fl(x + s)    rest' = (x + s) - x'
+
+The last is a float and computed without error (Knuth's TwoSum), whatever the sizes. The heading is kept in [-pi, pi]: a
+step takes off one turn at most, in two parts, 201/32, which leaves nothing to round, and the rest of 2 pi.
 """
 
 from __future__ import annotations
+
+import sympy
 
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.pose import DT, POSE, increments
 from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, output
+from wmrgen.ports import Limits, Port, Role, output
+from wmrgen.symbolic import Compensated, Expr, add, rounding_error, select, signal, subtract
 
 _INCREMENTS = (
     output("x_step", "m", "what the step adds to x"),
@@ -28,3 +38,39 @@ def odometry_increment(_: Robot, __: Mobility) -> Formula:
     outputs = zip(_INCREMENTS, increments(names), strict=True)
     text = "what driving a constant twist for dt adds to the pose, world frame"
     return names.formula("odometry_increment", (POSE[2], *twist_ports(), DT), outputs, text)
+
+
+_RESTS = tuple(
+    Port(f"{p.name}_rest", Role.STATE, p.unit, f"what roundings have left out of {p.name}; 0 at the start")
+    for p in POSE
+)
+_MOST_OF_TURN = sympy.Rational(201, 32)  # 2 pi less 0.0019, in eight bits
+
+
+@function("Konstantinov, case of constant speeds; Higham 4.3; the rest is ours", limits=Limits.MEASURED)
+def odometry_compensated(_: Robot, __: Mobility) -> Formula:
+    """The pose after a step, with what its roundings lost; the heading in [-pi, pi]."""
+    names = Locals()
+    sums, rests = [], []
+    for port, rest, step in zip(POSE, _RESTS, increments(names), strict=True):
+        whole = names.define(f"{port.name}_whole_step", add(step, signal(rest.name)))
+        sums.append(names.define(f"{port.name}_sum", Compensated(signal(port.name), whole)))
+        rests.append(rounding_error(signal(port.name), whole))
+    sums[2], lost = _wrapped(sums[2], names)
+    rests[2] = add(rests[2], lost)
+    outputs = (*zip(POSE, sums, strict=True), *zip(_RESTS, rests, strict=True))
+    text = "pose after driving a constant twist for dt, with what its roundings lost; heading in [-pi, pi]"
+    return names.formula("odometry_compensated", (*POSE, *_RESTS, *twist_ports(), DT), outputs, text)
+
+
+def _wrapped(theta: Expr, names: Locals) -> tuple[Expr, Expr]:
+    """An angle less a turn, where it lies beyond half a turn, and what its rounding lost."""
+    most, zero = _MOST_OF_TURN, sympy.S.Zero
+    little = 2 * sympy.pi - most
+
+    def by_side(above: Expr, below: Expr, between: Expr) -> Expr:
+        return select(sympy.pi, theta, above, select(theta, -sympy.pi, below, between))
+
+    near = names.define("theta_near", by_side(subtract(theta, most), add(theta, most), theta))
+    last = names.define("theta_last", by_side(-little, little, zero))
+    return Compensated(near, last), rounding_error(near, last)

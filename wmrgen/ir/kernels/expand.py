@@ -12,7 +12,7 @@ from dataclasses import replace
 from wmrgen.exact.number import ONE
 from wmrgen.ir.calls import called, inlined_calls
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, LIBM, M0, M4F
-from wmrgen.ir.kernels.sums import compensated_sum, fuse
+from wmrgen.ir.kernels.sums import compensated_sum, fuse, rounding_error
 from wmrgen.ir.kernels.trigonometry import EVEN32, RINT32, RINT64, Processor, flipped, library, soft
 from wmrgen.ir.nodes import Function, Module, Node, Op, shared, uses_of
 from wmrgen.ir.passes.schedule import calls_first, schedule
@@ -111,6 +111,8 @@ class _Expansion:
         match node.op:
             case Op.COMPENSATED:
                 return compensated_sum(tape, args[0], args[1], p.fused) if p.single else tape.add(*args)
+            case Op.ROUNDING_ERROR:
+                return rounding_error(tape, *args)
             case Op.RINT:
                 magic = tape.const(p.magic)
                 return tape.sub(tape.add(args[0], magic), magic)

@@ -139,6 +139,13 @@ def _less_parts(tape: Tape, x: int, parts: list[int], y: int, low: int | None) -
     return total if tail is None else tape.add(total, tail)
 
 
+def rounding_error(tape: Tape, a: int, b: int) -> int:
+    """a + b less what it is rounded to, itself a float (Knuth's TwoSum)."""
+    total = tape.add(a, b)
+    second = tape.sub(total, a)
+    return tape.add(tape.sub(a, tape.sub(total, second)), tape.sub(b, second))
+
+
 def _halves(tape: Tape, y: int) -> list[int]:
     """y in two floats of 12 bits (Veltkamp)."""
     t = tape.mul(tape.const(_SPLIT), y)

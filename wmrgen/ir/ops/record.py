@@ -106,6 +106,7 @@ class Op:
     SQUARE: ClassVar[Op]  # what MUL is of one value twice; no node has it, see `Node.meaning`
     DIV: ClassVar[Op]
     COMPENSATED: ClassVar[Op]  # compensated(a, b): a + b, the rounding of b made good where b is a product
+    ROUNDING_ERROR: ClassVar[Op]  # rounding_error(a, b): what a + b loses when it is rounded; exactly 0
     NEG: ClassVar[Op]
     ABS: ClassVar[Op]
     MIN: ClassVar[Op]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Callable
 from fractions import Fraction
 from math import copysign, isfinite, nextafter
 from struct import pack, unpack
@@ -78,6 +79,40 @@ Op.COMPENSATED = Op(
     infix="+", casadi="OP_ADD",
     fact=_sum_fact, interval=iv.plus, lemma=lambda w, i, a, b: _sum(w, i, a, b, 2.0),
     running=lambda unit, a, b: rounded(a.value + b.value, a.error + b.error, 2 * unit),
+)  # fmt: skip
+
+
+def _two_sum(a: float, b: float, rounded_to: Callable[[float], float] = float) -> float:
+    """a + b less the float that it is rounded to (Knuth's TwoSum, H 4.3)."""
+    total = rounded_to(a + b)
+    second = rounded_to(total - a)
+    return rounded_to(rounded_to(a - rounded_to(total - second)) + rounded_to(b - second))
+
+
+def _error_within(a: Interval, b: Interval) -> Interval:
+    """What floats of any type may lose of their sum."""
+    most = iv.magnitude(iv.plus(a, b)) * 2.0**-23
+    return -most, most
+
+
+def _error_of_sum(w: Walk, i: int, a: int, b: int) -> Value:
+    """Zero, for exact numbers; of floats at most what a rounding of their sum loses."""
+    zero = np.zeros(w.boxes)
+    return Value((zero, zero), noise=w.rounded(iv.plus(w.ranges[a], w.ranges[b]), i))
+
+
+def _error_of_sums(unit: Array, a: Bounded, b: Bounded) -> Bounded:
+    size = np.abs(a.value + b.value) + a.error + b.error
+    return Bounded(np.zeros_like(a.value + b.value), unit * size)
+
+
+# A pass that took it for the zero that it is would leave nothing of it: to checks it is any function of a and b.
+Op.ROUNDING_ERROR = Op(
+    "rounding_error", 2, lambda a, b: a - a, _two_sum, lambda a, b: _two_sum(a, b, nearest_float32),
+    many=lambda a, b: (a - ((a + b) - ((a + b) - a))) + (b - ((a + b) - a)), opaque=True, cost="additions",
+    numpy="(({0} - (({0} + {1}) - (({0} + {1}) - {0}))) + ({1} - (({0} + {1}) - {0})))",
+    casadi=lambda ca, a, b: ca.SX(0.0),
+    interval=_error_within, lemma=_error_of_sum, running=_error_of_sums,
 )  # fmt: skip
 Op.NEG = Op(
     "neg", 1, operator.neg, many=np.negative, parity=-1, cost="signs",

@@ -27,6 +27,8 @@ SINGLE = np.array([[2.0**-24], [2.0**-53]])
 def compute(op: Op, *args: Array) -> Array:
     if op is Op.SQUARE:
         return args[0] ** 2
+    if op is Op.ROUNDING_ERROR:  # of exact numbers; TwoSum of doubles gives what these are off by
+        return np.zeros_like(args[0])
     assert op.many is not None
     return np.asarray(op.many(*args), float)
 
@@ -188,6 +190,8 @@ def test_the_rounding_of_the_result_counts(op: Op) -> None:
         assert (rounds == 0).all()
         return
     size = 1.0 if op in (Op.SIN, Op.COS) else np.abs(result.value)
+    if op is Op.ROUNDING_ERROR:
+        size = np.abs(values[0] + values[1])
     times = {Op.SIN: 4.0, Op.COS: 4.0, Op.ATAN: 12.0, Op.ATAN2: 12.0, Op.COMPENSATED: 2.0}.get(op, 1.0)
     finite = np.isfinite(plain.error).all(axis=0)
     assert rounds[:, finite] == pytest.approx(np.broadcast_to(times * size, (2, COUNT))[:, finite], rel=1e-6)
@@ -244,4 +248,4 @@ def test_facts_hold_of_results(op: Op) -> None:
                 break
             args = [chance.choice(o) for o in options]
             assert satisfies(EXACT.of(op)(*args), result), (op, args, facts)
-    assert told > 20
+    assert told > 20 or op is Op.ROUNDING_ERROR  # 0 it is of exact numbers alone, so that it says nothing

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import wmrgen
-from wmrgen.mobility.admissible import components
+from wmrgen.mobility.admissible import _conic, components
 
 
 def test_wheels_that_only_one_motion_suits(tmp_path: Path) -> None:
@@ -32,3 +33,20 @@ def test_semidefinite_forms_vanish_on_a_line() -> None:
         (line,) = components(np.zeros((0, 3)), forms)
         assert line.dimension == 1 and np.abs(np.cross(line.sample, turn[:, 2])).max() < 1e-9
     assert components(np.zeros((0, 3)), [first, other]) == []
+
+
+@pytest.mark.parametrize("signs", [(1, 1, -1), (-1, -1, 1), (1, -1, -1), (-1, 1, 1)])
+def test_a_cone_is_a_twist_of_the_form_and_its_tangent_plane(signs: tuple[int, int, int]) -> None:
+    """In turned axes, with unequal curvatures: the point solves the equation, the tangent is across its gradient."""
+    random = np.random.default_rng(7)
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    form = turn @ np.diag(np.array(signs) * (0.3, 1.1, 2.7)) @ turn.T
+    (cone,) = _conic(form, np.eye(3))
+    assert not cone.linear and cone.dimension == 2 and len(cone.tangent) == 2
+    assert abs(cone.sample @ form @ cone.sample) < 1e-12 < np.linalg.norm(cone.sample)
+    assert np.abs(cone.tangent @ form @ cone.sample).max() < 1e-12
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_definite_form_has_no_twist_but_rest(sign: int) -> None:
+    assert _conic(sign * np.diag((0.3, 1.1, 2.7)), np.eye(3)) == []

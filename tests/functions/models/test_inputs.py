@@ -7,7 +7,7 @@ import re
 import pytest
 
 from tests.functions.models.robots import DIFFERENTIAL, OMNI, TWO_STEER, UNICYCLE, derived
-from wmrgen.functions.models.inputs import UnderactuatedError, best_motion, posture_motion
+from wmrgen.functions.models.inputs import UnderactuatedError, _independent, best_motion, posture_motion
 
 UNDRIVEN = DIFFERENTIAL.replace("r: r}", "r: r, actuated: []}")
 ONE_DRIVEN = DIFFERENTIAL.replace("r: r}", "r: r, actuated: []}", 1)
@@ -79,3 +79,9 @@ def test_the_inputs_are_independent_joints_and_steering_rates(
     assert [p.name for p in motion.inputs] == inputs
     assert motion.text == f"posture model in {', '.join(inputs)}{follows}"
     assert len(motion.twists) == len(inputs) == len(motion.etas)
+
+
+def test_rows_are_independent_whatever_their_sizes() -> None:
+    assert _independent([[1e-6, 0.0, 1e-6], [3e5, 2e5, 3e5]])
+    assert not _independent([[1e-6, 2e-6, 0.0], [3e5, 6e5, 0.0]])
+    assert not _independent([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]), "a joint that stands still drives nothing"

@@ -64,8 +64,8 @@ def judge(k_rho: Exact, k_alpha: Exact, k_beta: Exact) -> Verdict:
 
 def exceeds(a: Exact, k: Exact) -> bool:
     """a > (2/pi) k, exactly."""
-    if not a or not k:
-        return a.sign > 0 or (not a and k.sign < 0)
+    if not (a or k):
+        return False
     digits = 60
     while True:
         low, high = _pi_bounds(digits)

@@ -20,3 +20,10 @@ def test_the_lower_end_above_the_upper_is_refused(limit: str) -> None:
     assert "Write spin: [low, high]; one positive value v means [-v, v]." in str(caught.value)
     mark = caught.value.mark
     assert mark is not None and mark.text[mark.column - 1 :].startswith(limit[:2])
+
+
+@pytest.mark.parametrize("limit", ["[2, 2]", "0", "[p*2, p + p]"])
+def test_equal_ends_are_limits_of_one_value(limit: str) -> None:
+    built = build(read(robot(wheel("a", limits=f"{{spin: {limit}}}"), top="parameters: {p: 0.1}\n")))
+    interval = built.limit(built.wheel("a"), "spin")
+    assert interval is not None and interval.low == interval.high

@@ -73,7 +73,7 @@ def _whole(robot: str, source: str, found: Mapping[str, Footprint]) -> dict[str,
     whole: dict[str, Footprint] = {}
     calls: dict[str, set[str]] = {}
     for text in source.split("\n}\n"):
-        name = re.search(rf"^(?:void|WMRGEN_KERNEL \w+) ((?:{robot}|wmrgen)_\w+)\(", text, re.M)
+        name = re.search(rf"^(?:void|WMRGEN_(?:KERNEL|ONCE) \w+) ((?:{robot}|wmrgen)_\w+)\(", text, re.M)
         if name is None or name[1] not in found:
             continue
         own = found[name[1]]

@@ -59,7 +59,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "3b0da40342dbe9361973f08020928507"
-#define ACKERMANN_CAR_PAIR_59ebb319bbd16a24 1
+#define ACKERMANN_CAR_PAIR_b29c5deebc26b599 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -58,7 +58,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "b85a0cf196c72b9ea4891d6bcbc9f7a6"
-#define AGILEX_RANGER_PAIR_1e4b48c616959d21 1
+#define AGILEX_RANGER_PAIR_e198889014d79078 1
 
 #ifdef __cplusplus
 extern "C" {

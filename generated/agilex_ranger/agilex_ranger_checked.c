@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(AGILEX_RANGER_PAIR_1e4b48c616959d21)
+#if !defined(AGILEX_RANGER_PAIR_e198889014d79078)
 #error "agilex_ranger_checked.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -35,7 +35,7 @@
 #define WMRGEN_ANDINO_H
 
 #define ANDINO_MODEL_HASH "721ec8451582b0b98ad2dde99ba2ae98"
-#define ANDINO_PAIR_21c954ba0542638f 1
+#define ANDINO_PAIR_a8e58a058b376cf4 1
 
 #ifdef __cplusplus
 extern "C" {

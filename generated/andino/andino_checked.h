@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_21c954ba0542638f)
+#if !defined(ANDINO_PAIR_a8e58a058b376cf4)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

@@ -54,7 +54,7 @@
 #define WMRGEN_BICYCLE_H
 
 #define BICYCLE_MODEL_HASH "6a2d6cba0a1cc48db03385a71548fe23"
-#define BICYCLE_PAIR_0d43763b496f9ad0 1
+#define BICYCLE_PAIR_636f32e026a48e01 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_0d43763b496f9ad0)
+#if !defined(BICYCLE_PAIR_636f32e026a48e01)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -61,7 +61,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "bea2f28b4d6559a56562451d72815b38"
-#define CAR_WITH_TRAILERS_PAIR_b9bbd0bec2adb3e0 1
+#define CAR_WITH_TRAILERS_PAIR_810df0731e048fe8 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -34,7 +34,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "20816f229724bb4aaeaa82826a8df9ad"
-#define CARE_O_BOT_4_PAIR_1ee4d6183e808744 1
+#define CARE_O_BOT_4_PAIR_49888e60943c4614 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_85346a51685746ac)
+#if !defined(CLEARPATH_A200_PAIR_805c59068166439c)
 #error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
 #endif
 

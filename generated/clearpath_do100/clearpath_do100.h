@@ -56,7 +56,7 @@
 #define WMRGEN_CLEARPATH_DO100_H
 
 #define CLEARPATH_DO100_MODEL_HASH "1b4365f4c99648a8149e61862a7003af"
-#define CLEARPATH_DO100_PAIR_8f48fbee4fc477f1 1
+#define CLEARPATH_DO100_PAIR_bc56c459cbec63cb 1
 
 #ifdef __cplusplus
 extern "C" {

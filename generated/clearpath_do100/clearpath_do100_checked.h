@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_8f48fbee4fc477f1)
+#if !defined(CLEARPATH_DO100_PAIR_bc56c459cbec63cb)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -57,7 +57,7 @@
 #define WMRGEN_CLEARPATH_R100_H
 
 #define CLEARPATH_R100_MODEL_HASH "d2d473fb5ffa09d58576428bd1ce21c3"
-#define CLEARPATH_R100_PAIR_3924d1f4ab0dae09 1
+#define CLEARPATH_R100_PAIR_256de02c8469efcd 1
 
 #ifdef __cplusplus
 extern "C" {

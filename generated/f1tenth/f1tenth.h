@@ -54,7 +54,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "76fd797122e6e3ea9dac4804c5b2c188"
-#define F1TENTH_PAIR_938eeb9ff6d7363d 1
+#define F1TENTH_PAIR_623b46f8949148a2 1
 
 #ifdef __cplusplus
 extern "C" {

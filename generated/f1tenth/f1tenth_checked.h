@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_938eeb9ff6d7363d)
+#if !defined(F1TENTH_PAIR_623b46f8949148a2)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

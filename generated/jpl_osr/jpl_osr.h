@@ -37,7 +37,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "14ffece6b5631114881c318e672de1fa"
-#define JPL_OSR_PAIR_70604aef90a079a4 1
+#define JPL_OSR_PAIR_9ad1f16633f182f1 1
 
 #ifdef __cplusplus
 extern "C" {

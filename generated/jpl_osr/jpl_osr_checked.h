@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_70604aef90a079a4)
+#if !defined(JPL_OSR_PAIR_9ad1f16633f182f1)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

@@ -35,7 +35,7 @@
 #define WMRGEN_KELLY_4WS_H
 
 #define KELLY_4WS_MODEL_HASH "9578dfd51cc5c54643a2faecc51243a0"
-#define KELLY_4WS_PAIR_2d88c9d89060e7a5 1
+#define KELLY_4WS_PAIR_f3aeb2e021d58c72 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_2d88c9d89060e7a5)
+#if !defined(KELLY_4WS_PAIR_f3aeb2e021d58c72)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -55,7 +55,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "93798f78d55a634b2c48bae90eee16a9"
-#define KUKA_YOUBOT_PAIR_e2fa5af5c5f03226 1
+#define KUKA_YOUBOT_PAIR_4e6b05c18c1c13b1 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -55,7 +55,7 @@
 #define WMRGEN_LEKIWI_H
 
 #define LEKIWI_MODEL_HASH "4b5a8f14e6f4af6bbfa42c22e9eee90a"
-#define LEKIWI_PAIR_69c3dc5c7086b523 1
+#define LEKIWI_PAIR_5cf341c0380ac5e2 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_69c3dc5c7086b523)
+#if !defined(LEKIWI_PAIR_5cf341c0380ac5e2)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -33,7 +33,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "91600d4b3ec19e7f48d61777f70d3063"
-#define LOCKED_BICYCLE_PAIR_e66bca5c8f109870 1
+#define LOCKED_BICYCLE_PAIR_c6bc4e9ae22126cc 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_e66bca5c8f109870)
+#if !defined(LOCKED_BICYCLE_PAIR_c6bc4e9ae22126cc)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

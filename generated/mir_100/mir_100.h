@@ -63,7 +63,7 @@
 #define WMRGEN_MIR_100_H
 
 #define MIR_100_MODEL_HASH "f2f60e41197319dec51974e80597180c"
-#define MIR_100_PAIR_047b7a2087e4b7c1 1
+#define MIR_100_PAIR_78ecfcb35ec2dcee 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_047b7a2087e4b7c1)
+#if !defined(MIR_100_PAIR_78ecfcb35ec2dcee)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

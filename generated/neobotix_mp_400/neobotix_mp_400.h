@@ -38,7 +38,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "9d7a68a59e60c2d5cc56951fd9f9533d"
-#define NEOBOTIX_MP_400_PAIR_b486e9b9dd2d6802 1
+#define NEOBOTIX_MP_400_PAIR_048be3f4a7fb445b 1
 
 #ifdef __cplusplus
 extern "C" {

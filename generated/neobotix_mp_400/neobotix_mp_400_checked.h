@@ -21,7 +21,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_b486e9b9dd2d6802)
+#if !defined(NEOBOTIX_MP_400_PAIR_048be3f4a7fb445b)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -36,7 +36,7 @@
 #define WMRGEN_NEOBOTIX_MPO_700_H
 
 #define NEOBOTIX_MPO_700_MODEL_HASH "7c0eb96fb2cdd482c2e6b99dc5e028d8"
-#define NEOBOTIX_MPO_700_PAIR_a98174ee493c3c4a 1
+#define NEOBOTIX_MPO_700_PAIR_90b723f64e1311f4 1
 
 #ifdef __cplusplus
 extern "C" {

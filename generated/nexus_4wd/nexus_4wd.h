@@ -37,7 +37,7 @@
 #define WMRGEN_NEXUS_4WD_H
 
 #define NEXUS_4WD_MODEL_HASH "3f0fa7cc99d5053227ed34990562b8c5"
-#define NEXUS_4WD_PAIR_c9ee5be6940da08c 1
+#define NEXUS_4WD_PAIR_4409fdacb398bbc6 1
 
 #ifdef __cplusplus
 extern "C" {

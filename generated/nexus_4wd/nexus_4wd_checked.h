@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_c9ee5be6940da08c)
+#if !defined(NEXUS_4WD_PAIR_4409fdacb398bbc6)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

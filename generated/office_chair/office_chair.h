@@ -37,7 +37,7 @@
 #define WMRGEN_OFFICE_CHAIR_H
 
 #define OFFICE_CHAIR_MODEL_HASH "f4273c4d1ee5b76b3fff43eb9fd24004"
-#define OFFICE_CHAIR_PAIR_e71f3751f39a7e00 1
+#define OFFICE_CHAIR_PAIR_0fc45d35a65ceb9e 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_e71f3751f39a7e00)
+#if !defined(OFFICE_CHAIR_PAIR_0fc45d35a65ceb9e)
 #error "office_chair_checked.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_e71f3751f39a7e00)
+#if !defined(OFFICE_CHAIR_PAIR_0fc45d35a65ceb9e)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 

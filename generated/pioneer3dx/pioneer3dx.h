@@ -56,7 +56,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "386f5b368d65f4cb6d4b1781f406dd00"
-#define PIONEER3DX_PAIR_17d7532b2bcd83c8 1
+#define PIONEER3DX_PAIR_45c4a767de04ce2c 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_17d7532b2bcd83c8)
+#if !defined(PIONEER3DX_PAIR_45c4a767de04ce2c)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 

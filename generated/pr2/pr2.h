@@ -39,7 +39,7 @@
 #define WMRGEN_PR2_H
 
 #define PR2_MODEL_HASH "e159aff6b4b556c7e1c715a3c1ac9861"
-#define PR2_PAIR_543bb6cd34ac8455 1
+#define PR2_PAIR_a84c20011fa6aa29 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_543bb6cd34ac8455)
+#if !defined(PR2_PAIR_a84c20011fa6aa29)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

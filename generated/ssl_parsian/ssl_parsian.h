@@ -37,7 +37,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "a020ee1500a9ae1be61841f7bb2b3204"
-#define SSL_PARSIAN_PAIR_cb0aaeaaea624f6b 1
+#define SSL_PARSIAN_PAIR_109d3d52a5a964f5 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -34,7 +34,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "ab49bf8c09b6e7abf530225cb461af34"
-#define SYNCHRO_DRIVE_PAIR_143b848999ceb7cf 1
+#define SYNCHRO_DRIVE_PAIR_c99bb82c7ead433f 1
 
 #ifdef __cplusplus
 extern "C" {

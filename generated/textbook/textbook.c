@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_e5e752bf1c5f5d35)
+#if !defined(TEXTBOOK_PAIR_27e49e2dfd67633f)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -41,18 +41,21 @@
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
 #define WMRGEN_KERNEL static __attribute__((noinline))
 #define WMRGEN_CALLED static __attribute__((noinline))
+#define WMRGEN_ONCE static inline
 #elif defined(__GNUC__)
 #define WMRGEN_KERNEL static inline __attribute__((always_inline))
 #define WMRGEN_CALLED static inline
+#define WMRGEN_ONCE WMRGEN_KERNEL
 #else
 #define WMRGEN_KERNEL static inline
 #define WMRGEN_CALLED static inline
+#define WMRGEN_ONCE static inline
 #endif
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)

@@ -27,7 +27,7 @@
 #define WMRGEN_TEXTBOOK_H
 
 #define TEXTBOOK_MODEL_HASH "09d2354c7474be2a510d2b4b9919488b"
-#define TEXTBOOK_PAIR_e5e752bf1c5f5d35 1
+#define TEXTBOOK_PAIR_27e49e2dfd67633f 1
 
 #ifdef __cplusplus
 extern "C" {

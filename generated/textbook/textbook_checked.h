@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_e5e752bf1c5f5d35)
+#if !defined(TEXTBOOK_PAIR_27e49e2dfd67633f)
 #error "textbook_checked.h and textbook.h were not generated together: copy both"
 #endif
 

@@ -40,7 +40,7 @@
 #define WMRGEN_TIDYBOT2_H
 
 #define TIDYBOT2_MODEL_HASH "d4f8958843919ec8b5949f16520b2622"
-#define TIDYBOT2_PAIR_9ce5bd7a0c532c2b 1
+#define TIDYBOT2_PAIR_911ca95ecff51f3c 1
 
 #ifdef __cplusplus
 extern "C" {

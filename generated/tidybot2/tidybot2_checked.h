@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_9ce5bd7a0c532c2b)
+#if !defined(TIDYBOT2_PAIR_911ca95ecff51f3c)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

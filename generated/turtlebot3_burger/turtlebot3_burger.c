@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_ec0340f8525c4946)
+#if !defined(TURTLEBOT3_BURGER_PAIR_b5b2beb5d6db30dd)
 #error "turtlebot3_burger.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -41,18 +41,21 @@
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
 #define WMRGEN_KERNEL static __attribute__((noinline))
 #define WMRGEN_CALLED static __attribute__((noinline))
+#define WMRGEN_ONCE static inline
 #elif defined(__GNUC__)
 #define WMRGEN_KERNEL static inline __attribute__((always_inline))
 #define WMRGEN_CALLED static inline
+#define WMRGEN_ONCE WMRGEN_KERNEL
 #else
 #define WMRGEN_KERNEL static inline
 #define WMRGEN_CALLED static inline
+#define WMRGEN_ONCE static inline
 #endif
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
@@ -129,7 +132,7 @@ WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
 #if !defined(WMRGEN_SINC)
 #define WMRGEN_SINC
 /* sin(h)/h, by its series up to h**6 where |h| < 3/64. */
-WMRGEN_KERNEL float wmrgen_sinc(float h)
+WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);

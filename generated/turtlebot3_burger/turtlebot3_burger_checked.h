@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_ec0340f8525c4946)
+#if !defined(TURTLEBOT3_BURGER_PAIR_b5b2beb5d6db30dd)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

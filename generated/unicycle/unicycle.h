@@ -32,7 +32,7 @@
 #define WMRGEN_UNICYCLE_H
 
 #define UNICYCLE_MODEL_HASH "5e795311d9d926060f0b993d5e246301"
-#define UNICYCLE_PAIR_08d548c8de2e2de2 1
+#define UNICYCLE_PAIR_569af00e18f901a0 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_08d548c8de2e2de2)
+#if !defined(UNICYCLE_PAIR_569af00e18f901a0)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_1761b681c8816556)
+#if !defined(WPILIB_SWERVEBOT_PAIR_7c3256f19eb9edfb)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -41,18 +41,21 @@
 #error "floats must be evaluated in their own type (FLT_EVAL_METHOD 0; on an i387: -msse2 -mfpmath=sse)"
 #endif
 
-/* Kernels are inlined, and called where WMRGEN_SMALL is defined: least flash. */
+/* Kernels are inlined. WMRGEN_SMALL, for least flash, calls those that have several calls. */
 #if !defined(WMRGEN_KERNEL)
 #define WMRGEN_KERNELS_M4F_FLOAT_INLINE
 #if defined(__GNUC__) && defined(WMRGEN_SMALL)
 #define WMRGEN_KERNEL static __attribute__((noinline))
 #define WMRGEN_CALLED static __attribute__((noinline))
+#define WMRGEN_ONCE static inline
 #elif defined(__GNUC__)
 #define WMRGEN_KERNEL static inline __attribute__((always_inline))
 #define WMRGEN_CALLED static inline
+#define WMRGEN_ONCE WMRGEN_KERNEL
 #else
 #define WMRGEN_KERNEL static inline
 #define WMRGEN_CALLED static inline
+#define WMRGEN_ONCE static inline
 #endif
 #endif
 #if !defined(WMRGEN_KERNELS_M4F_FLOAT_INLINE)
@@ -122,29 +125,6 @@ typedef struct {
     float x;
     float y;
 } wmrgen_vector;
-#endif
-
-#if !defined(WMRGEN_DIRECTION)
-#define WMRGEN_DIRECTION
-/* (cos angle, sin angle). */
-WMRGEN_KERNEL wmrgen_vector wmrgen_direction(float angle)
-{
-    wmrgen_vector result;
-    const float t0 = fmaf(angle, 0.31830987f, 12582912.0f);
-    const float t1 = t0 - 12582912.0f;
-    const float t2 = fmaf(t1, 8.742278e-08f, fmaf(-t1, 3.1415927f, angle));
-    const float t3 = wmrgen_negate_if_odd(1.0f, t0);
-    const float t4 = t2 * t2;
-    const float t5 = t3 * t4;
-    const float t6 = fmaf(t4, (-2.620902e-07f), 2.477018e-05f);
-    const float t7 = fmaf(t4, t6, (-0.0013888585f));
-    const float t8 = fmaf(t4, t7, 0.041666657f);
-    const float t9 = fmaf(t4, t8, (-0.5f));
-
-    result.x = fmaf(t5, t9, t3);
-    result.y = t3 * wmrgen_sine(t2);
-    return result;
-}
 #endif
 
 #if !defined(WMRGEN_VECTOR_AT)
@@ -217,14 +197,14 @@ WMRGEN_KERNEL wmrgen_wheel wmrgen_steer_along(float x, float y, float now, float
 #if !defined(WMRGEN_SINC)
 #define WMRGEN_SINC
 /* sin(h)/h, by its series up to h**6 where |h| < 3/64. */
-WMRGEN_KERNEL float wmrgen_sinc(float h)
+WMRGEN_ONCE float wmrgen_sinc(float h)
 {
     const float h_squared = h * h;
     const float t0 = fmaf((-0.0001984127f), h_squared, 0.008333334f);
     const float t1 = -h_squared;
     const float h_size = fabsf(h);
     const float t2 = (h_size < 0.046875f) ? 0.046875f : h_size;
-    const wmrgen_vector t3 = wmrgen_direction(t2);
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2);
     const float t4 = (h_size < 0.046875f) ? fmaf(t1, fmaf(t1, t0, 0.16666667f), 1.0f) : (t3.y / t2);
 
     return t4;

@@ -40,7 +40,8 @@ STATEMENT = re.compile(
 )
 RESULT = re.compile(r"^typedef struct \{.*?^\} wmrgen_\w+;\n", flags=re.S | re.M)
 FUNCTION = re.compile(
-    r"^(?:void|WMRGEN_KERNEL (?:float|double|wmrgen_\w+)) \w+\([^)]*\)\n\{\n(.*?)^\}\n", flags=re.S | re.M
+    r"^(?:void|WMRGEN_(?:KERNEL|ONCE) (?:float|double|wmrgen_\w+)) \w+\([^)]*\)\n\{\n(.*?)^\}\n",
+    flags=re.S | re.M,
 )
 
 
@@ -125,7 +126,7 @@ def test_straight_lines_only(name: str, scalar: str) -> None:
     longest = max(map(len, [*header.splitlines(), *source.splitlines()]))
     assert longest <= (110 if name in SMALL else 150)  # names of wheels may be long
     code = RESULT.sub("", BITS.sub("", code_of(source)))
-    kernels = re.findall(r"^WMRGEN_KERNEL \w+ (\w+)\(", code, flags=re.M)
+    kernels = re.findall(r"^WMRGEN_(?:KERNEL|ONCE) \w+ (\w+)\(", code, flags=re.M)
     bodies = FUNCTION.findall(code)
     assert len(bodies) >= len([f for f in module.functions if f.outputs])
     assert not FUNCTION.sub("", code).strip()

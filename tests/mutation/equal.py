@@ -55,7 +55,7 @@ _CALLS = {
     "wmrgen_negate_if_odd": _flip, "wmrgen_with_sign_of": _signed, "wmrgen_clamp": _within, "wmrgen_at_least": _beyond,
 }  # fmt: skip
 _LINE = re.compile(r"^    (?:const (?:float|wmrgen_\w+) )?([\w.>-]+) = ([^;]+);$")
-_KERNEL = re.compile(r"^WMRGEN_KERNEL \w+ (\w+)\(([^)]*)\)\n\{\n(.*?)^\}", flags=re.S | re.M)
+_KERNEL = re.compile(r"^WMRGEN_(?:KERNEL|ONCE) \w+ (\w+)\(([^)]*)\)\n\{\n(.*?)^\}", flags=re.S | re.M)
 _CHOICE = re.compile(r"^\((.+) < (.+)\) \? (.+) : (.+)$")
 _TYPICAL = {"m/s": 2.0, "rad/s": 8.0, "rad": 3.2, "m": 5.0, "s": 0.25}
 

@@ -43,6 +43,6 @@ def test_it_computes_beside_an_installed_wmrgen(with_library: Path, tmp_path: Pa
     assert done.out.splitlines()[0].split() == ["radius", "=", "1.0"]
     done = process("textbook", cwd=work, python=(str(with_library), "-E", "-m", "wmrgen"))
     assert done.code == 0, done.err
-    there = {p.name: p.read_bytes() for p in (work / "generated" / "textbook").iterdir()}
-    here = {p.name: p.read_bytes() for p in (ROOT / "generated" / "textbook").iterdir()}
+    there = {p.name: p.read_bytes() for p in (work / "generated" / "textbook").rglob("*") if p.is_file()}
+    here = {p.name: p.read_bytes() for p in (ROOT / "generated" / "textbook").rglob("*") if p.is_file()}
     assert there == here

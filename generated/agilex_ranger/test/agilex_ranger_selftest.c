@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(AGILEX_RANGER_PAIR_1e4b48c616959d21)
+#if !defined(AGILEX_RANGER_PAIR_e198889014d79078)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_21c954ba0542638f)
+#if !defined(ANDINO_PAIR_a8e58a058b376cf4)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

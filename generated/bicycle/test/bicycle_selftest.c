@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_0d43763b496f9ad0)
+#if !defined(BICYCLE_PAIR_636f32e026a48e01)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_b9bbd0bec2adb3e0)
+#if !defined(CAR_WITH_TRAILERS_PAIR_810df0731e048fe8)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_A200_PAIR_85346a51685746ac)
+#if !defined(CLEARPATH_A200_PAIR_805c59068166439c)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 

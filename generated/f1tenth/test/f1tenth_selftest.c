@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_938eeb9ff6d7363d)
+#if !defined(F1TENTH_PAIR_623b46f8949148a2)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

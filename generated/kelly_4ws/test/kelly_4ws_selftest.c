@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KELLY_4WS_PAIR_2d88c9d89060e7a5)
+#if !defined(KELLY_4WS_PAIR_f3aeb2e021d58c72)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_e2fa5af5c5f03226)
+#if !defined(KUKA_YOUBOT_PAIR_4e6b05c18c1c13b1)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_69c3dc5c7086b523)
+#if !defined(LEKIWI_PAIR_5cf341c0380ac5e2)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

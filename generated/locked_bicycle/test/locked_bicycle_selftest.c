@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LOCKED_BICYCLE_PAIR_e66bca5c8f109870)
+#if !defined(LOCKED_BICYCLE_PAIR_c6bc4e9ae22126cc)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 

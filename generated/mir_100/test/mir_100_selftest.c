@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(MIR_100_PAIR_047b7a2087e4b7c1)
+#if !defined(MIR_100_PAIR_78ecfcb35ec2dcee)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

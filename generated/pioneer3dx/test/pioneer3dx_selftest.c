@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PIONEER3DX_PAIR_17d7532b2bcd83c8)
+#if !defined(PIONEER3DX_PAIR_45c4a767de04ce2c)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_543bb6cd34ac8455)
+#if !defined(PR2_PAIR_a84c20011fa6aa29)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

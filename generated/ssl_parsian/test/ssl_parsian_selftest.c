@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_cb0aaeaaea624f6b)
+#if !defined(SSL_PARSIAN_PAIR_109d3d52a5a964f5)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

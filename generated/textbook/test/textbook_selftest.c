@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_e5e752bf1c5f5d35)
+#if !defined(TEXTBOOK_PAIR_27e49e2dfd67633f)
 #error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 

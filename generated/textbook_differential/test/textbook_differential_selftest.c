@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_4783a90a5abb66c8)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_82c88ce552a3b4bf)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_d556acbe88231735)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_6fb1437a49c83d1c)
 #error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_9ce5bd7a0c532c2b)
+#if !defined(TIDYBOT2_PAIR_911ca95ecff51f3c)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

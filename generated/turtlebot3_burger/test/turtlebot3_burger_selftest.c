@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_ec0340f8525c4946)
+#if !defined(TURTLEBOT3_BURGER_PAIR_b5b2beb5d6db30dd)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_08d548c8de2e2de2)
+#if !defined(UNICYCLE_PAIR_569af00e18f901a0)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

@@ -65,7 +65,7 @@ def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] 
     named = (*module.kernels, *formulas) if formulas else ()
     scalar = choice.scalar
     module = traced(with_kernels(module, scalar, choice.math, choice.target), named)
-    steps, kernels = steps_of(module, scalar, costs), printed_kernels(module.kernels, scalar)
+    steps, kernels = steps_of(module, scalar, costs), printed_kernels(module, scalar)
     return Unit(module.name, choice, steps, kernels, rounds(module), written)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -9,6 +10,7 @@ from functools import cache, partial
 from wmrgen.backends.c99.text import Struct, alias, block_comment, literal, prototype, struct
 from wmrgen.backends.c99.trace import quantity
 from wmrgen.backends.expression import Results, Style, body
+from wmrgen.ir.calls import called
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Cost, Function, Module, Op, Port, Role, pruned
 
@@ -246,13 +248,19 @@ def _results_of(kernels: Sequence[Function], scalar: str) -> dict[str, Results]:
     return results
 
 
-def printed_kernels(kernels: Sequence[Function], scalar: str) -> tuple[Kernel, ...]:
-    """``kernels``, those that are called before those that call."""
-    results = _results_of(kernels, scalar)
-    return tuple(_kernel(kernel, scalar, results) for kernel in kernels)
+def printed_kernels(module: Module, scalar: str) -> tuple[Kernel, ...]:
+    """The kernels of ``module``, those that are called before those that call.
+
+    One that a single function calls, at one place, stands there whatever the user's build asks for: a call only costs.
+    """
+    results = _results_of(module.kernels, scalar)
+    calls = Counter(n.name for f in module.functions for n in f.nodes if n.op is Op.CALL)
+    inner = called(module.kernels)
+    once = {name for name, count in calls.items() if count == 1 and name not in inner}
+    return tuple(_kernel(kernel, scalar, results, kernel.name in once) for kernel in module.kernels)
 
 
-def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results]) -> Kernel:
+def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results], once: bool) -> Kernel:
     taken = {"result", *(port.name for port in kernel.inputs)}
     names = {k: name for name, k in reversed(kernel.named) if name not in taken}
     if len(set(names.values())) < len(names):
@@ -269,7 +277,8 @@ def _kernel(kernel: Function, scalar: str, results: Mapping[str, Results]) -> Ke
         lines += [f"result.{m} = {text};" for m, text in zip(own.members, code.results, strict=True)]
         lines.append("return result;")
     parameters = [f"{scalar} {port.name}" for port in kernel.inputs]
-    head = prototype(f"WMRGEN_KERNEL {own.type} {own.function}", parameters, ", ")
+    linkage = "WMRGEN_ONCE" if once else "WMRGEN_KERNEL"
+    head = prototype(f"{linkage} {own.type} {own.function}", parameters, ", ")
     comment = tuple(block_comment([kernel.text]))
     return Kernel(own.function.upper(), comment, head, tuple(lines), code.ops, several)
 

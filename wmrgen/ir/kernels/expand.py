@@ -39,7 +39,9 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     common = library(processor)
     by_library = {kernel.name for kernel in common}
     vectors = "vector_at" in called(module.functions)
-    own = tuple(_Expansion(f, processor).run(kernel=True) for f in module.kernels if f.name not in by_library)
+    own = tuple(
+        _Expansion(f, processor, vectors).run(kernel=True) for f in module.kernels if f.name not in by_library
+    )
     functions = tuple(_Expansion(f, processor, vectors, _common(f, module)).run() for f in module.functions)
     return Module(module.name, functions, prepare, _needed(functions, (*common, *own)))
 

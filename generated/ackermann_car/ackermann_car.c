@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ACKERMANN_CAR_PAIR_b29c5deebc26b599)
+#if !defined(ACKERMANN_CAR_PAIR_2c069bb3a4500601)
 #error "ackermann_car.c and ackermann_car.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

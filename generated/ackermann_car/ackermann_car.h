@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -59,7 +59,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "3b0da40342dbe9361973f08020928507"
-#define ACKERMANN_CAR_PAIR_b29c5deebc26b599 1
+#define ACKERMANN_CAR_PAIR_2c069bb3a4500601 1
 
 #ifdef __cplusplus
 extern "C" {

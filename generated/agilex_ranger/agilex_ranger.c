@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_e198889014d79078)
+#if !defined(AGILEX_RANGER_PAIR_d4d3bbd44654df18)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -58,7 +58,7 @@
 #define WMRGEN_AGILEX_RANGER_H
 
 #define AGILEX_RANGER_MODEL_HASH "b85a0cf196c72b9ea4891d6bcbc9f7a6"
-#define AGILEX_RANGER_PAIR_e198889014d79078 1
+#define AGILEX_RANGER_PAIR_d4d3bbd44654df18 1
 
 #ifdef __cplusplus
 extern "C" {

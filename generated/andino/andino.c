@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_a8e58a058b376cf4)
+#if !defined(ANDINO_PAIR_d3d986d15e9ed06a)
 #error "andino.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -35,7 +35,7 @@
 #define WMRGEN_ANDINO_H
 
 #define ANDINO_MODEL_HASH "721ec8451582b0b98ad2dde99ba2ae98"
-#define ANDINO_PAIR_a8e58a058b376cf4 1
+#define ANDINO_PAIR_d3d986d15e9ed06a 1
 
 #ifdef __cplusplus
 extern "C" {

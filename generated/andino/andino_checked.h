@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_a8e58a058b376cf4)
+#if !defined(ANDINO_PAIR_d3d986d15e9ed06a)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

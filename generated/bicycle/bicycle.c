@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_636f32e026a48e01)
+#if !defined(BICYCLE_PAIR_58bf2b4cfb2420ba)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

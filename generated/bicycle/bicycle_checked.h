@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_636f32e026a48e01)
+#if !defined(BICYCLE_PAIR_58bf2b4cfb2420ba)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

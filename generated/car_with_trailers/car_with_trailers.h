@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -61,7 +61,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "bea2f28b4d6559a56562451d72815b38"
-#define CAR_WITH_TRAILERS_PAIR_810df0731e048fe8 1
+#define CAR_WITH_TRAILERS_PAIR_e3f69f67f2d1efb0 1
 
 #ifdef __cplusplus
 extern "C" {

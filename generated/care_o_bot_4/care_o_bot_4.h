@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -34,7 +34,7 @@
 #define WMRGEN_CARE_O_BOT_4_H
 
 #define CARE_O_BOT_4_MODEL_HASH "20816f229724bb4aaeaa82826a8df9ad"
-#define CARE_O_BOT_4_PAIR_49888e60943c4614 1
+#define CARE_O_BOT_4_PAIR_9f01014fc52cf07a 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_A200_PAIR_805c59068166439c)
+#if !defined(CLEARPATH_A200_PAIR_4c6d6c74cd4571b9)
 #error "clearpath_a200.c and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

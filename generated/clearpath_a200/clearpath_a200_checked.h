@@ -21,7 +21,7 @@
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_805c59068166439c)
+#if !defined(CLEARPATH_A200_PAIR_4c6d6c74cd4571b9)
 #error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_bc56c459cbec63cb)
+#if !defined(CLEARPATH_DO100_PAIR_2d19db7a45f769e5)
 #error "clearpath_do100.c and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_bc56c459cbec63cb)
+#if !defined(CLEARPATH_DO100_PAIR_2d19db7a45f769e5)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -57,7 +57,7 @@
 #define WMRGEN_CLEARPATH_R100_H
 
 #define CLEARPATH_R100_MODEL_HASH "d2d473fb5ffa09d58576428bd1ce21c3"
-#define CLEARPATH_R100_PAIR_256de02c8469efcd 1
+#define CLEARPATH_R100_PAIR_48f7ac12e76e81b1 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -26,7 +26,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_256de02c8469efcd)
+#if !defined(CLEARPATH_R100_PAIR_48f7ac12e76e81b1)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 

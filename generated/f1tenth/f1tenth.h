@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -54,7 +54,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "76fd797122e6e3ea9dac4804c5b2c188"
-#define F1TENTH_PAIR_623b46f8949148a2 1
+#define F1TENTH_PAIR_bac32cb6d90bc9d8 1
 
 #ifdef __cplusplus
 extern "C" {

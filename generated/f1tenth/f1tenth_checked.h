@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_623b46f8949148a2)
+#if !defined(F1TENTH_PAIR_bac32cb6d90bc9d8)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

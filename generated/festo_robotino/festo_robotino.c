@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_5250ef22194c4109)
+#if !defined(FESTO_ROBOTINO_PAIR_b61ddf8509f4091e)
 #error "festo_robotino.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -55,7 +55,7 @@
 #define WMRGEN_FESTO_ROBOTINO_H
 
 #define FESTO_ROBOTINO_MODEL_HASH "33e1b28b5046057d11ad87e9cd5a89e7"
-#define FESTO_ROBOTINO_PAIR_5250ef22194c4109 1
+#define FESTO_ROBOTINO_PAIR_b61ddf8509f4091e 1
 
 #ifdef __cplusplus
 extern "C" {

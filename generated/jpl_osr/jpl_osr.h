@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -37,7 +37,7 @@
 #define WMRGEN_JPL_OSR_H
 
 #define JPL_OSR_MODEL_HASH "14ffece6b5631114881c318e672de1fa"
-#define JPL_OSR_PAIR_9ad1f16633f182f1 1
+#define JPL_OSR_PAIR_0e5a63536da6b0a5 1
 
 #ifdef __cplusplus
 extern "C" {

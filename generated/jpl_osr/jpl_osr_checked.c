@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(JPL_OSR_PAIR_9ad1f16633f182f1)
+#if !defined(JPL_OSR_PAIR_0e5a63536da6b0a5)
 #error "jpl_osr_checked.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

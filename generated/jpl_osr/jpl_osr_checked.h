@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_9ad1f16633f182f1)
+#if !defined(JPL_OSR_PAIR_0e5a63536da6b0a5)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

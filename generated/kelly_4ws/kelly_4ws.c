@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_f3aeb2e021d58c72)
+#if !defined(KELLY_4WS_PAIR_6bb0b9fd313bd70f)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -21,7 +21,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_f3aeb2e021d58c72)
+#if !defined(KELLY_4WS_PAIR_6bb0b9fd313bd70f)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -55,7 +55,7 @@
 #define WMRGEN_KUKA_YOUBOT_H
 
 #define KUKA_YOUBOT_MODEL_HASH "93798f78d55a634b2c48bae90eee16a9"
-#define KUKA_YOUBOT_PAIR_4e6b05c18c1c13b1 1
+#define KUKA_YOUBOT_PAIR_2f40bc3145ce25bd 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_4e6b05c18c1c13b1)
+#if !defined(KUKA_YOUBOT_PAIR_2f40bc3145ce25bd)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 

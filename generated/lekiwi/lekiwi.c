@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LEKIWI_PAIR_5cf341c0380ac5e2)
+#if !defined(LEKIWI_PAIR_ce61a1874dc06af7)
 #error "lekiwi.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

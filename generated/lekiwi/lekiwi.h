@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -55,7 +55,7 @@
 #define WMRGEN_LEKIWI_H
 
 #define LEKIWI_MODEL_HASH "4b5a8f14e6f4af6bbfa42c22e9eee90a"
-#define LEKIWI_PAIR_5cf341c0380ac5e2 1
+#define LEKIWI_PAIR_ce61a1874dc06af7 1
 
 #ifdef __cplusplus
 extern "C" {

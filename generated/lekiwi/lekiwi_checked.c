@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LEKIWI_PAIR_5cf341c0380ac5e2)
+#if !defined(LEKIWI_PAIR_ce61a1874dc06af7)
 #error "lekiwi_checked.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

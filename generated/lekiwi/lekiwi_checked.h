@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_5cf341c0380ac5e2)
+#if !defined(LEKIWI_PAIR_ce61a1874dc06af7)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

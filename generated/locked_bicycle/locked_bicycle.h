@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -33,7 +33,7 @@
 #define WMRGEN_LOCKED_BICYCLE_H
 
 #define LOCKED_BICYCLE_MODEL_HASH "91600d4b3ec19e7f48d61777f70d3063"
-#define LOCKED_BICYCLE_PAIR_c6bc4e9ae22126cc 1
+#define LOCKED_BICYCLE_PAIR_73df83beeec3cd1b 1
 
 #ifdef __cplusplus
 extern "C" {

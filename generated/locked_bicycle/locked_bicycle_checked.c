@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_c6bc4e9ae22126cc)
+#if !defined(LOCKED_BICYCLE_PAIR_73df83beeec3cd1b)
 #error "locked_bicycle_checked.c and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_c6bc4e9ae22126cc)
+#if !defined(LOCKED_BICYCLE_PAIR_73df83beeec3cd1b)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

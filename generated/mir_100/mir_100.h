@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -63,7 +63,7 @@
 #define WMRGEN_MIR_100_H
 
 #define MIR_100_MODEL_HASH "f2f60e41197319dec51974e80597180c"
-#define MIR_100_PAIR_78ecfcb35ec2dcee 1
+#define MIR_100_PAIR_39c08327005d9e1c 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_78ecfcb35ec2dcee)
+#if !defined(MIR_100_PAIR_39c08327005d9e1c)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -38,7 +38,7 @@
 #define WMRGEN_NEOBOTIX_MP_400_H
 
 #define NEOBOTIX_MP_400_MODEL_HASH "9d7a68a59e60c2d5cc56951fd9f9533d"
-#define NEOBOTIX_MP_400_PAIR_048be3f4a7fb445b 1
+#define NEOBOTIX_MP_400_PAIR_5dd966786d9e2490 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_048be3f4a7fb445b)
+#if !defined(NEOBOTIX_MP_400_PAIR_5dd966786d9e2490)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -36,7 +36,7 @@
 #define WMRGEN_NEOBOTIX_MPO_700_H
 
 #define NEOBOTIX_MPO_700_MODEL_HASH "7c0eb96fb2cdd482c2e6b99dc5e028d8"
-#define NEOBOTIX_MPO_700_PAIR_90b723f64e1311f4 1
+#define NEOBOTIX_MPO_700_PAIR_32f6a934555df37e 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_90b723f64e1311f4)
+#if !defined(NEOBOTIX_MPO_700_PAIR_32f6a934555df37e)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_4409fdacb398bbc6)
+#if !defined(NEXUS_4WD_PAIR_0a6253a51fb50892)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_5c0d11d6471dc7d0)
+#if !defined(NOMAD_XR4000_PAIR_d199f7ed0d4d9802)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

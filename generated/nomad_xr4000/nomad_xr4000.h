@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -59,7 +59,7 @@
 #define WMRGEN_NOMAD_XR4000_H
 
 #define NOMAD_XR4000_MODEL_HASH "4e76e80387543823a70452e680a8f8d5"
-#define NOMAD_XR4000_PAIR_5c0d11d6471dc7d0 1
+#define NOMAD_XR4000_PAIR_d199f7ed0d4d9802 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -21,7 +21,7 @@
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_5c0d11d6471dc7d0)
+#if !defined(NOMAD_XR4000_PAIR_d199f7ed0d4d9802)
 #error "nomad_xr4000_checked.h and nomad_xr4000.h were not generated together: copy both"
 #endif
 

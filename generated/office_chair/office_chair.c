@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_0fc45d35a65ceb9e)
+#if !defined(OFFICE_CHAIR_PAIR_59dfaad869f49ece)
 #error "office_chair.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

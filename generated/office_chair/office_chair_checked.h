@@ -21,7 +21,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_0fc45d35a65ceb9e)
+#if !defined(OFFICE_CHAIR_PAIR_59dfaad869f49ece)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 

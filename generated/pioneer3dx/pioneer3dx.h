@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -56,7 +56,7 @@
 #define WMRGEN_PIONEER3DX_H
 
 #define PIONEER3DX_MODEL_HASH "386f5b368d65f4cb6d4b1781f406dd00"
-#define PIONEER3DX_PAIR_45c4a767de04ce2c 1
+#define PIONEER3DX_PAIR_85a9b44cd96a8c48 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PIONEER3DX_PAIR_45c4a767de04ce2c)
+#if !defined(PIONEER3DX_PAIR_85a9b44cd96a8c48)
 #error "pioneer3dx_checked.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_45c4a767de04ce2c)
+#if !defined(PIONEER3DX_PAIR_85a9b44cd96a8c48)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 

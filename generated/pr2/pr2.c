@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_a84c20011fa6aa29)
+#if !defined(PR2_PAIR_ad6b9d0af01d31ac)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_a84c20011fa6aa29)
+#if !defined(PR2_PAIR_ad6b9d0af01d31ac)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

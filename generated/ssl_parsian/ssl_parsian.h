@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -37,7 +37,7 @@
 #define WMRGEN_SSL_PARSIAN_H
 
 #define SSL_PARSIAN_MODEL_HASH "a020ee1500a9ae1be61841f7bb2b3204"
-#define SSL_PARSIAN_PAIR_109d3d52a5a964f5 1
+#define SSL_PARSIAN_PAIR_219d12c4cae5e2da 1
 
 #ifdef __cplusplus
 extern "C" {

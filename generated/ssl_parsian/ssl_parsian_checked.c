@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SSL_PARSIAN_PAIR_109d3d52a5a964f5)
+#if !defined(SSL_PARSIAN_PAIR_219d12c4cae5e2da)
 #error "ssl_parsian_checked.c and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

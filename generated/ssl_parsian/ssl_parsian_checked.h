@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_109d3d52a5a964f5)
+#if !defined(SSL_PARSIAN_PAIR_219d12c4cae5e2da)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_c99bb82c7ead433f)
+#if !defined(SYNCHRO_DRIVE_PAIR_93558c98c6a22660)
 #error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -34,7 +34,7 @@
 #define WMRGEN_SYNCHRO_DRIVE_H
 
 #define SYNCHRO_DRIVE_MODEL_HASH "ab49bf8c09b6e7abf530225cb461af34"
-#define SYNCHRO_DRIVE_PAIR_c99bb82c7ead433f 1
+#define SYNCHRO_DRIVE_PAIR_93558c98c6a22660 1
 
 #ifdef __cplusplus
 extern "C" {

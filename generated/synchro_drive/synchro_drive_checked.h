@@ -21,7 +21,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_c99bb82c7ead433f)
+#if !defined(SYNCHRO_DRIVE_PAIR_93558c98c6a22660)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

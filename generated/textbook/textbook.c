@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_PAIR_27e49e2dfd67633f)
+#if !defined(TEXTBOOK_PAIR_b39fa6cdd95460d5)
 #error "textbook.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

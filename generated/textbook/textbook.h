@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24; an arctangent of up to 1 within 1.19 ulp of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  */
@@ -27,7 +27,7 @@
 #define WMRGEN_TEXTBOOK_H
 
 #define TEXTBOOK_MODEL_HASH "09d2354c7474be2a510d2b4b9919488b"
-#define TEXTBOOK_PAIR_27e49e2dfd67633f 1
+#define TEXTBOOK_PAIR_b39fa6cdd95460d5 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_PAIR_27e49e2dfd67633f)
+#if !defined(TEXTBOOK_PAIR_b39fa6cdd95460d5)
 #error "textbook_checked.c and textbook.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

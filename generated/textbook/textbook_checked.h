@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_27e49e2dfd67633f)
+#if !defined(TEXTBOOK_PAIR_b39fa6cdd95460d5)
 #error "textbook_checked.h and textbook.h were not generated together: copy both"
 #endif
 

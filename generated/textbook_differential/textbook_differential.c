@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_82c88ce552a3b4bf)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
 #error "textbook_differential.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

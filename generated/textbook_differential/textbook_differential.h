@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -34,7 +34,7 @@
 #define WMRGEN_TEXTBOOK_DIFFERENTIAL_H
 
 #define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "8547782c5885db632f7cb36396c10209"
-#define TEXTBOOK_DIFFERENTIAL_PAIR_82c88ce552a3b4bf 1
+#define TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8 1
 
 #ifdef __cplusplus
 extern "C" {

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_82c88ce552a3b4bf)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
 #error "textbook_differential_checked.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

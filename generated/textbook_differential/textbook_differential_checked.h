@@ -21,7 +21,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_82c88ce552a3b4bf)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_5891638ba45c57bf)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e1fbd8f8eef2bc2)
 #error "textbook_omni_steer.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_5891638ba45c57bf)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e1fbd8f8eef2bc2)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_d1dbf51bbb7aaf28)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5d3722e357707ae3)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

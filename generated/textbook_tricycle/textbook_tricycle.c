@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_38d582e335b11197)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_14e0cba1df57cf44)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

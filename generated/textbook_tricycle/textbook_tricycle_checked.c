@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_38d582e335b11197)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_14e0cba1df57cf44)
 #error "textbook_tricycle_checked.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_38d582e335b11197)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_14e0cba1df57cf44)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

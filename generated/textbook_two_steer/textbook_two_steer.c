@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_6fb1437a49c83d1c)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_18b03574c811a80a)
 #error "textbook_two_steer.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -21,7 +21,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_6fb1437a49c83d1c)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_18b03574c811a80a)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 

@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_911ca95ecff51f3c)
+#if !defined(TIDYBOT2_PAIR_d382199278f8a365)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

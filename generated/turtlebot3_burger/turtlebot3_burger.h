@@ -18,8 +18,8 @@
  * Sines and arctangents are polynomials without branches or tables. Every float of these ranges was
  * tried: a sine of up to pi/2 is within 1.68 ulp, sines and cosines of angles up to 100 rad within
  * 2.36 * 2**-24 of the true value.
- * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called:
- * the least flash, the same results to the bit; calls cost time and stack.
+ * The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several
+ * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
  *
@@ -52,7 +52,7 @@
 #define WMRGEN_TURTLEBOT3_BURGER_H
 
 #define TURTLEBOT3_BURGER_MODEL_HASH "36e9454ba987f697af29b5a2285b861d"
-#define TURTLEBOT3_BURGER_PAIR_b5b2beb5d6db30dd 1
+#define TURTLEBOT3_BURGER_PAIR_82a373176c9b08e0 1
 
 #ifdef __cplusplus
 extern "C" {

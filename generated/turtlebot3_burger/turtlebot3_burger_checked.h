@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_b5b2beb5d6db30dd)
+#if !defined(TURTLEBOT3_BURGER_PAIR_82a373176c9b08e0)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(UNICYCLE_PAIR_569af00e18f901a0)
+#if !defined(UNICYCLE_PAIR_3ee371c08c6f3a7f)
 #error "unicycle.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_569af00e18f901a0)
+#if !defined(UNICYCLE_PAIR_3ee371c08c6f3a7f)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 

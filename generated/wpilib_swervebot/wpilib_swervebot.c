@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_7c3256f19eb9edfb)
+#if !defined(WPILIB_SWERVEBOT_PAIR_32cd0bc3b7ce9619)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

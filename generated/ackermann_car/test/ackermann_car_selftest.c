@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_b29c5deebc26b599)
+#if !defined(ACKERMANN_CAR_PAIR_2c069bb3a4500601)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

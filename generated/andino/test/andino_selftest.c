@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_a8e58a058b376cf4)
+#if !defined(ANDINO_PAIR_d3d986d15e9ed06a)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

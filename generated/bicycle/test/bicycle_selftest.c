@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_636f32e026a48e01)
+#if !defined(BICYCLE_PAIR_58bf2b4cfb2420ba)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

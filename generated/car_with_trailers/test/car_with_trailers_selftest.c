@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_810df0731e048fe8)
+#if !defined(CAR_WITH_TRAILERS_PAIR_e3f69f67f2d1efb0)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CARE_O_BOT_4_PAIR_49888e60943c4614)
+#if !defined(CARE_O_BOT_4_PAIR_9f01014fc52cf07a)
 #error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 

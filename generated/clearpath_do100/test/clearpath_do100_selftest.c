@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_DO100_PAIR_bc56c459cbec63cb)
+#if !defined(CLEARPATH_DO100_PAIR_2d19db7a45f769e5)
 #error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_R100_PAIR_256de02c8469efcd)
+#if !defined(CLEARPATH_R100_PAIR_48f7ac12e76e81b1)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 

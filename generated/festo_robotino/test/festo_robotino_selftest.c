@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(FESTO_ROBOTINO_PAIR_5250ef22194c4109)
+#if !defined(FESTO_ROBOTINO_PAIR_b61ddf8509f4091e)
 #error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(JPL_OSR_PAIR_9ad1f16633f182f1)
+#if !defined(JPL_OSR_PAIR_0e5a63536da6b0a5)
 #error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 

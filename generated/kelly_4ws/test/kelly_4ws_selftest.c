@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KELLY_4WS_PAIR_f3aeb2e021d58c72)
+#if !defined(KELLY_4WS_PAIR_6bb0b9fd313bd70f)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

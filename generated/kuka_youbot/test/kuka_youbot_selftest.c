@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_4e6b05c18c1c13b1)
+#if !defined(KUKA_YOUBOT_PAIR_2f40bc3145ce25bd)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_5cf341c0380ac5e2)
+#if !defined(LEKIWI_PAIR_ce61a1874dc06af7)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

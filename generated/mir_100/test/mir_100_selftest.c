@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(MIR_100_PAIR_78ecfcb35ec2dcee)
+#if !defined(MIR_100_PAIR_39c08327005d9e1c)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEXUS_4WD_PAIR_4409fdacb398bbc6)
+#if !defined(NEXUS_4WD_PAIR_0a6253a51fb50892)
 #error "nexus_4wd_selftest.c and nexus_4wd.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(OFFICE_CHAIR_PAIR_0fc45d35a65ceb9e)
+#if !defined(OFFICE_CHAIR_PAIR_59dfaad869f49ece)
 #error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PIONEER3DX_PAIR_45c4a767de04ce2c)
+#if !defined(PIONEER3DX_PAIR_85a9b44cd96a8c48)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_a84c20011fa6aa29)
+#if !defined(PR2_PAIR_ad6b9d0af01d31ac)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_109d3d52a5a964f5)
+#if !defined(SSL_PARSIAN_PAIR_219d12c4cae5e2da)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_27e49e2dfd67633f)
+#if !defined(TEXTBOOK_PAIR_b39fa6cdd95460d5)
 #error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_82c88ce552a3b4bf)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_d1dbf51bbb7aaf28)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5d3722e357707ae3)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

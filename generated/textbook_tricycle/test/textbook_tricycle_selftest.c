@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_38d582e335b11197)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_14e0cba1df57cf44)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_911ca95ecff51f3c)
+#if !defined(TIDYBOT2_PAIR_d382199278f8a365)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

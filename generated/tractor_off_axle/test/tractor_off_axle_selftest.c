@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_21304953470c99d8)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_135f5dd4abb0615e)
 #error "tractor_off_axle_selftest.c and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_b5b2beb5d6db30dd)
+#if !defined(TURTLEBOT3_BURGER_PAIR_82a373176c9b08e0)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

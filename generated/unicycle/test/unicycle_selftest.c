@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_569af00e18f901a0)
+#if !defined(UNICYCLE_PAIR_3ee371c08c6f3a7f)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

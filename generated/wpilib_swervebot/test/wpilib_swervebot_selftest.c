@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_7c3256f19eb9edfb)
+#if !defined(WPILIB_SWERVEBOT_PAIR_32cd0bc3b7ce9619)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -162,8 +162,8 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
         notes.append(_accuracy_note(choice.target, unit.written))
     if Op.CALL in ops:
         notes.append(
-            "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL they are called: the "
-            "least flash, the same results to the bit; calls cost time and stack."
+            "The kernels at the top of the C file are inlined. Compiled with -DWMRGEN_SMALL those with several calls "
+            "are called: the least flash, the same results to the bit; calls cost time and stack."
         )
     if Op.FMA in ops:
         notes.append(

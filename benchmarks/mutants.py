@@ -28,9 +28,7 @@ from xml.etree import ElementTree
 ROOT = Path(__file__).resolve().parent.parent
 COUNT, SEED, JOBS = 200, 1, os.cpu_count() or 1
 READERS = ("tests/trust/test_source.py", "tests/trust/test_imports.py", "tests/wheels/test_one_home.py")
-SECONDS = (
-    900  # of processor time for the tests of a fault, three times what all take: a fault that loops is found
-)
+SECONDS = 900  # of processor time for the tests of a fault, three times what all take: a loop counts as found
 TIMEOUT = 1800  # s, of a fault that waits
 # Unions of types in annotations, caches and swapped identities are faults in name alone.
 _LEFT_OUT = re.compile(r"BitOr|BitAnd|BitXor|Shift|_Is|Is_|IsNot|RemoveDecorator|Variable|ExceptionReplacer")

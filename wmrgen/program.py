@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.registry import why_reserved
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
@@ -51,11 +51,11 @@ def _refuse_malformed(name: str, built: Formula) -> None:
     """ValueError where the builder of ``name`` says what no code can be written of."""
     if built.name != name:
         raise ValueError(f"the builder of {name} calls its formula {built.name}: it bears the builder's name")
-    kept = {word: k.why for entry in BACKENDS.values() for k in entry.reserved for word in k.words}
     for what, ports in (("input", built.inputs), ("output", [port for port, _ in built.outputs])):
         names = [port.name.replace(".", "_") for port in ports]
-        for word in sorted({part for port in ports for part in port.name.split(".")} & kept.keys()):
-            raise ValueError(f"{name} has an {what} called {word}: {kept[word]}")
+        for word in sorted({part for port in ports for part in port.name.split(".")}):
+            if why := why_reserved(word):
+                raise ValueError(f"{name} has an {what} called {word}: {why}")
         for called in names:
             if not (called.isidentifier() and called.isascii()):
                 raise ValueError(f"{name} has an {what} called {called!r}: a name has a-z, A-Z, 0-9 and _")

@@ -181,6 +181,13 @@ def register(entry: Entry) -> None:
     BACKENDS[entry.name] = entry
 
 
+def why_reserved(word: str) -> str:
+    """Why no name may be ``word``, by the first language that keeps it; nothing where none does."""
+    return next(
+        (kept.why for entry in BACKENDS.values() for kept in entry.reserved if word in kept.words), ""
+    )
+
+
 def of_word(word: str) -> Entry | None:
     """The backend that `wmrgen eval --backend` calls ``word``."""
     return next((entry for entry in BACKENDS.values() if word and entry.word == word), None)

@@ -138,12 +138,10 @@ def constant(value: Exact, name: str) -> tuple[float, float, float, bool]:
 
 
 TURNS = 12.5663707  # two turns [rad]
-_POSE = {"x": (-100.0, 100.0), "y": (-100.0, 100.0), "theta": (-TURNS, TURNS), "dt": (0.0, 0.1)}
-_POSE |= {
-    "x_rest": (-4e-6, 4e-6),
-    "y_rest": (-4e-6, 4e-6),
-    "theta_rest": (-5e-7, 5e-7),
-}  # half a last place of them
+_POSE = {
+    "x": (-100.0, 100.0), "y": (-100.0, 100.0), "theta": (-TURNS, TURNS), "dt": (0.0, 0.1),
+    "x_rest": (-4e-6, 4e-6), "y_rest": (-4e-6, 4e-6), "theta_rest": (-5e-7, 5e-7),  # half a last place of the pose
+}  # fmt: skip
 _JOINTS = ("spin", "steer", "steer_rate")
 _EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
 

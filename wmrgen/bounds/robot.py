@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -104,15 +104,16 @@ def reach(robot: Robot, module: Module, limits: Mapping[str, Range]) -> dict[str
     formula is singular within them.
     """
     measured = Domain(robot, {name: outside(*overshot(*limit)) for name, limit in limits.items()})
-    twist: dict[str, Range] = {}
-    for function in functions(module):
+    for function in functions(
+        replace(module, functions=tuple(f for f in module.functions if f.name == "forward"))
+    ):
         ranges, unknown = measured.of(function)
-        if function.name == "forward" and not unknown:
-            outcome = analysed(function, ranges, SINGLE, LIBM)
+        outcome = None if unknown else analysed(function, ranges, SINGLE, LIBM)
+        if outcome is not None and not outcome.alarms:
             claims = zip(function.outputs, outcome.claims, strict=True)
-            bounded = () if outcome.alarms else ((p.name, c) for p, c in claims if not c.singular)
-            twist = {name: (_up(c.low, -1), _up(c.high)) for name, c in bounded if c.low < c.high}
-    return twist
+            bounded = ((p.name, c) for p, c in claims if not c.singular)
+            return {name: (_up(c.low, -1), _up(c.high)) for name, c in bounded if c.low < c.high}
+    return {}
 
 
 def _function(function: Function, where: Domain, outcomes: Outcomes) -> FunctionBound:

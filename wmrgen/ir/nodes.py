@@ -84,20 +84,20 @@ def uses_of(function: Function) -> Counter[int]:
 class Shared:
     """The part of a function that its variant has too, and that both compute alike: to the bit.
 
-    ``nodes``: those that common ``results`` need; ``uses``: how often each is an argument or a result among them.
+    ``nodes``: those that common results need; ``uses``: how often each is an argument or a result among them.
     """
 
-    results: tuple[int, ...]
     nodes: frozenset[int]
     uses: Counter[int]
 
 
-def shared(function: Function, results: tuple[int, ...]) -> Shared:
-    """What ``results`` need."""
+def shared(function: Function, common: tuple[int, ...]) -> Shared:
+    """What the results of these numbers need."""
+    results = [function.results[k] for k in common]
     nodes = frozenset(places(function.nodes, results))
     uses = Counter(arg for i in nodes for arg in function.nodes[i].args)
     uses.update(results)
-    return Shared(results, nodes, uses)
+    return Shared(nodes, uses)
 
 
 def places(nodes: Sequence[Node], results: Sequence[int]) -> dict[int, int]:

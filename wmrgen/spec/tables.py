@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from wmrgen.backends.registry import BACKENDS
+from wmrgen.backends.registry import why_reserved
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Choice, ListOf, Section, Word
@@ -205,8 +205,7 @@ def _reserved(name: str) -> str:
         return "POSIX keeps names that end in _t for types."
     if "__" in name:
         return "C++ keeps names with a double underscore for the implementation."
-    reasons = [kept.why for entry in BACKENDS.values() for kept in entry.reserved if name in kept.words]
-    return [*reasons, "Windows keeps that name for a device." if name in _DEVICES else ""][0]
+    return why_reserved(name) or ("Windows keeps that name for a device." if name in _DEVICES else "")
 
 
 def _check(node: Scalar, what: str) -> str:

@@ -93,7 +93,7 @@ class Guarded:
 def guarded(module: Module, unit: Unit, site: Site) -> Iterator[Guarded]:
     """`prepare`, where a parameter is tunable, and every function that has inputs."""
     scalar, steps = unit.choice.scalar, unit.contract
-    prepare = tunable(module, unit)
+    prepare = _prepare(module, unit)
     if prepare is not None:
         yield prepare
     for function in module.functions:
@@ -103,7 +103,7 @@ def guarded(module: Module, unit: Unit, site: Site) -> Iterator[Guarded]:
             yield Guarded(steps[function.name], accepted, safe(function, scalar, site), keeps)
 
 
-def tunable(module: Module, unit: Unit) -> Guarded | None:
+def _prepare(module: Module, unit: Unit) -> Guarded | None:
     """`prepare` with the parameters that it accepts, where one is tunable: no more than bounds are about."""
     prepare = hand_through(module).prepare
     if prepare is None or not prepare.inputs:
@@ -166,13 +166,14 @@ def _number(value: float, scalar: str) -> str:
 
 def checked(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> tuple[str, str]:
     """Header and source; ``unit``: the C functions of ``module``, ``common``: what every template is told."""
-    functions = [_checked(unit, g) for g in guarded(module, unit, site)]
+    accepting = [*guarded(module, unit, site)]
+    functions = [_checked(unit, g) for g in accepting]
     stores = " ".join(line for f in functions for line in f["safe"])
     context: dict[str, object] = {
         **common,
         "largest": "FLT_MAX" if unit.choice.scalar == "float" else "DBL_MAX",
         "zero": _number(0.0, unit.choice.scalar),
-        "about": about((*ABOUT, *ABOUT_TUNABLE) if tunable(module, unit) else ABOUT, unit.robot),
+        "about": about((*ABOUT, *ABOUT_TUNABLE) if any(g.prepares for g in accepting) else ABOUT, unit.robot),
         "functions": functions,
         "holds": "_held(" in stores,
         "limits": "_between(" in stores,
@@ -181,6 +182,7 @@ def checked(module: Module, unit: Unit, site: Site, common: Mapping[str, object]
 
 
 def about(texts: Sequence[str], robot: str) -> list[str]:
+    """The comment lines of ``texts``, in which {0} is the robot and {1} its name in capitals."""
     return [line for text in texts for line in comment_lines(text.format(robot, robot.upper()))]
 
 

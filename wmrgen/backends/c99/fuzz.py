@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from wmrgen.backends.c99.checked import Guarded, Safe, about, guarded, tunable
+from wmrgen.backends.c99.checked import Guarded, Safe, about, guarded
 from wmrgen.backends.c99.functions import Unit
 from wmrgen.ir.nodes import Module
 from wmrgen.ports import Site
@@ -21,8 +21,9 @@ ABOUT = (
 
 def fuzz(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -> str:
     """The text of the file; arguments as of `checked`."""
-    prepare = tunable(module, unit)
-    tried = [_tried(unit, g, prepare) for g in guarded(module, unit, site)]
+    accepting = [*guarded(module, unit, site)]
+    prepare = next((g for g in accepting if g.prepares), None)
+    tried = [_tried(unit, g, prepare) for g in accepting]
     return render("c99/fuzz.c.j2", **common, about=about(ABOUT, unit.robot), functions=tried)
 
 

@@ -42,7 +42,9 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     own = tuple(
         _Expansion(f, processor, vectors).run(kernel=True) for f in module.kernels if f.name not in by_library
     )
-    functions = tuple(_Expansion(f, processor, vectors, _common(f, module)).run() for f in module.functions)
+    functions = tuple(
+        _Expansion(f, processor, vectors, _results_of_both(f, module)).run() for f in module.functions
+    )
     return Module(module.name, functions, prepare, _needed(functions, (*common, *own)))
 
 
@@ -59,7 +61,7 @@ def processor_of(scalar: str, math: str, target: str) -> Processor:
     )
 
 
-def _common(function: Function, module: Module) -> tuple[int, ...]:
+def _results_of_both(function: Function, module: Module) -> tuple[int, ...]:
     """Which results of a variant are those of the function itself, where ``module`` has both."""
     names = {port.name for f in module.functions if f.name == function.variant_of for port in f.outputs}
     return tuple(k for k, port in enumerate(function.outputs) if port.name in names)
@@ -95,7 +97,7 @@ class _Expansion:
         self.function = function
         self.tape = Tape()
         self.place: list[int] = []
-        self.common, self.part = common, shared(function, tuple(function.results[k] for k in common))
+        self.common, self.part = common, shared(function, common)
         self.uses = uses_of(function)
         self.products = {node.args: i for i, node in enumerate(function.nodes) if node.op is Op.MUL}
         self.constants = {i for i, node in enumerate(function.nodes) if node.value is not None}

@@ -27,7 +27,7 @@ def fuse(function: Function, kernel: bool = False, common: tuple[int, ...] = ())
     """
     function = pruned(function)
     nodes = function.nodes
-    products = _products(function, kernel, shared(function, tuple(function.results[k] for k in common)))
+    products = _products(function, kernel, shared(function, common))
     fused: list[Node] = []
     place: list[int] = []
     opposites: dict[int, int] = {}

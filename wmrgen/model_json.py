@@ -10,7 +10,7 @@ from typing import Any
 from wmrgen.bounds.robot import Bounds
 from wmrgen.bounds.robot import data as bounds_data
 from wmrgen.constraints import TWIST, constrain, pfaffian, pfaffian_rates, working_view
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.calls import inlined_calls
@@ -133,6 +133,8 @@ def _wheel(w: Wheel) -> dict[str, Any]:
     if w.turns:
         entry["offset_y"] = float(g.o)
     entry["actuated"], entry["sensed"] = list(w.actuated), list(w.sensed)
+    if w.weight != ONE:
+        entry["weight"] = float(w.weight)
     if w.limits:
         entry["limits"] = {name: [float(i.low), float(i.high)] for name, i in w.limits.items()}
     return entry

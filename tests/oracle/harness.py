@@ -31,7 +31,13 @@ def robot_text(layout: Layout, name: str = "sample", polar: bool = False, extra:
     lines = [f"wmrgen: 1\nname: {name}\n{extra}wheels:"]
     for w in layout["wheels"]:
         keys = [f"name: {w['name']}", f"type: {w['type']}", *_place(w, polar), f"r: {float(w['r'])!r}"]
-        for key, own in (("gamma", "gamma"), ("d", "d"), ("offset_y", "o"), ("r_sw", "r_sw")):
+        for key, own in (
+            ("gamma", "gamma"),
+            ("d", "d"),
+            ("offset_y", "o"),
+            ("r_sw", "r_sw"),
+            ("weight", "weight"),
+        ):
             if w.get(own):
                 keys.append(f"{key}: {float(w[own])!r}")
         if "actuated" in w:

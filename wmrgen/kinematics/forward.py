@@ -39,7 +39,7 @@ _JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COM
 
 @dataclass(frozen=True, slots=True)
 class NominalRank:
-    """The rank of H at nominal parameters; ``normal``: H^T H there, lengths in the robot's unit, None at rank 3."""
+    """The rank of H at nominal parameters; ``normal``: H^T W H there, lengths in the robot's unit, None at rank 3."""
 
     value: int
     normal: list[list[Exact]] | None
@@ -55,42 +55,46 @@ def forward(robot: Robot) -> Formula:
         twist, slip = fit_rigid(measured.contacts, names)
     else:
         twist, slip = solve_general(measured, names)
+    kind = "weighted least-squares" if measured.weighted else "least-squares"
     inputs = tuple(joint_port(w, j, _JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
     outputs = (
         *zip(twist_ports(), twist, strict=True),
-        (slip_port("norm of the least-squares residual over all known rows"), slip),
+        (slip_port(f"norm of the {kind} residual over all known rows"), slip),
     )
-    text = "sensed joint rates to the twist of P in the robot frame, least squares"
+    text = f"sensed joint rates to the twist of P in the robot frame, {kind.replace('-', ' ')}"
     return names.formula("forward", (*inputs, *tunable_ports(robot)), outputs, text)
 
 
 def _constant(rows: list[Measured], robot: Robot, names: Locals) -> tuple[Twist, Expr]:
-    """xi = (H^T H)^+ H^T z with everything but z computed at derivation time."""
+    """xi = (H^T W H)^+ H^T W z with everything but z computed at derivation time."""
     if not rows:
         return (sympy.S.Zero,) * 3, sympy.S.Zero
-    rank = nominal_rank([r for r, _ in rows], robot)
+    rank = nominal_rank(rows, robot)
     if _expands(rows):
         return _step_by_step(rows, rank, names)
     twist = _solved(*normal_equations(rows), rank)
     if len(rows) <= FEW_ROWS:
-        direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z in rows]
+        direct = [z - dot(r, (twist[0], twist[1], twist[2])) for r, z, _ in rows]
         if all(_negligible(p) for p in direct):
             return _three(twist), sympy.S.Zero
         if _one_relation(direct):
-            return _three(twist), norm(direct)
+            return _three(twist), norm(direct, weights=[weight for _, _, weight in rows])
     return _fitted(rows, twist, names)
 
 
-def nominal_rank(rows: list[Row], robot: Robot) -> NominalRank:
+def nominal_rank(measured: list[Measured], robot: Robot) -> NominalRank:
     """The rank at nominal parameters, decided in the robot's own unit."""
     nominal = {p.name: Poly.of(p.nominal) for p in robot.parameters if p.tunable}
-    unit = unit_of(robot)
+    unit, rows = unit_of(robot), [row for row, _, _ in measured]
     rank = decide(_numbers([unit.own_row(r) for r in rows], nominal))
     if rank.value == rank.exact == 3:
         return NominalRank(3, None)
     about_P = replace(unit, centre=(Fraction(0), Fraction(0)))
-    numbers = _numbers([about_P.own_row(r) for r in rows], nominal)
-    normal = [[sum((r[i] * r[j] for r in numbers), ZERO) for j in range(3)] for i in range(3)]
+    numbers = zip(
+        _numbers([about_P.own_row(r) for r in rows], nominal), (m[2] for m in measured), strict=True
+    )
+    weighed = [(r, weight) for r, weight in numbers]
+    normal = [[sum((r[i] * r[j] * w for r, w in weighed), ZERO) for j in range(3)] for i in range(3)]
     return NominalRank(rank.value, normal)
 
 
@@ -101,13 +105,13 @@ def _numbers(rows: list[Row], nominal: Mapping[str, Poly]) -> list[list[Exact]]:
 
 
 def normal_equations(rows: list[Measured]) -> tuple[Matrix, list[Poly]]:
-    """H^T H and H^T z."""
-    normal = [[Poly.sum(r[i] * r[j] for r, _ in rows) for j in range(3)] for i in range(3)]
-    return normal, [Poly.sum(r[i] * z for r, z in rows) for i in range(3)]
+    """H^T W H and H^T W z."""
+    normal = [[Poly.sum((r[i] * r[j]).scale(w) for r, _, w in rows) for j in range(3)] for i in range(3)]
+    return normal, [Poly.sum((r[i] * z).scale(w) for r, z, w in rows) for i in range(3)]
 
 
 def _solved(normal: Matrix, moment: list[Poly], rank: NominalRank) -> list[Poly]:
-    """(H^T H)^+ H^T z."""
+    """(H^T W H)^+ H^T W z."""
     inverse = pseudo_inverse(normal, rank.normal)
     return [dot((row[0], row[1], row[2]), (moment[0], moment[1], moment[2])) for row in inverse]
 
@@ -115,7 +119,8 @@ def _solved(normal: Matrix, moment: list[Poly], rank: NominalRank) -> list[Poly]
 def _fitted(rows: list[Measured], twist: list[Poly], names: Locals) -> tuple[Twist, Expr]:
     """The twist, named, and the norm of what it leaves of the rows."""
     fits = [names.poly(n, p) for n, p in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
-    return _three(fits), norm([z - dot(r, (fits[0], fits[1], fits[2])) for r, z in rows])
+    errors = [z - dot(r, (fits[0], fits[1], fits[2])) for r, z, _ in rows]
+    return _three(fits), norm(errors, weights=[weight for _, _, weight in rows])
 
 
 def _expands(rows: list[Measured]) -> bool:
@@ -123,7 +128,7 @@ def _expands(rows: list[Measured]) -> bool:
 
     With T terms in an entry of H^T H and M in one of H^T z, an entry of the twist has some T**2 M of them.
     """
-    size = sum(max(len(p.terms) for p in r) ** 2 for r, _ in rows)
+    size = sum(max(len(p.terms) for p in r) ** 2 for r, _, _ in rows)
     if size <= MOST_TERMS:
         normal, moment = normal_equations(rows)
         size = max(len(p.terms) for row in normal for p in row) ** 2 * max(len(p.terms) for p in moment)
@@ -135,8 +140,8 @@ def _step_by_step(rows: list[Measured], rank: NominalRank, names: Locals) -> tup
 
     short = names.short
     named: list[Measured] = [
-        ((short(f"row{i}_x", r[0]), short(f"row{i}_y", r[1]), short(f"row{i}_w", r[2])), z)
-        for i, (r, z) in enumerate(rows)
+        ((short(f"row{i}_x", r[0]), short(f"row{i}_y", r[1]), short(f"row{i}_w", r[2])), z, weight)
+        for i, (r, z, weight) in enumerate(rows)
     ]
     normal, moment = normal_equations(named)
     upper = {(i, j): short(f"n{i}{j}", normal[i][j]) for i in range(3) for j in range(i, 3)}

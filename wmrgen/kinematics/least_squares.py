@@ -83,19 +83,22 @@ def _sum(a: list[Poly], b: list[Poly]) -> Poly:
 NEGLIGIBLE = 1e-12
 
 
-def norm(forms: Sequence[Poly], weight: Exact = ONE) -> Expr:
-    """sqrt(weight * sum of squares). Proportional forms are merged: one form needs no square root."""
+def norm(forms: Sequence[Poly], weight: Exact = ONE, weights: Sequence[Exact] | None = None) -> Expr:
+    """sqrt(weight * sum of squares), each times its own of ``weights``.
+
+    Proportional forms are merged: one form needs no square root.
+    """
     groups: list[tuple[Poly, Exact]] = []
-    for form in forms:
+    for form, own in zip(forms, weights or [ONE] * len(forms), strict=True):
         if not form or _size(form) < NEGLIGIBLE:
             continue
         for i, (base, total) in enumerate(groups):
             ratio = _ratio(form, base)
             if ratio is not None:
-                groups[i] = (base, total + ratio * ratio)
+                groups[i] = (base, total + ratio * ratio * own)
                 break
         else:
-            groups.append((form, ONE))
+            groups.append((form, own))
     if not groups:
         return sympy.S.Zero
     if len(groups) == 1:

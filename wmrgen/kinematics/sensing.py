@@ -2,8 +2,10 @@
 
 A wheel with a sliding row measures it, and a wheel whose spin is sensed its rolling row. Both together measure the
 velocity of the contact point B: v_B = (r spin + o steer_rate) e - d steer_rate n. One row measures one component.
+Rows count as their wheel's ``weight`` says, the largest taken for 1: the twist has the least sum of weight
+(row . xi - value)**2, whose root is the residual.
 
-In general the normal matrix N = H^T H of the rows moves with the steering, and one division at run time solves it. N
+In general the normal matrix N = H^T W H of the rows moves with the steering, and one division at run time solves it. N
 is symmetric and perhaps singular. With c1, c2, det its invariants and adj its adjugate, the Moore-Penrose inverse is
 
     rank 3   adj / det
@@ -18,8 +20,9 @@ value that a real robot takes, so that no input divides by zero.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -34,7 +37,7 @@ from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank
 from wmrgen.symbolic import Expr, add, expression, maximum, number, root, select, square, subtract, times
 
-Measured = tuple[Row, Poly]  # row . xi = value
+Measured = tuple[Row, Poly, Exact]  # row . xi = value, which counts so much
 FLOOR = Exact(Fraction(1, 10**12))
 EDGE = Exact(Fraction(1, 10**6))
 _POINTS = ((3, 5), (-7, 4), (2, -9))  # half-angle tangents p/q of generic joint angles
@@ -43,22 +46,24 @@ Twist = tuple[Expr, Expr, Expr]
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A measured contact velocity: v + omega z x (bx, by) = (wx, wy), robot frame."""
+    """A measured contact velocity: v + omega z x (bx, by) = (wx, wy), robot frame; ``weight``: of both rows."""
 
     wheel: Wheel
     bx: Poly
     by: Poly
     wx: Poly
     wy: Poly
+    weight: Exact
 
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """A measured component: row . xi = value [m/s]."""
+    """A measured component: row . xi = value [m/s], which counts ``weight``."""
 
     wheel: Wheel
     row: Row
     value: Poly
+    weight: Exact
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,20 +80,25 @@ class Measurements:
 
     @property
     def rows(self) -> list[Measured]:
-        """Every measured row over the twist, with its value [m/s]."""
-        rows = [row for c in self.contacts for row in contact_rows(c.bx, c.by, c.wx, c.wy)]
-        return rows + [(c.row, c.value) for c in self.components]
+        """Every measured row over the twist, with its value [m/s] and its weight."""
+        rows = [row for c in self.contacts for row in contact_rows(c.bx, c.by, c.wx, c.wy, c.weight)]
+        return rows + [(c.row, c.value, c.weight) for c in self.components]
+
+    @property
+    def weighted(self) -> bool:
+        """Whether some rows count more than others."""
+        return any(weight != ONE for _, _, weight in self.rows)
 
     @property
     def constant_normal(self) -> bool:
         """Whether the normal matrix depends on no joint angle."""
-        return not any(has_angles(row) for row, _ in self.rows)
+        return not any(has_angles(row) for row, _, _ in self.rows)
 
 
-def contact_rows(bx: Poly, by: Poly, wx: Poly, wy: Poly) -> list[Measured]:
+def contact_rows(bx: Poly, by: Poly, wx: Poly, wy: Poly, weight: Exact) -> list[Measured]:
     """The velocity (wx, wy) of a point B, a row for each component."""
     one, zero = Poly.of(1), Poly({})
-    return [((one, zero, -by), wx), ((zero, one, bx), wy)]
+    return [((one, zero, -by), wx, weight), ((zero, one, bx), wy, weight)]
 
 
 def sensed_joints(w: Wheel) -> tuple[str, ...]:
@@ -102,7 +112,7 @@ def sensed_joints(w: Wheel) -> tuple[str, ...]:
 def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
     """What the sensed joints measure of the twist. Passive castors and spheres measure nothing.
 
-    With ``names`` the velocities that wheels roll at their angles are intermediate results.
+    With ``names`` the velocities that wheels roll at their angles are intermediate results. The largest weight is 1.
     """
     contacts: list[Contact] = []
     components: list[Component] = []
@@ -116,10 +126,15 @@ def measurements(robot: Robot, names: Locals | None = None) -> Measurements:
         if spin is not None and w.kind.sliding_row:
             contacts.append(_contact(w, spin, rate, names))
         elif spin is not None:
-            components.append(Component(w, rolling_row(w, g).row, g.rolling_radius * spin + g.o * rate))
+            speed = g.rolling_radius * spin + g.o * rate
+            components.append(Component(w, rolling_row(w, g).row, speed, w.weight))
         elif w.kind.sliding_row:
-            components.append(Component(w, sliding_row(w, g).row, -(g.d * rate)))
-    return Measurements(tuple(contacts), tuple(components))
+            components.append(Component(w, sliding_row(w, g).row, -(g.d * rate), w.weight))
+    largest = max((*(c.weight for c in contacts), *(c.weight for c in components)), default=ONE)
+    return Measurements(
+        tuple(replace(c, weight=c.weight / largest) for c in contacts),
+        tuple(replace(c, weight=c.weight / largest) for c in components),
+    )
 
 
 def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
@@ -128,7 +143,7 @@ def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
     c, s = heading(w, g)
     if names is not None and w.turns and not g.d and not g.o:
         wx, wy = _rolled(w, names)
-        return Contact(w, g.x, g.y, g.r * wx, g.r * wy)
+        return Contact(w, g.x, g.y, g.r * wx, g.r * wy, w.weight)
     along, across = g.r * spin + g.o * rate, -(g.d * rate)
     return Contact(
         w,
@@ -136,6 +151,7 @@ def _contact(w: Wheel, spin: Poly, rate: Poly, names: Locals | None) -> Contact:
         g.y + g.d * s + g.o * c,
         along * c - across * s,
         along * s + across * c,
+        w.weight,
     )
 
 
@@ -166,18 +182,18 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     """
     rows = _named_rows(measured, names)
     upper = {
-        (i, j): names.poly(f"n{i}{j}", Poly.sum(r[i] * r[j] for r, _ in rows))
+        (i, j): names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, _, weight in rows))
         for i in range(3)
         for j in range(i, 3)
     }
     n = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-    b = [names.poly(f"b{i}", Poly.sum(r[i] * z for r, z in rows)) for i in range(3)]
+    b = [names.poly(f"b{i}", Poly.sum((r[i] * z).scale(weight) for r, z, weight in rows)) for i in range(3)]
     system = System(n, b, generic_rank(measured), _reach(measured.wheels))
     twist = smallest_twist(system, lower_bound(measured), names)
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     xi: Row = (fitted[0], fitted[1], fitted[2])
-    errors = [names.poly(f"error_{i}", z - dot(r, xi)) for i, (r, z) in enumerate(rows)]
-    slip = root(add(*(square(expression(e)) for e in errors)))
+    errors = [(names.poly(f"error_{i}", z - dot(r, xi)), weight) for i, (r, z, weight) in enumerate(rows)]
+    slip = root(add(*(times(number(weight), square(expression(e))) for e, weight in errors)))
     return (expression(xi[0]), expression(xi[1]), expression(xi[2])), slip
 
 
@@ -196,12 +212,13 @@ def _named(names: Locals, name: str, value: Poly) -> Poly:
 
 
 def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
-    rows = [row for parts in named_contacts(measured.contacts, names) for row in contact_rows(*parts)]
+    points = zip(named_contacts(measured.contacts, names), measured.contacts, strict=True)
+    rows = [row for parts, c in points for row in contact_rows(*parts, c.weight)]
     for c in measured.components:
         x, y, w = (
             _named(names, f"{c.wheel.name}_{k}", p) for k, p in zip(("rx", "ry", "rw"), c.row, strict=True)
         )
-        rows.append(((x, y, w), c.value))
+        rows.append(((x, y, w), c.value, c.weight))
     return rows
 
 
@@ -215,7 +232,9 @@ def _reach(wheels: Sequence[Wheel]) -> Exact:
 def generic_rank(measured: Measurements) -> int:
     """The rank of the measured rows at general joint angles."""
     points = range(len(_POINTS))
-    return max(_rank([[_at(p, k) for p in row] for row, _ in measured.rows], measured.wheels) for k in points)
+    return max(
+        _rank([[_at(p, k) for p in row] for row, _, _ in measured.rows], measured.wheels) for k in points
+    )
 
 
 def _at(poly: Poly, point: int) -> float:
@@ -240,8 +259,8 @@ def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:
 
 def lower_bound(measured: Measurements) -> float:
     """A bound under det N from the rows that do not move; 0 when they alone do not have rank 3."""
-    numbers = [[p.constant for p in row] for row, _ in measured.rows]
-    rows = [[float(v) for v in row if v is not None] for row in numbers if None not in row]
+    numbers = [([p.constant for p in row], math.sqrt(float(weight))) for row, _, weight in measured.rows]
+    rows = [[size * float(v) for v in row if v is not None] for row, size in numbers if None not in row]
     if _rank(rows, measured.wheels) < 3:
         return 0.0
     a, b, c = ([sum(r[i] * r[j] for r in rows) for j in range(3)] for i in range(3))

@@ -9,7 +9,7 @@ from math import atan2, hypot, pi, remainder
 
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
 from wmrgen.layout.expressions import PI, Scope, snap, to_poly
@@ -18,6 +18,7 @@ from wmrgen.spec.records import Limit, ParameterSpec, Quantity, RobotSpec, Trail
 from wmrgen.wheels import WHEEL_TYPES
 
 HALF_PI = PI.scale(Fraction(1, 2))
+MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
 
 
 def build(spec: RobotSpec) -> Robot:
@@ -150,7 +151,21 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
         gamma=float(scope.number(gamma)), heading=shown,
         actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, scope),
+        weight=ONE if w.weight is None else _weight(w.name, w.weight, scope),
     )  # fmt: skip
+
+
+def _weight(name: str, weight: Quantity, scope: Scope) -> Exact:
+    """A positive constant, not so far from the 1 of other wheels that a float loses one of them."""
+    value = _constant(f"{name}: weight", weight, scope)
+    if not 1 <= value * MOST_WEIGHT <= MOST_WEIGHT**2:
+        raise RobotFileError(
+            f"{name}: weight {weight.text} is not between 1/{MOST_WEIGHT} and {MOST_WEIGHT}", weight.mark,
+            "Weights are about (noise of other wheels / noise of this one)**2; rows that count next to nothing are "
+            "lost in rounding.",
+            "Write a number such as 0.25; sensed: [] leaves the wheel out.",
+        )  # fmt: skip
+    return value
 
 
 def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
@@ -189,7 +204,7 @@ def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
     intervals = {}
     for limit in limits:
-        high, low = (_limit(limit.name, end, scope) for end in (limit.high, limit.low))
+        high, low = (_constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
         if low > high:
             raise RobotFileError(
                 f"limit {limit.name} runs from {limit.low.text} to {limit.high.text}", limit.mark,
@@ -200,13 +215,14 @@ def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     return intervals
 
 
-def _limit(name: str, end: Quantity, scope: Scope) -> Exact:
-    symbolic = scope.poly(end)
+def _constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
+    """The value of what no tunable parameter may move."""
+    symbolic = scope.poly(quantity)
     names = sorted(parameters_in(substituted(symbolic, scope.constants)))
     if names:
         raise RobotFileError(
-            f"limit {name}: {end.text} depends on the tunable parameter {names[0]}", end.mark,
-            "Limits are constants of the generated code and of its proved bounds.",
+            f"{what}: {quantity.text} depends on the tunable parameter {names[0]}", quantity.mark,
+            "It is a constant of the generated code and of its proved bounds.",
             f"Write a number, or delete tunable: true of {names[0]}.",
         )  # fmt: skip
     return scope.number(symbolic)

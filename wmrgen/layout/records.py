@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Generic, TypeVar
 
 from wmrgen.errors import Mark
-from wmrgen.exact.number import Exact
+from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
@@ -67,7 +67,10 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class Wheel:
-    """A wheel of the layout. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display."""
+    """A wheel of the layout. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display.
+
+    ``weight``: how much its measurements count, in proportion to those of other wheels.
+    """
 
     index: int
     name: str
@@ -83,6 +86,7 @@ class Wheel:
     actuated: tuple[str, ...]
     sensed: tuple[str, ...]
     limits: dict[str, Interval]
+    weight: Exact = ONE
 
     @property
     def kind(self) -> WheelType:

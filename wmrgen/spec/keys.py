@@ -145,6 +145,12 @@ WHEEL = Section(
             aliases=dict.fromkeys(("powered", "driven", "drive"), "Write actuated: [spin], or actuated: []."),
         ),
         Field("sensed", _JOINTS, "joints that are measured", default="those that are driven"),
+        Field(
+            "weight", Amount(Kind.ANY, "1"),
+            "how much the wheel counts in forward, in proportion to other wheels: one of weight 1/4 is taken for twice "
+            "as noisy",
+            default="1",
+        ),
         Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
     ),
     (

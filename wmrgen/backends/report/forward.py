@@ -26,6 +26,10 @@ _ENTRY = 12  # terms of an entry of H^T H: a determinant of longer ones is not w
 _DET = 70  # glyphs of a printed determinant
 _SLIP = 420  # characters of a printed residual
 _RANK_2 = r"\xi = \frac{1}{c_2}\left(c_1\left(I - \frac{\mathrm{adj}\,M}{c_2}\right) - M\right) H^T z"
+_WEIGHTS = (
+    "Below, a row counts as often as its weight over the largest weight says: HᵀH and Hᵀz are Hᵀ W H and Hᵀ W z, means "
+    "and sums over wheels are weighted, and so is the norm of the residual, W being the diagonal matrix of the weights."
+)
 _INVARIANTS = r"M = H^T H,\quad c_1 = \mathrm{tr}\,M,\quad c_2 = \mathrm{tr}\,\mathrm{adj}\,M"
 
 
@@ -68,16 +72,18 @@ def _sources(measured: Measurements) -> list[str]:
             sources.append(f"Only the {kind} row is known of {some(alone)}.")
     return [
         "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all known is one "
-        "measurement, in m/s, with equal weight. Passive castors and balls say nothing.",
+        f"measurement, in m/s, with {'the weight of its wheel' if measured.weighted else 'equal weight'}. Passive "
+        "castors and balls say nothing.",
         *items(sources),
+        *([_WEIGHTS] if measured.weighted else []),
     ]
 
 
 def _stacked(rows: list[Measured]) -> list[str]:
     """H xi = z."""
     dots = [r"\vdots"] if len(rows) > _ROWS else []
-    h = [[latex(p) for p in row] for row, _ in rows[:_ROWS]] + [dots * 3] * len(dots)
-    z = [[latex(value)] for _, value in rows[:_ROWS]] + [dots] * len(dots)
+    h = [[latex(p) for p in row] for row, _, _ in rows[:_ROWS]] + [dots * 3] * len(dots)
+    z = [[latex(value)] for _, value, _ in rows[:_ROWS]] + [dots] * len(dots)
     if sum(max(map(width, column)) for column in zip(*h, strict=True)) > 30:
         return aligned([r"H\,\xi &= z", f"H &= {matrix(h)}", f"z &= {matrix(z)}"])
     return math(rf"H\,\xi = z, \qquad H = {matrix(h)}, \qquad z = {matrix(z)}")
@@ -87,7 +93,7 @@ def _constant(d: Derivation, rows: list[Measured]) -> list[str]:
     """Everything but z is known at derivation time."""
     measured = measurements(seen(d.robot, nominal_view))
     normal, _ = normal_equations(measured.rows)
-    singular = nominal_rank([row for row, _ in measured.rows], d.robot).value < 3
+    singular = nominal_rank(measured.rows, d.robot).value < 3
     count = "More rows than unknowns" if len(rows) > 3 else "As many rows as unknowns"
     why = "The matrix does not depend on any joint angle."
     if any(c.wheel.turns for c in measured.contacts):

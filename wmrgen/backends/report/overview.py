@@ -20,6 +20,7 @@ from wmrgen.backends.report.markdown import (
     table,
 )
 from wmrgen.exact.evaluate import parameters_in
+from wmrgen.exact.number import ONE
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Parameter, Robot, Wheel
@@ -98,6 +99,7 @@ def _wheels(wheels: tuple[Wheel, ...]) -> list[str]:
          lambda w: plain(w.nominal.r_sw) if w.nominal.r_sw else None),
         ("d", any(w.kind.swivels for w in wheels), lambda w: plain(w.nominal.d) if w.kind.swivels else None),
         ("offset o", any(w.nominal.o for w in wheels), lambda w: plain(w.nominal.o) if w.turns else None),
+        ("weight", any(w.weight != ONE for w in wheels), lambda w: plain(w.weight)),
     )  # fmt: skip
     shown = [(head, cell) for head, occurs, cell in columns if occurs]
     return table([head for head, _ in shown], [[cell(w) or "—" for _, cell in shown] for w in wheels], "lllr")

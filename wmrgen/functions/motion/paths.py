@@ -180,7 +180,7 @@ def heading(robot: Robot, _: Mobility) -> Formula:
         raise underivable(
             robot, "heading function", "its yaw rate depends on joint angles that change on the way"
         )
-    if not _sees_yaw(robot, [row for row, _ in measured.rows]):
+    if not _sees_yaw(robot, [row for row, _, _ in measured.rows]):
         raise underivable(robot, "heading function", "the sensed wheel speeds do not determine its yaw rate")
     formula, names = forward(robot), Locals()
     joints = {signal(p.name) for p in formula.inputs if p.name.endswith((".steer", ".steer_rate"))}

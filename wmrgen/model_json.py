@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
@@ -15,7 +15,7 @@ from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Module, count
-from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Noise, Robot, Wheel
 from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.program import asked
 
@@ -74,6 +74,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         "wheels": [_wheel(w) for w in robot.wheels],
         "couplings": [{"joint": joint, "wheels": list(wheels)} for joint, wheels in robot.couplings],
         "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
+        **({"noise": _noise(robot.noise)} if robot.noise else {}),
         "notes": list(robot.notes),
     }
 
@@ -135,9 +136,16 @@ def _wheel(w: Wheel) -> dict[str, Any]:
     entry["actuated"], entry["sensed"] = list(w.actuated), list(w.sensed)
     if w.weight != ONE:
         entry["weight"] = float(w.weight)
+    if w.noise:
+        entry["noise"] = _noise(w.noise)
     if w.limits:
         entry["limits"] = {name: [float(i.low), float(i.high)] for name, i in w.limits.items()}
     return entry
+
+
+def _noise(noise: Mapping[str, Noise]) -> dict[str, Any]:
+    parts = ("proportional", "constant")
+    return {joint: {part: float(getattr(n, part)) for part in parts} for joint, n in noise.items()}
 
 
 def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:

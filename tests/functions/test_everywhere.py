@@ -25,11 +25,12 @@ from wmrgen.spec.load import read_text
 
 FAMILIES = tuple(f"wmrgen.functions.{family}." for family in ("control", "motion", "space"))
 FUNCTIONS = [n for n in names() if declaration(n).build.__module__.startswith(FAMILIES)]
+NOISE = "noise: {spin: {proportional: 0.02, constant: 0.1}, steer: {constant: 0.01}, steer_rate: {constant: 0.1}}\n"
 TEXTS = {
-    "car": CAR + "limits: {steer: 0.6, spin: 20}\n",
-    "differential": DIFFERENTIAL,
-    "four_ws": FOUR_WS,
-    "mecanum": MECANUM_T + "limits: {spin: [-11, 12]}\n",
+    "car": CAR + "limits: {steer: 0.6, spin: 20}\n" + NOISE,
+    "differential": DIFFERENTIAL + NOISE,
+    "four_ws": FOUR_WS + NOISE,
+    "mecanum": MECANUM_T + "limits: {spin: [-11, 12]}\n" + NOISE,
     "omni": OMNI_K,
     "skewed": SKEWED,
     "tricycle": TRICYCLE + "limits: {steer: 0.6, vx: 1.7, steer_rate: 2}\n",

@@ -25,6 +25,7 @@ wheels:
   - {{name: {2}, type: castor, x: 0, y: -0.3, heading: 0, d: 0.05, r: 0.1, actuated: [spin, steer]}}
 limits: {{vx: 1, vy: 1, omega: 1, spin: 100, steer_rate: 5}}
 cg: {{x: 0, y: 0, z: 0.3}}
+noise: {{spin: {{proportional: 0.1}}, steer: {{constant: 0.01}}, steer_rate: {{constant: 0.2}}}}
 """
 PLAIN = ("first_one", "second_one", "third_one")
 # Words that begin the name of some intermediate result of which the rest may follow a wheel's name.

@@ -11,55 +11,16 @@ import numpy as np
 import pytest
 
 from tests.conftest import ROOT
-from tests.oracle import oracle
+from tests.oracle import oracle, weighted
 from tests.oracle.agreement import refused
 from tests.oracle.compare import evaluated
 from tests.oracle.draw import robot
 from tests.oracle.harness import Model, robot_text
+from tests.oracle.weighted import LAYOUTS, WEIGHTS
 from wmrgen import load
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.number import Exact
 from wmrgen.kinematics.forward import forward
-
-WEIGHTS = (0.25, 3.0, 1.0, 0.0625, 40.0)
-
-
-def _layout(*wheels: dict[str, Any]) -> dict[str, Any]:
-    named = [
-        {"name": f"w{i}", "heading": 0.0, "r": 0.05, "weight": WEIGHTS[i]} | w for i, w in enumerate(wheels)
-    ]
-    return {"wheels": named, "couplings": []}
-
-
-def _castor(x: float, y: float, d: float = 0.03, o: float = 0.01) -> dict[str, Any]:
-    return {"type": "castor", "x": x, "y": y, "d": d, "o": o, "actuated": ["spin", "steer"]}
-
-
-DRIVEN = [{"type": "fixed", "x": 0.0, "y": y, "heading": 0.0} for y in (0.2, -0.15)]
-LAYOUTS = {
-    "differential": _layout(*DRIVEN),
-    "load wheel": _layout(*DRIVEN, {"type": "fixed", "x": 0.1, "y": 0.4, "sensed": ["spin"], "actuated": []}),
-    "swerve": _layout(*({"type": "steered", "x": x, "y": y} for x, y in ((1, 1), (1, -1), (-1, 1), (-1, -1.5)))),
-    "mecanum": _layout(*({"type": "swedish", "x": x, "y": y, "gamma": 0.8 * x * y} for x in (1, -1) for y in (1, -1))),
-    "wide castors": _layout(_castor(0.4, 0.3), _castor(0.4, -0.3), _castor(-0.5, 0)),
-    "narrow castors": _layout(_castor(0.05, 0, 0.1), _castor(-0.05, 0.02, 0.1)),
-    "one castor": _layout(_castor(0.05, 0, 0.1)),
-    "mixed": _layout(*DRIVEN, _castor(0.5, 0), {"type": "swedish", "x": 0.3, "y": -0.3, "gamma": 0.7}),
-    "bicycle": _layout(DRIVEN[0], {"type": "steered", "x": 1, "y": 0, "sensed": ["steer"]}),
-}  # fmt: skip
-
-
-def _expected(layout: dict[str, Any], sensed: dict[str, float]) -> tuple[Any, float]:
-    """Weighted twist and residual, the largest weight of a measuring wheel taken for 1."""
-    parts = [(oracle.measured_rows({"wheels": [w]}, sensed), w["weight"]) for w in layout["wheels"]]
-    largest = max((weight for (rows, _), weight in parts if len(rows)), default=1.0)
-    sizes = [(part, (weight / largest) ** 0.5) for part, weight in parts]
-    rows = np.vstack([size * h for (h, _), size in sizes])
-    values = np.concatenate([size * z for (_, z), size in sizes])
-    if not len(rows):
-        return np.zeros(3), 0.0
-    twist = np.linalg.lstsq(rows, values, rcond=1e-9)[0]
-    return twist, float(np.linalg.norm(rows @ twist - values))
 
 
 def _compare(layout: dict[str, Any], model: Model, seed: str) -> None:
@@ -70,7 +31,7 @@ def _compare(layout: dict[str, Any], model: Model, seed: str) -> None:
         sizes = np.linalg.svd(rows, compute_uv=False)
         if any(1e-9 < s / max(sizes[0], 1e-9) < 0.05 for s in sizes):
             continue  # near a lost rank, which is taken for one
-        twist, slip = _expected(layout, sensed)
+        twist, slip = weighted.forward(layout, sensed)
         for backend, result in evaluated(model, "forward", sensed).items():
             values = [result[k] for k in ("vx", "vy", "omega", "slip")]
             assert values == pytest.approx([*twist, slip], rel=1e-8, abs=1e-8), backend
@@ -108,12 +69,12 @@ def test_tunable_geometry_is_weighted_step_by_step(tmp_path: Path) -> None:
         for (n, x, y), w in zip(rows, WEIGHTS, strict=False)
     )
     places = ((0.48, 0.2), (0.23, -0.19), (-0.41, 0.17))
-    layout = _layout(*({"type": "steered", "x": x, "y": y} for x, y in places))
+    layout = weighted.layout(*({"type": "steered", "x": x, "y": y} for x, y in places))
     for w, (name, _, _) in zip(layout["wheels"], rows, strict=True):
         w["name"] = name
     model = Model.of(text, tmp_path)
     sensed = {name: 0.3 + 0.2 * i for i, name in enumerate(n for n in model.ports("forward")[0] if "." in n)}
-    twist, slip = _expected(layout, sensed)
+    twist, slip = weighted.forward(layout, sensed)
     result = model.call("forward", sensed)
     assert [result[k] for k in ("vx", "vy", "omega", "slip")] == pytest.approx([*twist, slip], rel=1e-9)
 

@@ -2,7 +2,8 @@
 
 Inputs lie within the limits of the robot file. Where it has none: vy as vx; steering angles two turns about zero; spins
 and steering rates what `inverse` commands within the limits of the twist; a pose 100 m and two turns around the origin,
-headings of trailers alike, steps of at most 0.1 s; speeds of virtual wheels as vx; tunable parameters 10 % around their
+headings of trailers alike, steps of at most 0.1 s; residuals of at most 1 m/s, covariances of at most 1 in SI units;
+speeds of virtual wheels as vx; tunable parameters 10 % around their
 nominal value. The limits of vx and omega have no such default: without them there is nothing to prove. A rate that
 nothing commands needs a limit, too. What keeps the rates of joints inside their limits is looked at for all that
 `inverse` commands, see `Limits.ASKED`.
@@ -141,6 +142,9 @@ TURNS = 12.5663707  # two turns [rad]
 _POSE = {
     "x": (-100.0, 100.0), "y": (-100.0, 100.0), "theta": (-TURNS, TURNS), "dt": (0.0, 0.1),
     "x_rest": (-4e-6, 4e-6), "y_rest": (-4e-6, 4e-6), "theta_rest": (-5e-7, 5e-7),  # half a last place of the pose
+    "slip": (0.0, 1.0),
+    **{n + n: (0.0, 1.0) for n in ("x", "y", "theta", "vx", "vy", "omega")},
+    **dict.fromkeys(("xy", "xtheta", "ytheta", "vxvy", "vxomega", "vyomega"), (-1.0, 1.0)),
 }  # fmt: skip
 _JOINTS = ("spin", "steer", "steer_rate")
 _EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}

@@ -34,7 +34,7 @@ from wmrgen.symbolic import Expr, expression
 
 FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
 MOST_TERMS = 400  # of the twist in tunable parameters: beyond, it is computed step by step
-_JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
+JOINT_ROLE = {"spin": Role.COMMAND, "steer": Role.STATE, "steer_rate": Role.COMMAND}
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ def forward(robot: Robot) -> Formula:
     else:
         twist, slip = solve_general(measured, names)
     kind = "weighted least-squares" if measured.weighted else "least-squares"
-    inputs = tuple(joint_port(w, j, _JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
+    inputs = tuple(joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
     outputs = (
         *zip(twist_ports(), twist, strict=True),
         (slip_port(f"norm of the {kind} residual over all known rows"), slip),

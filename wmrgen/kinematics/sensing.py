@@ -76,7 +76,12 @@ class Measurements:
     @property
     def wheels(self) -> tuple[Wheel, ...]:
         """Those that measure something."""
-        return (*(c.wheel for c in self.contacts), *(c.wheel for c in self.components))
+        return tuple(c.wheel for c in self.all)
+
+    @property
+    def all(self) -> tuple[Contact | Component, ...]:
+        """Contacts, then components: the order of the rows."""
+        return (*self.contacts, *self.components)
 
     @property
     def rows(self) -> list[Measured]:
@@ -188,7 +193,7 @@ def solve_general(measured: Measurements, names: Locals) -> tuple[Twist, Expr]:
     }
     n = [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
     b = [names.poly(f"b{i}", Poly.sum((r[i] * z).scale(weight) for r, z, weight in rows)) for i in range(3)]
-    system = System(n, b, generic_rank(measured), _reach(measured.wheels))
+    system = System(n, b, generic_rank(measured), reach_of(measured.wheels))
     twist = smallest_twist(system, lower_bound(measured), names)
     fitted = [names.poly(k, e) for k, e in zip(("vx_fit", "vy_fit", "omega_fit"), twist, strict=True)]
     xi: Row = (fitted[0], fitted[1], fitted[2])
@@ -222,7 +227,7 @@ def _named_rows(measured: Measurements, names: Locals) -> list[Measured]:
     return rows
 
 
-def _reach(wheels: Sequence[Wheel]) -> Exact:
+def reach_of(wheels: Sequence[Wheel]) -> Exact:
     """The mean square distance of the measured wheels from P, offsets included; 1 when all stand at P."""
     shapes = [w.nominal for w in wheels]
     total = sum((g.x * g.x + g.y * g.y + g.d * g.d + g.o * g.o for g in shapes), Exact(0))
@@ -254,7 +259,7 @@ def _at(poly: Poly, point: int) -> float:
 
 def _rank(rows: list[list[float]], wheels: Sequence[Wheel]) -> int:
     """The rank of rows with lengths in the reach of the wheels, so that it does not depend on the unit."""
-    return numeric_rank(np.array(rows).reshape(-1, 3) / [1.0, 1.0, float(_reach(wheels)) ** 0.5])[0]
+    return numeric_rank(np.array(rows).reshape(-1, 3) / [1.0, 1.0, float(reach_of(wheels)) ** 0.5])[0]
 
 
 def lower_bound(measured: Measurements) -> float:

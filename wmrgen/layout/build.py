@@ -9,12 +9,32 @@ from math import atan2, hypot, pi, remainder
 
 from wmrgen.errors import RobotFileError
 from wmrgen.exact.evaluate import cos_sin, fix, number, parameters_in, substituted
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
 from wmrgen.layout.expressions import PI, Scope, snap, to_poly
-from wmrgen.layout.records import Geometry, Interval, Length, Parameter, Point, Robot, Trailer, Virtual, Wheel
-from wmrgen.spec.records import Limit, ParameterSpec, Quantity, RobotSpec, TrailerSpec, VirtualSpec, WheelSpec
+from wmrgen.layout.records import (
+    Geometry,
+    Interval,
+    Length,
+    Noise,
+    Parameter,
+    Point,
+    Robot,
+    Trailer,
+    Virtual,
+    Wheel,
+)
+from wmrgen.spec.records import (
+    Limit,
+    NoiseSpec,
+    ParameterSpec,
+    Quantity,
+    RobotSpec,
+    TrailerSpec,
+    VirtualSpec,
+    WheelSpec,
+)
 from wmrgen.wheels import WHEEL_TYPES
 
 HALF_PI = PI.scale(Fraction(1, 2))
@@ -52,6 +72,7 @@ def build(spec: RobotSpec) -> Robot:
         cg=None if cg is None else Point(scope.length(cg.x), scope.length(cg.y), scope.length(cg.z)),
         gains={name: scope.length(quantity) for name, quantity in spec.gains},
         functions=tuple(f.name for f in spec.functions),
+        noise=_noise(spec.noise, scope),
     )
     refuse_unmodelled(spec, robot)
     return common_limits(spec, robot)
@@ -152,6 +173,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         gamma=float(scope.number(gamma)), heading=shown,
         actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, scope),
         weight=ONE if w.weight is None else _weight(w.name, w.weight, scope),
+        noise=_noise(w.noise, scope),
     )  # fmt: skip
 
 
@@ -213,6 +235,24 @@ def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
             )  # fmt: skip
         intervals[limit.name] = Interval(low, high)
     return intervals
+
+
+def _noise(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
+    """Standard deviations in SI units. RobotFileError for one below 0."""
+
+    def deviation(joint: str, part: str, quantity: Quantity | None) -> Exact:
+        value = ZERO if quantity is None else _constant(f"noise of {joint}: {part}", quantity, scope)
+        if quantity is not None and value.sign < 0:
+            raise RobotFileError(
+                f"noise of {joint}: {part} {quantity.text} is negative", quantity.mark,
+                "It is a standard deviation.", "Write 0 or a positive value.",
+            )  # fmt: skip
+        return value
+
+    return {
+        n.joint: Noise(*(deviation(n.joint, part, getattr(n, part)) for part in ("proportional", "constant")))
+        for n in noise
+    }
 
 
 def _constant(what: str, quantity: Quantity, scope: Scope) -> Exact:

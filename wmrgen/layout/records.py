@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from fractions import Fraction
 from typing import Generic, TypeVar
@@ -66,6 +66,14 @@ class Interval:
 
 
 @dataclass(frozen=True, slots=True)
+class Noise:
+    """What is measured of a joint has the variance (``proportional`` value)**2 + ``constant``**2, SI units."""
+
+    proportional: Exact
+    constant: Exact
+
+
+@dataclass(frozen=True, slots=True)
 class Wheel:
     """A wheel of the layout. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display.
 
@@ -87,6 +95,7 @@ class Wheel:
     sensed: tuple[str, ...]
     limits: dict[str, Interval]
     weight: Exact = ONE
+    noise: Mapping[str, Noise] = field(default_factory=dict)
 
     @property
     def kind(self) -> WheelType:
@@ -189,6 +198,7 @@ class Robot:
     cg: Point | None = None
     gains: dict[str, Length] = field(default_factory=dict)
     functions: tuple[str, ...] = ()
+    noise: Mapping[str, Noise] = field(default_factory=dict)
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:
@@ -207,6 +217,10 @@ class Robot:
         """
         joint = "spin" if quantity == "spin" else "steer"
         return wheel.limits.get(quantity) or (self.limits.get(quantity) if wheel.commands(joint) else None)
+
+    def noise_of(self, wheel: Wheel, joint: str) -> Noise | None:
+        """The wheel's own noise of ``spin``, ``steer`` or ``steer_rate``, else the robot's."""
+        return wheel.noise.get(joint) or self.noise.get(joint)
 
     def together(self, joint: str, wheels: Iterable[Wheel]) -> list[list[Wheel]]:
         """``wheels`` in the sets whose ``joint``, spin or steer, is coupled; a wheel alone is a set of one."""

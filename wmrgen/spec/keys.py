@@ -16,6 +16,7 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )
+from wmrgen.spec.joint_keys import ANGLE_NOISE, NOISE, RATE_NOISE
 from wmrgen.spec.numbers import Kind
 
 _YES = {"true": True, "false": False}
@@ -152,6 +153,7 @@ WHEEL = Section(
             default="1",
         ),
         Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
+        Field("noise", NOISE, "noise of this wheel's joints, before that of the robot"),
     ),
     (
         Choice(
@@ -278,6 +280,11 @@ ROBOT = Section(
             "limits of the robot and of every joint that is commanded: ranges that checked functions accept, that "
             "prove needs and that desaturate keeps. A passive joint has none but its wheel's own",
         ),
+        Field(
+            "noise", NOISE,
+            "noise of every joint that is measured, independent from joint to joint and from step to step, for "
+            "forward_covariance: its variance is (proportional value)**2 + constant**2",
+        ),
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),
         Field(
@@ -298,6 +305,9 @@ SECTIONS = {
     "The file": ROBOT,
     "Each of `wheels`": WHEEL,
     "`limits`, of the robot or of a wheel": LIMITS,
+    "`noise`, of the robot or of a wheel": NOISE,
+    "`spin` and `steer_rate` of `noise`": RATE_NOISE,
+    "`steer` of `noise`": ANGLE_NOISE,
     "A parameter with more than a value": PARAMETER,
     "Each of `couplings`": COUPLING,
     "Each of `virtual`": VIRTUAL,

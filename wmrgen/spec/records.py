@@ -81,6 +81,15 @@ class Limit:
 
 
 @dataclass(frozen=True, slots=True)
+class NoiseSpec:
+    """Standard deviations of what is measured of ``joint`` (spin, steer or steer_rate); None is 0."""
+
+    joint: str
+    proportional: Quantity | None
+    constant: Quantity | None
+
+
+@dataclass(frozen=True, slots=True)
 class WheelSpec:
     """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both;
     a castor or spherical wheel may have neither."""
@@ -103,6 +112,7 @@ class WheelSpec:
     actuated: tuple[str, ...] = ()  # defaults already applied
     sensed: tuple[str, ...] = ()
     limits: tuple[Limit, ...] = ()
+    noise: tuple[NoiseSpec, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +175,7 @@ class RobotSpec:
     couplings: tuple[Coupling, ...]
     limits: tuple[Limit, ...]
     mark: Mark
+    noise: tuple[NoiseSpec, ...] = ()
     virtual: tuple[VirtualSpec, ...] = ()
     trailers: tuple[TrailerSpec, ...] = ()
     slip: bool = False

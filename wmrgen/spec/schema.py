@@ -21,10 +21,11 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )
+from wmrgen.spec.joint_keys import NOISE
 from wmrgen.spec.keys import LIMITS, ROBOT, SECTIONS, WHEEL
 from wmrgen.spec.numbers import Kind, units_of
 from wmrgen.spec.tables import NAME_PATTERN
-from wmrgen.spec.wheels import limits_of_type, takes
+from wmrgen.spec.wheels import keys_of_type, takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 Schema = dict[str, Any]
@@ -148,9 +149,10 @@ def _wheel(kind: WheelType) -> Schema:
     properties["type"] = {"const": kind.name}
     for key in ("actuated", "sensed"):
         properties[key]["items"] = {"enum": list(kind.joints)}
-    own = limits_of_type(kind)
-    limits = _section(LIMITS, (f for f in LIMITS.fields if f.key in own))
-    properties["limits"] = {**limits, "description": WHEEL.field("limits").meaning}
+    for key, section in (("limits", LIMITS), ("noise", NOISE)):
+        own = keys_of_type(section, kind)
+        of_joints = _section(section, (f for f in section.fields if f.key in own))
+        properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}
     placement, orientation = WHEEL.choices
     return {
         **schema,

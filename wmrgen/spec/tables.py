@@ -11,7 +11,7 @@ from wmrgen.backends.registry import why_reserved
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Choice, ListOf, Section, Word
-from wmrgen.spec.numbers import Scope
+from wmrgen.spec.numbers import Scope, plain_number
 from wmrgen.spec.records import Quantity
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, kind_of, quoted, suggestion
 
@@ -93,7 +93,11 @@ class Table:
         """The quantity of a key of ``of``; None where it is not given."""
         value, node = self.section.field(key).value, self.values.get(key)
         assert isinstance(value, Amount)
-        return None if node is None else read_quantity(node, value.kind, f"{key} of {of}", scope)
+        if node is None:
+            return None
+        if value.unit == "1":
+            _refuse_units(scalar_of(node, f"{key} of {of}"), f"{key} of {of}")
+        return read_quantity(node, value.kind, f"{key} of {of}", scope)
 
     def required_amount(self, key: str, of: str, scope: Scope) -> Quantity:
         """The quantity of a key that `require_all` has seen."""
@@ -120,6 +124,14 @@ class Table:
         for key in chosen[0][1]:
             self.require(key, what)
         return chosen[0][1]
+
+
+def _refuse_units(scalar: Scalar, what: str) -> None:
+    plain = plain_number(scalar)
+    if plain and plain[1] is not None:
+        raise scalar.error(
+            f"{what} is a number, and {quoted(scalar.text.strip())} has a unit", "", "Write the number alone."
+        )
 
 
 def spelled(key: str, section: Section) -> str:

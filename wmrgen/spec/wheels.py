@@ -7,10 +7,11 @@ from dataclasses import replace
 
 from wmrgen.errors import RobotFileError
 from wmrgen.spec.expressions import read_quantity, scalar_of
-from wmrgen.spec.fields import Amount, Interval
+from wmrgen.spec.fields import Amount, Interval, Section
+from wmrgen.spec.joint_keys import NOISE
 from wmrgen.spec.keys import COUPLING, LIMITS, WHEEL
 from wmrgen.spec.numbers import Scope
-from wmrgen.spec.records import Coupling, Limit, Neg, WheelSpec
+from wmrgen.spec.records import Coupling, Limit, Neg, NoiseSpec, WheelSpec
 from wmrgen.spec.tables import Table, table_of, wheel_name
 from wmrgen.spec.text import Node, Scalar, SequenceNode, quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
@@ -55,7 +56,8 @@ def _wheel(table: Table, scope: Scope) -> WheelSpec:
         **quantities,
         actuated=actuated,
         sensed=read_joints(table, "sensed", kind, actuated),
-        limits=read_limits(table.get("limits"), what, scope, limits_of_type(kind)),
+        limits=read_limits(table.get("limits"), what, scope, keys_of_type(LIMITS, kind)),
+        noise=read_noise(table.get("noise"), what, scope, keys_of_type(NOISE, kind)),
     )
 
 
@@ -115,9 +117,9 @@ def _no_joint(scalar: Scalar, what: str, joint: str, kind: WheelType, without: s
     return scalar.error(what, f"Its joints are: {' '.join(kind.joints)}.", suggestion(joint, kind.joints))
 
 
-def limits_of_type(kind: WheelType) -> tuple[str, ...]:
-    """Names of the limits that a wheel of this type can have."""
-    return tuple(f.key for joint in kind.joints for f in LIMITS.fields if f.joint == joint)
+def keys_of_type(section: Section, kind: WheelType) -> tuple[str, ...]:
+    """The keys of ``section`` that are about joints of a wheel of this type."""
+    return tuple(f.key for joint in kind.joints for f in section.fields if f.joint == joint)
 
 
 def read_limits(
@@ -145,6 +147,25 @@ def _limit(name: str, table: Table, scope: Scope) -> Limit:
         high = read_quantity(node, value.kind, what, scope)
         low = replace(high, expr=Neg(high.expr), text=f"-({high.text})")
     return Limit(name, low, high, node.mark)
+
+
+def read_noise(
+    node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
+) -> tuple[NoiseSpec, ...]:
+    """The noise of joints, of those that are ``valid``."""
+    if node is None:
+        return ()
+    table = table_of(node, NOISE, f"noise of {what}", valid)
+    noise = []
+    for joint, value in table.values.items():
+        section = NOISE.field(joint).value
+        assert isinstance(section, Section)
+        of = table_of(value, section, f"{joint} of the noise of {what}")
+        name = f"the noise of {joint}"
+        noise.append(
+            NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
+        )
+    return tuple(noise)
 
 
 def read_couplings(robot: Table, wheels: Iterable[WheelSpec]) -> tuple[Coupling, ...]:

@@ -1,0 +1,311 @@
+"""How far to trust the twist and the pose: `forward_covariance` and `odometry_covariance`, of first order.
+
+`forward` takes the twist xi that leaves least of weighted rows, e = H xi - z, with N = H^T W H. An error dq of a
+measured joint moves a row by a dq, a = d(H xi - z)/dq, and so the twist by N^-1 H^T W a dq. The noise of joints is
+independent, with the variance (proportional q)**2 + constant**2 of the robot file. With C the covariance that it gives
+the rows, block by block of the two rows of a wheel,
+
+    cov xi = N^-1 M N^-1 + excess N^-1        M = H^T W C W H
+    excess = max(0, slip**2 - expected) / (rows - 3)        expected = tr(W C) - tr(N^-1 M)
+
+``slip`` is the residual of `forward`; ``expected`` is the mean of its square where noise is all there is. What it has
+beyond that is the ground's or a broken encoder's: it is shared out as an error of every row alike, weights considered
+(method of moments; DerSimonian, Laird 1986). Slip within the noise raises nothing, and where rows cannot contradict
+each other none is seen. A sum of squares weighted by positive numbers, the covariance is positive semidefinite.
+
+Over a step the errors of the pose go through the derivatives of the SE(2) exponential. With d the step's displacement,
+R the turn by theta + h, h = omega dt / 2, and z x the quarter turn counter-clockwise,
+
+    position' = position + (z x d) heading + dt sinc(h) R velocity + dt/2 (z x d - h/3 d) yaw rate
+    heading'  = heading + dt yaw rate
+
+in which h/3 stands for 1/h - 1/tan h, off by h**3/45. Errors of one step are independent of those of the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy
+
+from wmrgen.exact.linalg import cofactor
+from wmrgen.exact.number import Exact
+from wmrgen.exact.poly import Gen, Poly, Row, by_angle, derivative, dot
+from wmrgen.functions.registry import function, underivable
+from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank, normal_equations
+from wmrgen.kinematics.least_squares import pseudo_inverse
+from wmrgen.kinematics.pose import DT, POSE, increments
+from wmrgen.kinematics.records import (
+    Formula,
+    Locals,
+    joint_port,
+    signal_poly,
+    slip_port,
+    tunable_ports,
+    twist_ports,
+)
+from wmrgen.kinematics.sensing import (
+    EDGE,
+    FLOOR,
+    Component,
+    Contact,
+    Measurements,
+    contact_rows,
+    generic_rank,
+    measurements,
+    reach_of,
+    sensed_joints,
+)
+from wmrgen.layout.records import Noise, Robot, Wheel
+from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Limits, Port, Role
+from wmrgen.symbolic import (
+    Expr,
+    add,
+    expression,
+    local,
+    maximum,
+    number,
+    rotated,
+    signal,
+    square,
+    subtract,
+    times,
+)
+
+Matrix = list[list[Poly]]
+_PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
+
+
+def _covariance_ports(names: Sequence[str], per: str, of: str) -> tuple[Port, ...]:
+    """The upper triangle of a symmetric matrix, row by row; ``per``: what its units are divided by."""
+    units = {(0, 2): "m rad", (1, 2): "m rad", (2, 2): "rad^2"}
+    return tuple(
+        Port(
+            names[i] + names[j],
+            Role.STATE,
+            units.get((i, j), "m^2") + per,
+            f"covariance of {names[i]} and {names[j]} of the {of}" if i != j else f"variance of {names[i]}",
+        )
+        for i, j in _PAIRS
+    )
+
+
+POSE_COVARIANCE = _covariance_ports(("x", "y", "theta"), "", "pose")
+TWIST_COVARIANCE = _covariance_ports(("vx", "vy", "omega"), "/s^2", "twist")
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """The rows of a wheel, one or two, their weight, and the covariance ``noise`` of their errors [(m/s)**2]."""
+
+    rows: list[Row]
+    weight: Exact
+    noise: Matrix
+
+
+@function(
+    "ours, after Tzafestas (2.8a): propagation of first order; DerSimonian, Laird", limits=Limits.MEASURED
+)
+def forward_covariance(robot: Robot, _: Mobility) -> Formula:
+    """Sensed joints, the twist that they give where their errors depend on it, and its slip to its covariance."""
+    if not any(robot.noise_of(w, j) for w in robot.wheels for j in sensed_joints(w)):
+        raise underivable(
+            robot,
+            "forward_covariance",
+            "no sensed joint has noise; write noise: {spin: {proportional: 0.02, constant: 0.01 rad/s}}",
+        )
+    names, measured = Locals(), measurements(robot)
+    constant = measured.constant_normal
+    rank = nominal_rank(measured.rows, robot).value if constant else generic_rank(measured)
+    if rank < 3:
+        raise underivable(
+            robot, "forward_covariance", "its sensed joints leave a motion unseen, of which nothing is known"
+        )
+    blocks = [_block(m, robot, names) for m in measured.all]
+    inverse = _constant_inverse(measured, names) if constant else _moving_inverse(blocks, measured, names)
+    matrix = _propagated(blocks, inverse, names)
+    residual = {port.name: value for port, value in forward(robot).outputs}["slip"]
+    slips = len(measured.rows) > 3 and not residual.is_zero
+    outputs = [expression(matrix[i][j]) for i, j in _PAIRS]
+    if slips:
+        excess = _excess(blocks, inverse, len(measured.rows), names)
+        outputs = [
+            add(value, times(excess, expression(inverse[i][j])))
+            for value, (i, j) in zip(outputs, _PAIRS, strict=True)
+        ]
+    inputs = _inputs(robot, names, slips)
+    text = "sensed joints and the slip of forward to the covariance of the twist"
+    return names.formula("forward_covariance", inputs, zip(TWIST_COVARIANCE, outputs, strict=True), text)
+
+
+def _inputs(robot: Robot, names: Locals, slips: bool) -> list[Port]:
+    """Sensed joints; the twist as far as errors depend on it; slip; tunable parameters."""
+    used = {symbol for _, value in names.items for symbol in value.free_symbols}
+    joints = [joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w)]
+    twist = [port for port in twist_ports() if signal(port.name) in used]
+    slip = [slip_port("residual of forward")] if slips else []
+    return [*joints, *twist, *slip, *tunable_ports(robot)]
+
+
+def _block(measured: Contact | Component, robot: Robot, names: Locals) -> _Block:
+    w = measured.wheel
+    if isinstance(measured, Contact):
+        rows = contact_rows(measured.bx, measured.by, measured.wx, measured.wy, measured.weight)
+    else:
+        rows = [(measured.row, measured.value, measured.weight)]
+    twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
+    errors = [dot(row, twist) - value for row, value, _ in rows]
+    size = range(len(rows))
+    noise = [[Poly({}) for _ in size] for _ in size]
+    for joint in sensed_joints(w):
+        deviation = robot.noise_of(w, joint)
+        moved = [_by_joint(e, w, joint) for e in errors]
+        if deviation is None or not any(moved):
+            continue
+        variance = _variance(w, joint, deviation, names)
+        for i in size:
+            for j in size:
+                noise[i][j] = noise[i][j] + moved[i] * moved[j] * variance
+    named = {(i, j): names.short(f"{w.name}_c{i}{j}", noise[i][j]) for i in size for j in range(i, len(rows))}
+    return _Block(
+        [row for row, _, _ in rows],
+        measured.weight,
+        [[named[min(i, j), max(i, j)] for j in size] for i in size],
+    )
+
+
+def _by_joint(value: Poly, w: Wheel, joint: str) -> Poly:
+    """The derivative by a measured joint."""
+    if joint == "steer":
+        return by_angle(value, Gen("cos", w.name), Gen("sin", w.name))
+    port = Gen("input", f"{w.name}.{joint}")
+    return derivative(value, lambda g: Poly.of(1) if g == port else Poly({}))
+
+
+def _variance(w: Wheel, joint: str, noise: Noise, names: Locals) -> Poly:
+    value = signal_poly(f"{w.name}.{joint}")
+    share, least = noise.proportional * noise.proportional, noise.constant * noise.constant
+    return names.short(f"{w.name}_{joint}_variance", (value * value).scale(share) + least)
+
+
+def _constant_inverse(measured: Measurements, names: Locals) -> Matrix:
+    """N^-1 where no joint moves it; entries that depend on tunable parameters have names."""
+    normal, _ = normal_equations(measured.rows)
+    named = _symmetric({(i, j): names.short(f"n{i}{j}", normal[i][j]) for i, j in _PAIRS})
+    inverse = pseudo_inverse(named, None)
+    return _symmetric({(i, j): names.short(f"inverse{i}{j}", inverse[i][j]) for i, j in _PAIRS})
+
+
+def _moving_inverse(blocks: Sequence[_Block], measured: Measurements, names: Locals) -> Matrix:
+    """N^-1 by cofactors; where `forward` takes a smaller rank, the determinant is kept at the edge of that."""
+    rows = [(row, block.weight) for block in blocks for row in block.rows]
+    n = _symmetric({
+        (i, j): names.poly(f"n{i}{j}", Poly.sum((r[i] * r[j]).scale(weight) for r, weight in rows))
+        for i, j in _PAIRS
+    })  # fmt: skip
+    adj = {(i, j): names.poly(f"adj{i}{j}", cofactor(n, i, j)) for i, j in _PAIRS}
+    det = names.define("det", n[0][0] * adj[0, 0] + n[0][1] * adj[0, 1] + n[0][2] * adj[0, 2])
+    s = reach_of(measured.wheels)
+    size1 = names.define("size1", n[0][0] + n[1][1] + n[2][2].scale(s.inverse()))
+    size2 = names.define("size2", (adj[0, 0] + adj[1, 1]).scale(s.inverse()) + adj[2, 2])
+    edge = maximum(times(number(EDGE * s), size1, size2), number(FLOOR))
+    over = names.poly("over_det", 1 / maximum(det, edge))
+    return _symmetric({pair: names.poly(f"inverse{pair[0]}{pair[1]}", a * over) for pair, a in adj.items()})
+
+
+def _symmetric(upper: dict[tuple[int, int], Poly]) -> Matrix:
+    return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+
+
+def _propagated(blocks: Sequence[_Block], inverse: Matrix, names: Locals) -> Matrix:
+    """N^-1 H^T W C W H N^-1, a sum over blocks of gains times their noise."""
+    total = {pair: Poly({}) for pair in _PAIRS}
+    for k, block in enumerate(blocks):
+        gains = [
+            [
+                names.short(
+                    f"gain{k}{i}{a}",
+                    dot((inverse[i][0], inverse[i][1], inverse[i][2]), row).scale(block.weight),
+                )
+                for a, row in enumerate(block.rows)
+            ]
+            for i in range(3)
+        ]
+        size = range(len(block.rows))
+        for i, j in _PAIRS:
+            total[i, j] = total[i, j] + Poly.sum(
+                gains[i][a] * gains[j][b] * block.noise[a][b] for a in size for b in size
+            )
+    return _symmetric(total)
+
+
+def _excess(blocks: Sequence[_Block], inverse: Matrix, rows: int, names: Locals) -> Expr:
+    """What slip**2 has beyond its mean under noise, per redundant row."""
+    expected = Poly({})
+    for block in blocks:
+        for a, row in enumerate(block.rows):
+            expected = expected + block.noise[a][a].scale(block.weight)
+            for b, other in enumerate(block.rows):
+                lever = Poly.sum(row[i] * inverse[i][j] * other[j] for i in range(3) for j in range(3))
+                expected = expected - (lever * block.noise[a][b]).scale(block.weight * block.weight)
+    beyond = subtract(square(signal("slip")), names.define("expected", expected))
+    share = sympy.Rational(1, rows - 3)
+    return names.define("excess", times(share, maximum(beyond, sympy.S.Zero)))
+
+
+@function("Konstantinov, case of constant speeds; propagation of first order is ours", limits=Limits.MEASURED)
+def odometry_covariance(_: Robot, __: Mobility) -> Formula:
+    """Pose and its covariance after a step at a twist of this covariance."""
+    names = Locals()
+    steps = increments(names)
+    pose = zip(POSE, (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True)), strict=True)
+    dx, dy = (names.define(f"{axis}_step", e) for axis, e in zip("xy", steps, strict=False))
+    before = {p.name: signal(p.name) for p in POSE_COVARIANCE}
+    turned, cross_x, cross_y = _of_rates(dx, dy, names)
+    # The errors of position and of the heading that it is driven at.
+    carried_x = names.define("carried_x", subtract(before["xtheta"], times(dy, before["thetatheta"])))
+    carried_y = names.define("carried_y", add(before["ytheta"], times(dx, before["thetatheta"])))
+    dt = signal("dt")
+    after = (
+        add(subtract(before["xx"], times(dy, add(before["xtheta"], carried_x))), turned[0]),
+        add(subtract(before["xy"], times(dy, before["ytheta"])), times(dx, carried_x), turned[1]),
+        add(carried_x, times(dt, cross_x)),
+        add(before["yy"], times(dx, add(before["ytheta"], carried_y)), turned[2]),
+        add(carried_y, times(dt, cross_y)),
+        add(before["thetatheta"], times(dt, dt, signal("omegaomega"))),
+    )
+    inputs = (*POSE, *POSE_COVARIANCE, *twist_ports(), *TWIST_COVARIANCE, DT)
+    outputs = (*pose, *zip(POSE_COVARIANCE, after, strict=True))
+    text = "pose and its covariance after driving a constant twist, known with a covariance, for dt"
+    return names.formula("odometry_covariance", inputs, outputs, text)
+
+
+def _of_rates(dx: Expr, dy: Expr, names: Locals) -> tuple[tuple[Expr, Expr, Expr], Expr, Expr]:
+    """What errors of the twist add to xx, xy and yy; covariances of that with the yaw rate."""
+    chord, middle, h, dt = local("chord"), local("middle"), local("half_turn"), signal("dt")
+    c, s = (
+        names.define("chord_x", chord * sympy.cos(middle)),
+        names.define("chord_y", chord * sympy.sin(middle)),
+    )
+    lean, half = names.define("lean", times(sympy.Rational(1, 3), h)), names.define("half_dt", dt / 2)
+    gx = names.define("x_by_omega", times(-1, half, add(dy, times(lean, dx))))
+    gy = names.define("y_by_omega", times(half, subtract(dx, times(lean, dy))))
+    v = {p.name: signal(p.name) for p in TWIST_COVARIANCE}
+    ax, ay = (
+        names.define(f"v{k}_omega", e)
+        for k, e in zip("xy", rotated(c, s, v["vxomega"], v["vyomega"]), strict=True)
+    )
+    bx = names.define("x_omega", add(ax, times(gx, v["omegaomega"])))
+    by = names.define("y_omega", add(ay, times(gy, v["omegaomega"])))
+    px, py = (
+        names.define(f"vx_{k}", e) for k, e in zip("xy", rotated(c, s, v["vxvx"], v["vxvy"]), strict=True)
+    )
+    qx, qy = (
+        names.define(f"vy_{k}", e) for k, e in zip("xy", rotated(c, s, v["vxvy"], v["vyvy"]), strict=True)
+    )
+    xx = add(subtract(times(c, px), times(s, qx)), times(gx, add(ax, bx)))
+    xy = add(times(s, px), times(c, qx), times(gx, ay), times(gy, bx))
+    yy = add(times(s, py), times(c, qy), times(gy, add(ay, by)))
+    return (xx, xy, yy), bx, by

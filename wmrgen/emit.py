@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from math import degrees
 from typing import TYPE_CHECKING, SupportsFloat
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 import sympy
 
 from wmrgen import __version__
+from wmrgen.backends.packages import Package, packaged
 from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
@@ -47,6 +48,14 @@ def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = Fal
         if places:
             common = replace(common, places=(*common.places, *places(written)))
     return files
+
+
+def package(
+    kind: Package, derivation: Derivation, choice: Choice, files: Mapping[str, bytes]
+) -> dict[str, bytes]:
+    """File name -> content of a package of the robot; ``files``: its `artifacts`."""
+    common = replace(facts(derivation, choice, files[MODEL]), options=asdict(choice))
+    return packaged(kind, derivation.c_module, common, files)
 
 
 def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:

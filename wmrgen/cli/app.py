@@ -109,6 +109,10 @@ def derive(
     math: Math = None,
     target: Target = "m4f",
     fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
+    package: Annotated[
+        list[str] | None,
+        option("Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr.", "KIND"),
+    ] = None,
 ) -> None:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
 

@@ -37,11 +37,15 @@ def derive(
     math: str | None,
     target: str,
     fuzz: bool,
+    package: Sequence[str] | None,
 ) -> int:
     """Derive every robot, then write every robot, then print."""
+    from wmrgen.backends.packages import of_kinds
     from wmrgen.emit import MODEL, artifacts
+    from wmrgen.emit import package as packaged
     from wmrgen.ir.kernels.choice import choice
 
+    kinds = of_kinds(package or ())
     chosen = choice(scalar, math, target)
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
@@ -55,12 +59,21 @@ def derive(
                     console.note(f"{robot.name}: warning: {singularity.meaning}")
             results.append((derivation, artifacts(derivation, chosen, fuzz)))
     written = [write_tree(out / d.robot.name, files, chosen.words()) for d, files in results]
+    packages = [
+        (out / kind.folder / d.robot.name, packaged(kind, d, chosen, files))
+        for d, files in results
+        for kind in kinds
+    ]
+    for folder, files in packages:
+        write_tree(folder, files, chosen.words())
     if as_json:
         models = [files[MODEL].decode().rstrip("\n") for _, files in results]
         console.result(models[0] if len(models) == 1 else "[\n" + ",\n".join(models) + "\n]")
         return 0
     for (derivation, _), changes in zip(results, written, strict=True):
         _summary(derivation, changes, out)
+    for folder, files in packages:
+        console.result(f"  {folder.as_posix()}/: {' '.join(files)}")
     return 0
 
 
@@ -117,7 +130,7 @@ def check(robots: Sequence[Path] | None, out: Path) -> int:
         except WmrgenError as error:  # the folder is here, the library is not
             console.failure(str(error))
             code = error.exit_code
-        stale += [Difference(p, "not produced") for p in _strangers(out, {*names, FOLDER, ERRATA})]
+        stale += [Difference(p, "not produced") for p in _strangers(out, names)]
     for difference in stale:
         console.result(f"{difference.path.as_posix()}: {_WHY[difference.why]}")
     if stale:
@@ -129,19 +142,38 @@ def check(robots: Sequence[Path] | None, out: Path) -> int:
 
 
 def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
-    """The name of a robot, and which files of its folder are not what its file gives today."""
+    """The name of a robot, and which files of its folder and its packages are not what its file gives today."""
+    from wmrgen.backends.packages import PACKAGES
     from wmrgen.emit import artifacts
+    from wmrgen.emit import package as packaged
     from wmrgen.ir.kernels.choice import noted as noted_choice
 
     robot = wmrgen.load(path)
-    folder = out / robot.name
-    choice = noted_choice(made_with(folder))
-    return robot.name, differences(folder, artifacts(wmrgen.derive(robot), choice), choice.words())
+    derivation = wmrgen.derive(robot)
+    folders = {out / kind.folder / robot.name: kind for kind in PACKAGES.values()}
+    stale: list[Difference] = []
+    for folder in (out / robot.name, *(folder for folder in folders if folder.is_dir())):
+        choice = noted_choice(made_with(folder))
+        files = artifacts(derivation, choice)
+        if folder in folders:
+            files = packaged(folders[folder], derivation, choice, files)
+        stale += differences(folder, files, choice.words())
+    return robot.name, stale
 
 
 def _strangers(out: Path, names: set[str]) -> list[Path]:
-    """What stands under ``out`` and belongs to no robot."""
-    return [p for p in sorted(out.iterdir()) if p.name not in names] if out.is_dir() else []
+    """What stands under ``out``, or in a folder of packages there, and belongs to no robot."""
+    from wmrgen.backends.packages import PACKAGES
+
+    packages = [kind.folder for kind in PACKAGES.values()]
+    places = {out: {*names, FOLDER, ERRATA, *packages}, **{out / folder: names for folder in packages}}
+    return [
+        p
+        for place, expected in places.items()
+        if place.is_dir()
+        for p in sorted(place.iterdir())
+        if p.name not in expected
+    ]
 
 
 # ---- the textbook library

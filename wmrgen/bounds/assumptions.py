@@ -2,8 +2,8 @@
 
 Inputs lie within the limits of the robot file. Where it has none: vy as vx; steering angles two turns about zero; spins
 and steering rates what `inverse` commands within the limits of the twist; a pose 100 m and two turns around the origin,
-headings of trailers alike, steps of at most 0.1 s; residuals of at most 1 m/s, covariances of at most 1 in SI units;
-speeds of virtual wheels as vx; tunable parameters 10 % around their
+headings of trailers alike, steps of at most 0.1 s and what wheels turn in them; residuals of at most 1 m/s and
+covariances of at most 1 in SI units; speeds of virtual wheels as vx; tunable parameters 10 % around their
 nominal value. The limits of vx and omega have no such default: without them there is nothing to prove. A rate that
 nothing commands needs a limit, too. What keeps the rates of joints inside their limits is looked at for all that
 `inverse` commands, see `Limits.ASKED`.
@@ -12,7 +12,7 @@ nothing commands needs a limit, too. What keeps the rates of joints inside their
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
 
@@ -147,6 +147,7 @@ _POSE = {
     **dict.fromkeys(("xy", "xtheta", "ytheta", "vxvy", "vxomega", "vyomega"), (-1.0, 1.0)),
 }  # fmt: skip
 _JOINTS = ("spin", "steer", "steer_rate")
+_RATES = {"spin_step": "spin", "steer_step": "steer_rate"}
 _EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
 
 Range = tuple[float, float]
@@ -197,6 +198,9 @@ class Domain:
         if limit is not None:  # of a virtual wheel, which has none of its own
             self.declared[name] = _floats(limit.low, limit.high)
             return self.declared[name]
+        if joint.endswith("_step"):  # an angle that wheels turn in a step
+            rate = self._range(replace(port, name=f"{owner}.{_RATES[joint]}"))
+            return rate and inside(*(end * _POSE["dt"][1] for end in rate))
         if joint == "wanted":  # a steering angle, as `inverse` gives it
             return self.commanded.get(f"{owner}.steer")
         if joint in ("steer", "theta"):

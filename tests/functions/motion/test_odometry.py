@@ -1,4 +1,5 @@
-"""Odometry over many steps in float: increments to be added in double, and sums that carry what roundings lose."""
+"""Odometry over many steps in float: increments to be added in double, and sums that carry what roundings lose; from
+angles that wheels turned."""
 
 from __future__ import annotations
 
@@ -7,10 +8,14 @@ import random
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 import sympy
 
 from tests.c.harness import COMPILERS
+from tests.oracle import oracle, weighted
+from tests.oracle.harness import robot_text
+from tests.oracle.weighted import LAYOUTS
 from wmrgen import derive, load
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.driver import evaluate_c
@@ -191,3 +196,30 @@ def test_doubles_of_numpy_carry_remainders() -> None:
         pose = {n: float(v) for n, v in step(**pose, vx=1e-8, vy=0.0, omega=0.0, dt=1.0).items()}
     assert pose["x"] + pose["x_rest"] == pytest.approx(1e9 + 1e-5, abs=2e-7)
     assert 1e9 + 1e-8 == 1e9
+
+
+@pytest.mark.parametrize("name", ["differential", "swerve", "mecanum", "wide castors", "offset"])
+def test_angles_that_wheels_turned(name: str, tmp_path: Path) -> None:
+    """The arc of the twist that numpy fits to rates, in a quarter of a second, at measured steering angles."""
+    layout, source = LAYOUTS[name], random.Random(name)
+    (tmp_path / "sample.yaml").write_text(robot_text(layout), encoding="utf-8")
+    d = derive(load(tmp_path / "sample.yaml"), ["forward", "odometry_from_angles"])
+    dt = 0.25
+    for turns in (0.0, 1.0, 3.0):
+        rates = {p.name: source.uniform(-4, 4) * turns for p in d.formula("forward").inputs}
+        steps = {
+            n.replace("spin", "spin_step").replace("steer_rate", "steer_step"): v
+            * (1 if n.endswith("steer") else dt)
+            for n, v in rates.items()
+        }
+        pose = np.array([source.uniform(-2, 2) for _ in POSE])
+        wanted = oracle.step(pose, weighted.forward(layout, rates)[0], dt)
+        after = d.numpy().odometry_from_angles(**dict(zip(POSE, pose, strict=True)), **steps)
+        assert [after[n] for n in POSE] == pytest.approx(list(wanted), abs=1e-9)
+
+
+def test_a_turn_of_both_wheels_is_a_circumference() -> None:
+    d = derive(load(UNICYCLE.with_name("pioneer3dx.yaml")), ["odometry_from_angles"])
+    steps = {"left.spin_step": math.tau, "right.spin_step": math.tau}
+    pose = d.numpy().odometry_from_angles(x=1.0, y=2.0, theta=math.pi / 2, **steps)
+    assert [pose[n] for n in POSE] == pytest.approx([1.0, 2.0 + math.tau * 0.0975, math.pi / 2])

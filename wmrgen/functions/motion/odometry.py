@@ -1,4 +1,6 @@
-"""Odometry over many steps: `odometry_increment`, what a step adds to the pose, and `odometry_compensated`.
+"""Odometry over many steps: `odometry_increment`, what a step adds to the pose, `odometry_compensated`, and
+`odometry_from_angles`, for sensors that give positions: the angles that wheels turned take the place of their rates
+over the time, so that a step is exact at constant rates whatever it lasted.
 
 `odometry` gives the pose after a step. In float it stands still where a step is less than half a unit in the last
 place of the pose: at 100 m that is 3.8 um, the way of 3 mm/s in 1.3 ms. Whoever has a double to add in adds the
@@ -17,7 +19,8 @@ from __future__ import annotations
 import sympy
 
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.pose import DT, POSE, increments
+from wmrgen.kinematics.forward import forward
+from wmrgen.kinematics.pose import DT, POSE, increments, odometry
 from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
@@ -74,3 +77,34 @@ def _wrapped(theta: Expr, names: Locals) -> tuple[Expr, Expr]:
     near = names.define("theta_near", by_side(subtract(theta, most), add(theta, most), theta))
     last = names.define("theta_last", by_side(-little, little, zero))
     return Compensated(near, last), rounding_error(near, last)
+
+
+_STEPS = {
+    "spin": ("spin_step", "angle that the wheel turned about its axle since the last step"),
+    "steer_rate": ("steer_step", "angle that the wheel was steered since the last step, counter-clockwise"),
+}
+
+
+@function("Siegwart (3.24), (3.26); Konstantinov, case of constant speeds", limits=Limits.MEASURED)
+def odometry_from_angles(robot: Robot, _: Mobility) -> Formula:
+    """The pose after a step in which sensed wheels turned by these angles, each at its constant rate."""
+    names, measured = Locals(), forward(robot)
+    steps = {p.name: _as_step(p) for p in measured.inputs}
+    values = names.adopt(measured, {name: signal(port.name) for name, port in steps.items()})
+    twist = {p.name: names.define(f"{p.name}_step", values[p.name]) for p in twist_ports()}
+    after = names.adopt(odometry(), {**twist, "dt": sympy.S.One})
+    return names.formula(
+        "odometry_from_angles",
+        (*POSE, *steps.values()),
+        ((p, after[p.name]) for p in POSE),
+        "pose after wheels turned by these angles, at present steering angles",
+    )
+
+
+def _as_step(port: Port) -> Port:
+    """The angle in place of a rate; other ports as they are."""
+    wheel, _, joint = port.name.rpartition(".")
+    if joint not in _STEPS:
+        return port
+    name, text = _STEPS[joint]
+    return Port(f"{wheel}.{name}", Role.COMMAND, "rad", text)

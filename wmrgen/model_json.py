@@ -75,6 +75,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         "couplings": [{"joint": joint, "wheels": list(wheels)} for joint, wheels in robot.couplings],
         "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
         **({"noise": _noise(robot.noise)} if robot.noise else {}),
+        **({"deadband": float(robot.deadband)} if robot.deadband else {}),
         "notes": list(robot.notes),
     }
 

@@ -24,7 +24,9 @@ class Limits(StrEnum):
     NONE = "none"  # joints are measured; a twist, if there is one, is neither commanded nor driven
     COMMANDED = "commanded"  # twists are commands, kept inside their limits; joints are measured
     MEASURED = "measured"  # twists and joints are measured
-    ASKED = "asked"  # joint rates as `inverse` gives them for a twist inside its limits, beyond those of the joints too
+    ASKED = (
+        "asked"  # beyond them: twists, and joint rates as `inverse` gives them for a twist inside its limits
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -111,6 +111,7 @@ def test_a_castor_and_a_ball_need_no_orientation_and_a_ball_no_radius() -> None:
         (wheel("a", limits="{steer: 1}"), "unknown key 'steer'", "spin"),
         (wheel("a", limits="{spin: [1]}"), "has 1 values", "[low, high]"),
         (wheel("a", limits="{spin: 1 m/s}"), "angular rate", "rpm"),
+        (wheel("a", limits="{vx_rate: 1}"), "unknown key 'vx_rate'", "spin"),
         (wheel("a", limits="3"), "must be a mapping", "omega"),
         ("- a", "must be a mapping", "name: left"),
     ],
@@ -137,6 +138,28 @@ def test_64_wheels_are_read_and_65_are_not() -> None:
     with pytest.raises(RobotFileError, match="65 wheels") as caught:
         read(robot(*many))
     assert caught.value.mark.line == 4 + 64
+
+
+def test_limits_of_acceleration_have_units_of_their_own() -> None:
+    limits = "{vx_rate: [-3 m/s^2, 2 m/s2], vy_rate: 1.5 m/s², omega_rate: 90 deg/s^2}"
+    spec = read(robot(top=f"limits: {limits}\n"))
+    assert [(x.name, show(x.low.expr), show(x.high.expr)) for x in spec.limits] == [
+        ("vx_rate", "-3", "2"),
+        ("vy_rate", "-3/2", "3/2"),
+        ("omega_rate", "-(1/2 * pi)", "(1/2 * pi)"),
+    ]
+    for wrong, message in (
+        ("vx_rate: 1 m/s", "limit vx_rate is an acceleration, and '1 m/s' is a speed"),
+        (
+            "omega_rate: 1 m/s^2",
+            "limit omega_rate is an angular acceleration, and '1 m/s^2' is an acceleration",
+        ),
+        ("vx: 1 m/s^2", "limit vx is a speed, and '1 m/s^2' is an acceleration"),
+        ("vx: 1 m^2", "the unit 'm' stands after an expression"),
+    ):
+        with pytest.raises(RobotFileError) as caught:
+            read(robot(top=f"limits: {{{wrong}}}\n"))
+        assert message in str(caught.value)
 
 
 def test_limits() -> None:

@@ -6,7 +6,7 @@ headings of trailers alike, steps of at most 0.1 s and what wheels turn in them;
 covariances of at most 1 in SI units; speeds of virtual wheels as vx; tunable parameters 10 % around their
 nominal value. The limits of vx and omega have no such default: without them there is nothing to prove. A rate that
 nothing commands needs a limit, too. What keeps the rates of joints inside their limits is looked at for all that
-`inverse` commands, see `Limits.ASKED`.
+`inverse` commands, what keeps twists inside theirs for `BEYOND` times as much, see `Limits.ASKED`.
 """
 
 from __future__ import annotations
@@ -146,6 +146,8 @@ _POSE = {
     **{n + n: (0.0, 1.0) for n in ("x", "y", "theta", "vx", "vy", "omega")},
     **dict.fromkeys(("xy", "xtheta", "ytheta", "vxvy", "vxomega", "vyomega"), (-1.0, 1.0)),
 }  # fmt: skip
+BEYOND = 10.0
+_TWIST = ("vx", "vy", "omega")
 _JOINTS = ("spin", "steer", "steer_rate")
 _RATES = {"spin_step": "spin", "steer_step": "steer_rate"}
 _EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
@@ -170,8 +172,7 @@ class Domain:
         ranges: dict[str, Range] = {}
         unknown = []
         for port in function.inputs:
-            asked = function.limits is Limits.ASKED and _rate(port)
-            interval = self.commanded.get(port.name) if asked else self._range(port)
+            interval = self._asked(port) if function.limits is Limits.ASKED else self._range(port)
             if interval is None:
                 unknown.append(port.name)
             else:
@@ -181,6 +182,15 @@ class Domain:
     def assumed(self, function: Function) -> dict[str, Range]:
         """Ranges of inputs that the robot file does not limit."""
         return {name: r for name, r in self.of(function)[0].items() if name not in self.declared}
+
+    def _asked(self, port: Port) -> Range | None:
+        """The range of an input of what keeps limits: beyond them."""
+        if port.name.rpartition(".")[2] in ("spin", "steer_rate"):
+            return self.commanded.get(port.name)
+        usual = self._range(port)
+        if port.name not in _TWIST or usual is None:
+            return usual
+        return BEYOND * usual[0], BEYOND * usual[1]
 
     def _range(self, port: Port) -> Range | None:
         name = port.name
@@ -201,21 +211,18 @@ class Domain:
         if joint.endswith("_step"):  # an angle that wheels turn in a step
             rate = self._range(replace(port, name=f"{owner}.{_RATES[joint]}"))
             return rate and inside(*(end * _POSE["dt"][1] for end in rate))
-        if joint == "wanted":  # a steering angle, as `inverse` gives it
+        if joint == "steer_wanted":  # as `inverse` gives it
             return self.commanded.get(f"{owner}.steer")
+        if joint.endswith(("_now", "_last")):  # the same quantity at another time
+            return self._range(replace(port, name=name.rpartition("_")[0]))
         if joint in ("steer", "theta"):
             return inside(-TURNS, TURNS)
         return self.declared.get("vx") if joint == "speed" else self.commanded.get(name)
 
 
-def _rate(port: Port) -> bool:
-    """Whether a port is the rate of a joint."""
-    return port.name.rpartition(".")[2] in ("spin", "steer_rate")
-
-
 def domain(robot: Robot) -> Domain:
     """The declared limits, those of a wheel before those of the robot."""
-    declared = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name not in _JOINTS}
+    declared = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name in _TWIST}
     for wheel in robot.wheels:
         for joint in _JOINTS:
             limit = robot.limit(wheel, joint)

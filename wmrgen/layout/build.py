@@ -71,6 +71,7 @@ def build(spec: RobotSpec) -> Robot:
         slip=spec.slip,
         cg=None if cg is None else Point(scope.length(cg.x), scope.length(cg.y), scope.length(cg.z)),
         gains={name: scope.length(quantity) for name, quantity in spec.gains},
+        deadband=ZERO if spec.deadband is None else _deadband(spec.deadband, scope),
         functions=tuple(f.name for f in spec.functions),
         noise=_noise(spec.noise, scope),
     )
@@ -253,6 +254,18 @@ def _noise(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
         n.joint: Noise(*(deviation(n.joint, part, getattr(n, part)) for part in ("proportional", "constant")))
         for n in noise
     }
+
+
+def _deadband(share: Quantity, scope: Scope) -> Exact:
+    """A share of the limits of the twist, from 0 to below 1."""
+    value = _constant("deadband", share, scope)
+    if not ZERO <= value < ONE:
+        raise RobotFileError(
+            f"deadband {share.text} is not from 0 to below 1", share.mark,
+            "It is a share of the limits of vx, vy and omega; with all of them the robot would never move.",
+            "Write a number such as deadband: 0.01.",
+        )  # fmt: skip
+    return value
 
 
 def _constant(what: str, quantity: Quantity, scope: Scope) -> Exact:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Generic, TypeVar
 
 from wmrgen.errors import Mark
-from wmrgen.exact.number import ONE, Exact
+from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
@@ -179,7 +179,8 @@ class Robot:
     """A layout, ready for derivation.
 
     ``steer_group`` and ``spin_group`` give, per wheel index, the first wheel of its coupled set
-    (itself when uncoupled). ``notes`` are the snaps made.
+    (itself when uncoupled). ``notes`` are the snaps made. ``deadband``: share of the limits of the twist that counts
+    as standstill.
     """
 
     name: str
@@ -197,6 +198,7 @@ class Robot:
     slip: bool = False
     cg: Point | None = None
     gains: dict[str, Length] = field(default_factory=dict)
+    deadband: Exact = ZERO
     functions: tuple[str, ...] = ()
     noise: Mapping[str, Noise] = field(default_factory=dict)
 

@@ -51,6 +51,11 @@ LIMITS = Section(
         Field("vx", Interval(Kind.SPEED), "speed of P forward"),
         Field("vy", Interval(Kind.SPEED), "speed of P to the left"),
         Field("omega", Interval(Kind.RATE), "yaw rate"),
+        Field(
+            "vx_rate", Interval(Kind.ACCELERATION), "how fast vx may change, which limit_acceleration keeps"
+        ),
+        Field("vy_rate", Interval(Kind.ACCELERATION), "how fast vy may change"),
+        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "how fast omega may change"),
         Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin"),
         Field(
             "steer",
@@ -284,6 +289,10 @@ ROBOT = Section(
             "noise", NOISE,
             "noise of every joint that is measured, independent from joint to joint and from step to step, for "
             "forward_covariance: its variance is (proportional value)**2 + constant**2",
+        ),
+        Field(
+            "deadband", Amount(Kind.ANY, "1"),
+            "share of the limits of vx, vy and omega below which limit_twist takes a twist for standstill", default="0",
         ),
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),

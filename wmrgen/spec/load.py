@@ -91,6 +91,7 @@ def read_text(text: str, file_name: str) -> RobotSpec:
         slip=table.word("slip"),
         cg=_point(table.get("cg"), scope),
         gains=_gains(table.get("gains"), scope),
+        deadband=table.amount("deadband", "the robot", scope),
         functions=tuple(FunctionSpec(item.text, item.mark) for item in table.scalars("functions")),
     )
 

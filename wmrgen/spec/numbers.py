@@ -22,7 +22,7 @@ MAX_DIGITS = 40
 MAX_EXPONENT = 30
 
 _SIGNED = re.compile(rf"[+-]?{NUMBER}")
-_WITH_UNIT = re.compile(rf"([+-]?{NUMBER})[ \t]*([A-Za-zµμ°π_\"][A-Za-z0-9_/µμ°\"]*)")
+_WITH_UNIT = re.compile(rf"([+-]?{NUMBER})[ \t]*([A-Za-zµμ°π_\"][A-Za-z0-9_/µμ°\"]*(?:(?<=/s)(?:\^2|²))?)")
 _NOT_FINITE = re.compile(r"[+-]?\.?(?:nan|inf|infinity)", re.IGNORECASE)
 
 
@@ -33,6 +33,8 @@ class Kind(StrEnum):
     ANGLE = "angle"  # rad
     SPEED = "speed"  # m/s
     RATE = "angular rate"  # rad/s
+    ACCELERATION = "acceleration"  # m/s^2
+    ANGULAR_ACCELERATION = "angular acceleration"  # rad/s^2
     ANY = "parameter"
 
 
@@ -66,8 +68,12 @@ UNITS: dict[str, Unit] = {
     "rad/s": _unit(Kind.RATE, "1"),
     "deg/s": _unit(Kind.RATE, "1/180", True),
     "rpm": _unit(Kind.RATE, "1/30", True),
+    "m/s^2": _unit(Kind.ACCELERATION, "1"),
+    "rad/s^2": _unit(Kind.ANGULAR_ACCELERATION, "1"),
+    "deg/s^2": _unit(Kind.ANGULAR_ACCELERATION, "1/180", True),
 }
 _SPELLINGS = {"µm": "um", "μm": "um", "°": "deg", "°/s": "deg/s"}
+_SPELLINGS |= {f"{unit}{two}": f"{unit}^2" for unit in ("m/s", "rad/s", "deg/s") for two in ("2", "²")}
 _ALIASES = {
     **dict.fromkeys(('"', "inch", "inches"), "Write in for inches."),
     **dict.fromkeys(("degree", "degrees", "grad"), "Write deg for degrees."),

@@ -72,7 +72,7 @@ class ParameterSpec:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """low <= value <= high, in SI units. ``name``: vx vy omega spin steer steer_rate."""
+    """low <= value <= high, in SI units. ``name``: vx vy omega, their rates, spin steer steer_rate."""
 
     name: str
     low: Quantity
@@ -181,4 +181,5 @@ class RobotSpec:
     slip: bool = False
     cg: PointSpec | None = None
     gains: tuple[tuple[str, Quantity], ...] = ()
+    deadband: Quantity | None = None
     functions: tuple[FunctionSpec, ...] = ()

@@ -29,7 +29,10 @@ from wmrgen.spec.wheels import keys_of_type, takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 Schema = dict[str, Any]
-SI = {Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s", Kind.ANY: "SI"}
+SI = {
+    Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s",
+    Kind.ACCELERATION: "m/s^2", Kind.ANGULAR_ACCELERATION: "rad/s^2", Kind.ANY: "SI",
+}  # fmt: skip
 
 
 def json_schema(functions: Sequence[str] = ()) -> Schema:

@@ -137,7 +137,7 @@ def test_what_inverse_asks_beyond_the_limits_is_what_it_is_for(tmp_path: Path) -
     ("limits", "named"),
     [
         ("", "fl, fr, bl, br have no limit of spin"),
-        ("limits: {spin: [0, 4]}", "leave no speed in one direction"),
+        ("limits: {spin: [0, 4]}", "the limits of fl.spin leave nothing on one side of 0"),
     ],
 )
 def test_what_is_missing_is_named(tmp_path: Path, limits: str, named: str) -> None:

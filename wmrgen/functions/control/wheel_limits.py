@@ -14,6 +14,7 @@ whose pivot stands still holds its angle.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import reduce
 
@@ -60,12 +61,9 @@ def desaturate(robot: Robot, _: Mobility) -> Formula:
     """
     rates = _rates(robot)
     names = Locals()
-    load: Expr = sympy.S.One
-    for port, limit in rates:
-        for bound in (limit.high, limit.low) if limit is not None else ():
-            load = maximum(load, times(number(ONE / bound), signal(port.name)))
+    load = most(sympy.S.One, ((signal(port.name), limit) for port, limit in rates))
     scale = names.define("scale", 1 / names.define("load", load))
-    outputs = [(port, _scaled(port, limit, scale)) for port, limit in rates]
+    outputs = [(port, scaled(signal(port.name), limit, scale)) for port, limit in rates]
     outputs.append((output("scale", "", "factor of all rates: 1 where every limit is kept"), scale))
     return names.formula(
         "desaturate",
@@ -75,10 +73,31 @@ def desaturate(robot: Robot, _: Mobility) -> Formula:
     )
 
 
-def _scaled(port: Port, limit: Interval | None, scale: Expr) -> Expr:
-    """The scaled rate; cut at the limit, which rounding may pass by one unit in the last place."""
-    scaled = times(scale, signal(port.name))
-    return scaled if limit is None else kept_between(number(limit.low), scaled, number(limit.high))
+def most(least: Expr, quantities: Iterable[tuple[Expr, Interval | None]]) -> Expr:
+    """The largest quantity in proportion to its limit, on the side where it lies, but no less than ``least`` >= 0."""
+    shares: list[Expr] = [] if least.is_zero else [least]
+    for value, limit in quantities:
+        if limit is not None and limit.low == -limit.high:
+            shares.append(times(number(ONE / limit.high), absolute(value)))
+        elif limit is not None:
+            shares += [times(number(ONE / end), value) for end in (limit.high, limit.low)]
+    return reduce(maximum, shares)
+
+
+def scaled(value: Expr, limit: Interval | None, scale: Expr) -> Expr:
+    """``value`` times ``scale``; cut at the limit, which rounding may pass by one unit in the last place."""
+    product = times(scale, value)
+    return product if limit is None else kept_between(number(limit.low), product, number(limit.high))
+
+
+def refuse_one_sided(robot: Robot, what: str, limits: Iterable[tuple[str, Interval | None]]) -> None:
+    """NotDerivableError of the function ``what`` where one of the named limits leaves no room on a side of 0."""
+    for name, limit in limits:
+        if limit is not None and not (limit.low.sign < 0 < limit.high.sign):
+            raise underivable(
+                robot, what, f"the limits of {name} leave nothing on one side of 0, "
+                "and no factor brings what lies there inside",
+            )  # fmt: skip
 
 
 def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
@@ -95,12 +114,7 @@ def _rates(robot: Robot) -> list[tuple[Port, Interval | None]]:
     joints = [(w, "spin") for w in robot.wheels if w.has_spin]
     joints += [(w, "steer_rate") for w in robot.wheels if w.kind.swivels]
     rates = [(joint_port(w, joint, Role.COMMAND), robot.limit(w, joint)) for w, joint in joints]
-    for port, limit in rates:
-        if limit is not None and not (limit.low.sign < 0 < limit.high.sign):
-            raise underivable(
-                robot, "desaturate", f"the limits of {port.name} leave no speed in one direction, "
-                "and no factor brings a rate of the other sign inside",
-            )  # fmt: skip
+    refuse_one_sided(robot, "desaturate", ((port.name, limit) for port, limit in rates))
     return rates
 
 

@@ -1,5 +1,6 @@
-"""`steer_toward`: steering angles that are commanded step by step, as fast as the limits of ``steer_rate`` let them.
+"""What is commanded while wheels swing to their angles: `steer_toward` and `compensate_steering`.
 
+`steer_toward` commands angles step by step, as fast as the limits of ``steer_rate`` let them.
 `inverse` commands the angle that a twist needs, however far the wheel stands from it. In a step of dt the wheel comes
 no further than dt times its limit of ``steer_rate``:
 
@@ -8,6 +9,16 @@ no further than dt times its limit of ``steer_rate``:
 so that it stands at ``wanted``, to the bit, as soon as that can be reached. No turn is taken off: the way from -170 to
 170 degrees leads through zero, as steering stops have it; `inverse` gives the angle that is nearest. An angle outside
 the limits of ``steer`` counts as at the limit.
+
+`compensate_steering` rolls a wheel, until it points where it should, as fast as its pivot moves along the way that it
+points now: of the velocity that `inverse` commands, r spin along the angle ``steer``, that is
+
+    spin' = spin cos(steer - steer_now)
+
+(the rolling row, Siegwart (3.12), at the present angle; cosineScale of WPILib). Any other speed would slip along the
+wheel. The sign is kept: a wheel more than a quarter turn off, as one that comes back from a steering stop, rolls
+backwards, which carries the robot where it should go. `inverse` asks for no more than a quarter turn where there are
+no stops.
 """
 
 from __future__ import annotations
@@ -20,7 +31,7 @@ from wmrgen.kinematics.steer import present
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Limits, Port, Role
-from wmrgen.symbolic import Expr, add, kept_between, maximum, minimum, number, signal, times
+from wmrgen.symbolic import Expr, add, kept_between, maximum, minimum, number, signal, subtract, times
 
 DT = Port("dt", Role.COMMAND, "s", "duration of the step; what is below 0 counts as 0")
 _WANTED = "steering angle that is to be reached, as inverse commands it"
@@ -37,14 +48,48 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
         for w, limit in rates
     ]
     standing = [joint_port(w, "steer", Role.STATE) for w, limit in rates if limit is not None]
-    wanted = [Port(f"{w.name}.wanted", Role.COMMAND, "rad", _WANTED) for w, _ in rates]
+    wanted = [Port(f"{w.name}.steer_wanted", Role.COMMAND, "rad", _WANTED) for w, _ in rates]
     text = "present and wanted steering angles to those commanded next, inside the limits of steer_rate"
     return names.formula("steer_toward", (*standing, *wanted, DT), outputs, text)
 
 
+@function("Siegwart (3.12) at the present angle; cosineScale of WPILib", limits=Limits.ASKED)
+def compensate_steering(robot: Robot, _: Mobility) -> Formula:
+    """Every ``<wheel>.spin`` of a wheel that steers and drives, times the cosine of what it has yet to swing."""
+    driven = [w for w in robot.wheels if w.kind.steers and "spin" in w.actuated]
+    if not driven:
+        raise underivable(robot, "compensate_steering", "no wheel is steered and driven")
+    inputs, outputs = dict[Port, None](), list[tuple[Port, Expr]]()
+    for w in driven:
+        lead = _lead(robot, w)
+        spin, steer = joint_port(w, "spin", Role.COMMAND), joint_port(lead, "steer", Role.COMMAND)
+        now = Port(f"{lead.name}.steer_now", Role.STATE, "rad", "steering angle as it is")
+        inputs |= dict.fromkeys((spin, steer, now))
+        along = sympy.cos(subtract(signal(steer.name), signal(now.name)))
+        outputs.append((spin, times(signal(spin.name), along)))
+    text = "wheel speeds while wheels swing: those of their pivots along the present steering angles"
+    return Locals().formula("compensate_steering", inputs, outputs, text)
+
+
+def _lead(robot: Robot, w: Wheel) -> Wheel:
+    """The first wheel that steers with ``w``. NotDerivableError where no factor of its own makes its speed right."""
+    groups = robot.steer_group
+    for other in robot.wheels:
+        if (
+            robot.spin_group[other.index] == robot.spin_group[w.index]
+            and groups[other.index] != groups[w.index]
+        ):
+            why = f"{w.name} and {other.name} turn as one and steer each by itself"
+            raise underivable(robot, "compensate_steering", why)
+    if w.working.o:
+        why = f"{w.name} rolls beside its steering axis (offset_y) as the robot turns, however it is steered"
+        raise underivable(robot, "compensate_steering", why)
+    return robot.wheels[groups[w.index]]
+
+
 def _next(w: Wheel, limit: Interval | None, angles: Interval | None, step: Expr) -> Expr:
     """``limit``: of the rate, ``angles``: of the angle."""
-    now, wanted = present(w, angles), signal(f"{w.name}.wanted")
+    now, wanted = present(w, angles), signal(f"{w.name}.steer_wanted")
     if angles is not None:
         wanted = kept_between(number(angles.low), wanted, number(angles.high))
     if limit is None:

@@ -139,6 +139,9 @@ def _wheel(w: Wheel) -> dict[str, Any]:
         entry["weight"] = float(w.weight)
     if w.noise:
         entry["noise"] = _noise(w.noise)
+    if w.encoders:
+        encoders = w.encoders.items()
+        entry["encoder"] = {j: {"counts_per_turn": float(e.turn), "bits": e.bits} for j, e in encoders}
     if w.limits:
         entry["limits"] = {name: [float(i.low), float(i.high)] for name, i in w.limits.items()}
     return entry

@@ -26,9 +26,10 @@ from wmrgen.spec.load import read_text
 FAMILIES = tuple(f"wmrgen.functions.{family}." for family in ("control", "motion", "space"))
 FUNCTIONS = [n for n in names() if declaration(n).build.__module__.startswith(FAMILIES)]
 NOISE = "noise: {spin: {proportional: 0.02, constant: 0.1}, steer: {constant: 0.01}, steer_rate: {constant: 0.1}}\n"
+ENCODER = "encoder: {spin: {counts: 4096, gear: 30}},"
 TEXTS = {
     "car": CAR + "limits: {steer: 0.6, spin: 20}\n" + NOISE,
-    "differential": DIFFERENTIAL + NOISE,
+    "differential": (DIFFERENTIAL + NOISE).replace("type: fixed,", f"type: fixed, {ENCODER}"),
     "four_ws": FOUR_WS + NOISE,
     "mecanum": MECANUM_T + "limits: {spin: [-11, 12]}\n" + NOISE,
     "omni": OMNI_K,

@@ -13,11 +13,11 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
 from wmrgen.layout.expressions import PI, Scope, snap, to_poly
+from wmrgen.layout.joints import constant, encoder_of, noise_of, weight_of
 from wmrgen.layout.records import (
     Geometry,
     Interval,
     Length,
-    Noise,
     Parameter,
     Point,
     Robot,
@@ -27,7 +27,6 @@ from wmrgen.layout.records import (
 )
 from wmrgen.spec.records import (
     Limit,
-    NoiseSpec,
     ParameterSpec,
     Quantity,
     RobotSpec,
@@ -38,7 +37,6 @@ from wmrgen.spec.records import (
 from wmrgen.wheels import WHEEL_TYPES
 
 HALF_PI = PI.scale(Fraction(1, 2))
-MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
 
 
 def build(spec: RobotSpec) -> Robot:
@@ -73,7 +71,7 @@ def build(spec: RobotSpec) -> Robot:
         gains={name: scope.length(quantity) for name, quantity in spec.gains},
         deadband=ZERO if spec.deadband is None else _deadband(spec.deadband, scope),
         functions=tuple(f.name for f in spec.functions),
-        noise=_noise(spec.noise, scope),
+        noise=noise_of(spec.noise, scope),
     )
     refuse_unmodelled(spec, robot)
     return common_limits(spec, robot)
@@ -173,22 +171,9 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         l=hypot(x, y), alpha=direction, beta=remainder(shown + pi / 2 - direction, 2 * pi),
         gamma=float(scope.number(gamma)), heading=shown,
         actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, scope),
-        weight=ONE if w.weight is None else _weight(w.name, w.weight, scope),
-        noise=_noise(w.noise, scope),
+        weight=ONE if w.weight is None else weight_of(w.name, w.weight, scope),
+        noise=noise_of(w.noise, scope), encoders={e.joint: encoder_of(w.name, e, scope) for e in w.encoders},
     )  # fmt: skip
-
-
-def _weight(name: str, weight: Quantity, scope: Scope) -> Exact:
-    """A positive constant, not so far from the 1 of other wheels that a float loses one of them."""
-    value = _constant(f"{name}: weight", weight, scope)
-    if not 1 <= value * MOST_WEIGHT <= MOST_WEIGHT**2:
-        raise RobotFileError(
-            f"{name}: weight {weight.text} is not between 1/{MOST_WEIGHT} and {MOST_WEIGHT}", weight.mark,
-            "Weights are about (noise of other wheels / noise of this one)**2; rows that count next to nothing are "
-            "lost in rounding.",
-            "Write a number such as 0.25; sensed: [] leaves the wheel out.",
-        )  # fmt: skip
-    return value
 
 
 def _check(w: WheelSpec, g: Geometry[Exact]) -> None:
@@ -227,7 +212,7 @@ def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     """The limits in SI units. RobotFileError where low is above high, and for one that a tunable parameter moves."""
     intervals = {}
     for limit in limits:
-        high, low = (_constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
+        high, low = (constant(f"limit {limit.name}", end, scope) for end in (limit.high, limit.low))
         if low > high:
             raise RobotFileError(
                 f"limit {limit.name} runs from {limit.low.text} to {limit.high.text}", limit.mark,
@@ -238,27 +223,9 @@ def _limits(limits: Iterable[Limit], scope: Scope) -> dict[str, Interval]:
     return intervals
 
 
-def _noise(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
-    """Standard deviations in SI units. RobotFileError for one below 0."""
-
-    def deviation(joint: str, part: str, quantity: Quantity | None) -> Exact:
-        value = ZERO if quantity is None else _constant(f"noise of {joint}: {part}", quantity, scope)
-        if quantity is not None and value.sign < 0:
-            raise RobotFileError(
-                f"noise of {joint}: {part} {quantity.text} is negative", quantity.mark,
-                "It is a standard deviation.", "Write 0 or a positive value.",
-            )  # fmt: skip
-        return value
-
-    return {
-        n.joint: Noise(*(deviation(n.joint, part, getattr(n, part)) for part in ("proportional", "constant")))
-        for n in noise
-    }
-
-
 def _deadband(share: Quantity, scope: Scope) -> Exact:
     """A share of the limits of the twist, from 0 to below 1."""
-    value = _constant("deadband", share, scope)
+    value = constant("deadband", share, scope)
     if not ZERO <= value < ONE:
         raise RobotFileError(
             f"deadband {share.text} is not from 0 to below 1", share.mark,
@@ -266,19 +233,6 @@ def _deadband(share: Quantity, scope: Scope) -> Exact:
             "Write a number such as deadband: 0.01.",
         )  # fmt: skip
     return value
-
-
-def _constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
-    """The value of what no tunable parameter may move."""
-    symbolic = scope.poly(quantity)
-    names = sorted(parameters_in(substituted(symbolic, scope.constants)))
-    if names:
-        raise RobotFileError(
-            f"{what}: {quantity.text} depends on the tunable parameter {names[0]}", quantity.mark,
-            "It is a constant of the generated code and of its proved bounds.",
-            f"Write a number, or delete tunable: true of {names[0]}.",
-        )  # fmt: skip
-    return scope.number(symbolic)
 
 
 def _virtual(v: VirtualSpec, wheels: Iterable[Wheel], scope: Scope) -> Virtual:

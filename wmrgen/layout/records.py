@@ -74,6 +74,14 @@ class Noise:
 
 
 @dataclass(frozen=True, slots=True)
+class Encoder:
+    """A counter: ``turn`` counts per turn of the joint, negative where it counts down; it wraps at 2**``bits``."""
+
+    turn: Exact
+    bits: int
+
+
+@dataclass(frozen=True, slots=True)
 class Wheel:
     """A wheel of the layout. ``alpha``, ``beta``, ``gamma``, ``heading``: nominal angles [rad], for display.
 
@@ -96,6 +104,7 @@ class Wheel:
     limits: dict[str, Interval]
     weight: Exact = ONE
     noise: Mapping[str, Noise] = field(default_factory=dict)
+    encoders: Mapping[str, Encoder] = field(default_factory=dict)
 
     @property
     def kind(self) -> WheelType:

@@ -40,6 +40,9 @@ class Word:
     aliases: Mapping[str, str] = field(default_factory=dict)
 
 
+YES = {"true": True, "false": False}
+
+
 @dataclass(frozen=True, slots=True)
 class Amount:
     """A quantity: a number, a number with a unit, an expression. ``unit``: what else than the units of the kind."""

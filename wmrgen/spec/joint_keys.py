@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wmrgen.spec.fields import Amount, Field, Section
+from wmrgen.spec.fields import YES, Amount, Field, Section, Word
 from wmrgen.spec.numbers import Kind
 
 
@@ -33,5 +33,34 @@ NOISE = Section(
         Field("spin", RATE_NOISE, f"{_WHOSE} wheel speeds", joint="spin"),
         Field("steer", ANGLE_NOISE, f"{_WHOSE} steering angles", joint="steer"),
         Field("steer_rate", RATE_NOISE, f"{_WHOSE} steering rates", joint="steer"),
+    ),
+)
+
+COUNTER = Section(
+    "the encoder of a joint",
+    "spin: {counts: 4096, gear: 30}",
+    (
+        Field(
+            "counts", Amount(Kind.ANY, "1"), "counts per turn of the encoder's shaft, all four edges of a quadrature",
+            required=True, aliases=dict.fromkeys(("cpr", "ticks", "resolution", "ppr", "lines"), ""),
+            missing=("It turns counts into an angle.", "Write counts: and the counts per turn, such as counts: 4096."),
+        ),
+        Field(
+            "gear", Amount(Kind.ANY, "1"), "turns of the encoder's shaft per turn of the joint", default="1",
+            aliases=dict.fromkeys(("ratio", "gear_ratio", "reduction"), ""),
+        ),
+        Field(
+            "reversed", Word(YES, "false"), "it counts down where the joint turns in its positive direction",
+            aliases=dict.fromkeys(("inverted", "invert", "reverse"), ""),
+        ),
+        Field("bits", Amount(Kind.ANY, "1"), "width of the counter, which wraps: 16 or 32", default="32"),
+    ),
+)  # fmt: skip
+ENCODER = Section(
+    "encoder",
+    "encoder: {spin: {counts: 4096, gear: 30, reversed: true, bits: 16}, steer: {counts: 16384}}",
+    (
+        Field("spin", COUNTER, "on the motor or the axle of the wheel", joint="spin"),
+        Field("steer", COUNTER, "of the steering angle; it stands at 0 where steer is 0", joint="steer"),
     ),
 )

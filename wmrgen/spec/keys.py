@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wmrgen.spec.fields import (
+    YES,
     Amount,
     Choice,
     Field,
@@ -16,10 +17,9 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )
-from wmrgen.spec.joint_keys import ANGLE_NOISE, NOISE, RATE_NOISE
+from wmrgen.spec.joint_keys import ANGLE_NOISE, COUNTER, ENCODER, NOISE, RATE_NOISE
 from wmrgen.spec.numbers import Kind
 
-_YES = {"true": True, "false": False}
 _LENGTH, _ANGLE = Amount(Kind.LENGTH), Amount(Kind.ANGLE)
 _GAIN = Amount(Kind.ANY, "1/s")
 _JOINTS = ListOf(OneOf("joint"), "[spin]", once=True)
@@ -40,7 +40,7 @@ PARAMETER = Section(
     "{value: 0.1, tunable: true}",
     (
         Field("value", Amount(Kind.ANY), "the value, which may use other parameters", required=True),
-        Field("tunable", Word(_YES, "false"), "the parameter stays an input of the generated code"),
+        Field("tunable", Word(YES, "false"), "the parameter stays an input of the generated code"),
     ),
 )
 
@@ -159,6 +159,7 @@ WHEEL = Section(
         ),
         Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
         Field("noise", NOISE, "noise of this wheel's joints, before that of the robot"),
+        Field("encoder", ENCODER, "encoders of this wheel's joints, for joints_from_counts"),
     ),
     (
         Choice(
@@ -264,7 +265,7 @@ ROBOT = Section(
             "unit of angles that are written without one",
         ),
         Field(
-            "snap", Word(_YES, "true"),
+            "snap", Word(YES, "true"),
             "angles within 1e-3 rad of a multiple of pi/12 are taken for that multiple",
         ),
         Field("parameters", Mapped(PARAMETER, 256), "named lengths, angles and numbers"),
@@ -297,7 +298,7 @@ ROBOT = Section(
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),
         Field(
-            "slip", Word(_YES, "false"),
+            "slip", Word(YES, "false"),
             "slip of every wheel, along and across: the function slip_inverse, columns of the Pfaffian matrix",
         ),
         Field("cg", CG, "centre of gravity, for the function stability"),
@@ -317,6 +318,8 @@ SECTIONS = {
     "`noise`, of the robot or of a wheel": NOISE,
     "`spin` and `steer_rate` of `noise`": RATE_NOISE,
     "`steer` of `noise`": ANGLE_NOISE,
+    "`encoder`, of a wheel": ENCODER,
+    "Each joint of `encoder`": COUNTER,
     "A parameter with more than a value": PARAMETER,
     "Each of `couplings`": COUPLING,
     "Each of `virtual`": VIRTUAL,

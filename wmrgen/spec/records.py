@@ -90,6 +90,17 @@ class NoiseSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class EncoderSpec:
+    """A counter of ``joint``, spin or steer: ``counts`` per turn of its shaft, which turns ``gear`` times as far."""
+
+    joint: str
+    counts: Quantity
+    gear: Quantity | None
+    reversed: bool
+    bits: Quantity | None
+
+
+@dataclass(frozen=True, slots=True)
 class WheelSpec:
     """One entry of ``wheels``. Exactly one placement (l, alpha) or (x, y); beta or heading, not both;
     a castor or spherical wheel may have neither."""
@@ -113,6 +124,7 @@ class WheelSpec:
     sensed: tuple[str, ...] = ()
     limits: tuple[Limit, ...] = ()
     noise: tuple[NoiseSpec, ...] = ()
+    encoders: tuple[EncoderSpec, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

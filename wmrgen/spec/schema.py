@@ -21,7 +21,7 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )
-from wmrgen.spec.joint_keys import NOISE
+from wmrgen.spec.joint_keys import ENCODER, NOISE
 from wmrgen.spec.keys import LIMITS, ROBOT, SECTIONS, WHEEL
 from wmrgen.spec.numbers import Kind, units_of
 from wmrgen.spec.tables import NAME_PATTERN
@@ -152,7 +152,7 @@ def _wheel(kind: WheelType) -> Schema:
     properties["type"] = {"const": kind.name}
     for key in ("actuated", "sensed"):
         properties[key]["items"] = {"enum": list(kind.joints)}
-    for key, section in (("limits", LIMITS), ("noise", NOISE)):
+    for key, section in (("limits", LIMITS), ("noise", NOISE), ("encoder", ENCODER)):
         own = keys_of_type(section, kind)
         of_joints = _section(section, (f for f in section.fields if f.key in own))
         properties[key] = {**of_joints, "description": WHEEL.field(key).meaning}

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from wmrgen.errors import RobotFileError
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Interval, Section
-from wmrgen.spec.joint_keys import NOISE
+from wmrgen.spec.joint_keys import ENCODER, NOISE
 from wmrgen.spec.keys import COUPLING, LIMITS, WHEEL
 from wmrgen.spec.numbers import Scope
-from wmrgen.spec.records import Coupling, Limit, Neg, NoiseSpec, WheelSpec
+from wmrgen.spec.records import Coupling, EncoderSpec, Limit, Neg, NoiseSpec, WheelSpec
 from wmrgen.spec.tables import Table, table_of, wheel_name
 from wmrgen.spec.text import Node, Scalar, SequenceNode, quoted, suggestion
 from wmrgen.wheels import WHEEL_TYPES, WheelType
@@ -58,6 +58,7 @@ def _wheel(table: Table, scope: Scope) -> WheelSpec:
         sensed=read_joints(table, "sensed", kind, actuated),
         limits=read_limits(table.get("limits"), what, scope, keys_of_type(LIMITS, kind)),
         noise=read_noise(table.get("noise"), what, scope, keys_of_type(NOISE, kind)),
+        encoders=_encoders(table.get("encoder"), what, scope, keys_of_type(ENCODER, kind)),
     )
 
 
@@ -155,17 +156,37 @@ def read_noise(
     """The noise of joints, of those that are ``valid``."""
     if node is None:
         return ()
-    table = table_of(node, NOISE, f"noise of {what}", valid)
     noise = []
-    for joint, value in table.values.items():
-        section = NOISE.field(joint).value
-        assert isinstance(section, Section)
-        of = table_of(value, section, f"{joint} of the noise of {what}")
+    for joint, of in _by_joint(node, NOISE, "noise", what, valid):
         name = f"the noise of {joint}"
         noise.append(
             NoiseSpec(joint, of.amount("proportional", name, scope), of.amount("constant", name, scope))
         )
     return tuple(noise)
+
+
+def _encoders(node: Node | None, what: str, scope: Scope, valid: tuple[str, ...]) -> tuple[EncoderSpec, ...]:
+    """The encoders of joints, of those that are ``valid``."""
+    if node is None:
+        return ()
+    encoders = []
+    for joint, of in _by_joint(node, ENCODER, "encoder", what, valid):
+        name = f"the encoder of {joint}"
+        of.require_all(name)
+        counts = of.required_amount("counts", name, scope)
+        gear, bits = (of.amount(key, name, scope) for key in ("gear", "bits"))
+        encoders.append(EncoderSpec(joint, counts, gear, of.word("reversed"), bits))
+    return tuple(encoders)
+
+
+def _by_joint(
+    node: Node, section: Section, called: str, what: str, valid: tuple[str, ...] | None
+) -> Iterator[tuple[str, Table]]:
+    """Each joint of a mapping, with the mapping that stands behind it."""
+    for joint, value in table_of(node, section, f"{called} of {what}", valid).values.items():
+        of = section.field(joint).value
+        assert isinstance(of, Section)
+        yield joint, table_of(value, of, f"{joint} of the {called} of {what}")
 
 
 def read_couplings(robot: Table, wheels: Iterable[WheelSpec]) -> tuple[Coupling, ...]:

@@ -1,0 +1,94 @@
+"""Counts of encoders to joint rates and angles, and what a robot file may say of encoders."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from tests.oracle.harness import robot_text
+from tests.oracle.weighted import LAYOUTS
+from wmrgen import derive, load
+from wmrgen.backends.c99.driver import evaluate_c
+from wmrgen.errors import NotDerivableError, RobotFileError
+from wmrgen.ir.kernels.choice import Choice
+from wmrgen.robot import Derivation
+
+NAME = "joints_from_counts"
+WHEEL = "{{name: {0}, type: {1}, x: {2}, y: 0, heading: 0, r: 0.1, encoder: {{{3}}}, {4}}}"
+SPIN = "spin: {counts: 4096, gear: 61/2, reversed: true, bits: 16}"
+STEER = "steer: {counts: 1000, gear: 3}"
+
+
+def derived(folder: Path, *wheels: str) -> Derivation:
+    path = folder / "counted.yaml"
+    path.write_text("wmrgen: 1\nname: counted\nwheels:\n" + "".join(f"  - {w}\n" for w in wheels))
+    return derive(load(path), [NAME])
+
+
+def fixed(encoder: str) -> str:
+    return WHEEL.format("a", "fixed", 0, encoder, "")
+
+
+def test_rates_and_angles(tmp_path: Path) -> None:
+    d = derived(
+        tmp_path,
+        fixed(SPIN),
+        WHEEL.format("b", "steered", 1, f"{STEER}, spin: {{counts: 512}}", ""),
+        WHEEL.format("c", "castor", 2, STEER, "d: 0.1, actuated: [spin, steer]"),
+        WHEEL.format("e", "castor", 3, STEER, "d: 0.1"),
+    )
+    counts = {"a.spin_counts": 300, "b.spin_counts": -7, "b.steer_counts": 500, "c.steer_counts": -250,
+              "c.steer_rate_counts": 12, "e.steer_counts": 0}  # fmt: skip
+    wanted = {
+        "a.spin": -300 / (4096 * 30.5) * math.tau / 0.01, "b.spin": -7 / 512 * math.tau / 0.01, "b.steer": math.pi / 3,
+        "c.steer": -math.pi / 6, "c.steer_rate": 12 / 3000 * math.tau / 0.01, "e.steer": 0.0,
+    }  # fmt: skip
+    assert d.numpy().joints_from_counts(**counts, dt=0.01) == pytest.approx(wanted, rel=1e-12)
+    (in_c,) = evaluate_c(
+        d.c_module, NAME, [{n: float(v) for n, v in counts.items()} | {"dt": 0.01}], Choice()
+    )
+    assert in_c == pytest.approx(wanted, rel=1e-6)
+
+
+def test_no_time_passes(tmp_path: Path) -> None:
+    """A step that lasted nothing counts as a nanosecond: the rate is finite, 0 where nothing was counted."""
+    d = derived(tmp_path, fixed(SPIN))
+    for dt in (0.0, -0.0, -1.0):
+        assert d.numpy().joints_from_counts(**{"a.spin_counts": 0.0}, dt=dt)["a.spin"] == 0
+        assert math.isfinite(d.numpy().joints_from_counts(**{"a.spin_counts": 1.0}, dt=dt)["a.spin"])
+
+
+def test_angles_alone_take_no_time(tmp_path: Path) -> None:
+    d = derived(tmp_path, WHEEL.format("b", "steered", 1, STEER, ""))
+    assert [p.name for p in d.formula(NAME).inputs] == ["b.steer_counts"]
+
+
+def test_who_has_no_encoder(tmp_path: Path) -> None:
+    path = tmp_path / "plain.yaml"
+    path.write_text(robot_text(LAYOUTS["swerve"]))
+    with pytest.raises(NotDerivableError, match="no wheel has an encoder; write encoder"):
+        derive(load(path), [NAME]).formula(NAME)
+
+
+@pytest.mark.parametrize(
+    ("encoder", "problem"),
+    [("spin: {gear: 3}", "has no counts"), ("spin: {counts: 0}", "counts 0 is not positive"),
+     ("spin: {counts: 10, gear: -3}", "gear -3 is not positive"), ("spin: {counts: 10, bits: 24}", "neither 16 nor 32"),
+     ("spin: {counts: 10 mm}", "has a unit"), ("spin: {cpr: 10}", "Did you mean counts"),
+     ("steer: {counts: 10}", "unknown key 'steer'"), ("counts: 10", "unknown key 'counts'"),
+     ("spin: 10", "must be a mapping"),
+     ("spin: {counts: 10, reversed: maybe}", "reversed: 'maybe' is not known")],
+)  # fmt: skip
+def test_encoders_that_make_no_sense(encoder: str, problem: str, tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError) as caught:
+        derived(tmp_path, fixed(encoder))
+    assert problem in str(caught.value)
+
+
+def test_width_and_turn(tmp_path: Path) -> None:
+    encoders = derived(tmp_path, fixed(SPIN)).robot.wheels[0].encoders
+    assert {j: (float(e.turn), e.bits) for j, e in encoders.items()} == {"spin": (-4096 * 30.5, 16)}
+    (plain,) = derived(tmp_path, fixed("spin: {counts: 7}")).robot.wheels[0].encoders.values()
+    assert (float(plain.turn), plain.bits) == (7.0, 32)

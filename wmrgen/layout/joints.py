@@ -1,0 +1,82 @@
+"""What a robot file says of joints and their sensors, as exact constants: weights, noise, encoders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from wmrgen.errors import RobotFileError
+from wmrgen.exact.evaluate import parameters_in, substituted
+from wmrgen.exact.number import ZERO, Exact
+from wmrgen.layout.expressions import Scope
+from wmrgen.layout.records import Encoder, Noise
+from wmrgen.spec.records import EncoderSpec, NoiseSpec, Quantity
+
+MOST_WEIGHT = 1000  # of the least: rows that count less are lost in the rounding of a float
+
+
+def constant(what: str, quantity: Quantity, scope: Scope) -> Exact:
+    """The value of what no tunable parameter may move."""
+    symbolic = scope.poly(quantity)
+    names = sorted(parameters_in(substituted(symbolic, scope.constants)))
+    if names:
+        raise RobotFileError(
+            f"{what}: {quantity.text} depends on the tunable parameter {names[0]}", quantity.mark,
+            "It is a constant of the generated code and of its proved bounds.",
+            f"Write a number, or delete tunable: true of {names[0]}.",
+        )  # fmt: skip
+    return scope.number(symbolic)
+
+
+def weight_of(name: str, weight: Quantity, scope: Scope) -> Exact:
+    """A positive constant, not so far from the 1 of other wheels that a float loses one of them."""
+    value = constant(f"{name}: weight", weight, scope)
+    if not 1 <= value * MOST_WEIGHT <= MOST_WEIGHT**2:
+        raise RobotFileError(
+            f"{name}: weight {weight.text} is not between 1/{MOST_WEIGHT} and {MOST_WEIGHT}", weight.mark,
+            "Weights are about (noise of other wheels / noise of this one)**2; rows that count next to nothing are "
+            "lost in rounding.",
+            "Write a number such as 0.25; sensed: [] leaves the wheel out.",
+        )  # fmt: skip
+    return value
+
+
+def noise_of(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
+    """Standard deviations in SI units. RobotFileError for one below 0."""
+
+    def deviation(joint: str, part: str, quantity: Quantity | None) -> Exact:
+        value = ZERO if quantity is None else constant(f"noise of {joint}: {part}", quantity, scope)
+        if quantity is not None and value.sign < 0:
+            raise RobotFileError(
+                f"noise of {joint}: {part} {quantity.text} is negative", quantity.mark,
+                "It is a standard deviation.", "Write 0 or a positive value.",
+            )  # fmt: skip
+        return value
+
+    return {
+        n.joint: Noise(*(deviation(n.joint, part, getattr(n, part)) for part in ("proportional", "constant")))
+        for n in noise
+    }
+
+
+def encoder_of(wheel: str, e: EncoderSpec, scope: Scope) -> Encoder:
+    """A counter. RobotFileError for counts or a gear that are not positive, and for another width than 16 or 32."""
+    what = f"encoder of {wheel}.{e.joint}"
+    counts = _positive(f"{what}: counts", e.counts, scope)
+    turn = counts if e.gear is None else counts * _positive(f"{what}: gear", e.gear, scope)
+    bits = Exact(32) if e.bits is None else constant(f"{what}: bits", e.bits, scope)
+    if e.bits is not None and bits not in (Exact(16), Exact(32)):
+        raise RobotFileError(
+            f"{what}: bits {e.bits.text} is neither 16 nor 32", e.bits.mark,
+            "A counter is read as an unsigned integer of that width.", "Write bits: 16 or bits: 32.",
+        )  # fmt: skip
+    return Encoder(-turn if e.reversed else turn, 16 if bits == Exact(16) else 32)
+
+
+def _positive(what: str, quantity: Quantity, scope: Scope) -> Exact:
+    value = constant(what, quantity, scope)
+    if value.sign <= 0:
+        raise RobotFileError(
+            f"{what} {quantity.text} is not positive", quantity.mark, "",
+            "Write a positive number; reversed: true says that the encoder counts down.",
+        )  # fmt: skip
+    return value

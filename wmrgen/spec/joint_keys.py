@@ -1,9 +1,37 @@
-"""What a robot file says of the sensors of joints: noise and encoders. `wmrgen.spec.keys` has the other keys."""
+"""What a robot file says of joints: limits, noise, encoders. `wmrgen.spec.keys` has the other keys."""
 
 from __future__ import annotations
 
-from wmrgen.spec.fields import YES, Amount, Field, Section, Word
+from wmrgen.spec.fields import YES, Amount, Field, Interval, Section, Word
 from wmrgen.spec.numbers import Kind
+
+LIMITS = Section(
+    "limits",
+    "limits: {omega: 4.0}",
+    (
+        Field("vx", Interval(Kind.SPEED), "speed of P forward"),
+        Field("vy", Interval(Kind.SPEED), "speed of P to the left"),
+        Field("omega", Interval(Kind.RATE), "yaw rate"),
+        Field(
+            "vx_rate", Interval(Kind.ACCELERATION), "how fast vx may change, which limit_acceleration keeps"
+        ),
+        Field("vy_rate", Interval(Kind.ACCELERATION), "how fast vy may change"),
+        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "how fast omega may change"),
+        Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin"),
+        Field(
+            "steer",
+            Interval(Kind.ANGLE),
+            "steering angle; inverse commands no other (coupled wheels keep the limits of all of them)",
+            joint="steer",
+        ),
+        Field(
+            "steer_rate",
+            Interval(Kind.RATE),
+            "rate of a steering angle, which steer_toward keeps",
+            joint="steer",
+        ),
+    ),
+)
 
 
 def _noise_of(kind: Kind, example: str) -> Section:

@@ -7,7 +7,6 @@ from wmrgen.spec.fields import (
     Amount,
     Choice,
     Field,
-    Interval,
     ListOf,
     Mapped,
     Name,
@@ -17,7 +16,7 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )
-from wmrgen.spec.joint_keys import ANGLE_NOISE, COUNTER, ENCODER, NOISE, RATE_NOISE
+from wmrgen.spec.joint_keys import ANGLE_NOISE, COUNTER, ENCODER, LIMITS, NOISE, RATE_NOISE
 from wmrgen.spec.numbers import Kind
 
 _LENGTH, _ANGLE = Amount(Kind.LENGTH), Amount(Kind.ANGLE)
@@ -41,34 +40,6 @@ PARAMETER = Section(
     (
         Field("value", Amount(Kind.ANY), "the value, which may use other parameters", required=True),
         Field("tunable", Word(YES, "false"), "the parameter stays an input of the generated code"),
-    ),
-)
-
-LIMITS = Section(
-    "limits",
-    "limits: {omega: 4.0}",
-    (
-        Field("vx", Interval(Kind.SPEED), "speed of P forward"),
-        Field("vy", Interval(Kind.SPEED), "speed of P to the left"),
-        Field("omega", Interval(Kind.RATE), "yaw rate"),
-        Field(
-            "vx_rate", Interval(Kind.ACCELERATION), "how fast vx may change, which limit_acceleration keeps"
-        ),
-        Field("vy_rate", Interval(Kind.ACCELERATION), "how fast vy may change"),
-        Field("omega_rate", Interval(Kind.ANGULAR_ACCELERATION), "how fast omega may change"),
-        Field("spin", Interval(Kind.RATE), "rate of a wheel about its axle", joint="spin"),
-        Field(
-            "steer",
-            Interval(Kind.ANGLE),
-            "steering angle; inverse commands no other (coupled wheels keep the limits of all of them)",
-            joint="steer",
-        ),
-        Field(
-            "steer_rate",
-            Interval(Kind.RATE),
-            "rate of a steering angle, which steer_toward keeps",
-            joint="steer",
-        ),
     ),
 )
 

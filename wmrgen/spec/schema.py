@@ -21,8 +21,8 @@ from wmrgen.spec.fields import (
     Version,
     Word,
 )
-from wmrgen.spec.joint_keys import ENCODER, NOISE
-from wmrgen.spec.keys import LIMITS, ROBOT, SECTIONS, WHEEL
+from wmrgen.spec.joint_keys import ENCODER, LIMITS, NOISE
+from wmrgen.spec.keys import ROBOT, SECTIONS, WHEEL
 from wmrgen.spec.numbers import Kind, units_of
 from wmrgen.spec.tables import NAME_PATTERN
 from wmrgen.spec.wheels import keys_of_type, takes

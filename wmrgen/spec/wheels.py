@@ -8,8 +8,8 @@ from dataclasses import replace
 from wmrgen.errors import RobotFileError
 from wmrgen.spec.expressions import read_quantity, scalar_of
 from wmrgen.spec.fields import Amount, Interval, Section
-from wmrgen.spec.joint_keys import ENCODER, NOISE
-from wmrgen.spec.keys import COUPLING, LIMITS, WHEEL
+from wmrgen.spec.joint_keys import ENCODER, LIMITS, NOISE
+from wmrgen.spec.keys import COUPLING, WHEEL
 from wmrgen.spec.numbers import Scope
 from wmrgen.spec.records import Coupling, EncoderSpec, Limit, Neg, NoiseSpec, WheelSpec
 from wmrgen.spec.tables import Table, table_of, wheel_name

@@ -28,6 +28,14 @@ def test_prints_bounds_and_says_that_eva_is_missing() -> None:
     assert "left.spin" in done.stdout and "error" in done.stdout
     assert "|vx| <= 1.2" in done.stdout
     assert "Eva was not run: frama-c is not on the PATH" in done.stderr
+    assert "two headings" not in done.stdout
+
+
+@pytest.mark.usefixtures("no_eva")
+def test_says_of_steered_wheels_what_bounds_mean_at_ties() -> None:
+    done = CliRunner().invoke(app, ["prove", str(ROBOTS / "f1tenth.yaml")])
+    assert "two headings are equally near" in done.stdout
+    assert "either is right, and the error is that of the one taken" in done.stdout
 
 
 @pytest.mark.usefixtures("no_eva")

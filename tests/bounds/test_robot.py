@@ -11,6 +11,7 @@ from wmrgen.bounds.analysis import Claim
 from wmrgen.bounds.assumptions import LIBM
 from wmrgen.bounds.robot import (
     SINGULAR,
+    TIES,
     Bounds,
     FunctionBound,
     OutputBound,
@@ -109,6 +110,7 @@ def test_the_header_of_the_c() -> None:
     assert header_lines(replace(BOUNDS, missing=("vx",))) == ()
     under, line = header_lines(BOUNDS)
     assert under.startswith("Proved for |vx| <= 1: no division by zero") and "h is the speed" not in under
+    assert TIES not in under
     assert line == "  inverse: left.spin in [-2, 3] rad/s, off by 1.3e-07"
     twin = replace(OUTPUT, name="right.spin")
     steer = replace(OUTPUT, name="front.steer", unit="rad", from_length=0.01)
@@ -116,7 +118,7 @@ def test_the_header_of_the_c() -> None:
     assumed = replace(BOUNDS, functions=(full, ALARMED, UNKNOWN), assumed={"omega": (-3.0, 3.0)})
     under, *lines = header_lines(assumed)
     assert "and with these ranges of inputs that have no limits: |omega| <= 3: no division" in under
-    assert under.endswith("where it vanishes, the angle is not defined.")
+    assert under.endswith(f"where it vanishes, the angle is not defined. {TIES}")
     assert lines == [
         "  inverse: left.spin, right.spin in [-2, 3] rad/s, off by 1.3e-07",
         "  inverse: front.steer in [-2, 3] rad, off by 1.3e-07 where h >= 1.0e-02",

@@ -18,6 +18,10 @@ from wmrgen.layout.records import Robot
 from wmrgen.ports import overshot
 
 SINGULAR = "its formula is singular within the limits: a divisor comes close to zero"
+TIES = (
+    "Where two headings are equally near, or a wheel at its stop is about to turn back, rounding decides which is "
+    "taken: either is right, and the error is that of the one taken."
+)
 _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of zero
 
 
@@ -25,6 +29,7 @@ _NOTHING = 1e-100  # below every float: what the arithmetic of bounds leaves of 
 class OutputBound:
     """The float result lies in [low, high] and within ``error`` + ``per_length`` / h of the exact formula.
 
+    The formula is decided as the float code decides it: at a tie either branch is right, the error that of the taken.
     h is the length of the shortest vector whose direction the output depends on, as the speed [m/s] of the pivot of
     a steered wheel; the error is claimed where h >= ``from_length``. Both are 0 where there is no such vector.
     ``singular``: nothing of this is claimed, for a divisor in the formula comes close to zero within the limits.
@@ -72,6 +77,11 @@ class Bounds:
     @property
     def proved(self) -> bool:
         return not self.missing and all(f.proved or f.unknown for f in self.functions)
+
+    @property
+    def steers(self) -> bool:
+        """Whether an output depends on the direction of a vector that may vanish."""
+        return any(o.from_length for f in self.functions for o in f.outputs)
 
 
 def bounds(robot: Robot, module: Module, library: Library) -> Bounds:
@@ -201,8 +211,9 @@ def header_lines(bounds: Bounds) -> tuple[str, ...]:
         ": no division by zero, no NaN, no infinity; results in the ranges below; and off the exact formula, by "
         f"rounding, at most as stated ({described(library)})."
     )
-    if any(o.from_length for f in bounds.functions for o in f.outputs):
+    if bounds.steers:
         under += " h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined."
+        under += f" {TIES}"
     lines = [under]
     for f in bounds.functions:
         lines += _of_function(f, bounds)

@@ -5,7 +5,9 @@ result (library functions: as many units as are assumed of them; constants: thei
 noise t d, 0 <= t <= 1: t = 1 is the float program, t = 0 the exact formula. By the mean value theorem an output
 differs by at most sum_i |d_i| sup |dv/dd_i|, and intervals bound the derivatives over every t and every input of the
 box, from the outputs back (`Walk.errors`). A comparison is taken as the float program decides it, a rounding to a whole
-number likewise. What each operation does to ranges and derivatives stands in its record, `wmrgen.ir.ops`.
+number likewise: beside a tie (two headings equally near, a wheel about to turn back at its stop) it may take another
+branch than exact numbers would; either is right, and the error is that of the branch taken. What each operation does to
+ranges and derivatives stands in its record, `wmrgen.ir.ops`.
 
 Where a vector may vanish, derivatives are bounded in terms of its length h (`wmrgen.bounds.lengths`): errors are
 claimed where h is 64 times its own error or more, so that h changes by at most 1/64 while t runs from 0 to 1.

@@ -14,6 +14,7 @@ from wmrgen.bounds.assumptions import SINGLE, wanted
 from wmrgen.bounds.partition import cases
 from wmrgen.bounds.robot import (
     SINGULAR,
+    TIES,
     Bounds,
     FunctionBound,
     OutputBound,
@@ -102,6 +103,8 @@ def _show(name: str, bounds: Bounds, eva: Mapping[str, Any]) -> None:
     console.result(f"  limits: {limits}")
     if bounds.assumed:
         console.result(f"  assumed: {', '.join(_limit(n, r) for n, r in bounds.assumed.items())}")
+    if bounds.steers:
+        console.result(f"  {TIES}")
     for f in bounds.functions:
         _function(f, bounds)
     if eva["run"]:

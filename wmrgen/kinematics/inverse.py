@@ -30,7 +30,7 @@ from wmrgen.kinematics.records import (
     tunable_ports,
     twist_ports,
 )
-from wmrgen.kinematics.steer import Target, pivot, turned_by
+from wmrgen.kinematics.steer import Target, hysteresis, pivot, turned_by
 from wmrgen.kinematics.steer_groups import nearest_steering
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -57,8 +57,14 @@ Steering = Callable[[Robot, Row, Locals], dict[int, Target]]  # driven twist -> 
 def inverse(robot: Robot, mobility: Mobility) -> Formula:
     """vx vy omega and the present steering angles to every joint's command."""
     text = "twist of P in the robot frame to joint commands"
-    if any(w.kind.steers for w in robot.wheels):
+    steered = [w for w in robot.wheels if w.kind.steers]
+    if steered:
         text += "; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill"
+    if any(limits and hysteresis(limits) for limits in (robot.limit(w, "steer") for w in steered)):
+        text += (
+            ". At a stop it keeps that heading, cut there, while the opposite one lies less than 5 degrees less "
+            "outside: noise does not swing it to and fro"
+        )
     return joint_commands(robot, mobility, nearest_steering, "inverse", text)
 
 

@@ -53,8 +53,8 @@ _CLOSE = 8  # a coefficient so many times another one counts as much smaller
 _GEOMETRY = ("param", "pi", "sqrt", "inv", "atan2", "tan", "cosf", "sinf")  # kinds of generators
 # 1/pi, rounded down by 3e-11 of it: a swing of 90 degrees keeps its branch in every arithmetic.
 PER_HALF_TURN = Exact(Fraction(31830988617, 10**11))
-WIDE = Exact(Fraction(315, 100))  # rad between limits, just over half a turn
 QUARTER = Exact(Fraction(1570796326794896619, 10**18))  # rad
+HYSTERESIS = QUARTER / 18  # 5 degrees
 NARROW = Exact(Fraction(157, 100))  # rad between limits, just under a quarter turn
 
 
@@ -230,35 +230,50 @@ def present(w: Wheel, limits: Interval | None) -> Expr:
 
 
 def _limited(w: Wheel, limits: Interval, steer: Expr, rim: Expr, names: Locals) -> Target:
-    """The nearest heading, or its opposite where that one fits the limits better, and no further than the limit."""
-    speed = names.define(f"{w.name}_rim", rim)
-    target = turned_back(steer, limits)
-    if limits.high - limits.low >= WIDE:
-        low, high = _turning_points(limits)
-        back = times(-1, speed)
-        return Target(target, select(high, steer, back, select(steer, low, back, speed)))
+    """The nearest heading, or its opposite where that one fits the limits better; no further than the limit."""
+    speed, ends = names.define(f"{w.name}_rim", rim), turning_points(limits)
+    target = turned_back(steer, ends)
+    if ends == limits:
+        back = select(steer, number(ends.low), times(-1, speed), speed)
+        return Target(target, select(number(ends.high), steer, times(-1, speed), back))
     target = names.define(f"{w.name}_target", kept_between(number(limits.low), target, number(limits.high)))
     excess = names.define(f"{w.name}_excess", subtract(target, steer))
     return Target(target, times(speed, sympy.cos(excess)), times(-1, speed, sympy.sin(excess)))
 
 
-def _turning_points(limits: Interval) -> tuple[Expr, Expr]:
-    """The angles beyond which the opposite heading fits the limits better.
+def hysteresis(limits: Interval, apart: Exact = QUARTER) -> Exact:
+    """How much further outside its limits [rad] a wheel keeps its heading than the one of the other branch would be.
 
-    Both headings fit limits more than half a turn apart, and the wheel turns back where the nearer one ends. Of
-    narrower limits the middle decides: a stop slides by the sine of its distance from the line, so that the heading
-    less than a quarter turn from the middle is the one that fits, or that has the nearer stop.
+    The nearest heading is kept, cut at the stop, while that leaves it at most so much further outside. A stop slides
+    by the sine of its distance from the line, so that keeping costs at most sin(5 degrees) = 0.087 of the pivot's
+    speed; in return noise at a stop does not swing the wheel to the other one and back. It is 5 degrees for limits up
+    to half a turn apart. Inside wider ones both branches lie for a while, and it is what lets the wheel turn back 5
+    degrees beyond a quarter turn from the middle: nothing from 190 degrees on. Limits less than a quarter turn apart
+    have none: where both stops are equally near, either is dear. ``apart``: half of what lies between branches [rad].
     """
-    middle = (limits.low + limits.high) / 2
-    reach = max((limits.high - limits.low) / 2, QUARTER)
-    return number(middle - reach), number(middle + reach)
+    width = limits.high - limits.low
+    return ZERO if width <= NARROW else min(HYSTERESIS, max(ZERO, apart + HYSTERESIS - width / 2))
 
 
-def turned_back(steer: Expr, limits: Interval) -> Expr:
-    """``steer``, or the opposite heading where that fits the limits better."""
-    low, high = _turning_points(limits)
-    target = select(high, steer, subtract(steer, sympy.pi), steer)
-    return select(steer, low, add(steer, sympy.pi), target)
+def turning_points(limits: Interval, apart: Exact = QUARTER) -> Interval:
+    """The angles beyond which a heading is given up for that of the other branch; the limits if it never is cut.
+
+    Without `hysteresis` they are the limits or, of narrower ones, where both branches are as far outside: the middle
+    decides which stop is nearer.
+    """
+    middle, half, stay = (
+        (limits.low + limits.high) / 2,
+        (limits.high - limits.low) / 2,
+        hysteresis(limits, apart),
+    )
+    reach = max(half + stay, apart + stay / 2)
+    return Interval(middle - reach, middle + reach)
+
+
+def turned_back(steer: Expr, ends: Interval, turn: Expr = sympy.pi) -> Expr:
+    """``steer`` or, beyond the turning points ``ends``, the angle one ``turn`` back."""
+    target = select(number(ends.high), steer, subtract(steer, turn), steer)
+    return select(steer, number(ends.low), add(steer, turn), target)
 
 
 def _narrow(w: Wheel, limits: Interval, velocity: Velocity, names: Locals) -> Target:

@@ -15,7 +15,7 @@ from wmrgen.constraints import heading, rolling_row, working_view
 from wmrgen.exact.evaluate import add_angles
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Locals
-from wmrgen.kinematics.steer import Target, Velocity, pivot, present, steer_one, turned_back
+from wmrgen.kinematics.steer import Target, Velocity, pivot, present, steer_one, turned_back, turning_points
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.symbolic import (
     Expr,
@@ -79,7 +79,7 @@ def steer_group(
     target: Expr = add(now, swing)
     if limits is not None:
         target = names.define(f"{lead.name}_nearest", target)
-        best = turned_back(target, limits)
+        best = turned_back(target, turning_points(limits))
         target = kept_between(number(limits.low), best, number(limits.high))
     steer = names.define(f"{lead.name}_target", target)
     turn = names.define(f"{lead.name}_turn", subtract(steer, now))

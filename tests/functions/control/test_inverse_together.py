@@ -140,6 +140,38 @@ def _reachable(twist: dict[str, float], top: float) -> bool:
     )
 
 
+@pytest.mark.parametrize("limit", everyday([50, 60, 75, 80, 88, 90, 92, 100, 120], [80, 90]))
+def test_modules_that_stand_alike_keep_the_heading_that_inverse_keeps(tmp_path: Path, limit: int) -> None:
+    """To both sides of every line at which a wheel swings over."""
+    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    beyond = 0
+    for line, beside, k in itertools.product((limit, limit + 5, 90, 92.5, 95, 40), (-0.02, 0.02), range(7)):
+        angle, standing = math.radians(line + beside), math.radians(limit) * (k - 3) / 3
+        twist = {"vx": math.cos(angle), "vy": math.sin(angle), "omega": 0.0} | steers([standing] * 4)
+        alone, together = (call(d, name, twist) for name in ("inverse", "inverse_together"))
+        assert all(together[key] == pytest.approx(value, abs=1e-9) for key, value in alone.items()), twist
+        beyond += together["slip"] > 1e-9
+    assert (beyond > 0) == (limit < 95)
+
+
+@pytest.mark.parametrize("limit", everyday([50, 75, 90, 92, 120, 170, 180, 182], [90, 180]))
+def test_noise_swings_no_module_to_and_fro(tmp_path: Path, limit: int) -> None:
+    """1 mm/s of noise, modules at their stops and elsewhere: once at most they all turn round."""
+    d = derived(tmp_path, robot_text(SWERVE, f"limits: {{steer: {limit} deg}}"), "inverse_together")
+    inverse, source = d.numpy().inverse_together, random.Random(limit)
+    sideways = [{"vx": 0.0, "vy": 0.3, "omega": w} for w in (0.0, 0.2)]
+    for base in [*sideways, {"vx": -0.3, "vy": 0.0, "omega": 0.0}, *twists(5, limit)]:
+        for stop in (-limit, 0, limit):
+            standing = steers([math.radians(stop)] * 4)
+            swings = -1  # the first is to where it goes
+            for _ in range(60):
+                noisy = {name: value + source.uniform(-1e-3, 1e-3) for name, value in base.items()}
+                commands = inverse(**noisy, **standing)
+                swings += any(abs(commands[name] - value) > 0.1 for name, value in standing.items())
+                standing = {name: commands[name] for name in standing}
+            assert swings <= 1, (base, stop)
+
+
 def test_coupled_pairs_are_one_module(tmp_path: Path) -> None:
     text = robot_text(SWERVE, "couplings: [{equal: [fl.steer, fr.steer]}, {equal: [bl.steer, br.steer]}]")
     d = derived(tmp_path, text, "inverse_together")

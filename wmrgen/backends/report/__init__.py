@@ -17,7 +17,7 @@ from wmrgen.backends.report.mobility import analysis, singular
 from wmrgen.backends.report.overview import layout, opening
 from wmrgen.backends.report.rows import matrices, null_space, wheel_rows
 from wmrgen.backends.report.texts import texts
-from wmrgen.bounds.robot import SINGULAR, beyond, described, error, listed
+from wmrgen.bounds.robot import SINGULAR, TIES, beyond, described, error, listed
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import count
 from wmrgen.printing import Latex, size
@@ -116,7 +116,7 @@ def _bounds(bounds: Bounds) -> list[str]:
         f"The limits are {listed(bounds.declared)}. Inputs that have none: {listed(bounds.assumed)}. The error is "
         "that against the exact formula, comparisons decided as the code decides them "
         f"({described(bounds.library)}). h is the speed [m/s] of the pivot of the steered wheel, where it is "
-        "defined at all.",
+        "defined at all." + (f" {TIES}" if bounds.steers else ""),
     ]
     for f in bounds.functions:
         wider = beyond(f, bounds)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from wmrgen import notation
@@ -11,10 +12,10 @@ from wmrgen.backends.report.markdown import CAP, aligned, cut_note, grouped, in_
 from wmrgen.constraints import TWIST, along, driving_row, seen, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
-from wmrgen.kinematics.steer import NARROW
+from wmrgen.kinematics.steer import NARROW, turning_points
 
 if TYPE_CHECKING:
-    from wmrgen.layout.records import Robot, Wheel
+    from wmrgen.layout.records import Interval, Robot, Wheel
     from wmrgen.robot import Derivation
 
 ONE, ZERO = Poly.of(1), Poly({})
@@ -101,9 +102,10 @@ def _steering(robot: Robot, wheels: list[Wheel], twist: Row) -> list[str]:
         *([zero] if len(narrow) == len(wheels) else _nearer(zero, shift)),
         "The pivots' velocities:",
         *aligned(f"{text} && ({', '.join(who)})" for text, who in velocities.items()),
-        *(_wide(_ranges(robot, wide)) if wide else []),
+        *(_wide(_turning(robot, wide)) if wide else []),
         *(_narrow(_ranges(robot, narrow), shift) if narrow else []),
-        *([f"Steering is limited: {_ranges(robot, shared)}. A common angle outside is cut there."] if shared else []),
+        *([f"Steering is limited: {_turning(robot, shared)}. A common angle is kept up to there, "
+           "cut at the limit; beyond, the opposite one is taken."] if shared else []),
     ]  # fmt: skip
 
 
@@ -140,9 +142,10 @@ def _alike(wheels: list[Wheel], twist: Row) -> bool:
 
 def _wide(ranges: str) -> list[str]:
     return [
-        f"Steering is limited: {ranges}. Where ψ⁺ lies outside, the opposite heading ψ⁺ ± π is taken "
-        "if that is inside; if neither is, the limit nearest to it. The rate then is that of the pivot's velocity "
-        "along the wheel so turned, u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root."
+        f"Steering is limited: {ranges}. Up to there ψ⁺ is kept, cut at the limit, so that noise at a stop does not "
+        "swing the wheel to the other one and back; beyond, the opposite heading ψ⁺ ± π is taken, cut likewise. A "
+        "wheel ends at most 5° further from its line than it must. The rate then is that of the pivot's "
+        "velocity along the wheel so turned, u cos Δ + w sin Δ with Δ = ψ⁺ − ψ, in place of the root."
     ]
 
 
@@ -161,10 +164,22 @@ def _narrow(ranges: str, shift: str) -> list[str]:
     ]  # fmt: skip
 
 
-def _ranges(robot: Robot, wheels: list[Wheel]) -> str:
+def _turning(robot: Robot, wheels: list[Wheel]) -> str:
+    """Steering limits and turning points."""
+
+    def ends(limits: Interval) -> str:
+        points = turning_points(limits)
+        return f", turning back below {in_degrees(points.low)} and above {in_degrees(points.high)},"
+
+    return _ranges(robot, wheels, ends)
+
+
+def _ranges(robot: Robot, wheels: list[Wheel], more: Callable[[Interval], str] = lambda _: "") -> str:
     """The steering limits of wheels, equal ones together."""
     limits = [(robot.limit(w, "steer"), w.name) for w in wheels]
-    texts = grouped((f"{in_degrees(r.low)} ≤ ψ ≤ {in_degrees(r.high)}", name) for r, name in limits if r)
+    texts = grouped(
+        (f"{in_degrees(r.low)} ≤ ψ ≤ {in_degrees(r.high)}{more(r)}", name) for r, name in limits if r
+    )
     return "; ".join(f"{text} for {listed(who)}" for text, who in texts.items())
 
 
@@ -199,6 +214,11 @@ def _way(robot: Robot, wheels: list[Wheel]) -> str:
     return f" Of its two headings {listed(steered)} takes the one that rolls the way the others do."
 
 
+def _may_be_cut(robot: Robot, w: Wheel) -> bool:
+    limits = robot.limit(w, "steer")
+    return limits is not None and turning_points(limits) != limits
+
+
 def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
     unlike = _unlike(robot, twist)
     blocks = _forbidden(projection, bool(unlike))
@@ -212,7 +232,7 @@ def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
     held = [
         w.name
         for w in robot.wheels
-        if w.kind.steers and (robot.limit(w, "steer") or not _alike(_partners(robot, w), twist))
+        if w.kind.steers and (_may_be_cut(robot, w) or not _alike(_partners(robot, w), twist))
     ]
     if held:
         blocks += [

@@ -8,24 +8,33 @@ With `inverse_together` all steered wheels drive backwards or none, so that swin
 `inverse` takes the nearer branch for each wheel on its own; near 90 degrees of swing neighbours then swing to
 opposite sides, and the robot yaws until they arrive. Here the wheels decide together: backwards where, as they
 stand, they would on the whole roll backwards (sum of u < 0, u the speed of the pivot along the wheel). Steering
-limits come first: the choice that leaves less of any angle outside them, by more than `_TIE`, wins. A wheel
-whose pivot stands still holds its angle.
+limits come first: the choice that leaves less of any angle outside them wins, by more than the largest of the wheels'
+`hysteresis` and by more than `_TIE`. A wheel whose pivot stands still holds its angle.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import reduce
 
 import sympy
 
-from wmrgen.exact.number import ONE
+from wmrgen.exact.number import ONE, Exact
 from wmrgen.exact.poly import Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import joint_commands
 from wmrgen.kinematics.records import Formula, Locals, joint_port
-from wmrgen.kinematics.steer import QUARTER, Target, Velocity, pivot
+from wmrgen.kinematics.steer import (
+    QUARTER,
+    Target,
+    Velocity,
+    hysteresis,
+    pivot,
+    turned_back,
+    turning_points,
+)
 from wmrgen.kinematics.steer_groups import moves_as_one, seen_from, steered_groups, turned
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
@@ -48,7 +57,7 @@ from wmrgen.symbolic import (
 )
 
 _ZERO = sympy.S.Zero
-_TIE = sympy.Rational(1, 10**4)  # rad: both ways lie as far outside the limits, whatever the rounding
+_TIE = Exact(Fraction(1, 10**4))  # rad: both ways lie as far outside the limits, whatever the rounding
 WAYS = ("forwards", "backwards")
 
 
@@ -206,12 +215,9 @@ def _beyond(angle: Expr, limits: Interval) -> Expr:
 def _wrapped(angle: Expr, limits: Interval, names: Locals, name: str) -> Expr:
     """``angle`` or, where that leaves less outside the limits, the same heading a full turn away.
 
-    It does where the angle lies outside, and more than half a turn from the middle.
+    It does where the angle lies outside, and more than half a turn from the middle, by `hysteresis`.
     """
-    full = 2 * sympy.pi
-    middle, reach = (limits.low + limits.high) / 2, max((limits.high - limits.low) / 2, 2 * QUARTER)
-    low, high = number(middle - reach), number(middle + reach)
-    best = select(high, angle, subtract(angle, full), select(angle, low, add(angle, full), angle))
+    best = turned_back(angle, turning_points(limits, QUARTER * 2), 2 * sympy.pi)
     return names.define(f"{name}_best", best)
 
 
@@ -228,8 +234,9 @@ def _direction(units: list[_Unit], names: Locals) -> Expr:
         )
         for way in WAYS
     )
-    backwards_better = select(add(backwards, _TIE), forwards, sympy.S.NegativeOne, along)
-    return select(add(forwards, _TIE), backwards, sympy.S.One, backwards_better)
+    stay = number(max(_TIE, *(hysteresis(limits) for _, limits in limited)))
+    backwards_better = select(add(backwards, stay), forwards, sympy.S.NegativeOne, along)
+    return select(add(forwards, stay), backwards, sympy.S.One, backwards_better)
 
 
 def _targets(unit: _Unit, direction: Expr, names: Locals) -> dict[int, Target]:

@@ -37,7 +37,8 @@
  * no infinity; results in the ranges below; and off the exact formula, by rounding, at most as
  * stated (its own sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the
  * last place). h is the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle
- * is not defined.
+ * is not defined. Where two headings are equally near, or a wheel at its stop is about to turn
+ * back, rounding decides which is taken: either is right, and the error is that of the one taken.
  *   inverse: rear_left.spin, rear_right.spin in [-105.001, 105.001] rad/s, off by 9.7e-06
  *   inverse: front_left.spin, front_right.spin in [-118.986, 118.986] rad/s, off by 5.9e-05 where h
  *   >= 6.5e-05
@@ -59,7 +60,7 @@
 #define WMRGEN_ACKERMANN_CAR_H
 
 #define ACKERMANN_CAR_MODEL_HASH "3b0da40342dbe9361973f08020928507"
-#define ACKERMANN_CAR_PAIR_2c069bb3a4500601 1
+#define ACKERMANN_CAR_PAIR_afb7cc4e5b6fdb1f 1
 
 #ifdef __cplusplus
 extern "C" {

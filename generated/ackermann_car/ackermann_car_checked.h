@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_2c069bb3a4500601)
+#if !defined(ACKERMANN_CAR_PAIR_afb7cc4e5b6fdb1f)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_d4d3bbd44654df18)
+#if !defined(AGILEX_RANGER_PAIR_6783c079a0c48a91)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -227,25 +227,25 @@ void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inv
     const float front_left_x = fmaf(1.1920929e-09f, in->omega, fmaf((-0.28f), in->omega, in->vx)); /* front_left: a, rear_left: a */
     const float front_left_y = fmaf(1.1920929e-08f, in->omega, fmaf(0.45f, in->omega, in->vy)); /* front_left: b, front_right: b */
     const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(in->front_left.steer, 1.57f), 1.0f);
-    const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_left_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
+    const float t1 = (1.6572665f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
+    const float front_left_heading = (t0.steer < (-1.6572665f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
     const float t2 = wmrgen_clamp(front_left_heading, 1.57f);
     const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2 - t0.steer);
     const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
     const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(in->front_right.steer, 1.57f), 1.0f);
-    const float t5 = (1.5707964f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
-    const float front_right_heading = (t4.steer < (-1.5707964f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
+    const float t5 = (1.6572665f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
+    const float front_right_heading = (t4.steer < (-1.6572665f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
     const float t6 = wmrgen_clamp(front_right_heading, 1.57f);
     const wmrgen_vector t7 = wmrgen_vector_at(1.0f, t6 - t4.steer);
     const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
     const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(in->rear_left.steer, 1.57f), 1.0f);
-    const float t9 = (1.5707964f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
-    const float rear_left_heading = (t8.steer < (-1.5707964f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
+    const float t9 = (1.6572665f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
+    const float rear_left_heading = (t8.steer < (-1.6572665f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
     const float t10 = wmrgen_clamp(rear_left_heading, 1.57f);
     const wmrgen_vector t11 = wmrgen_vector_at(1.0f, t10 - t8.steer);
     const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(in->rear_right.steer, 1.57f), 1.0f);
-    const float t13 = (1.5707964f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
-    const float rear_right_heading = (t12.steer < (-1.5707964f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
+    const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
+    const float rear_right_heading = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
     const float t14 = wmrgen_clamp(rear_right_heading, 1.57f);
     const wmrgen_vector t15 = wmrgen_vector_at(1.0f, t14 - t12.steer);
 
@@ -266,28 +266,28 @@ void agilex_ranger_inverse_slip(
     const float front_left_x = fmaf(1.1920929e-09f, in->omega, fmaf((-0.28f), in->omega, in->vx)); /* front_left: a, rear_left: a */
     const float front_left_y = fmaf(1.1920929e-08f, in->omega, fmaf(0.45f, in->omega, in->vy)); /* front_left: b, front_right: b */
     const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(in->front_left.steer, 1.57f), 1.0f);
-    const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_left_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
+    const float t1 = (1.6572665f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
+    const float front_left_heading = (t0.steer < (-1.6572665f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
     const float front_left_excess = wmrgen_clamp(front_left_heading, 1.57f) - t0.steer; /* front left excess */
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_left_excess);
     const float t3 = t0.spin * t2.y;
     const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
     const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(in->front_right.steer, 1.57f), 1.0f);
-    const float t5 = (1.5707964f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
-    const float front_right_heading = (t4.steer < (-1.5707964f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
+    const float t5 = (1.6572665f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
+    const float front_right_heading = (t4.steer < (-1.6572665f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
     const float front_right_excess = wmrgen_clamp(front_right_heading, 1.57f) - t4.steer; /* front right excess */
     const wmrgen_vector t6 = wmrgen_vector_at(1.0f, front_right_excess);
     const float t7 = t4.spin * t6.y;
     const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
     const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(in->rear_left.steer, 1.57f), 1.0f);
-    const float t9 = (1.5707964f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
-    const float rear_left_heading = (t8.steer < (-1.5707964f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
+    const float t9 = (1.6572665f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
+    const float rear_left_heading = (t8.steer < (-1.6572665f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
     const float rear_left_excess = wmrgen_clamp(rear_left_heading, 1.57f) - t8.steer; /* rear left excess */
     const wmrgen_vector t10 = wmrgen_vector_at(1.0f, rear_left_excess);
     const float t11 = t8.spin * t10.y;
     const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(in->rear_right.steer, 1.57f), 1.0f);
-    const float t13 = (1.5707964f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
-    const float rear_right_heading = (t12.steer < (-1.5707964f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
+    const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
+    const float rear_right_heading = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
     const float rear_right_excess = wmrgen_clamp(rear_right_heading, 1.57f) - t12.steer; /* rear right excess */
     const wmrgen_vector t14 = wmrgen_vector_at(1.0f, rear_right_excess);
     const float t15 = t12.spin * t14.y;

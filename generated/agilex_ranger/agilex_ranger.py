@@ -24,7 +24,7 @@ def _shaped(arguments, results):
 
 
 def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer, rear_right_steer):
-    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill
+    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill. At a stop it keeps that heading, cut there, while the opposite one lies less than 5 degrees less outside: noise does not swing it to and fro
 
     Arguments:
         vx [m/s] velocity of P forward, robot frame
@@ -64,8 +64,8 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer,
     _t9 = np.where(_t4 < 1e-20, _t8, _t7 * _t6)
     _t10 = np.rint(0.31830988617 * (_t9 - _t8))
     _t11 = _t9 - 3.141592653589793 * _t10
-    _t12 = np.where(1.5707963267948966 < _t11, _t11 - 3.141592653589793, _t11)
-    _t13 = np.where(_t11 < (-1.5707963267948966), _t11 + 3.141592653589793, _t12)
+    _t12 = np.where(1.6572664625997164 < _t11, _t11 - 3.141592653589793, _t11)
+    _t13 = np.where(_t11 < (-1.6572664625997164), _t11 + 3.141592653589793, _t12)
     _t14 = np.clip(_t13, -1.57, 1.57)
     _t15 = _t14 - _t11
     _t16 = np.where(np.signbit(_t0), np.negative(_t4), _t4)
@@ -80,8 +80,8 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer,
     _t25 = np.where(_t20 < 1e-20, _t24, _t23 * _t22)
     _t26 = np.rint(0.31830988617 * (_t25 - _t24))
     _t27 = _t25 - 3.141592653589793 * _t26
-    _t28 = np.where(1.5707963267948966 < _t27, _t27 - 3.141592653589793, _t27)
-    _t29 = np.where(_t27 < (-1.5707963267948966), _t27 + 3.141592653589793, _t28)
+    _t28 = np.where(1.6572664625997164 < _t27, _t27 - 3.141592653589793, _t27)
+    _t29 = np.where(_t27 < (-1.6572664625997164), _t27 + 3.141592653589793, _t28)
     _t30 = np.clip(_t29, -1.57, 1.57)
     _t31 = _t30 - _t27
     _t32 = np.where(np.signbit(_t18), np.negative(_t20), _t20)
@@ -94,8 +94,8 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer,
     _t39 = np.where(_t36 < 1e-20, _t38, _t7 * _t37)
     _t40 = np.rint(0.31830988617 * (_t39 - _t38))
     _t41 = _t39 - 3.141592653589793 * _t40
-    _t42 = np.where(1.5707963267948966 < _t41, _t41 - 3.141592653589793, _t41)
-    _t43 = np.where(_t41 < (-1.5707963267948966), _t41 + 3.141592653589793, _t42)
+    _t42 = np.where(1.6572664625997164 < _t41, _t41 - 3.141592653589793, _t41)
+    _t43 = np.where(_t41 < (-1.6572664625997164), _t41 + 3.141592653589793, _t42)
     _t44 = np.clip(_t43, -1.57, 1.57)
     _t45 = _t44 - _t41
     _t46 = np.where(np.signbit(_t0), np.negative(_t36), _t36)
@@ -106,8 +106,8 @@ def inverse(vx, vy, omega, front_left_steer, front_right_steer, rear_left_steer,
     _t51 = np.where(_t48 < 1e-20, _t50, _t23 * _t49)
     _t52 = np.rint(0.31830988617 * (_t51 - _t50))
     _t53 = _t51 - 3.141592653589793 * _t52
-    _t54 = np.where(1.5707963267948966 < _t53, _t53 - 3.141592653589793, _t53)
-    _t55 = np.where(_t53 < (-1.5707963267948966), _t53 + 3.141592653589793, _t54)
+    _t54 = np.where(1.6572664625997164 < _t53, _t53 - 3.141592653589793, _t53)
+    _t55 = np.where(_t53 < (-1.6572664625997164), _t53 + 3.141592653589793, _t54)
     _t56 = np.clip(_t55, -1.57, 1.57)
     _t57 = _t56 - _t53
     _t58 = np.where(np.signbit(_t18), np.negative(_t48), _t48)

@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_d4d3bbd44654df18)
+#if !defined(AGILEX_RANGER_PAIR_6783c079a0c48a91)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_58bf2b4cfb2420ba)
+#if !defined(BICYCLE_PAIR_ff5ec9b328a71e8e)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -231,8 +231,8 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 void bicycle_inverse(const bicycle_inverse_in *in, bicycle_inverse_out *out)
 {
     const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.1f * in->omega, wmrgen_clamp(in->front.steer, 1.0471976f), 1.0f);
-    const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
+    const float t1 = (1.6144296f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
+    const float front_heading = (t0.steer < (-1.6144296f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
     const float front_target = wmrgen_clamp(front_heading, 1.0471976f); /* front: angle inside the limits */
     const wmrgen_vector t2 = wmrgen_direction(front_target - t0.steer);
 
@@ -244,8 +244,8 @@ void bicycle_inverse(const bicycle_inverse_in *in, bicycle_inverse_out *out)
 void bicycle_inverse_slip(const bicycle_inverse_slip_in *in, bicycle_inverse_slip_out *out)
 {
     const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.1f * in->omega, wmrgen_clamp(in->front.steer, 1.0471976f), 1.0f);
-    const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
+    const float t1 = (1.6144296f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
+    const float front_heading = (t0.steer < (-1.6144296f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
     const float front_excess = wmrgen_clamp(front_heading, 1.0471976f) - t0.steer; /* front excess */
     const wmrgen_vector t2 = wmrgen_direction(front_excess);
     const float t3 = t0.spin * t2.y;

@@ -22,7 +22,7 @@ def _shaped(arguments, results):
 
 
 def inverse(vx, vy, omega, front_steer):
-    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill
+    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill. At a stop it keeps that heading, cut there, while the opposite one lies less than 5 degrees less outside: noise does not swing it to and fro
 
     Arguments:
         vx [m/s] velocity of P forward, robot frame
@@ -46,8 +46,8 @@ def inverse(vx, vy, omega, front_steer):
     _t4 = np.where(_t0 < 1e-20, _t3, _t2 * np.arctan(1.1 * _t1))
     _t5 = np.rint(0.31830988617 * (_t4 - _t3))
     _t6 = _t4 - 3.141592653589793 * _t5
-    _t7 = np.where(1.5707963267948966 < _t6, _t6 - 3.141592653589793, _t6)
-    _t8 = np.where(_t6 < (-1.5707963267948966), _t6 + 3.141592653589793, _t7)
+    _t7 = np.where(1.614429558094755 < _t6, _t6 - 3.141592653589793, _t6)
+    _t8 = np.where(_t6 < (-1.614429558094755), _t6 + 3.141592653589793, _t7)
     _t9 = np.clip(_t8, -1.0471975511965979, 1.0471975511965979)
     _t10 = _t9 - _t6
     _t11 = np.where(np.signbit(vx), np.negative(_t0), _t0)

@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_58bf2b4cfb2420ba)
+#if !defined(BICYCLE_PAIR_ff5ec9b328a71e8e)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

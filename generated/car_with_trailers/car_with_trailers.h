@@ -38,6 +38,8 @@
  * results in the ranges below; and off the exact formula, by rounding, at most as stated (its own
  * sines within 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). h is
  * the speed [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined.
+ * Where two headings are equally near, or a wheel at its stop is about to turn back, rounding
+ * decides which is taken: either is right, and the error is that of the one taken.
  *   inverse: rear_left.spin, rear_right.spin in [-21.8182, 21.8182] rad/s, off by 2.5e-06
  *   inverse: front_left.spin, front_right.spin in [-32.4977, 32.4977] rad/s, off by 1.9e-05 where h
  *   >= 9.0e-06
@@ -61,7 +63,7 @@
 #define WMRGEN_CAR_WITH_TRAILERS_H
 
 #define CAR_WITH_TRAILERS_MODEL_HASH "bea2f28b4d6559a56562451d72815b38"
-#define CAR_WITH_TRAILERS_PAIR_e3f69f67f2d1efb0 1
+#define CAR_WITH_TRAILERS_PAIR_cbb61860721f90d4 1
 
 #ifdef __cplusplus
 extern "C" {

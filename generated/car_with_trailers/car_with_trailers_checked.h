@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_e3f69f67f2d1efb0)
+#if !defined(CAR_WITH_TRAILERS_PAIR_cbb61860721f90d4)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 

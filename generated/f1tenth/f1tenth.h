@@ -34,7 +34,9 @@
  * 12.5664, 0 <= dt <= 0.1: no division by zero, no NaN, no infinity; results in the ranges below;
  * and off the exact formula, by rounding, at most as stated (its own sines within 2.36 * 2**-24 up
  * to 100 rad, arctangents within 1.19 units in the last place). h is the speed [m/s] of the pivot
- * of a steered wheel; where it vanishes, the angle is not defined.
+ * of a steered wheel; where it vanishes, the angle is not defined. Where two headings are equally
+ * near, or a wheel at its stop is about to turn back, rounding decides which is taken: either is
+ * right, and the error is that of the one taken.
  *   inverse: front.spin in [-429.404, 429.404] rad/s, off by 1.4e-04 where h >= 5.9e-11
  *   inverse: front.steer in [-0.41888, 0.41888] rad, off by 7.1e-08 + 1.3e-07/h where h >= 5.9e-11
  *   inverse: rear.spin in [-400.001, 400.001] rad/s, off by 1.6e-05
@@ -54,7 +56,7 @@
 #define WMRGEN_F1TENTH_H
 
 #define F1TENTH_MODEL_HASH "76fd797122e6e3ea9dac4804c5b2c188"
-#define F1TENTH_PAIR_bac32cb6d90bc9d8 1
+#define F1TENTH_PAIR_1b926c1c1fe9b173 1
 
 #ifdef __cplusplus
 extern "C" {

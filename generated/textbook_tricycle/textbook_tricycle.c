@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_14e0cba1df57cf44)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_df80af91b6c4e9dc)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -229,8 +229,8 @@ void textbook_tricycle_inverse(
     const float t0 = 9.090909f * in->vx;
     const float t1 = 3.6363637f * in->omega;
     const wmrgen_wheel t2 = wmrgen_steer_along(in->vx, 1.4f * in->omega, wmrgen_clamp(in->front.steer, 1.3089969f), 1.0f);
-    const float t3 = (1.5707964f < t2.steer) ? (t2.steer - 3.1415927f) : t2.steer;
-    const float front_heading = (t2.steer < (-1.5707964f)) ? (t2.steer + 3.1415927f) : t3; /* front: heading */
+    const float t3 = (1.6144296f < t2.steer) ? (t2.steer - 3.1415927f) : t2.steer;
+    const float front_heading = (t2.steer < (-1.6144296f)) ? (t2.steer + 3.1415927f) : t3; /* front: heading */
     const float front_target = wmrgen_clamp(front_heading, 1.3089969f); /* front: angle inside the limits */
     const wmrgen_vector t4 = wmrgen_vector_at(1.0f, front_target - t2.steer);
 
@@ -245,8 +245,8 @@ void textbook_tricycle_inverse_slip(
     textbook_tricycle_inverse_slip_out *out)
 {
     const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.4f * in->omega, wmrgen_clamp(in->front.steer, 1.3089969f), 1.0f);
-    const float t1 = (1.5707964f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_heading = (t0.steer < (-1.5707964f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
+    const float t1 = (1.6144296f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
+    const float front_heading = (t0.steer < (-1.6144296f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
     const float front_excess = wmrgen_clamp(front_heading, 1.3089969f) - t0.steer; /* front excess */
     const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_excess);
     const float t3 = t0.spin * t2.y;

@@ -23,7 +23,7 @@ def _shaped(arguments, results):
 
 
 def inverse(vx, vy, omega, front_steer):
-    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill
+    """twist of P in the robot frame to joint commands; a wheel steers from the angle given to the nearest heading in its limits, and holds it at standstill. At a stop it keeps that heading, cut there, while the opposite one lies less than 5 degrees less outside: noise does not swing it to and fro
 
     Arguments:
         vx [m/s] velocity of P forward, robot frame
@@ -50,8 +50,8 @@ def inverse(vx, vy, omega, front_steer):
     _t6 = np.where(_t2 < 1e-20, _t5, _t4 * np.arctan(1.4 * _t3))
     _t7 = np.rint(0.31830988617 * (_t6 - _t5))
     _t8 = _t6 - 3.141592653589793 * _t7
-    _t9 = np.where(1.5707963267948966 < _t8, _t8 - 3.141592653589793, _t8)
-    _t10 = np.where(_t8 < (-1.5707963267948966), _t8 + 3.141592653589793, _t9)
+    _t9 = np.where(1.614429558094755 < _t8, _t8 - 3.141592653589793, _t8)
+    _t10 = np.where(_t8 < (-1.614429558094755), _t8 + 3.141592653589793, _t9)
     _t11 = np.clip(_t10, -1.3089969389957472, 1.3089969389957472)
     _t12 = _t11 - _t8
     _t13 = np.where(np.signbit(vx), np.negative(_t2), _t2)

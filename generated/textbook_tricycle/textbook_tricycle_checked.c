@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_14e0cba1df57cf44)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_df80af91b6c4e9dc)
 #error "textbook_tricycle_checked.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_14e0cba1df57cf44)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_df80af91b6c4e9dc)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

@@ -37,7 +37,9 @@
  * <= 100, |theta| <= 12.5664, 0 <= dt <= 0.1: no division by zero, no NaN, no infinity; results in
  * the ranges below; and off the exact formula, by rounding, at most as stated (its own sines within
  * 2.36 * 2**-24 up to 100 rad, arctangents within 1.19 units in the last place). h is the speed
- * [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined.
+ * [m/s] of the pivot of a steered wheel; where it vanishes, the angle is not defined. Where two
+ * headings are equally near, or a wheel at its stop is about to turn back, rounding decides which
+ * is taken: either is right, and the error is that of the one taken.
  *   inverse: front_left.spin, front_right.spin, back_left.spin, back_right.spin in [-116.839,
  *   116.839] rad/s, off by 3.3e-05
  *   inverse: front_left.steer, front_right.steer, back_left.steer, back_right.steer in [-14.2725,
@@ -58,7 +60,7 @@
 #define WMRGEN_WPILIB_SWERVEBOT_H
 
 #define WPILIB_SWERVEBOT_MODEL_HASH "c966202569bb283011d63986133bb8da"
-#define WPILIB_SWERVEBOT_PAIR_32cd0bc3b7ce9619 1
+#define WPILIB_SWERVEBOT_PAIR_67713c046a502390 1
 
 #ifdef __cplusplus
 extern "C" {

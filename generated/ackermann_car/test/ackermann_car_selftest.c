@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_2c069bb3a4500601)
+#if !defined(ACKERMANN_CAR_PAIR_afb7cc4e5b6fdb1f)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

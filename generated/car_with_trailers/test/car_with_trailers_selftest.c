@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_e3f69f67f2d1efb0)
+#if !defined(CAR_WITH_TRAILERS_PAIR_cbb61860721f90d4)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_bac32cb6d90bc9d8)
+#if !defined(F1TENTH_PAIR_1b926c1c1fe9b173)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -93,6 +93,29 @@ def test_vy_has_the_limit_of_vx_where_it_has_none(tmp_path: Path) -> None:
     assert call(alone, "limit_twist", twist(8.0, 6.0, -4.0)) == twist(2.0, 1.5, -1.0)
 
 
+PAIR = """\
+  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}"""
+
+
+def test_what_the_robot_cannot_drive_is_nothing_and_slows_nothing_down(tmp_path: Path) -> None:
+    """A differential drive has no vy, unless P lies before its axle; a synchro drive has no omega."""
+    limits = "limits: {vx: 1, omega: 2, vx_rate: 1, omega_rate: 2}"
+    asked, last = twist(0.5, 8.0, 1.0), twist(0.0, -8.0, 0.0, "_last")
+    pair = derived(tmp_path, robot_text(PAIR, limits), "limit_twist", "limit_acceleration")
+    assert call(pair, "limit_twist", asked) == twist(0.5, 0.0, 1.0)
+    half = call(pair, "limit_acceleration", asked | last | {"dt": 0.25})
+    assert [*half.values()] == pytest.approx([0.25, 0.0, 0.5], rel=1e-6)
+    before = limited(tmp_path, limits, wheels=PAIR.replace("x: 0,", "x: -0.5,"))
+    assert call(before, "limit_twist", asked) == twist(0.0625, 1.0, 0.125)
+    names = ("fl", "fr", "bl", "br")
+    couplings = [
+        f"  - {{equal: [{', '.join(f'{n}.{joint}' for n in names)}]}}" for joint in ("steer", "spin")
+    ]
+    synchro = limited(tmp_path, limits, "couplings:", *couplings, wheels=SWERVE)
+    assert call(synchro, "limit_twist", twist(0.5, 0.5, 8.0)) == twist(0.5, 0.5, 0.0)
+
+
 BAND = ("limits: {vx: [-0.5, 1], omega: 4}", "deadband: 0.0625")
 
 

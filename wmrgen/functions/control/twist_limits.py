@@ -2,7 +2,8 @@
 
 Both have one factor for vx, vy and omega. `limit_twist` makes a twist slower and not another one: it is driven about
 the same centre of rotation, along the same path. `limit_acceleration` goes from the last twist straight towards the
-wanted one, each component in the same share of its way. Where vy has no limit of its own it has that of vx.
+wanted one, each component in the same share of its way. Where vy has no limit of its own it has that of vx. What the
+robot cannot drive, sideways say, is 0 in the twist that `inverse` drives: it is 0 here, and slows nothing down.
 
 A twist that is smaller than `deadband` times its limits, in all components at once, counts as standstill: `inverse`
 then stops every wheel and holds every steering angle, and noise of a joystick swings none. The deadband comes before
@@ -18,6 +19,7 @@ import sympy
 from wmrgen.exact.number import Exact
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
 from wmrgen.functions.registry import function, underivable
+from wmrgen.kinematics.least_squares import project
 from wmrgen.kinematics.records import TWIST, Formula, Locals, twist_ports
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.mobility.records import Mobility
@@ -35,62 +37,69 @@ _DT = Port("dt", Role.COMMAND, "s", "time since the last command; what is below 
 
 
 @function("ours; the texts have none", limits=Limits.ASKED)
-def limit_twist(robot: Robot, _: Mobility) -> Formula:
+def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     """A twist inside the limits of vx, vy and omega, along the same path; nothing below the ``deadband``.
 
     scale = 1 / max(1, component / limit over all three), or 0 where the largest of these is below the deadband.
     """
-    limits = _limits(robot, "limit_twist", "", "{vx: 1, omega: 2}")
-    missing = [name for name in ("vx", "omega") if limits[name] is None]
+    limits = _limits(robot, mobility, "limit_twist", "", "{vx: 1, omega: 2}")
+    missing = [name for name, limit in limits.items() if limit is None]
     if robot.deadband and missing:
-        raise underivable(
-            robot, "limit_twist", f"its deadband is a share of limits, and {missing[0]} has none"
-        )
+        why = f"its deadband is a share of limits, and {missing[0]} has none"
+        raise underivable(robot, "limit_twist", why)
     names = Locals()
-    components = [(signal(name), limit) for name, limit in limits.items()]
+    components = ((signal(name), limit) for name, limit in limits.items())
     load = names.define("load", most(sympy.S.Zero if robot.deadband else sympy.S.One, components))
     scale: Expr = 1 / load
-    if robot.deadband:
-        scale = select(load, number(robot.deadband), sympy.S.Zero, 1 / maximum(sympy.S.One, load))
-    scale = names.define("scale", scale)
     text = "a twist to the fastest one along the same path that keeps the limits of vx, vy and omega"
     if robot.deadband:
+        scale = select(load, number(robot.deadband), sympy.S.Zero, 1 / maximum(sympy.S.One, load))
         text += f"; below {float(robot.deadband):g} of them in all components it is standstill"
-    outputs = [
-        (port, scaled(value, limit, scale))
-        for port, (value, limit) in zip(twist_ports(), components, strict=True)
-    ]
-    return names.formula("limit_twist", twist_ports(), outputs, text)
+    scale = names.define("scale", scale)
+    twist = {name: scaled(signal(name), limit, scale) for name, limit in limits.items()}
+    return names.formula("limit_twist", twist_ports(), _whole(twist), text)
 
 
 @function("ours; the texts have none", limits=Limits.COMMANDED)
-def limit_acceleration(robot: Robot, _: Mobility) -> Formula:
+def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     """From the last twist towards the wanted one, as far as dt and the limits of the rates of vx, vy and omega let it.
 
     The step takes the time t = max(change / limit over all components). The wanted twist is reached, to the bit, where
     t <= dt; else the change is that times dt / t (and times `SHORT`, so that the result lies between both twists).
     """
-    example = "{vx_rate: 1, omega_rate: 2}"
-    limits = _limits(robot, "limit_acceleration", "_rate", example)
+    limits = _limits(robot, mobility, "limit_acceleration", "_rate", "{vx_rate: 1, omega_rate: 2}")
     names = Locals()
-    changes = [
-        names.define(f"{name}_change", subtract(signal(name), signal(f"{name}_last"))) for name in limits
-    ]
+    changes = {
+        name: names.define(f"{name}_change", subtract(signal(name), signal(f"{name}_last")))
+        for name in limits
+    }
     step = names.define("step", maximum(signal(_DT.name), sympy.S.Zero))
-    time = names.define("time", most(sympy.S.Zero, zip(changes, limits.values(), strict=True)))
+    time = names.define("time", most(sympy.S.Zero, ((changes[name], limits[name]) for name in limits)))
     share = names.define("share", times(number(SHORT), step) / maximum(number(INSTANT), time))
-    outputs = [
-        (port, select(step, time, add(signal(last.name), times(share, change)), signal(port.name)))
-        for port, last, change in zip(twist_ports(), _LAST, changes, strict=True)
-    ]
+    twist = {
+        name: select(step, time, add(signal(f"{name}_last"), times(share, change)), signal(name))
+        for name, change in changes.items()
+    }
     text = "wanted twist to the one commanded next, inside the limits of acceleration, straight from the last one"
-    return names.formula("limit_acceleration", (*twist_ports(), *_LAST, _DT), outputs, text)
+    return names.formula("limit_acceleration", (*twist_ports(), *_LAST, _DT), _whole(twist), text)
 
 
-def _limits(robot: Robot, what: str, ending: str, example: str) -> dict[str, Interval | None]:
-    """Limits of vx, vy and omega, or of their rates; NotDerivableError where there is none, or a one-sided one."""
+def _whole(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:
+    """All three components: 0 for one that the robot cannot drive."""
+    return [(port, twist.get(port.name, sympy.S.Zero)) for port in twist_ports()]
+
+
+def _limits(
+    robot: Robot, mobility: Mobility, what: str, ending: str, example: str
+) -> dict[str, Interval | None]:
+    """Limits of vx, vy and omega, or of their rates, for each that the robot can drive.
+
+    NotDerivableError where there is none, or a one-sided one.
+    """
     limits = {name: robot.limits.get(f"{name}{ending}") for name, _, _ in TWIST}
     limits["vy"] = limits["vy"] or limits["vx"]
+    driven = zip(limits, project(robot, mobility).twist, strict=True)
+    limits = {name: limits[name] for name, component in driven if component}
     if not any(limits.values()):
         of = "the rates of vx, vy and omega" if ending else "vx, vy and omega"
         raise underivable(robot, what, f"it has no limits of {of}; write limits: {example}")

@@ -22,10 +22,7 @@ if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
 
 MAX_BYTES = 16 << 20  # of a file of cases: some 100,000 of them
-_KINDS = {
-    "m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE,
-    "m/s^2": Kind.ACCELERATION, "rad/s^2": Kind.ANGULAR_ACCELERATION,
-}  # fmt: skip
+_KINDS = {"m": Kind.LENGTH, "rad": Kind.ANGLE, "m/s": Kind.SPEED, "rad/s": Kind.RATE}
 Case = Mapping[str, Exact]
 _PLAIN = re.compile(r"[+-]?(\d{1,40}(\.\d{0,40})?|\.\d{1,40})([eE][+-]?\d{1,3})?")
 _LARGEST = Fraction(2) ** 1024

@@ -17,7 +17,7 @@ from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import Site
+from wmrgen.ports import JOINTS, TWIST, Site
 from wmrgen.wheels import WheelType
 
 if TYPE_CHECKING:
@@ -68,7 +68,8 @@ def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:
         model_hash=digest.hexdigest()[:32],
         wmrgen_version=__version__,
         sympy_version=sympy.__version__,
-        site=site(derivation),
+        site=(where := site(derivation)),
+        constants=constants(derivation.robot, where),
         formulas=derivation.raw_module.functions,
     )
 
@@ -103,6 +104,31 @@ def site(derivation: Derivation) -> Site:
                 max(numbers[name][1] for name in angles),
             )
     return Site(numbers, pivots, reach(robot, derivation.c_module, numbers))
+
+
+_LIMITED = {port.name: port for port in TWIST} | JOINTS
+
+
+def constants(robot: Robot, where: Site) -> tuple[tuple[str, float, str], ...]:
+    """What a program may want to know of a robot file: name, nominal value in SI units, unit and what it is."""
+    numbers: list[tuple[str, float, str]] = []
+    for w in robot.wheels:
+        g = w.nominal
+        lengths = (
+            (g.x, "x", "pivot, forward of P"),
+            (g.y, "y", "pivot, to the left of P"),
+            (g.r, "radius", "radius"),
+        )
+        numbers += [
+            (f"{w.name}.{name}", float(v), f"[m] {text}")
+            for v, name, text in lengths
+            if name != "radius" or v
+        ]
+    for name, ends in where.limits.items():
+        unit = _LIMITED[name.rpartition(".")[2]].unit
+        for value, end, text in zip(ends, ("min", "max"), ("least", "most"), strict=True):
+            numbers.append((f"{name}.{end}", value, f"[{unit}] {text} that the robot file allows"))
+    return tuple(numbers)
 
 
 _LEGEND: tuple[tuple[Callable[[WheelType], bool], str], ...] = (

@@ -29,7 +29,7 @@ def lower(formula: Formula, calls: bool = False) -> Function:
     results = [lowering.node(expr) for _, expr in formula.outputs]
     ports = tuple(port for port, _ in formula.outputs)
     function = lowering.builder.function(formula.name, formula.inputs, ports, results, formula.text)
-    return replace(function, named=lowering.named(results), limits=formula.limits)
+    return replace(function, named=lowering.named(results), limits=formula.limits, in_place=formula.in_place)
 
 
 def kernels_of(formulas: Sequence[Formula]) -> tuple[Function, ...]:

@@ -48,6 +48,46 @@ def output(name: str, unit: str, text: str) -> Port:
     return Port(name, Role.COMMAND, unit, text)
 
 
+TWIST = (
+    output("vx", "m/s", "velocity of P forward, robot frame"),
+    output("vy", "m/s", "velocity of P to the left, robot frame"),
+    output("omega", "rad/s", "yaw rate, counter-clockwise"),
+)
+POSE = (
+    Port("x", Role.STATE, "m", "position of P in the world frame"),
+    Port("y", Role.STATE, "m", "position of P in the world frame"),
+    Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
+)
+
+
+def _covariance(of: tuple[Port, ...], per: str, what: str) -> tuple[Port, ...]:
+    """The upper triangle of a symmetric matrix, row by row; ``per``: what its units are divided by."""
+    units = {(0, 2): "m rad", (1, 2): "m rad", (2, 2): "rad^2"}
+    return tuple(
+        Port(
+            of[i].name + of[j].name,
+            Role.STATE,
+            units.get((i, j), "m^2") + per,
+            f"variance of {of[i].name}"
+            if i == j
+            else f"covariance of {of[i].name} and {of[j].name} of the {what}",
+        )
+        for i in range(3)
+        for j in range(i, 3)
+    )
+
+
+POSE_COVARIANCE = _covariance(POSE, "", "pose")
+TWIST_COVARIANCE = _covariance(TWIST, "/s^2", "twist")
+JOINTS = {
+    joint: output(joint, unit, text)
+    for joint, unit, text in (
+        ("spin", "rad/s", "wheel speed about its axle, positive rolls along the rolling direction"),
+        ("steer", "rad", "steering angle, counter-clockwise from the zero of the robot file"),
+        ("steer_rate", "rad/s", "steering rate, counter-clockwise"),
+    )
+}
+
 SPREAD = 0.1  # of a tunable parameter about its nominal value
 SPAN = 0.01  # of one that is nominally zero [m, rad]
 

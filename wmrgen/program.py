@@ -10,12 +10,13 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import Kind, declaration
 from wmrgen.functions.registry import standard as standard_functions
 from wmrgen.ir.calls import keep_outputs, select
-from wmrgen.ir.nodes import Function, Module
+from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.pipeline import optimise
 from wmrgen.kinematics.records import Formula
 from wmrgen.layout.records import Robot
 from wmrgen.lower import kernels_of, lower
 from wmrgen.mobility.records import Mobility
+from wmrgen.ports import Limits
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ def formula(robot: Robot, mobility: Mobility, name: str) -> Formula:
     built = declared.build(robot, mobility)
     if not isinstance(built, Formula):
         raise TypeError(f"the builder of {name} returns {built!r}, which is no Formula")
-    built = replace(built, source=declared.source, limits=declared.limits)
+    built = replace(built, source=declared.source, limits=declared.limits, in_place=declared.in_place)
     _refuse_shared_names(robot, built)
     _refuse_malformed(name, built)
     return built
@@ -131,8 +132,49 @@ _IN_C = {
 }
 
 
-def for_c(module: Module, functions: Iterable[str]) -> Module:
+def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool = False) -> Module:
     """Of an `optimised` module: forward with and without the residual, inverse without slip, which has a function
-    of its own."""
+    of its own.
+
+    Joints that are neither driven nor sensed are no outputs of what commands joints; ``passive``: they have functions
+    of their own, ``<function>_passive``.
+    """
     chosen = [_IN_C.get(name, {name: name}) for name in functions]
-    return select(module, {part: name for names in chosen for part, name in names.items()})
+    whole = select(module, {part: name for names in chosen for part, name in names.items()})
+    joints = _joints(robot)
+    absent = frozenset(_joints(robot, every=True)) - set(joints)
+    steps = tuple(part for f in whole.functions for part in _parts(f, absent, passive))
+    kept = select(replace(whole, functions=steps), {f.name: f.name for f in steps})
+    named = {port.name for f in kept.functions for port in (*f.inputs, *f.outputs)}
+    return replace(kept, joints=tuple(name for name in joints if name in named))
+
+
+def _joints(robot: Robot, every: bool = False) -> tuple[str, ...]:
+    """Contract names of the joints that are driven, sensed or have a limit of their own, in the file's order."""
+    names = []
+    for w in robot.wheels:
+        own = {"spin" if name == "spin" else "steer" for name in w.limits}
+        wanted = {"spin", "steer"} if every else {*w.actuated, *w.sensed, *own}
+        names += [
+            f"{w.name}.{j}" for j in ("spin", "steer", "steer_rate") if j.removesuffix("_rate") in wanted
+        ]
+    return tuple(names)
+
+
+def _parts(function: Function, absent: frozenset[str], passive: bool) -> list[Function]:
+    """``function``, without the joints that are ``absent`` from C where it commands joints."""
+    if function.limits not in (Limits.COMMANDED, Limits.ASKED):
+        return [function]
+    names = frozenset(port.name for port in function.outputs)
+    parts = [_with_read_inputs(keep_outputs(function, names - absent, function.name), absent)]
+    if passive and names & absent:
+        own = keep_outputs(function, names & absent, f"{function.name}_passive")
+        parts.append(replace(own, variant_of=function.variant_of or function.name))
+    return parts
+
+
+def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
+    """``function`` without those inputs among ``absent`` that it does not read."""
+    read = {node.name for node in function.nodes if node.op is Op.INPUT}
+    inputs = tuple(port for port in function.inputs if port.name in read or port.name not in absent)
+    return replace(function, inputs=inputs)

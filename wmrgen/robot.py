@@ -228,9 +228,12 @@ class Derivation:
     @cached_property
     def c_module(self) -> Module:
         """The functions for C: forward with and without the residual, inverse without slip, which has a function of
-        its own, no posture model unless asked for. They call kernels, see `wmrgen.ir.calls`."""
+        its own, no posture model unless asked for. They call kernels, see `wmrgen.ir.calls`.
+
+        What is passive and not sensed is left out, unless this is a derivation of some functions alone."""
         wanted = asked(self.robot) if self._functions is None else self._functions
-        return for_c(self._kept_whole, self.program.in_c(wanted))
+        names = self.program.in_c(wanted)
+        return for_c(self._kept_whole, self.robot, names, passive=self._functions is not None)
 
     @cached_property
     def bounds(self) -> Bounds:

@@ -13,7 +13,7 @@ from benchmarks.emulator.machine import Machine, Run, Trap
 from benchmarks.emulator.zig import DATA, FLAGS, M4F, Target, compile_objects, link
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import unit
-from wmrgen.backends.c99.functions import Step, Unit
+from wmrgen.backends.c99.records import Parameter, Step, Unit
 from wmrgen.backends.c99.text import Struct
 from wmrgen.ir.interpret import Arithmetic
 from wmrgen.ir.nodes import Module
@@ -22,7 +22,8 @@ from wmrgen.ir.ops import OPERATIONS
 EVERY, LAYOUTS, STUBS = "every.c", "layouts.c", "stubs.c"
 # What the float build may take from <math.h>, and how many arguments each has.
 LIBM = {"sinf": 1, "cosf": 1, "atanf": 1, "atan2f": 2, "sqrtf": 1}
-_PLACES = {name: DATA + 0x8000 * k for k, name in enumerate(("params", "prepared", "in", "out"), 1)}
+_PLACES = tuple(DATA + 0x2000 * k for k in range(1, 10))
+_KEPT = {"params": _PLACES[0], "prepared": _PLACES[1]}  # from one call to the next
 _POISON = b"\xff\xff\xff\xff"  # a NaN: an output that was not written is seen
 Libm = Mapping[str, Callable[..., float]]
 Sources = Callable[[Module], tuple[str, str]]
@@ -45,7 +46,7 @@ def write_sources(folder: Path, modules: Sequence[Module], made: Sources = defau
         header, source = made(module)
         (folder / f"{module.name}.h").write_text(header)
         (folder / f"{module.name}.c").write_text(source)
-        layouts += [_layout(s) for step in unit(module).steps for s in step.arguments.values()]
+        layouts += [_layout(s) for s in unit(module).structs.values()]
     (folder / LAYOUTS).write_text("\n".join(dict.fromkeys(layouts)) + "\n")
     every = [*(f"{module.name}.c" for module in modules), LAYOUTS]
     (folder / EVERY).write_text("".join(f'#include "{name}"\n' for name in every))
@@ -124,14 +125,8 @@ class Fleet:
 
     def inputs(self, step: Step) -> tuple[str, ...]:
         """Names of the inputs of ``step``, the tunable parameters last."""
-        names = list(step.arguments["in"].members) if "in" in step.arguments else []
-        if "prepared" in step.arguments:
-            names += [n for n in self._tunable(step) if n not in names]
-        return tuple(names)
-
-    def _tunable(self, step: Step) -> tuple[str, ...]:
-        arguments = self._prepare(step).arguments
-        return tuple(arguments["params"].members) if "params" in arguments else ()
+        own = self._prepare(step).inputs if "prepared" in step.variables else {}
+        return tuple(dict.fromkeys((*step.inputs, *own)))
 
     def _prepare(self, step: Step) -> Step:
         return next(u.before([step])[-1] for u in self.units.values() if step in u.steps)
@@ -141,45 +136,56 @@ class Fleet:
 
         ``name``: of another function with the same arguments, to run in its place.
         """
-        if "prepared" in step.arguments:
+        if "prepared" in step.variables:
             self._enter(self._prepare(step), values)
         run = self._enter(step, values, name)
-        out = step.arguments["out"]
-        size, places = self._layouts[out.name]
-        words = struct.unpack(f"<{size}f", self.machine.read(_PLACES["out"], 4 * size))
-        return run, {name: words[k] for name, k in places.items()}
+        results = {}
+        for address, p in zip(_places(step), step.parameters, strict=True):
+            for port, member in p.writes.items():
+                (results[port],) = struct.unpack(
+                    "<f", self.machine.read(address + self._offset(p, member), 4)
+                )
+        return run, results
+
+    def _offset(self, p: Parameter, member: str) -> int:
+        """Where a member lies in what ``p`` points to, in bytes."""
+        return 4 * self._layouts[p.type][1][member] if member else 0
 
     def call_flat(self, name: str, inputs: Sequence[float], outputs: int) -> tuple[Run, tuple[float, ...]]:
         """Call ``void name(const float *x, float *y)``, or a function of CasADi's signature."""
-        self.machine.write(_PLACES["in"], struct.pack(f"<{len(inputs)}f", *inputs))
-        self.machine.write(_PLACES["out"], _POISON * outputs)
-        places = [_PLACES["in"], _PLACES["out"]]
+        params, given, results, *_ = _PLACES
+        self.machine.write(given, struct.pack(f"<{len(inputs)}f", *inputs))
+        self.machine.write(results, _POISON * outputs)
+        places = [given, results]
         if name.startswith("casadi_"):  # arrays of pointers to the vectors
-            self.machine.write(_PLACES["params"], struct.pack("<2I", *places))
-            places = [_PLACES["params"], _PLACES["params"] + 4, 0, 0]
+            self.machine.write(params, struct.pack("<2I", *places))
+            places = [params, params + 4, 0, 0]
         run = self.machine.call(name, *places)
-        return run, struct.unpack(f"<{outputs}f", self.machine.read(_PLACES["out"], 4 * outputs))
+        return run, struct.unpack(f"<{outputs}f", self.machine.read(results, 4 * outputs))
 
     def _enter(self, step: Step, values: Mapping[str, float], name: str = "") -> Run:
-        *_, output = step.arguments.values()
-        for parameter, s in step.arguments.items():
-            size, places = self._layouts[s.name]
-            if parameter in ("in", "params"):
-                words = [0.0] * size
-                for member, k in places.items():
-                    words[k] = values[member]
-                self.machine.write(_PLACES[parameter], struct.pack(f"<{size}f", *words))
-            elif s is output:
-                self.machine.write(_PLACES[parameter], _POISON * size)
-        return self.machine.call(name or step.name, *(_PLACES[p] for p in step.arguments))
+        passed: list[int | float] = []
+        for address, p in zip(_places(step), step.parameters, strict=True):
+            passed.append(next(values[port] for port in p.reads) if p.by_value else address)
+            if p.name != "prepared" or p.writes:
+                size = self._layouts[p.type][0] if p.type in self._layouts else 1
+                self.machine.write(address, _POISON * size)
+            for port, member in p.reads.items() if p.name != "prepared" and not p.by_value else ():
+                self.machine.write(address + self._offset(p, member), struct.pack("<f", values[port]))
+        return self.machine.call(name or step.name, *passed)
 
     @cached_property
     def _layouts(self) -> dict[str, tuple[int, dict[str, int]]]:
-        """Struct -> (its size, place of each member), in words."""
-        found = {}
-        for u in self.units.values():
-            for s in (s for step in u.steps for s in step.arguments.values()):
-                content = self.image.content(f"layout_{s.name}")
-                size, *places = struct.unpack(f"<{len(content) // 2}H", content)
-                found[s.name] = size, dict(zip(s.members, places, strict=True))
-        return found
+        """Struct -> (its size, place of each member path), in words."""
+        layouts = {}
+        for s in (s for u in self.units.values() for s in u.structs.values()):
+            content = self.image.content(f"layout_{s.name}")
+            size, *places = struct.unpack(f"<{len(content) // 2}H", content)
+            layouts[s.name] = size, dict(zip(s.members.values(), places, strict=True))
+        return layouts
+
+
+def _places(step: Step) -> list[int]:
+    """Where the parameters of ``step`` point."""
+    free = iter(_PLACES[len(_KEPT) :])
+    return [_KEPT[p.name] if p.name in _KEPT else next(free) for p in step.parameters]

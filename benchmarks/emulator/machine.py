@@ -22,6 +22,11 @@ _ARGUMENTS = (arm.UC_ARM_REG_R0, arm.UC_ARM_REG_R1, arm.UC_ARM_REG_R2, arm.UC_AR
 Trap = tuple[int, Callable[..., float]]  # how many floats, and what is computed of them
 
 
+def _bits(x: float) -> int:
+    """The word that a float is."""
+    return int.from_bytes(struct.pack("<f", x), "little")
+
+
 @dataclass(frozen=True)
 class Run:
     """One call: ``instructions`` outside trapped functions, how often each trap was called (``calls``).
@@ -111,19 +116,29 @@ class Machine:
         result = struct.pack("<f", function(*struct.unpack(f"<{count}f", given)))
         uc.reg_write(registers[0], int.from_bytes(result, "little"))
 
-    def call(self, name: str, *arguments: int) -> Run:
-        """Call a function with up to four words."""
+    def call(self, name: str, *arguments: int | float) -> Run:
+        """Call a function with words and floats, as the procedure call standard passes them: floats in registers of
+        their own where there are such, words that no register is left for on the stack."""
         uc = self._uc
-        for register, value in zip(_ARGUMENTS, arguments, strict=False):
+        words = [x if isinstance(x, int) else _bits(x) for x in arguments if not self._own_register(x)]
+        for k, x in enumerate(x for x in arguments if self._own_register(x)):
+            uc.reg_write(arm.UC_ARM_REG_S0 + k, _bits(x))
+        for register, value in zip(_ARGUMENTS, words, strict=False):
             uc.reg_write(register, value)
-        uc.reg_write(arm.UC_ARM_REG_SP, STACK)
+        beyond = words[len(_ARGUMENTS) :]
+        bottom = STACK - (4 * len(beyond) + 7) // 8 * 8
+        self.write(bottom, struct.pack(f"<{len(beyond)}I", *beyond))
+        uc.reg_write(arm.UC_ARM_REG_SP, bottom)
         uc.reg_write(arm.UC_ARM_REG_LR, RETURN | 1)
-        self._count, self._lowest = 0, STACK
+        self._count, self._lowest = 0, bottom
         self._calls.clear()
         uc.emu_start(self.image.symbols[name].address | 1, RETURN, count=LIMIT)
         if uc.reg_read(arm.UC_ARM_REG_PC) != RETURN:
             raise RuntimeError(f"{name} did not return within {LIMIT} instructions")
-        return Run(self._count, STACK - self._lowest, dict(self._calls))
+        return Run(self._count, bottom - self._lowest, dict(self._calls))
+
+    def _own_register(self, argument: float) -> bool:
+        return self._fpu and not isinstance(argument, int)
 
     def write(self, address: int, values: bytes) -> None:
         self._uc.mem_write(address, values)

@@ -75,62 +75,60 @@ void wpilib_swerve_forward(int k)
 
 void wmrgen_differential_inverse(int k)
 {
-    const textbook_differential_inverse_in in = {at(k), at(k + 333), at(k + 700)};
-    textbook_differential_inverse_out out;
+    const textbook_differential_twist in = {at(k), at(k + 333), at(k + 700)};
+    textbook_differential_wheels out;
     textbook_differential_inverse(&in, &out);
     keep(out);
 }
 
 void wmrgen_differential_forward(int k)
 {
-    textbook_differential_forward_in in;
+    textbook_differential_wheels in;
     in.left.spin = at(k);
     in.right.spin = at(k + 5);
-    textbook_differential_forward_out out;
+    textbook_differential_twist out;
     textbook_differential_forward(&in, &out);
     keep(out);
 }
 
 void wmrgen_mecanum_inverse(int k)
 {
-    const clearpath_do100_inverse_in in = {at(k), at(k + 333), at(k + 700)};
-    clearpath_do100_inverse_out out;
+    const clearpath_do100_twist in = {at(k), at(k + 333), at(k + 700)};
+    clearpath_do100_wheels out;
     clearpath_do100_inverse(&in, &out);
     keep(out);
 }
 
 void wmrgen_mecanum_forward(int k)
 {
-    clearpath_do100_forward_in in;
+    clearpath_do100_wheels in;
     in.front_left.spin = at(k);
     in.front_right.spin = at(k + 5);
     in.rear_left.spin = at(k + 77);
     in.rear_right.spin = at(k + 99);
-    clearpath_do100_forward_out out;
+    clearpath_do100_twist out;
     clearpath_do100_forward(&in, &out);
     keep(out);
 }
 
 void wmrgen_swerve_inverse(int k)
 {
-    wpilib_swervebot_inverse_in in;
-    in.vx = at(k);
-    in.vy = at(k + 333);
-    in.omega = at(k + 700);
-    in.front_left.steer = in.front_right.steer = in.back_left.steer = in.back_right.steer = at(k + 50);
-    wpilib_swervebot_inverse_out out;
-    wpilib_swervebot_inverse(&in, &out);
+    const wpilib_swervebot_twist in = {at(k), at(k + 333), at(k + 700)};
+    wpilib_swervebot_wheels now;
+    now.front_left.steer = now.front_right.steer = now.back_left.steer = now.back_right.steer = at(k + 50);
+    wpilib_swervebot_wheels out;
+    wpilib_swervebot_inverse(&in, &now, &out);
     keep(out);
 }
 
 void wmrgen_swerve_forward(int k)
 {
-    wpilib_swervebot_forward_in in;
+    wpilib_swervebot_wheels in;
     in.front_left = {at(k), at(k)};
     in.front_right = {at(k + 1), at(k + 9)};
     in.back_left = {at(k + 2), at(k + 18)};
     in.back_right = {at(k + 3), at(k + 27)};
-    wpilib_swervebot_forward_out out;
+    wpilib_swervebot_twist out;
     wpilib_swervebot_forward(&in, &out);
     keep(out);
 }

@@ -2,16 +2,16 @@
 #include "textbook_differential.h"
 #include "kernels.h"
 
-void differential_inverse(const textbook_differential_inverse_in *in, textbook_differential_inverse_out *out)
+void differential_inverse(const textbook_differential_twist *twist, textbook_differential_wheels *out)
 {
-    const float a = 10.0f * in->vx, b = 6.0f * in->omega;
+    const float a = 10.0f * twist->vx, b = 6.0f * twist->omega;
     out->right.spin = a + b;
     out->left.spin = a - b;
 }
 
-void differential_forward(const textbook_differential_forward_in *in, textbook_differential_forward_out *out)
+void differential_forward(const textbook_differential_wheels *wheels, textbook_differential_twist *out)
 {
-    out->vx = 0.05f * (in->right.spin + in->left.spin);
+    out->vx = 0.05f * (wheels->right.spin + wheels->left.spin);
     out->vy = 0.0f;
-    out->omega = 0.0833333333f * (in->right.spin - in->left.spin);
+    out->omega = 0.0833333333f * (wheels->right.spin - wheels->left.spin);
 }

@@ -2,18 +2,18 @@
 #include "lekiwi.h"
 #include "kernels.h"
 
-void omni_inverse(const lekiwi_inverse_in *in, lekiwi_inverse_out *out)
+void omni_inverse(const lekiwi_twist *twist, lekiwi_wheels *out)
 {
-    const float w = 2.5f * in->omega, y = 10.0f * in->vy, x = 17.3205081f * in->vx;
+    const float w = 2.5f * twist->omega, y = 10.0f * twist->vy, x = 17.3205081f * twist->vx;
     const float a = w + y;
     out->left_wheel.spin = a - x;
     out->back_wheel.spin = w - (y + y);
     out->right_wheel.spin = a + x;
 }
 
-void omni_forward(const lekiwi_forward_in *in, lekiwi_forward_out *out)
+void omni_forward(const lekiwi_wheels *wheels, lekiwi_twist *out)
 {
-    const float left = in->left_wheel.spin, back = in->back_wheel.spin, right = in->right_wheel.spin;
+    const float left = wheels->left_wheel.spin, back = wheels->back_wheel.spin, right = wheels->right_wheel.spin;
     const float sides = left + right;
     out->vx = 0.0288675135f * (right - left);
     out->vy = 0.0166666667f * (sides - (back + back));

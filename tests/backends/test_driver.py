@@ -63,7 +63,7 @@ def test_a_function_per_case() -> None:
     text = harness(module(), cases)[HARNESS]
     assert [text.count(f"static void case_{k}(void)") for k in range(4)] == [1, 1, 1, 0]
     assert [text.count(f"    case_{k}();") for k in range(4)] == [1, 1, 1, 0]
-    assert text.count(f"in.vx = Frama_C_float_interval({(-0.5).hex()}f, {(0.25).hex()}f);") == 3
+    assert text.count(f"twist.vx = Frama_C_float_interval({(-0.5).hex()}f, {(0.25).hex()}f);") == 3
 
 
 def test_numbers_cross_unchanged() -> None:

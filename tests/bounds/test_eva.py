@@ -40,7 +40,7 @@ def test_harness_calls_every_function_over_its_ranges() -> None:
     for name in robot.functions:
         assert f"pioneer3dx_{name}(" in text
     low, high = robot.bounds.declared["vx"]
-    assert f"in.vx = Frama_C_float_interval({low.hex()}f, {high.hex()}f);" in text
+    assert f"twist.vx = Frama_C_float_interval({low.hex()}f, {high.hex()}f);" in text
     assert text.count("pioneer3dx_prepare(&params, &prepared);") >= 2
 
 

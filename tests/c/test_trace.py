@@ -14,8 +14,7 @@ from wmrgen.backends.c99.trace import places_in, quantity, traced
 from wmrgen.backends.registry import Facts
 from wmrgen.ir.calls import by_name, with_places
 from wmrgen.ir.interpret import FLOAT64, evaluate, evaluate_nodes
-from wmrgen.ir.nodes import Role
-from wmrgen.selftest.vectors import contract
+from wmrgen.ir.nodes import Role, contract
 
 ROBOTS = ("wpilib_swervebot", "nomad_xr4000", "ackermann_car", "pioneer3dx")
 
@@ -32,7 +31,7 @@ def test_names_are_true(robot: str) -> None:
         formula = raw[function.variant_of or function.name]
         place = dict(formula.named)
         for _ in range(20):
-            case = {port.name: float(random.uniform(-2, 2)) for port in contract(function)}
+            case = {port.name: float(random.uniform(-2, 2)) for port in contract(formula)}
             known = dict(case)
             if module.prepare and any(port.role is Role.PREPARED for port in function.inputs):
                 known |= evaluate(module.prepare, {}, FLOAT64)

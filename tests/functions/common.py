@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import wmrgen
-from wmrgen.backends.c99.driver import evaluate_c
+from tests.c.harness import of_all_parts
 from wmrgen.exact.number import Exact
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.robot import Derivation
@@ -69,7 +69,7 @@ def call(path: Path, name: str, values: Mapping[str, float], backend: str = "cas
         ports = d.formula(name).inputs
         full = {p.name: float(p.default) if p.default is not None else 0.0 for p in ports}
         assert values.keys() <= full.keys()
-        return evaluate_c(d.c_module, name, [full | dict(values)], Choice("double"))[0]
+        return of_all_parts(d.c_module, name, [full | dict(values)], Choice("double"))[0]
     f = _casadi(path, name)
     nominal = {p.name: float(p.nominal) for p in d.robot.tunable}
     result = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])

@@ -128,6 +128,10 @@ def test_float_exact(name: str) -> None:
         if function == "inverse":
             for values, case in zip(found, given, strict=True):
                 values |= evaluate_module(module, "inverse_slip", case, FLOAT32)
+            passive = set(wanted[0]) - set(found[0])
+            assert passive.isdisjoint(module.joints or ())
+            assert all(model.robot.wheel(n.partition(".")[0]).kind.turns for n in passive)
+            wanted = [{k: v for k, v in values.items() if k not in passive} for values in wanted]
         agree(found, wanted, name, function, 64 * ULP32)
 
 

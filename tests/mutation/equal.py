@@ -17,11 +17,12 @@ from typing import Any
 import numpy as np
 
 from tests.mutation.mutants import LITERAL, Mutant
+from wmrgen.interface import arguments
 from wmrgen.ir.calls import inlined_calls
-from wmrgen.ir.nodes import Function, Module, Role
+from wmrgen.ir.nodes import Function, Module, Role, contract
 from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.selftest.rounding_bounds import UNITS, bounds, outputs
-from wmrgen.selftest.vectors import contract, prepared_of
+from wmrgen.selftest.vectors import prepared_of
 
 Array = Any
 POINTS = 4096
@@ -54,7 +55,7 @@ _CALLS = {
     "atan2f": np.arctan2, "fmaf": _fused,
     "wmrgen_negate_if_odd": _flip, "wmrgen_with_sign_of": _signed, "wmrgen_clamp": _within, "wmrgen_at_least": _beyond,
 }  # fmt: skip
-_LINE = re.compile(r"^    (?:const (?:float|wmrgen_\w+) )?([\w.>-]+) = ([^;]+);$")
+_LINE = re.compile(r"^    (?:const (?:float|wmrgen_\w+) )?(\*?[\w.>-]+) = ([^;]+);$")
 _KERNEL = re.compile(r"^WMRGEN_(?:KERNEL|ONCE) \w+ (\w+)\(([^)]*)\)\n\{\n(.*?)^\}", flags=re.S | re.M)
 _CHOICE = re.compile(r"^\((.+) < (.+)\) \? (.+) : (.+)$")
 _TYPICAL = {"m/s": 2.0, "rad/s": 8.0, "rad": 3.2, "m": 5.0, "s": 0.25}
@@ -107,16 +108,17 @@ class Body:
         self.lines = [m.groups() for m in map(_LINE.match, bare.splitlines()) if m]
 
     def run(self, mutant: Mutant, given: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
-        """What is stored, by member, with the line that ``mutant`` changes as it wants it."""
+        """What is stored, by place, with the line that ``mutant`` changes as it wants it."""
         scope: dict[str, Any] = {"np": np, "f32": np.float32, **_CALLS, **self.kernels}
-        scope |= {f"{name}_": values for name, values in given.items()}
+        for name, values in given.items():
+            scope |= {name: values[""]} if "" in values else {f"{name}_": values}
         stored = {}
         changed = mutant.before.removeprefix("const float ")
         for target, text in self.lines:
             own = mutant.after if f"{target} = {text}" == changed else text
             value = eval(_python(own), {}, scope)
-            if "->" in target:
-                stored[target.partition("->")[2]] = value
+            if "->" in target or target.startswith("*"):
+                stored[target] = value
             else:
                 scope[target] = value
         return stored
@@ -124,7 +126,8 @@ class Body:
 
 @dataclass(frozen=True)
 class Cases:
-    """Inputs by struct and member; by output its exact value and tolerance; where rounding decides nothing."""
+    """Inputs by parameter and member (nothing of a scalar); by the place of an output its exact value and tolerance;
+    where rounding decides nothing."""
 
     given: dict[str, dict[str, Array]]
     expected: dict[str, tuple[Array, Array]]
@@ -167,18 +170,24 @@ class Judge:
         bounded = outputs(function, bounds(function, columns, "float", POINTS))
         good = [b.error[0] <= 2.0**13 * UNITS["float"] * (1 + np.abs(b.value)) for b in bounded.values()]
         prepared = [p.name for p in function.inputs if p.role is Role.PREPARED]
-        given = {
-            "in": {p.name: columns[p.name].value.astype(np.float32) for p in ports},
-            "prepared": {name: columns[name].value.astype(np.float32) for name in prepared},
-        }
-        return Cases(given, {n: _expected(b) for n, b in bounded.items()}, np.logical_and.reduce(good))
+        given = {"prepared": {name: columns[name].value.astype(np.float32) for name in prepared}}
+        places = {}
+        for argument in arguments(function, self.module.joints):
+            called = "" if not argument.kind else f"{argument.name}->"
+            members = {n: m if argument.kind else "" for n, m in argument.reads.items()}
+            given[argument.name] = {m: columns[n].value.astype(np.float32) for n, m in members.items()}
+            places |= {
+                n: f"{called}{m}" if called else f"*{argument.name}" for n, m in argument.writes.items()
+            }
+        expected = {places[name]: _expected(b) for name, b in bounded.items()}
+        return Cases(given, expected, np.logical_and.reduce(good))
 
     def _preparation(self) -> Cases:
         """The nominal parameters: the only ones that a self-test has."""
         prepared, prepare = prepared_of(self.module, "float"), self.module.prepare
         assert prepare
         params = {p.name: prepared[p.name].value.astype(np.float32) for p in prepare.inputs}
-        expected = {p.name: _expected(prepared[p.name]) for p in prepare.outputs}
+        expected = {f"prepared->{p.name}": _expected(prepared[p.name]) for p in prepare.outputs}
         return Cases({"params": params}, expected, np.ones(1, dtype=bool))
 
 

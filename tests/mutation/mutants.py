@@ -14,11 +14,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 OFF = 1e-3  # relative change of a constant
-_STATEMENT = re.compile(r"^    (const (?:float|double) (\w+)|[\w.>-]+) = ([^;]+);$")
+_STATEMENT = re.compile(r"^    (const (?:float|double) (\w+)|\*?[\w.>-]+) = ([^;]+);$")
 _CHOICE = re.compile(r"^\((.+) < (.+)\) \? (.+) : (.+)$")
 _FUNCTION = re.compile(r"^void (\w+)\(")
 LITERAL = re.compile(r"\b(\d+\.?\d*(?:e[-+]?\d+)?)f\b")
-_MEMBER = re.compile(r"\b(?:in|prepared|params)->[\w.]+")
+_MEMBER = re.compile(r"\b\w+->[\w.]+")
 _OTHER = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 _SIGN = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 

@@ -14,7 +14,7 @@ from tests.processor.fleets import host, inputs
 from tests.selftest.every import files_of, place_of
 from wmrgen.backends.c99 import sources
 from wmrgen.backends.c99.emit import unit
-from wmrgen.backends.c99.functions import Step
+from wmrgen.backends.c99.records import Step
 from wmrgen.ir.interpret import evaluate_module
 from wmrgen.ir.kernels import expand
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
@@ -93,21 +93,17 @@ def _check(module: Module, step: Step, target: str, count: int) -> str:
     cases = list(inputs(module, module.function(name), count))[: 1 + count]
     computed = expand(module, "float", DEFAULT.math, target)
     wanted = [evaluate_module(computed, name, case, host().arithmetic) for case in cases]
-    given, made = step.arguments.values()
     lines = [
-        _table(f"in_{step.name}", [[case[n] for n in given.members] for case in cases]),
-        _table(f"out_{step.name}", [[case[n] for n in made.members] for case in wanted]),
+        _table(f"in_{step.name}", [[case[n] for n in step.inputs] for case in cases]),
+        _table(f"out_{step.name}", [[case[n] for n in step.outputs] for case in wanted]),
         f"static int check_{step.name}(void)", "{", "    int wrong = 0;",
         f"    for (int k = 0; k < {len(cases)}; k++) {{",
-        f"        {given.name} in;", f"        {made.name} out;",
+        *(f"        {kind} {name};" for name, kind in step.variables.items()),
     ]  # fmt: skip
+    lines += [f"        {m} = number(in_{step.name}[k][{i}]);" for i, m in enumerate(step.inputs.values())]
+    lines += [f"        {step.call()};"]
     lines += [
-        f"        in.{m} = number(in_{step.name}[k][{i}]);" for i, m in enumerate(given.members.values())
-    ]
-    lines += [f"        {step.name}(&in, &out);"]
-    lines += [
-        f"        wrong += word(out.{m}) != out_{step.name}[k][{i}];"
-        for i, m in enumerate(made.members.values())
+        f"        wrong += word({m}) != out_{step.name}[k][{i}];" for i, m in enumerate(step.outputs.values())
     ]
     return "\n".join([*lines, "    }", "    return wrong;", "}"])
 
@@ -125,7 +121,11 @@ def write(folder: Path, modules: Sequence[Module], target: str, count: int) -> l
         files.append(f"{module.name}.c")
         functions = {f"{module.name}_{f.name}" for f in module.functions}
         for step in unit(module).steps:
-            if step.name not in functions or len(step.arguments) > 2 or _calls_libm(module, step, target):
+            if (
+                step.name not in functions
+                or "prepared" in step.variables
+                or _calls_libm(module, step, target)
+            ):
                 continue
             parts.append(_check(module, step, target, count))
             calls.append(f"check_{step.name}()")

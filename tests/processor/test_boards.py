@@ -109,5 +109,5 @@ def test_a_compiler_that_tells_of_no_option_keeps_the_order_of_sums(tmp_path: Pa
 def test_the_self_test_on_atmega_sees_a_wrong_build(few: bool, tmp_path: Path) -> None:
     files = boards.self_test(tmp_path, "lekiwi", "avr")
     good = (tmp_path / "lekiwi.c").read_text()
-    (tmp_path / "lekiwi.c").write_text(good.replace("in->vx", "(1.001f * in->vx)", 1))
+    (tmp_path / "lekiwi.c").write_text(good.replace("twist->vx", "(1.001f * twist->vx)", 1))
     assert "different" in on_simavr(tmp_path, files, ("-DLEKIWI_SELFTEST_FEW",) if few else ())

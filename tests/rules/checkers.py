@@ -34,15 +34,18 @@ def caller(robot: str, header: str) -> str:
         rf"^(?:void|\w+_status) ({robot}_\w+)\(([^)]*)\);", header, flags=re.S | re.M
     ):
         given = []
-        for kind in re.findall(r"(\w+) \*\w+", arguments):
+        for kind, star in re.findall(r"(\w+) (\*?)\w+(?:,|$)", arguments):
             variable = kinds.setdefault(kind, f"v{len(kinds)}")
-            given.append(f"&{variable}")
+            given.append(f"&{variable}" if star else variable)
         call = f"{name}({', '.join(given)})"
         calls.append(
             f"    failed += ({call} == {robot.upper()}_OK) ? 0 : 1;"
             if name.endswith("_checked")
             else f"    {call};"
         )
+    if f"*{robot}_joint(" in header:
+        wheels = kinds.setdefault(f"{robot}_wheels", f"v{len(kinds)}")
+        calls.append(f"    failed += ({robot}_joint(&{wheels}, 1) != ({robot}_joint(&{wheels}, 0))) ? 0 : 1;")
     lines += [f"    static {kind} {variable};" for kind, variable in kinds.items()]
     return "\n".join(
         [*lines, f"    int failed = {robot}_selftest();", "", *calls, "    return failed;", "}", ""]

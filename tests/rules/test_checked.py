@@ -18,10 +18,8 @@ from wmrgen.compiler import compile_program, run_program
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 
 DIFFERENTIAL = """
-    textbook_differential_inverse_in in = {0.1f, 0.0f, 1.0f};
-    textbook_differential_inverse_out out, same;
-    textbook_differential_forward_in f;
-    textbook_differential_forward_out g;
+    textbook_differential_twist in = {0.1f, 0.0f, 1.0f}, g;
+    textbook_differential_wheels out, same, f;
     EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_OK);
     textbook_differential_inverse(&in, &same);
     EXPECT(memcmp(&out, &same, sizeof out) == 0);
@@ -43,77 +41,94 @@ DIFFERENTIAL = """
     EXPECT(textbook_differential_forward_checked(&f, &g) == TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE);
 """
 ODOMETRY = """
-    pioneer3dx_odometry_in in = {1.0f, 2.0f, 3.0f, 0.1f, 0.0f, 0.5f, 0.01f};
-    pioneer3dx_odometry_out out, same;
-    EXPECT(pioneer3dx_odometry_checked(&in, &out) == PIONEER3DX_OK);
-    pioneer3dx_odometry(&in, &same);
-    EXPECT(memcmp(&out, &same, sizeof out) == 0);
-    in.vx = 5.0f; /* measured: the limit of 1.2 is for commands, and the wheels have none */
-    EXPECT(pioneer3dx_odometry_checked(&in, &out) == PIONEER3DX_OK);
-    in.vx = 1.1e9f;
-    EXPECT(pioneer3dx_odometry_checked(&in, &out) == PIONEER3DX_OUT_OF_RANGE);
-    EXPECT(out.x == 1.0f && out.y == 2.0f && out.theta == 3.0f);
-    in.vx = 0.1f;
+    const pioneer3dx_pose start = {1.0f, 2.0f, 3.0f};
+    pioneer3dx_pose pose = start, same = start;
+    pioneer3dx_twist twist = {0.1f, 0.0f, 0.5f};
+    EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OK);
+    pioneer3dx_odometry(&same, &twist, 0.01f);
+    EXPECT(memcmp(&pose, &same, sizeof pose) == 0);
+    twist.vx = 5.0f; /* measured: the limit of 1.2 is for commands, and the wheels have none */
+    EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OK);
+    twist.vx = 1.1e9f;
+    pose = start;
+    EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OUT_OF_RANGE);
+    EXPECT(memcmp(&pose, &start, sizeof pose) == 0);
+    twist.vx = 0.1f;
     for (k = 0; k < 3; ++k) {
-        in.y = bad[k];
-        EXPECT(pioneer3dx_odometry_checked(&in, &out) == PIONEER3DX_NOT_A_NUMBER);
-        EXPECT(out.x == 1.0f && out.y == 0.0f && out.theta == 3.0f);
+        pose = start;
+        pose.y = bad[k];
+        EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_NOT_A_NUMBER);
+        EXPECT(pose.x == 1.0f && pose.y == 0.0f && pose.theta == 3.0f);
+        pose = start;
+        EXPECT(pioneer3dx_odometry_checked(&pose, &twist, bad[k]) == PIONEER3DX_NOT_A_NUMBER);
+        EXPECT(memcmp(&pose, &start, sizeof pose) == 0);
     }
-    in.y = 2.0f;
-    in.theta = 2e4f;
-    EXPECT(pioneer3dx_odometry_checked(&in, &out) == PIONEER3DX_OUT_OF_RANGE);
+    pose = start;
+    pose.theta = 2e4f;
+    EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OUT_OF_RANGE);
 """
 ACKERMANN = """
     /* limits: vx 30, omega 2, steer -40 deg to 40 deg */
-    ackermann_car_inverse_in in = {10.0f, 0.0f, 1.0f, {0.1f}, {0.2f}};
-    ackermann_car_inverse_out out, same;
+    ackermann_car_twist in = {10.0f, 0.0f, 1.0f};
+    ackermann_car_wheels now, out, same;
     const float limit = 0.6981317f;
     int j;
-    EXPECT(ackermann_car_inverse_checked(&in, &out) == ACKERMANN_CAR_OK);
-    ackermann_car_inverse(&in, &same);
+    memset(&now, 0, sizeof now);
+    now.front_left.steer = 0.1f;
+    now.front_right.steer = 0.2f;
+    out = now;
+    same = now;
+    EXPECT(ackermann_car_inverse_checked(&in, &now, &out) == ACKERMANN_CAR_OK);
+    ackermann_car_inverse(&in, &now, &same);
+    EXPECT(memcmp(&out, &same, sizeof out) == 0);
+    same = now; /* commands may take the place of the present state */
+    ackermann_car_inverse(&in, &same, &same);
     EXPECT(memcmp(&out, &same, sizeof out) == 0);
     in.omega = 2.0f;
     for (k = -40; k <= 40; ++k) {
         for (j = -20; j <= 20; ++j) { /* also from angles a little beyond the limit */
             in.vx = 0.25f * (float)k;
-            in.front_left.steer = 0.04f * (float)j;
-            in.front_right.steer = -in.front_left.steer;
-            EXPECT(ackermann_car_inverse_checked(&in, &out) == ACKERMANN_CAR_OK);
+            now.front_left.steer = 0.04f * (float)j;
+            now.front_right.steer = -now.front_left.steer;
+            EXPECT(ackermann_car_inverse_checked(&in, &now, &out) == ACKERMANN_CAR_OK);
             EXPECT(out.front_left.steer <= limit && out.front_left.steer >= -limit);
             EXPECT(out.front_right.steer <= limit && out.front_right.steer >= -limit);
         }
     }
-    in.front_left.steer = 0.5f;
-    in.front_right.steer = NAN;
-    EXPECT(ackermann_car_inverse_checked(&in, &out) == ACKERMANN_CAR_NOT_A_NUMBER);
-    EXPECT(out.rear_left.spin == 0.0f && out.front_left.spin == 0.0f);
+    now.front_left.steer = 0.5f;
+    now.front_right.steer = NAN;
+    EXPECT(ackermann_car_inverse_checked(&in, &now, &out) == ACKERMANN_CAR_NOT_A_NUMBER);
+    EXPECT(out.rear_left.spin == 0.0f && out.rear_right.spin == 0.0f);
     EXPECT(out.front_left.steer == 0.5f && out.front_right.steer == 0.0f);
-    in.front_right.steer = 3.0f; /* refused; what is held stays inside the limits */
-    EXPECT(ackermann_car_inverse_checked(&in, &out) == ACKERMANN_CAR_OUT_OF_RANGE);
+    now.front_right.steer = 3.0f; /* refused; what is held stays inside the limits */
+    EXPECT(ackermann_car_inverse_checked(&in, &now, &out) == ACKERMANN_CAR_OUT_OF_RANGE);
     EXPECT(out.front_left.steer == 0.5f && out.front_right.steer == limit);
-    in.front_right.steer = -0.1f;
+    now.front_right.steer = -0.1f;
     in.vx = 30.1f;
-    EXPECT(ackermann_car_inverse_checked(&in, &out) == ACKERMANN_CAR_OUT_OF_RANGE);
+    EXPECT(ackermann_car_inverse_checked(&in, &now, &out) == ACKERMANN_CAR_OUT_OF_RANGE);
     EXPECT(out.front_right.steer == -0.1f && out.rear_right.spin == 0.0f);
+    EXPECT(ackermann_car_inverse_checked(&in, &now, &now) == ACKERMANN_CAR_OUT_OF_RANGE);
+    EXPECT(now.front_right.steer == -0.1f && now.rear_right.spin == 0.0f);
 """
 CASTORS = """
-    nomad_xr4000_inverse_in in = {0.5f, 0.1f, 0.2f, {0.1f}, {0.2f}, {0.3f}, {0.4f}};
-    nomad_xr4000_inverse_out out;
-    EXPECT(nomad_xr4000_inverse_checked(&in, &out) == NOMAD_XR4000_OK);
+    nomad_xr4000_twist in = {0.5f, 0.1f, 0.2f};
+    nomad_xr4000_wheels now, out;
+    memset(&now, 0, sizeof now);
+    EXPECT(nomad_xr4000_inverse_checked(&in, &now, &out) == NOMAD_XR4000_OK);
     EXPECT(out.castor1.steer_rate != 0.0f);
-    in.castor4.steer = NAN;
-    EXPECT(nomad_xr4000_inverse_checked(&in, &out) == NOMAD_XR4000_NOT_A_NUMBER);
+    now.castor4.steer = NAN;
+    EXPECT(nomad_xr4000_inverse_checked(&in, &now, &out) == NOMAD_XR4000_NOT_A_NUMBER);
     EXPECT(out.castor1.steer_rate == 0.0f && out.castor1.spin == 0.0f && out.castor4.spin == 0.0f);
     for (k = 0; k < 3; ++k) {
-        in.castor4.steer = bad[k];
-        EXPECT(nomad_xr4000_inverse_checked(&in, &out) == NOMAD_XR4000_NOT_A_NUMBER);
+        now.castor4.steer = bad[k];
+        EXPECT(nomad_xr4000_inverse_checked(&in, &now, &out) == NOMAD_XR4000_NOT_A_NUMBER);
     }
 """
 TUNABLE = """
     pioneer3dx_params params;
     pioneer3dx_prepared prepared;
-    pioneer3dx_inverse_in in = {0.1f, 0.0f, 1.0f, {0.0f}};
-    pioneer3dx_inverse_out out, same;
+    pioneer3dx_twist in = {0.1f, 0.0f, 1.0f};
+    pioneer3dx_wheels out, same;
     pioneer3dx_params_default(&params);
     pioneer3dx_prepare(&params, &prepared);
     EXPECT(pioneer3dx_inverse_checked(&prepared, &in, &out) == PIONEER3DX_OK);
@@ -127,7 +142,7 @@ TUNABLE = """
     for (k = 0; k < 3; ++k) {
         in.omega = bad[k];
         EXPECT(pioneer3dx_inverse_checked(&prepared, &in, &out) == PIONEER3DX_NOT_A_NUMBER);
-        EXPECT(out.left.spin == 0.0f && out.right.spin == 0.0f && out.tail.steer_rate == 0.0f);
+        EXPECT(out.left.spin == 0.0f && out.right.spin == 0.0f);
     }
 """
 

@@ -97,13 +97,13 @@ def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
-HELD = "ackermann_car_held(in->front_left.steer)"
+HELD = "ackermann_car_held(now->front_left.steer)"
 ACKERMANN, TUNABLE = "ackermann_car", "pioneer3dx"
 PLANTED = {
     "a range left out": (
         ACKERMANN,
-        "ackermann_car_is_within(in->omega, -2.0f, 2.0f)",
-        "(in->omega >= -2.0f)",
+        "ackermann_car_is_within(twist->omega, -2.0f, 2.0f)",
+        "(twist->omega >= -2.0f)",
     ),
     "a limit left out": (ACKERMANN, f"ackermann_car_between({HELD}, -0.6981317f, 0.6981317f)", HELD),
     "a parameter left out": (

@@ -27,18 +27,19 @@ limits: {vx: 2, omega: 3}
 BODY = """
     probed_params params, nominal;
     probed_prepared prepared, expected, normal;
-    probed_inverse_in in = {1.0f, 0.0f, 0.0f, {0.0f}};
-    probed_inverse_out out;
+    const probed_twist in = {1.0f, 0.0f, 0.0f};
+    probed_wheels out;
     const SCALAR radii[6] = {0.0, 1.0, -0.1, 0.0899, 0.1101, 1e30};
     const SCALAR toes[4] = {0.0101, -0.0101, 3.0, -1e-1};
     const SCALAR places[4] = {0.5, -0.4499, -0.5501, 0.0};
+    memset(&out, 0, sizeof out);
     probed_params_default(&nominal);
     probed_prepare(&nominal, &normal);
 #define REFUSED(status) do { \\
         memset(&prepared, 0xff, sizeof prepared); \\
         EXPECT(probed_prepare_checked(&params, &prepared) == (status)); \\
         EXPECT(memcmp(&prepared, &normal, sizeof normal) == 0); \\
-        EXPECT(probed_inverse_checked(&prepared, &in, &out) == PROBED_OK); \\
+        EXPECT(probed_inverse_checked(&prepared, &in, &out, &out) == PROBED_OK); \\
         EXPECT(fabs((double)out.left.spin - 10.0) < 1e-4); \\
     } while (0)
 #define ACCEPTED do { \\

@@ -55,12 +55,11 @@ limits: {vx: 8, omega: 4, spin: 20}
 """
 # Any joint at its stop, at a limit that was overshot, anywhere between, and at an angle of many turns.
 WALK = """
-    enum { COUNT = (int)(sizeof(probed_forward_in) / sizeof(float)) };
+    enum { COUNT = PROBED_JOINTS };
     static const float ends[8] = {43.75f, -43.75f, -10.0f, 40.0f, -1.5f, 1.3f, 999.0f, -998.0f};
-    union { probed_forward_in in; float joint[COUNT]; } measured;
-    probed_forward_out twist;
-    probed_odometry_in step;
-    probed_odometry_out pose;
+    probed_wheels measured;
+    probed_twist twist;
+    probed_pose pose = {0.0f, 0.0f, 0.0f};
     unsigned long seed = 1UL;
     long accepted = 0L;
     long round;
@@ -69,14 +68,13 @@ WALK = """
             unsigned draw;
             seed = (seed * 1103515245UL + 12345UL) & 0x7fffffffUL;
             draw = (unsigned)(seed >> 16);
-            measured.joint[k] = ((draw & 8U) != 0U) ? ends[draw & 7U]
+            *probed_joint(&measured, k) = ((draw & 8U) != 0U) ? ends[draw & 7U]
                 : 40.0f * ((float)(draw >> 4) / 1024.0f - 1.0f);
         }
-        if (probed_forward_checked(PREPARED &measured.in, &twist) == PROBED_OK) {
+        if (probed_forward_checked(PREPARED &measured, &twist) == PROBED_OK) {
             ++accepted;
-            step.x = 0.0f; step.y = 0.0f; step.theta = 0.0f; step.dt = 0.01f;
-            step.vx = twist.vx; step.vy = twist.vy; step.omega = twist.omega;
-            if (probed_odometry_checked(&step, &pose) != PROBED_OK) {
+            pose.x = 0.0f; pose.y = 0.0f; pose.theta = 0.0f;
+            if (probed_odometry_checked(&pose, &twist, 0.01f) != PROBED_OK) {
                 printf("%g %g %g\\n", (double)twist.vx, (double)twist.vy, (double)twist.omega);
                 return 1;
             }
@@ -91,31 +89,33 @@ PREPARE = """
     probed_prepare(&params, &prepared);
 """
 TURNING = """
-    probed_forward_in in = {{-30.0f}, {30.0f}};
-    probed_forward_out twist;
-    probed_odometry_in step = {1.0f, 2.0f, 3.0f, 0.0f, 0.0f, 0.0f, 0.01f};
-    probed_odometry_out pose;
+    probed_wheels in = {{-30.0f}, {30.0f}};
+    probed_twist twist, step = {0.0f, 0.0f, 0.0f};
+    const probed_pose start = {1.0f, 2.0f, 3.0f};
+    probed_pose pose = start;
     (void)bad;
     for (k = 0; k < 2; ++k) {
         EXPECT(probed_forward_checked(&in, &twist) == PROBED_OK);
         EXPECT(fabsf(twist.omega) > 5.3f && fabsf(twist.omega) < 5.4f); /* commands: up to 4 */
         step.omega = twist.omega;
-        EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OK);
+        EXPECT(probed_odometry_checked(&pose, &step, 0.01f) == PROBED_OK);
         EXPECT(pose.theta != 3.0f);
+        pose = start;
         in.left.spin = 30.0f;
         in.right.spin = -30.0f;
     }
     step.omega = 7.83f; /* 2 * 43.75 * 0.0412 / 0.46 = 7.837 */
-    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OK);
+    EXPECT(probed_odometry_checked(&pose, &step, 0.01f) == PROBED_OK);
+    pose = start;
     step.omega = 7.84f;
-    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OUT_OF_RANGE);
+    EXPECT(probed_odometry_checked(&pose, &step, 0.01f) == PROBED_OUT_OF_RANGE);
     EXPECT(pose.x == 1.0f && pose.y == 2.0f && pose.theta == 3.0f);
     step.omega = 0.0f;
     step.vx = -1.80f; /* 43.75 * 0.0412 = 1.8025 */
     step.vy = 0.1f; /* from a sensor that sees what these wheels cannot */
-    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OK);
+    EXPECT(probed_odometry_checked(&pose, &step, 0.01f) == PROBED_OK);
     step.vx = -1.81f;
-    EXPECT(probed_odometry_checked(&step, &pose) == PROBED_OUT_OF_RANGE);
+    EXPECT(probed_odometry_checked(&pose, &step, 0.01f) == PROBED_OUT_OF_RANGE);
 """
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")

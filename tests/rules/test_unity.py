@@ -15,16 +15,15 @@ ROBOTS = ("pioneer3dx", "ackermann_car", "agilex_ranger")
 MAIN = """
 int main(void)
 {
-    pioneer3dx_odometry_in step = {1.0f, 2.0f, 3.0f, 0.1f, 0.0f, 0.5f, 0.01f};
-    pioneer3dx_odometry_out pose;
-    ackermann_car_inverse_in drive = {10.0f, 0.0f, 1.0f, {0.5f}, {3.0f}};
-    ackermann_car_inverse_out wheels;
+    pioneer3dx_pose pose = {1.0f, 3e38f, 3.0f};
+    const pioneer3dx_twist step = {0.1f, 0.0f, 0.5f};
+    const ackermann_car_twist drive = {10.0f, 0.0f, 1.0f};
+    ackermann_car_wheels wheels = {{0}, {0}, {0.5f}, {3.0f}};
     int wrong = 0;
 
-    step.y = 3e38f;
-    wrong += pioneer3dx_odometry_checked(&step, &pose) != PIONEER3DX_OUT_OF_RANGE;
+    wrong += pioneer3dx_odometry_checked(&pose, &step, 0.01f) != PIONEER3DX_OUT_OF_RANGE;
     wrong += (pose.x < 1.0f) || (pose.x > 1.0f);
-    wrong += ackermann_car_inverse_checked(&drive, &wheels) != ACKERMANN_CAR_OUT_OF_RANGE;
+    wrong += ackermann_car_inverse_checked(&drive, &wheels, &wheels) != ACKERMANN_CAR_OUT_OF_RANGE;
     wrong += (wheels.front_left.steer < 0.5f) || (wheels.front_left.steer > 0.5f);
     wrong += (wheels.front_right.steer < 0.69f) || (wheels.front_right.steer > 0.7f);
     return wrong;

@@ -116,8 +116,8 @@ def test_ends_with_its_verdict(tmp_path: Path) -> None:
     sources, main = [f"{robot}.c", place_of(robot)], f"-D{robot.upper()}_SELFTEST_MAIN"
     run_program(compile_program(tmp_path, sources, None, (*STRICT, "-O1", main)), "")
     good = (tmp_path / f"{robot}.c").read_text()
-    for wrong in ("1.001f * in->vx", "(in->vx - in->vx) / (in->vx - in->vx)"):
-        (tmp_path / f"{robot}.c").write_text(good.replace("in->vx", f"({wrong})", 1))
+    for wrong in ("1.001f * twist->vx", "(twist->vx - twist->vx) / (twist->vx - twist->vx)"):
+        (tmp_path / f"{robot}.c").write_text(good.replace("twist->vx", f"({wrong})", 1))
         with pytest.raises(EnvironmentFailure, match="status 1"):
             run_program(compile_program(tmp_path, sources, None, ("-std=c99", "-O1", main)), "")
     header = (tmp_path / f"{robot}.h").read_text()
@@ -140,7 +140,7 @@ def test_few_rows_on_request(tmp_path: Path) -> None:
     flags = (*STRICT, "-O1", f"-D{robot.upper()}_SELFTEST_MAIN", few)
     run_program(compile_program(tmp_path, [f"{robot}.c", place_of(robot)], None, flags), "")
     good = (tmp_path / f"{robot}.c").read_text()
-    (tmp_path / f"{robot}.c").write_text(good.replace("in->vx", "(1.001f * in->vx)", 1))
+    (tmp_path / f"{robot}.c").write_text(good.replace("twist->vx", "(1.001f * twist->vx)", 1))
     with pytest.raises(EnvironmentFailure, match="status 1"):
         run_program(compile_program(tmp_path, [f"{robot}.c", place_of(robot)], None, flags), "")
 

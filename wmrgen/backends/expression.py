@@ -113,10 +113,11 @@ class _Printer:
         kernels: Mapping[str, Results],
         names: Mapping[int, str],
         apart: Collection[int],
+        taken: Collection[str],
     ) -> None:
         self.function, self.access, self.style, self.notes = function, access, style, notes
         self.kernels, self.names, self.apart = kernels, names, apart
-        self.taken = set(names.values())
+        self.taken = {*names.values(), *taken}
         self.uses = _uses(function, style)
         self.choices = {a for node in function.nodes if node.op is Op.SELECT for a in node.args[2:]}
         self.statements: list[str] = []
@@ -183,14 +184,15 @@ def body(
     kernels: Mapping[str, Results] | None = None,
     names: Mapping[int, str] | None = None,
     apart: Collection[int] = (),
+    taken: Collection[str] = (),
 ) -> Body:
     """``function`` (pruned) in ``style``; ``access`` prints the reading of an input by contract name.
 
     ``notes``: node -> finished comment, printed behind the statement that names the node. ``kernels``: what may be
     called, by name. ``names``: what a node is called where it gets a statement, each name once. ``apart``: nodes that
-    have a statement of their own, also where they are needed once.
+    have a statement of their own, also where they are needed once. ``taken``: names that no temporary may have.
     """
-    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {}, apart)
+    printer = _Printer(function, access, style, notes or {}, kernels or {}, names or {}, apart, taken)
     printer.run()
     ops = frozenset(node.op for node in function.nodes)
     return Body(tuple(printer.statements), tuple(printer.texts[r].text for r in function.results), ops)

@@ -31,7 +31,8 @@ class Facts:
     """Facts for the banner of a generated file. Everything is plain text; backends escape it.
 
     ``wheel_lines``: the wheel table, one finished line per wheel and note. ``model_hash``: hexadecimal digest of the
-    model. ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
+    model. ``constants``: numbers of the robot file, each with its name, ``left.radius``, and what it is.
+    ``bound_lines``: what is proved of the code, for the backend whose code that is. ``site``: what the robot
     file says about inputs. ``formulas``: the functions as lowered. ``options``: what the user chose of what the
     backend takes. ``places``: where the code of other backends computes what (for the report).
     """
@@ -42,6 +43,7 @@ class Facts:
     wmrgen_version: str = ""
     sympy_version: str = ""
     bound_lines: tuple[str, ...] = ()
+    constants: tuple[tuple[str, float, str], ...] = ()
     site: Site = NO_SITE
     formulas: tuple[Function, ...] = ()
     options: Mapping[str, str | bool] = field(default_factory=dict)

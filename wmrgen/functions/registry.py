@@ -50,7 +50,8 @@ class Declaration:
     """``build`` raises NotDerivableError where a robot cannot have the function.
 
     ``source``: equations of the texts in their corrected form, or that it is ours. ``limits``: see `Limits`.
-    ``exists``: whether a robot has a STANDARD function.
+    ``exists``: whether a robot has a STANDARD function. ``in_place``: the twist or the wheels that it gives take the
+    place of those that it is given, in languages where that can be said (`wmrgen.interface`).
     """
 
     name: str
@@ -59,6 +60,7 @@ class Declaration:
     kind: Kind
     limits: Limits
     exists: Callable[[Robot], bool]
+    in_place: bool = False
 
 
 _FUNCTIONS: dict[str, Declaration] = {}
@@ -70,6 +72,7 @@ def function(
     kind: Kind = Kind.OPTIONAL,
     limits: Limits = Limits.NONE,
     exists: Callable[[Robot], bool] = lambda _: True,
+    in_place: bool = False,
 ) -> Callable[[Builder], Builder]:
     """Declares the function of the decorated builder's name. ValueError where another module has declared it."""
 
@@ -78,7 +81,7 @@ def function(
         other = _FUNCTIONS.get(name)
         if other is not None and other.build.__module__ != build.__module__:
             raise ValueError(f"function {name} of {build.__module__} is declared in {other.build.__module__}")
-        _FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists)
+        _FUNCTIONS[name] = Declaration(name, build, source, kind, limits, exists, in_place)
         return build
 
     return declare

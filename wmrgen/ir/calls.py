@@ -86,15 +86,15 @@ def select(module: Module, names: dict[str, str]) -> Module:
     """The functions called by the keys of ``names``, renamed to its values, in that order."""
     functions = tuple(replace(module.function(old), name=new) for old, new in names.items())
     if module.prepare is None:
-        return _with_called(Module(module.name, functions), module.kernels)
+        return _with_called(replace(module, functions=functions))
     used = {node.name for f in functions for node in f.nodes if node.op is Op.INPUT}
-    return _with_called(Module(module.name, functions, _outputs(module.prepare, used)), module.kernels)
+    return _with_called(replace(module, functions=functions, prepare=_outputs(module.prepare, used)))
 
 
-def _with_called(module: Module, kernels: tuple[Function, ...]) -> Module:
-    """``module`` with those of ``kernels`` that it calls."""
+def _with_called(module: Module) -> Module:
+    """``module`` with those of its kernels that its functions call."""
     wanted = called(module.functions)
-    return replace(module, kernels=tuple(k for k in kernels if k.name in wanted))
+    return replace(module, kernels=tuple(k for k in module.kernels if k.name in wanted))
 
 
 def _outputs(prepare: Function, used: set[str | None]) -> Function | None:

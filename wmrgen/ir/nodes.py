@@ -41,7 +41,7 @@ class Function:
 
     ``named``: intermediate results of the formula and their nodes, of code as lowered and not optimised.
     ``variant_of``: the function whose inputs and intermediate results this one shares, where it gives other outputs
-    of the same formula. ``limits``: which inputs the limits of the robot bound.
+    of the same formula. ``limits``: which inputs the limits of the robot bound. ``in_place``: see `wmrgen.interface`.
     """
 
     name: str
@@ -53,6 +53,7 @@ class Function:
     named: tuple[tuple[str, int], ...] = ()
     variant_of: str = ""
     limits: Limits = Limits.NONE
+    in_place: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,17 +61,24 @@ class Module:
     """All functions of a robot. ``prepare`` is None when no geometry is tunable.
 
     The outputs of ``prepare`` are the PREPARED inputs of the other functions, by name. ``kernels``: what the functions
-    call, those that are called before those that call; a call gives their inputs in order.
+    call, those that are called before those that call; a call gives their inputs in order. ``joints``: contract names
+    of those that a robot commands or senses, in the file's order; None where the functions are no robot's.
     """
 
     name: str
     functions: tuple[Function, ...]
     prepare: Function | None = None
     kernels: tuple[Function, ...] = ()
+    joints: tuple[str, ...] | None = None
 
     def function(self, name: str) -> Function:
         """The function called ``name``; KeyError when there is none."""
         return {f.name: f for f in self.functions}[name]
+
+
+def contract(function: Function) -> tuple[Port, ...]:
+    """The inputs that a caller gives at every step: no geometry."""
+    return tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
 
 
 def uses_of(function: Function) -> Counter[int]:

@@ -149,7 +149,9 @@ def optimise(
     steps = tuple(_run(function, AFTER_HOIST, verify) for function in module.functions)
     prepare = None if module.prepare is None else _prepare(module.prepare, verify)
     pairs = zip(steps, functions, strict=True)
-    steps = tuple(replace(step, variant_of=f.variant_of, limits=f.limits) for step, f in pairs)
+    steps = tuple(
+        replace(step, variant_of=f.variant_of, limits=f.limits, in_place=f.in_place) for step, f in pairs
+    )
     module = Module(name, steps, prepare, kernels)
     plain, functions = inlined_calls(module), functions if meaning is None else meaning
     if verify:

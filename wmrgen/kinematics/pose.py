@@ -22,18 +22,13 @@ from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import POSE, Port, Role
 from wmrgen.symbolic import Expr, absolute, add, expression, maximum, select, signal, square, subtract
 
 # The largest h with h**8 / 9! <= 2**-53, rounded down to few bits: a float holds it.
 SWITCH = sympy.Rational(3, 64)
 WORST_ERROR = float(SWITCH) ** 8 / 362880
 
-POSE = (
-    Port("x", Role.STATE, "m", "position of P in the world frame"),
-    Port("y", Role.STATE, "m", "position of P in the world frame"),
-    Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
-)
 DT = Port("dt", Role.COMMAND, "s", "duration of the step")
 RATES = (
     Port("x_rate", Role.COMMAND, "m/s", "velocity of P along world x"),

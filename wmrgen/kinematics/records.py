@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import sympy
 
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import Limits, Port, Role
+from wmrgen.ports import JOINTS, TWIST, Limits, Port, Role
 from wmrgen.symbolic import Expr, Local, expression, local, rotated, signal, substituted, times
-
-JOINT_UNIT = {"spin": "rad/s", "steer": "rad", "steer_rate": "rad/s"}
-_SPIN = "wheel speed about its axle, positive rolls along the rolling direction"
-JOINT_TEXT = {
-    "spin": _SPIN,
-    "steer": "steering angle, counter-clockwise from the zero of the robot file",
-    "steer_rate": "steering rate, counter-clockwise",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +30,7 @@ class Formula:
     """One function of the model in symbols. ``locals`` may refer to earlier ones; ``calls`` says which of them are
     results of kernels, which generated C keeps as functions of their own.
 
-    ``source`` and ``limits`` are those of its declaration, see `wmrgen.functions.registry`.
+    ``source``, ``limits`` and ``in_place`` are those of its declaration, see `wmrgen.functions.registry`.
     """
 
     name: str
@@ -48,6 +40,7 @@ class Formula:
     text: str
     source: str = ""
     limits: Limits = Limits.NONE
+    in_place: bool = False
     calls: tuple[Call, ...] = ()
 
     def closed(self) -> dict[str, Expr]:
@@ -149,21 +142,14 @@ class Locals:
         return {port.name: substituted(value, values, memo) for port, value in formula.outputs}
 
 
-TWIST = (
-    ("vx", "m/s", "velocity of P forward, robot frame"),
-    ("vy", "m/s", "velocity of P to the left, robot frame"),
-    ("omega", "rad/s", "yaw rate, counter-clockwise"),
-)
-
-
 def twist_ports(role: Role = Role.COMMAND) -> tuple[Port, ...]:
     """vx, vy, omega."""
-    return tuple(Port(name, role, unit, text) for name, unit, text in TWIST)
+    return tuple(replace(port, role=role) for port in TWIST)
 
 
 def joint_port(wheel: Wheel, joint: str, role: Role) -> Port:
     """``<wheel>.<joint>``"""
-    return Port(f"{wheel.name}.{joint}", role, JOINT_UNIT[joint], JOINT_TEXT[joint])
+    return replace(JOINTS[joint], name=f"{wheel.name}.{joint}", role=role)
 
 
 def slip_port(text: str) -> Port:

@@ -16,7 +16,7 @@ import numpy as np
 from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.interpret import EXACT, evaluate_module
-from wmrgen.ir.nodes import Function, Module, Port, Role
+from wmrgen.ir.nodes import Function, Module, Port, contract
 from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 from wmrgen.ports import NO_SITE, Site
@@ -65,11 +65,6 @@ def tables(module: Module, scalar: str, site: Site = NO_SITE) -> tuple[Table, ..
     computed = [_table(module, group, scalar, site, prepared) for group in _groups(module)]
     laws = [_law(module, name, scalar, site, prepared) for name in INVERSES]
     return tuple(t for t in (*computed, *laws) if t is not None and t.vectors)
-
-
-def contract(function: Function) -> tuple[Port, ...]:
-    """Inputs that a caller gives at every step."""
-    return tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
 
 
 def _groups(module: Module) -> list[list[Function]]:

@@ -84,22 +84,17 @@ LONG = """\
 #include "unicycle.h"
 int main(void)
 {{
-    unicycle_odometry_in plain = {{.x = {x}f, .y = {x}f, .vx = {vx}f, .omega = {omega}f, .dt = 0.001f}};
-    unicycle_odometry_compensated_in in = {{.x = {x}f, .y = {x}f, .vx = {vx}f, .omega = {omega}f, .dt = 0.001f}};
-    unicycle_odometry_out after;
-    unicycle_odometry_compensated_out out;
+    const unicycle_twist twist = {{.vx = {vx}f, .omega = {omega}f}};
+    unicycle_pose plain = {{.x = {x}f, .y = {x}f}}, pose = plain, rest = {{0.0f, 0.0f, 0.0f}};
     float widest = 0.0f;
     for (long k = 0; k < {steps}; k++) {{
-        unicycle_odometry(&plain, &after);
-        plain.x = after.x; plain.y = after.y; plain.theta = after.theta;
-        unicycle_odometry_compensated(&in, &out);
-        in.x = out.x; in.y = out.y; in.theta = out.theta;
-        in.x_rest = out.x_rest; in.y_rest = out.y_rest; in.theta_rest = out.theta_rest;
-        widest = fmaxf(widest, fabsf(out.theta));
+        unicycle_odometry(&plain, &twist, 0.001f);
+        unicycle_odometry_compensated(&pose, &rest, &twist, 0.001f);
+        widest = fmaxf(widest, fabsf(pose.theta));
     }}
-    printf("%.9g %.9g %.9g %.9g\\n", after.x, after.y, after.theta, widest);
-    printf("%.17g %.17g ", (double)in.x + in.x_rest, (double)in.y + in.y_rest);
-    printf("%.17g\\n", (double)in.theta + in.theta_rest);
+    printf("%.9g %.9g %.9g %.9g\\n", plain.x, plain.y, plain.theta, widest);
+    printf("%.17g %.17g ", (double)pose.x + rest.x, (double)pose.y + rest.y);
+    printf("%.17g\\n", (double)pose.theta + rest.theta);
     return 0;
 }}
 """

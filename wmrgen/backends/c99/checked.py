@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from wmrgen.backends.c99.functions import Step, Unit
+from wmrgen.backends.c99.records import Step, Unit
 from wmrgen.backends.c99.text import block_comment, comment_lines, literal, prototype
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ir.calls import hand_through
 from wmrgen.ir.interval import inside
-from wmrgen.ir.nodes import Function, Limits, Module, Port, Role
+from wmrgen.ir.nodes import Function, Limits, Module, Port, contract
 from wmrgen.ir.rounding import to_float64
 from wmrgen.ports import OVERSHOOT, SPAN, SPREAD, Site, overshot, tuned
 from wmrgen.render import render
@@ -78,16 +78,15 @@ class Guarded:
     @property
     def prepares(self) -> bool:
         """Whether its inputs are parameters."""
-        return "params" in self.step.arguments
+        return "params" in self.step.variables
 
-    def read(self, port: Port, arrow: str = "->") -> str:
-        """An input, or the output of that name."""
-        parameter = "params" if self.prepares else "in"
-        return f"{parameter}{arrow}{self.step.arguments[parameter].members[port.name]}"
+    def read(self, port: Port) -> str:
+        """An input, as the function itself has it."""
+        return next(p.within(p.reads[port.name]) for p in self.step.parameters if port.name in p.reads)
 
-    def written(self, port: Port, arrow: str = "->") -> str:
-        """An output."""
-        return f"out{arrow}{self.step.arguments['out'].members[port.name]}"
+    def written(self, port: Port) -> str:
+        """An output, as the function itself has it."""
+        return next(p.within(p.writes[port.name]) for p in self.step.parameters if port.name in p.writes)
 
 
 def guarded(module: Module, unit: Unit, site: Site) -> Iterator[Guarded]:
@@ -124,8 +123,7 @@ def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
     limits, whatever the function; everything else, and what has no limits, only has to be of a size that gives finite
     results.
     """
-    ports = (port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
-    return tuple(_range(port, function.limits, scalar, site) for port in ports)
+    return tuple(_range(port, function.limits, scalar, site) for port in contract(function))
 
 
 def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
@@ -198,10 +196,10 @@ def _checked(unit: Unit, guarded: Guarded) -> dict[str, Any]:
     otherwise = " Else prepared is that of the nominal parameters." if guarded.prepares else ""
     return {
         "comment": block_comment([f"{step.name}() with its inputs checked. Accepted: {text}.{otherwise}"]),
-        "prototype": prototype(f"{unit.robot}_status {step.name}_checked", step.parameters),
+        "prototype": prototype(f"{unit.robot}_status {step.name}_checked", step.declared),
         "numbers": _all_of([f"{unit.robot}_is_number({read})" for read, _ in reads]),
         "inside": _all_of([f"{unit.robot}_is_within({read}, {r.low}, {r.high})" for read, r in reads]),
-        "call": f"{step.name}({', '.join(step.arguments)});",
+        "call": f"{step.name}({', '.join(step.variables)});",
         "safe": _nominal(unit.robot)
         if guarded.prepares
         else [_store(unit, guarded, output) for output in guarded.outputs],

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from wmrgen.backends.c99.emit import sources, unit
-from wmrgen.backends.c99.functions import Step, Unit
+from wmrgen.backends.c99.records import Step, Unit
 from wmrgen.compiler import DEFAULT_FLAGS, compile_and_run
 from wmrgen.ir.calls import in_order, nominal
 from wmrgen.ir.kernels.choice import DEFAULT, HOST, LIBM, Choice
@@ -57,11 +57,11 @@ def calls(unit: Unit) -> tuple[Call, ...]:
 
 def _call(unit: Unit, step: Step) -> Call:
     inputs = unit.inputs(step)
-    lines = [f"{s.name} {p};" for p, s in unit.variables(step).items()]
+    lines = [f"{kind} {name};" for name, kind in unit.variables(step).items()]
     lines += [f"{member} = ({unit.choice.scalar})x[{k}];" for k, member in enumerate(inputs.values())]
     lines += [f"{called.call()};" for called in (*unit.before([step])[-1:], step)]  # prepare: params are set
-    outputs = step.arguments["out"].members
-    lines += [f"y[{k}] = (double)out.{member};" for k, member in enumerate(outputs.values())]
+    outputs = step.outputs
+    lines += [f"y[{k}] = (double){member};" for k, member in enumerate(outputs.values())]
     lines += [] if inputs else ["(void)x;"]
     return Call(unit.robot, step.name, tuple(inputs), tuple(outputs), tuple(lines))
 
@@ -136,7 +136,7 @@ def harness(module: Module, cases: Cases, choice: Choice = PLAIN, waves: bool = 
 def _case(unit: Unit, called: str, ranges: Ranges) -> list[str]:
     """A call with all inputs of their ranges."""
     step, end = unit.contract[called], "f" if unit.choice.scalar == "float" else ""
-    lines = [f"{s.name} {p};" for p, s in unit.variables(step).items()]
+    lines = [f"{kind} {variable};" for variable, kind in unit.variables(step).items()]
     for name, member in unit.inputs(step).items():
         low, high = (f"{float(v).hex()}{end}" for v in ranges[name])
         lines.append(f"{member} = Frama_C_{unit.choice.scalar}_interval({low}, {high});")

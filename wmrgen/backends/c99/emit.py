@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from fractions import Fraction
 
 from wmrgen.backends.c99.checked import checked
-from wmrgen.backends.c99.functions import Unit, printed_kernels, steps_of
+from wmrgen.backends.c99.functions import printed_kernels, shared_structs, steps_of
 from wmrgen.backends.c99.fuzz import fuzz
+from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.selftest import selftest
-from wmrgen.backends.c99.text import comment_lines
+from wmrgen.backends.c99.text import comment_lines, literal
 from wmrgen.backends.c99.trace import traced
 from wmrgen.backends.registry import Facts
+from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import hand_through, inlined_calls
 from wmrgen.ir.kernels import rounds, with_kernels
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0, Choice
 from wmrgen.ir.kernels.trigonometry import worst
 from wmrgen.ir.nodes import Function, Module, Op, count
 from wmrgen.ir.ops import integer
+from wmrgen.ports import JOINTS
 from wmrgen.render import render
 
 NO_FACTS = Facts()
@@ -65,8 +69,10 @@ def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] 
     named = (*module.kernels, *formulas) if formulas else ()
     scalar = choice.scalar
     module = traced(with_kernels(module, scalar, choice.math, choice.target), named)
-    steps, kernels = steps_of(module, scalar, costs), printed_kernels(module, scalar)
-    return Unit(module.name, choice, steps, kernels, rounds(module), written)
+    shared = shared_structs(module, scalar)
+    steps, kernels = steps_of(module, scalar, costs, shared), printed_kernels(module, scalar)
+    joints = module.joints or ()
+    return Unit(module.name, choice, tuple(shared.values()), joints, steps, kernels, rounds(module), written)
 
 
 def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
@@ -79,9 +85,16 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
         "<stdint.h>": any("<stdint.h>" in op.includes for op in ops),
     }
     context: dict[str, object] = {
-        "table": _table(facts, _arithmetic_notes(unit)),
+        "table": _table(facts),
+        "notes": _notes(facts, _arithmetic_notes(unit)),
+        "example": _example(unit),
+        "constants": _constants(unit, facts),
+        "joints": [
+            (_macro(name), f"[{JOINTS[name.rpartition('.')[2]].unit}] {name}") for name in unit.joints
+        ],
+        "version": facts.wmrgen_version,
         "model_hash": "".join(c for c in facts.model_hash if c.isalnum()),
-        "structs": [struct.lines for step in unit.steps for struct in step.structs],
+        "structs": [struct.lines for struct in unit.structs.values()],
         "steps": unit.steps,
         "kernels": unit.kernels,
         "kernels_for": "_".join((choice.target, choice.scalar, choice.math)).upper(),
@@ -122,16 +135,54 @@ def _banner(facts: Facts) -> list[str]:
     return lines
 
 
-def _table(facts: Facts, notes: Sequence[str]) -> list[str]:
-    """What stands below the banner of a header: frame, ``notes``, wheels, bounds."""
-    frame = "Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians."
-    lines = [line for text in (frame, *notes) for line in comment_lines(text)]
+def _table(facts: Facts) -> list[str]:
+    """What stands below the banner of a header: frame and wheels."""
+    lines = comment_lines(
+        "Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians."
+    )
     if facts.wheel_lines:
         lines += ["", "Wheels, in the order of the robot file:"]
         lines += [f"  {line}" for text in facts.wheel_lines for line in comment_lines(text, 95)]
+    return lines
+
+
+def _notes(facts: Facts, arithmetic: Sequence[str]) -> list[str]:
+    """What stands at the end of a header: what its arithmetic needs and what is proved of it."""
+    lines = [line for text in arithmetic for line in comment_lines(text)]
     if facts.bound_lines:
         lines += ["", *(line for text in facts.bound_lines for line in _indented(text))]
     return lines
+
+
+_STEPS = ("inverse", "forward", "odometry")
+_EXAMPLE = {"twist": "{0.5f, 0.0f, 0.2f}", "pose": "{0.0f, 0.0f, 0.0f}", "wheels": "{{0.0f}}"}
+
+
+def _example(unit: Unit) -> list[str]:
+    """Statements that drive a robot for a step: commands of a twist, and what the wheels say of it."""
+    steps = [unit.contract[name] for name in _STEPS if name in unit.contract]
+    before = unit.before(steps)
+    called = {"now": "wheels", "out": "wheels", "dt": "0.01f"}
+    declared: dict[str, str] = {}
+    for step in (*before, *steps):
+        declared |= {called.get(p, p): kind for p, kind in step.variables.items() if p not in ("dt", "slip")}
+    lines = []
+    for variable, kind in declared.items():
+        value = f" = {_EXAMPLE[variable]}" if variable in _EXAMPLE else ""
+        lines.append(f"{kind} {variable}{value};")
+    return [*lines, *(f"{step.call(called)};" for step in (*before, *steps))] if steps else []
+
+
+def _macro(name: str) -> str:
+    return name.upper().replace(".", "_")
+
+
+def _constants(unit: Unit, facts: Facts) -> list[tuple[str, str, str]]:
+    """Name, value and what it is, of every number of the robot file that a program may want."""
+    scalar = unit.choice.scalar
+    return [
+        (_macro(name), literal(Exact(Fraction(value)), scalar), text) for name, value, text in facts.constants
+    ]
 
 
 def _indented(text: str) -> list[str]:

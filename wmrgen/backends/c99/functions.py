@@ -2,106 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache, partial
 
-from wmrgen.backends.c99.text import Struct, alias, block_comment, literal, prototype, struct
+from wmrgen.backends.c99.records import Kernel, Parameter, Step
+from wmrgen.backends.c99.text import Struct, block_comment, literal, prototype, struct
 from wmrgen.backends.c99.trace import quantity
-from wmrgen.backends.expression import Results, Style, body
+from wmrgen.backends.expression import Body, Results, Style, body
+from wmrgen.interface import IN, OUT, Argument, arguments, members
 from wmrgen.ir.calls import called
-from wmrgen.ir.kernels.choice import Choice
-from wmrgen.ir.nodes import Cost, Function, Module, Op, Port, Role, pruned
+from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, pruned
 
-_RESERVED = ("in", "out", "params", "prepared")  # parameters of the functions
 _NOTE = 60  # characters of a comment behind a statement
 _PREFIX = "wmrgen_"  # of kernels and their types
 # Types of results; a kernel with others has one that is called as it is.
 _TYPES: dict[tuple[str, ...], str] = {("x", "y"): "vector", ("spin", "steer"): "wheel"}
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """A C function, ready to print. ``arguments``: parameter -> its struct, in order; the last is filled."""
-
-    name: str
-    structs: tuple[Struct, ...]
-    comment: tuple[str, ...]
-    lines: tuple[str, ...]
-    arguments: Mapping[str, Struct]
-    ops: frozenset[Op] = frozenset()
-
-    @property
-    def parameters(self) -> list[str]:
-        """As a prototype declares them."""
-        *inputs, _ = self.arguments
-        return [f"{'const ' if p in inputs else ''}{s.name} *{p}" for p, s in self.arguments.items()]
-
-    @property
-    def prototype(self) -> str:
-        """Its declaration, without a semicolon."""
-        return prototype(f"void {self.name}", self.parameters)
-
-    def call(self, variables: Mapping[str, str] | None = None) -> str:
-        """A call with variables that are called as the parameters, or as ``variables`` says."""
-        passed = (f"&{(variables or {}).get(parameter, parameter)}" for parameter in self.arguments)
-        return f"{self.name}({', '.join(passed)})"
-
-
-@dataclass(frozen=True, slots=True)
-class Kernel:
-    """A static function, ready to print. ``struct``: (type, members) of its results where there are several."""
-
-    guard: str
-    comment: tuple[str, ...]
-    prototype: str
-    lines: tuple[str, ...]
-    ops: frozenset[Op]
-    struct: tuple[str, tuple[str, ...]] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Unit:
-    """All C functions of a robot, in the order they are printed.
-
-    ``rounds``: they rely on the rounding of sums of magic numbers. ``written``: operations of the functions before
-    kernels were put in.
-    """
-
-    robot: str
-    choice: Choice
-    steps: tuple[Step, ...]
-    kernels: tuple[Kernel, ...]
-    rounds: bool
-    written: frozenset[Op]
-
-    @property
-    def ops(self) -> frozenset[Op]:
-        """The operations that are printed."""
-        return frozenset().union(*(step.ops for step in self.steps), *(kernel.ops for kernel in self.kernels))
-
-    @property
-    def contract(self) -> dict[str, Step]:
-        """By name of the robot's function: all but params_default and prepare."""
-        named = {step.name.removeprefix(f"{self.robot}_"): step for step in self.steps}
-        return {name: step for name, step in named.items() if name not in ("params_default", "prepare")}
-
-    def variables(self, step: Step) -> dict[str, Struct]:
-        """The variables that a call of ``step`` takes, and what is called before it."""
-        return {p: s for called in (step, *self.before([step])) for p, s in called.arguments.items()}
-
-    def inputs(self, step: Step) -> dict[str, str]:
-        """Contract name -> variable and member, of the inputs of ``step``; the tunables are the last."""
-        variables = self.variables(step)
-        parameters = (p for p in ("in", "params") if p in variables)
-        return {name: f"{p}.{member}" for p in parameters for name, member in variables[p].members.items()}
-
-    def before(self, steps: Iterable[Step]) -> tuple[Step, ...]:
-        """What has to be called before ``steps``: params_default and prepare, where one reads what prepare gives."""
-        if not any("prepared" in step.arguments for step in steps):
-            return ()
-        return tuple(step for step in self.steps if "out" not in step.arguments)
 
 
 def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
@@ -117,54 +35,92 @@ def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tu
     note = f"What {robot}_prepare() works out once from the parameters; the steps only read it."
     prepared = struct(f"{robot}_prepared", prepare.outputs, scalar, note)
     if not prepare.inputs:
-        return (_step(prepare, f"{robot}_prepare", {"prepared": prepared}, (prepared,), scalar, cost),)
+        return (
+            _step(prepare, f"{robot}_prepare", (_filled("prepared", prepared),), (prepared,), scalar, cost),
+        )
     params = struct(f"{robot}_params", prepare.inputs, scalar, "Tunable parameters: calibrate, then prepare.")
     nominal = Step(
         f"{robot}_params_default",
         (params,),
-        ("/* Sets the parameters to the nominal values of the robot file. */",),
+        ("/** Sets the parameters to the nominal values of the robot file. */",),
         tuple(
             f"params->{params.members[port.name]} = {literal(port.default, scalar)};"
             for port in prepare.inputs
             if port.default is not None
         ),
-        {"params": params},
+        (_filled("params", params),),
     )
-    arguments = {"params": params, "prepared": prepared}
-    return nominal, _step(prepare, f"{robot}_prepare", arguments, (prepared,), scalar, cost)
+    parameters = (Parameter("params", params.name, params.members, {}), _filled("prepared", prepared))
+    return nominal, _step(prepare, f"{robot}_prepare", parameters, (prepared,), scalar, cost)
 
 
-def steps_of(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
+def _filled(name: str, struct: Struct) -> Parameter:
+    return Parameter(name, struct.name, {}, struct.members)
+
+
+def shared_structs(module: Module, scalar: str) -> dict[str, Struct]:
+    """The types that all functions share, by what `wmrgen.interface` calls them."""
+    notes = {
+        "pose": "Where P is and where the robot heads, in the world frame.",
+        "twist": "How the robot moves: the velocity of P in the robot frame.",
+        "pose_covariance": "Covariance of a pose: the upper triangle of a symmetric matrix.",
+        "twist_covariance": "Covariance of a twist: the upper triangle of a symmetric matrix.",
+        "wheels": "The joints that are driven or sensed: commands, measurements and present state alike.",
+    }
+    return {
+        name: struct(f"{module.name}_{name}", ports, scalar, notes[name])
+        for name, ports in members(module).items()
+    }
+
+
+def steps_of(
+    module: Module, scalar: str, costs: Mapping[str, Cost], shared: Mapping[str, Struct]
+) -> tuple[Step, ...]:
     """params_default and prepare where a parameter is tunable, then every function that has outputs."""
     steps = list(_prepare_steps(module, scalar, costs))
-    prepared = steps[-1].arguments["prepared"] if steps else None
+    prepared = steps[-1].structs[-1] if steps else None
     kernels = _results_of(module.kernels, scalar)
-    inputs_of: dict[tuple[Port, ...], Struct] = {}  # what gives the slip of a function takes that one's input
     for function in (f for f in module.functions if f.outputs):
         name = f"{module.name}_{function.name}"
-        arguments: dict[str, Struct] = {}
+        parameters: list[Parameter] = []
         own: list[Struct] = []
         if prepared is not None and any(port.role is Role.PREPARED for port in function.inputs):
-            arguments["prepared"] = prepared
-        ports = tuple(port for port in function.inputs if port.role in (Role.STATE, Role.COMMAND))
-        if ports:
-            same = inputs_of.get(ports) if function.variant_of else None
-            if same is None:
-                own.append(struct(f"{name}_in", ports, scalar, f"Input of {name}()."))
-                inputs_of.setdefault(ports, own[-1])
-            else:
-                own.append(alias(f"{name}_in", same))
-            arguments["in"] = own[-1]
-        own.append(struct(f"{name}_out", function.outputs, scalar, f"Output of {name}()."))
-        arguments["out"] = own[-1]
-        steps.append(_step(function, name, arguments, own, scalar, costs[function.name], kernels))
+            parameters.append(Parameter("prepared", prepared.name, prepared.members, {}))
+        for argument in arguments(function, module.joints):
+            if argument.kind in (IN, OUT):
+                own.append(_own_struct(function, name, argument.kind, argument, scalar))
+            parameters.append(
+                _parameter(argument, shared.get(argument.kind) or (own[-1] if own else None), scalar)
+            )
+        steps.append(_step(function, name, parameters, own, scalar, costs[function.name], kernels))
     return tuple(steps)
+
+
+def _own_struct(function: Function, name: str, kind: str, argument: Argument, scalar: str) -> Struct:
+    """What one function alone takes or gives."""
+    ports = function.inputs if kind == IN else function.outputs
+    carried = argument.reads if kind == IN else argument.writes
+    note = f"{'Input' if kind == IN else 'Output'} of {name}()."
+    return struct(f"{name}_{kind}", tuple(port for port in ports if port.name in carried), scalar, note)
+
+
+def _parameter(argument: Argument, struct: Struct | None, scalar: str) -> Parameter:
+    """``struct``: the type of ``argument`` where it is no scalar."""
+    if not argument.kind or struct is None:
+        return Parameter(
+            argument.name, scalar, dict.fromkeys(argument.reads, ""), dict.fromkeys(argument.writes, "")
+        )
+    reads, writes = (
+        {name: struct.members[member] for name, member in ports.items()}
+        for ports in (argument.reads, argument.writes)
+    )
+    return Parameter(argument.name, struct.name, reads, writes)
 
 
 def _step(
     function: Function,
     name: str,
-    arguments: Mapping[str, Struct],
+    parameters: Sequence[Parameter],
     own: Sequence[Struct],
     scalar: str,
     cost: Cost,
@@ -172,24 +128,54 @@ def _step(
 ) -> Step:
     """``own``: the structs that are declared for it. ``kernels``: what it may call."""
     function = pruned(function)
-    *inputs, out = arguments
-    reads = {key: f"{p}->{member}" for p in inputs for key, member in arguments[p].members.items()}
+    reads = {port: p.within(member) for p in parameters for port, member in p.reads.items()}
+    writes = {port: p.within(member) for p in parameters for port, member in p.writes.items()}
     quantities: dict[int, list[str]] = {}
     for label, k in function.named:
         quantities.setdefault(k, []).append(quantity(label))
     notes = {k: ", ".join(texts) for k, texts in quantities.items()}
     notes = {k: f"/* {note} */" for k, note in notes.items() if len(note) <= _NOTE}
-    code = body(function, reads.__getitem__, _style(scalar), notes, kernels, _names(function))
+    parameters_of = {p.name for p in parameters}
+    names = _names(function, set(parameters_of))
+
+    def printed(access: Mapping[str, str]) -> Body:
+        return body(function, access.__getitem__, _style(scalar), notes, kernels, names, taken=parameters_of)
+
+    code = printed(reads)
+    early = _overwritten(parameters, code.results, [port.name for port in function.outputs])
+    if early:
+        copies = {port: f"{port.replace('.', '_')}_before" for port in early}
+        code = printed({**reads, **copies})
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
-    lines = [f"(void){p};" for p in inputs if not read & set(arguments[p].members)]
+    lines = [f"(void){p.name};" for p in parameters if not p.writes and not read & set(p.reads)]
+    lines += [f"const {scalar} {port.replace('.', '_')}_before = {reads[port]};" for port in early]
     lines += code.statements
     lines += [""] if lines else []
     lines += [
-        f"{out}->{arguments[out].members[port.name]} = {text};"
-        for port, text in zip(function.outputs, code.results, strict=True)
+        f"{writes[port.name]} = {text};" for port, text in zip(function.outputs, code.results, strict=True)
     ]
-    comment = block_comment([_sentence(function.text), f"Operations of the formula: {cost}."])
-    return Step(name, tuple(own), tuple(comment), tuple(lines), arguments, code.ops)
+    comment = block_comment([_sentence(function.text), f"Operations of the formula: {cost}."], doxygen=True)
+    return Step(name, tuple(own), tuple(comment), tuple(lines), tuple(parameters), code.ops)
+
+
+def _overwritten(
+    parameters: Sequence[Parameter], results: Sequence[str], outputs: Sequence[str]
+) -> list[str]:
+    """The inputs that a result reads after another has been stored in their place, where a caller passes one variable
+    for several parameters of a type."""
+    stored = {name: (p.type, member) for p in parameters for name, member in p.writes.items() if member}
+    inputs = [(name, p, member) for p in parameters for name, member in p.reads.items() if member]
+    early: dict[str, None] = {}
+    done: set[tuple[str, str]] = set()
+    for output, text in zip(outputs, results, strict=True):
+        for name, p, member in inputs:
+            if (p.type, member) in done and re.search(
+                rf"(?<![\w>.]){re.escape(p.within(member))}(?![\w.])", text
+            ):
+                early[name] = None
+        if output in stored:
+            done.add(stored[output])
+    return list(early)
 
 
 @cache
@@ -213,9 +199,12 @@ def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
 
 
-def _names(function: Function) -> dict[int, str]:
-    """What nodes are called: as the formula calls them; what a kernel gives for a wheel, as the wheel."""
-    nodes, names, taken = function.nodes, dict[int, str](), set(_RESERVED)
+def _names(function: Function, taken: set[str]) -> dict[int, str]:
+    """What nodes are called: as the formula calls them; what a kernel gives for a wheel, as the wheel.
+
+    ``taken``: names of parameters.
+    """
+    nodes, names = function.nodes, dict[int, str]()
 
     def call(k: int, name: str) -> None:
         if k not in names and name not in taken:

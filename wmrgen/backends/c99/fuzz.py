@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from wmrgen.backends.c99.checked import Guarded, Safe, about, guarded
-from wmrgen.backends.c99.functions import Unit
+from wmrgen.backends.c99.records import Unit
 from wmrgen.ir.nodes import Module
 from wmrgen.ports import Site
 from wmrgen.render import render
@@ -30,7 +30,8 @@ def fuzz(module: Module, unit: Unit, site: Site, common: Mapping[str, object]) -
 def _tried(unit: Unit, guarded: Guarded, prepare: Guarded | None) -> dict[str, Any]:
     """A function that is tried, ready to print; ``prepare``: what checks its parameters, which are tried too."""
     step = guarded.step
-    variables = {parameter: struct.name for parameter, struct in unit.variables(step).items()}
+    variables = unit.variables(step)
+    changed = [p for p in step.parameters if p.reads and p.writes]
     fill = _any(guarded)
     if guarded.prepares:
         variables |= {"nominal": variables["params"], "expected": variables["prepared"]}
@@ -40,9 +41,10 @@ def _tried(unit: Unit, guarded: Guarded, prepare: Guarded | None) -> dict[str, A
         fill = [*(f"{called.call()};" for called in unit.before([step])), *fill]
     return {
         "name": step.name.removeprefix(f"{unit.robot}_"),
-        "declare": [f"{kind} {name};" for name, kind in variables.items()],
-        "fill": fill,
-        "filled": [*step.arguments][-1],
+        "declare": [f"{kind} {name};" for name, kind in variables.items()]
+        + [f"{p.type} {p.name}_before;" for p in changed],
+        "poisoned": [p.name for p in step.parameters if p.writes and not p.reads],
+        "fill": [*fill, *(f"{p.name}_before = {p.name};" for p in changed)],
         "call": _call(guarded),
         "accepted": _accepted(guarded),
         "refused": _refused(guarded, unit.robot),
@@ -50,18 +52,19 @@ def _tried(unit: Unit, guarded: Guarded, prepare: Guarded | None) -> dict[str, A
 
 
 def _call(guarded: Guarded) -> str:
-    return guarded.step.call().replace(guarded.step.name, f"{guarded.step.name}_checked", 1)
+    return guarded.step.call(ending="_checked")
 
 
 def _any(guarded: Guarded) -> list[str]:
     """The statements that fill the inputs."""
-    return [f"{guarded.read(r.port, '.')} = any(&bytes, {r.low}, {r.high});" for r in guarded.ranges]
+    inputs = guarded.step.inputs
+    return [f"{inputs[r.port.name]} = any(&bytes, {r.low}, {r.high});" for r in guarded.ranges]
 
 
 def _accepted(guarded: Guarded) -> list[str]:
     """The statements that hold after inputs were accepted."""
     if guarded.prepares:
-        reads = [(guarded.read(r.port, "."), r) for r in guarded.ranges]
+        reads = [(guarded.step.inputs[r.port.name], r) for r in guarded.ranges]
         near = [f"must(({read} >= {r.low}) && ({read} <= {r.high}));" for read, r in reads]
         return [*near, f"{guarded.step.call({'prepared': 'expected'})};", *_as_expected(guarded)]
     return [f"must({test});" for output in guarded.outputs for test in _numbers(guarded, output)]
@@ -77,22 +80,26 @@ def _refused(guarded: Guarded, robot: str) -> list[str]:
 
 
 def _as_expected(guarded: Guarded) -> Iterator[str]:
-    for member in guarded.step.arguments["prepared"].members.values():
-        yield f"must(is_number(prepared.{member}) && (prepared.{member} == expected.{member}));"
+    for member in guarded.step.outputs.values():
+        expected = member.replace("prepared.", "expected.")
+        yield f"must(is_number({member}) && ({member} == {expected}));"
 
 
 def _numbers(guarded: Guarded, output: Safe) -> Iterator[str]:
-    read = guarded.written(output.port, ".")
+    read = guarded.step.outputs[output.port.name]
     yield f"is_number({read})"
     if output.limit and guarded.keeps:
         yield f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
 
 
 def _is_safe(guarded: Guarded, output: Safe) -> str:
-    read = guarded.written(output.port, ".")
+    read = guarded.step.outputs[output.port.name]
     if output.limit:
         return f"({read} >= {output.limit[0]}) && ({read} <= {output.limit[1]})"
     if output.held:
-        present = guarded.read(output.port, ".")
+        present = guarded.step.inputs[output.port.name]
+        if present == read:  # changed in place
+            variable, _, member = present.partition(".")
+            present = f"{variable}_before.{member}"
         return f"is_number({present}) ? ({read} == {present}) : ({read} == 0)"
     return f"{read} == 0"

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from wmrgen.backends.c99.functions import Step, Unit
+from wmrgen.backends.c99.records import Step, Unit
 from wmrgen.backends.c99.text import WIDTH, block_comment, comment_text
 from wmrgen.ir.nodes import Module
 from wmrgen.ports import Site
@@ -64,26 +64,30 @@ def _check(table: Table, steps: Sequence[Step], before: Sequence[Step]) -> list[
 
     The inputs of a law's second function are the outputs of its first, where those have the name.
     """
-    prepared = {p: s for step in before for p, s in step.arguments.items()}
-    declared = [f"{s.name} {p};" for p, s in prepared.items()]
+    prepared = {name: kind for step in before for name, kind in step.variables.items()}
+    declared = [f"{kind} {name};" for name, kind in prepared.items()]
     calls = [f"{step.call()};" for step in before]
     values = {name: f"row[{k}]" for k, name in enumerate(table.inputs)}
     for number, step in enumerate(steps):
-        own = {p: f"{p}{number}" for p in ("in", "out") if p in step.arguments}
-        declared += [f"{step.arguments[p].name} {variable};" for p, variable in own.items()]
-        if "in" in own:
-            inputs = step.arguments["in"].members
-            calls += [f"in{number}.{member} = {values[name]};" for name, member in inputs.items()]
+        own = {p: f"{p}{number}" for p in step.variables if p not in prepared}
+        declared += [f"{step.variables[p]} {variable};" for p, variable in own.items()]
+        calls += [f"{_numbered(place, number)} = {values[name]};" for name, place in step.inputs.items()]
         calls.append(f"{step.call(own)};")
-        outputs = step.arguments["out"].members
+        outputs = {name: _numbered(place, number) for name, place in step.outputs.items()}
         if table.law and number == 0:
-            values |= {name: f"out0.{member}" for name, member in outputs.items()}
+            values |= outputs
             continue
         for k, name in enumerate(table.outputs):
             if name in outputs:
                 expected = len(table.inputs) + 2 * k
-                calls.append(f"misses += miss(out{number}.{outputs[name]}, &row[{expected}]);")
+                calls.append(f"misses += miss({outputs[name]}, &row[{expected}]);")
     return [*declared, "int misses = 0;", "", *calls, "return misses;"]
+
+
+def _numbered(place: str, number: int) -> str:
+    """``twist.vx`` of the variable ``twist0``."""
+    variable, dot, member = place.partition(".")
+    return f"{variable}{number}{dot}{member}"
 
 
 # ---- numbers

@@ -52,13 +52,14 @@ def comment_lines(text: str, width: int = WIDTH - 3) -> list[str]:
     return textwrap.wrap(comment_text(text), width, break_on_hyphens=False) or [""]
 
 
-def block_comment(paragraphs: Sequence[str], indent: str = "") -> list[str]:
-    """The finished lines of one comment, each paragraph starting on a line of its own."""
+def block_comment(paragraphs: Sequence[str], indent: str = "", doxygen: bool = False) -> list[str]:
+    """The finished lines of one comment, each paragraph starting on a line of its own; ``doxygen`` reads it, too."""
+    begin = "/**" if doxygen else "/*"
     lines = [line for text in paragraphs for line in comment_lines(text, WIDTH - len(indent) - 6)]
     if len(lines) == 1:
-        return [f"{indent}/* {lines[0]} */"]
+        return [f"{indent}{begin} {lines[0]} */"]
     first, *middle, last = lines
-    return [f"{indent}/* {first}", *(f"{indent} * {line}" for line in middle), f"{indent} * {last} */"]
+    return [f"{indent}{begin} {first}", *(f"{indent} * {line}" for line in middle), f"{indent} * {last} */"]
 
 
 def prototype(head: str, parameters: Sequence[str], separator: str = ",\n    ") -> str:
@@ -161,10 +162,10 @@ def _commented(declaration: str, indent: str, column: int, note: str) -> list[st
     """``declaration`` with ``note`` behind it where that fits, else above."""
     if not note:
         return [indent + declaration]
-    line = (indent + declaration).ljust(column) + f" /* {note} */"
+    line = (indent + declaration).ljust(column) + f" /**< {note} */"
     if len(line) <= WIDTH:
         return [line]
-    return [*block_comment([note], indent), indent + declaration]
+    return [*block_comment([note], indent, doxygen=True), indent + declaration]
 
 
 def _group(wheel: str, members: list[_Row]) -> list[_Row]:
@@ -173,11 +174,6 @@ def _group(wheel: str, members: list[_Row]) -> list[_Row]:
         return [("    ", f"struct {{ {members[0][1]} }} {wheel};", members[0][2])]
     inner: list[_Row] = [("        ", declaration, port) for _, declaration, port in members]
     return [("    ", "struct {", None), *inner, ("    ", f"}} {wheel};", None)]
-
-
-def alias(name: str, of: Struct) -> Struct:
-    """Another name for a struct: what is filled for one function can be handed to the other."""
-    return Struct(name, (f"typedef {of.name} {name};",), of.members)
 
 
 def struct(name: str, ports: tuple[Port, ...], scalar: str, note: str) -> Struct:
@@ -192,7 +188,7 @@ def struct(name: str, ports: tuple[Port, ...], scalar: str, note: str) -> Struct
     for wheel, members in groups.items():
         rows += _group(wheel, members)
     column = max(len(indent + declaration) for indent, declaration, port in rows if port)
-    lines = block_comment([note, *(f"{joint}: {text}." for joint, text in shared.items())])
+    lines = block_comment([note, *(f"{joint}: {text}." for joint, text in shared.items())], doxygen=True)
     lines.append("typedef struct {")
     for indent, declaration, noted in rows:
         lines += _commented(declaration, indent, column, _note(noted, shared.keys()) if noted else "")

@@ -22,11 +22,10 @@ from wmrgen.exact.number import Exact
 from wmrgen.ir.calls import Kernels, with_places
 from wmrgen.ir.calls import by_name as kernels_by_name
 from wmrgen.ir.interpret import values_of
-from wmrgen.ir.nodes import Function, Module, Op
+from wmrgen.ir.nodes import Function, Module, Op, contract
 from wmrgen.ir.rounding import to_float64
 from wmrgen.ports import NO_SITE
 from wmrgen.selftest.points import Grid
-from wmrgen.selftest.vectors import contract
 
 Array = Any
 _POINTS = slice(20, 28)
@@ -54,17 +53,17 @@ def _tunables(module: Module) -> dict[str, Array]:
 
 
 @np.errstate(all="ignore")
-def _names(formula: Function, tunables: Mapping[str, Array]) -> Names:
+def _names(formula: Function, inputs: Mapping[str, Array]) -> Names:
     """The values of the intermediate results of a formula as it was lowered."""
     if not formula.named:
         return {}
-    values = values_of(formula, {**tunables, **_inputs(formula)}, np.float64)
+    values = values_of(formula, inputs, np.float64)
     return {name: values[k] for name, k in formula.named}
 
 
 @np.errstate(all="ignore")
 def _labels(
-    function: Function, names: Names, tunables: Mapping[str, Array], kernels: Kernels
+    function: Function, names: Names, inputs: Mapping[str, Array], kernels: Kernels
 ) -> tuple[tuple[str, int], ...]:
     """Every name whose value a node has, with the first such node, a shared one before others."""
     named = [
@@ -79,7 +78,7 @@ def _labels(
     if not named or not nodes:
         return ()
     plain, place = with_places(function, kernels)
-    run = values_of(plain, {**tunables, **_inputs(function)}, np.float32)
+    run = values_of(plain, inputs, np.float32)
     shape = named[0][1].shape
     table = np.array([np.broadcast_to(np.asarray(run[place[k]], np.float64), shape) for k in nodes])
     uses = Counter(argument for node in function.nodes for argument in node.args)
@@ -106,7 +105,8 @@ def traced(module: Module, formulas: Sequence[Function]) -> Module:
         formula = written.get(function.variant_of or function.name)
         if formula is None:
             return function
-        return replace(function, named=_labels(function, _names(formula, tunables), tunables, kernels))
+        inputs = {**tunables, **_inputs(formula)}  # those of the function are among them
+        return replace(function, named=_labels(function, _names(formula, inputs), inputs, kernels))
 
     functions, called = (tuple(map(named, each)) for each in (module.functions, module.kernels))
     return replace(module, functions=functions, kernels=called)
@@ -114,7 +114,7 @@ def traced(module: Module, formulas: Sequence[Function]) -> Module:
 
 _FUNCTION = re.compile(r"^void (\w+)\(")
 _NAMED = re.compile(r"^    const \w+ \w+ = .*; /\* (.+) \*/$")
-_STORED = re.compile(r"^    out->([\w.]+) = ")
+_STORED = re.compile(r"^    (?:\w+->|\*)([\w.]+) = ")
 
 
 def places(files: Mapping[str, bytes]) -> tuple[Place, ...]:

@@ -53,7 +53,7 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
     return names.formula("steer_toward", (*standing, *wanted, DT), outputs, text)
 
 
-@function("Siegwart (3.12) at the present angle; cosineScale of WPILib", limits=Limits.ASKED)
+@function("Siegwart (3.12) at the present angle; cosineScale of WPILib", limits=Limits.ASKED, in_place=True)
 def compensate_steering(robot: Robot, _: Mobility) -> Formula:
     """Every ``<wheel>.spin`` of a wheel that steers and drives, times the cosine of what it has yet to swing."""
     driven = [w for w in robot.wheels if w.kind.steers and "spin" in w.actuated]

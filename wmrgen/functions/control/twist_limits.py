@@ -20,10 +20,10 @@ from wmrgen.exact.number import Exact
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.records import TWIST, Formula, Locals, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, Port, Role
+from wmrgen.ports import TWIST, Limits, Port, Role
 from wmrgen.symbolic import Expr, add, maximum, number, select, signal, subtract, times
 
 SHORT = Exact(
@@ -31,12 +31,13 @@ SHORT = Exact(
 )  # of the way that a step may go: no rounding carries it past the wanted twist
 INSTANT = Exact(Fraction(1, 10**20))  # s
 _LAST = tuple(
-    Port(f"{name}_last", Role.STATE, unit, f"{name} of the last command") for name, unit, _ in TWIST
+    Port(f"{name}_last", Role.STATE, unit, f"{name} of the last command")
+    for name, unit in ((p.name, p.unit) for p in TWIST)
 )
 _DT = Port("dt", Role.COMMAND, "s", "time since the last command; what is below 0 counts as 0")
 
 
-@function("ours; the texts have none", limits=Limits.ASKED)
+@function("ours; the texts have none", limits=Limits.ASKED, in_place=True)
 def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     """A twist inside the limits of vx, vy and omega, along the same path; nothing below the ``deadband``.
 
@@ -60,7 +61,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     return names.formula("limit_twist", twist_ports(), _whole(twist), text)
 
 
-@function("ours; the texts have none", limits=Limits.COMMANDED)
+@function("ours; the texts have none", limits=Limits.COMMANDED, in_place=True)
 def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     """From the last twist towards the wanted one, as far as dt and the limits of the rates of vx, vy and omega let it.
 
@@ -96,7 +97,7 @@ def _limits(
 
     NotDerivableError where there is none, or a one-sided one.
     """
-    limits = {name: robot.limits.get(f"{name}{ending}") for name, _, _ in TWIST}
+    limits = {name: robot.limits.get(f"{name}{ending}") for name in (p.name for p in TWIST)}
     limits["vy"] = limits["vy"] or limits["vx"]
     driven = zip(limits, project(robot, mobility).twist, strict=True)
     limits = {name: limits[name] for name, component in driven if component}

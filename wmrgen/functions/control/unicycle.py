@@ -25,11 +25,10 @@ from wmrgen.exact.poly import Poly
 from wmrgen.functions.control.gains import TEXTBOOK, judge, nominal_gains, shown
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
+from wmrgen.ports import POSE, Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     add,

@@ -61,7 +61,7 @@ _TIE = Exact(Fraction(1, 10**4))  # rad: both ways lie as far outside the limits
 WAYS = ("forwards", "backwards")
 
 
-@function("ours; the texts have none", limits=Limits.ASKED)
+@function("ours; the texts have none", limits=Limits.ASKED, in_place=True)
 def desaturate(robot: Robot, _: Mobility) -> Formula:
     """Every ``<wheel>.spin`` (and ``<castor>.steer_rate``) that `inverse` commands, times one ``scale`` <= 1.
 

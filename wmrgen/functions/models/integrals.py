@@ -19,11 +19,10 @@ from wmrgen.exact.linalg import left_null_space
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Row, dot
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import POSE, Port, Role
 from wmrgen.symbolic import add, expression, rotated_back, signal, times
 
 Terms = tuple[tuple[str, float], ...]  # a linear function: quantity, coefficient

@@ -35,7 +35,7 @@ from wmrgen.exact.poly import Gen, Poly, Row, by_angle, derivative, dot
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank, normal_equations
 from wmrgen.kinematics.least_squares import pseudo_inverse
-from wmrgen.kinematics.pose import DT, POSE, increments
+from wmrgen.kinematics.pose import DT, increments
 from wmrgen.kinematics.records import (
     Formula,
     Locals,
@@ -59,7 +59,7 @@ from wmrgen.kinematics.sensing import (
 )
 from wmrgen.layout.records import Noise, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, Port, Role
+from wmrgen.ports import POSE, POSE_COVARIANCE, TWIST_COVARIANCE, Limits, Port
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -76,24 +76,6 @@ from wmrgen.symbolic import (
 
 Matrix = list[list[Poly]]
 _PAIRS = tuple((i, j) for i in range(3) for j in range(i, 3))
-
-
-def _covariance_ports(names: Sequence[str], per: str, of: str) -> tuple[Port, ...]:
-    """The upper triangle of a symmetric matrix, row by row; ``per``: what its units are divided by."""
-    units = {(0, 2): "m rad", (1, 2): "m rad", (2, 2): "rad^2"}
-    return tuple(
-        Port(
-            names[i] + names[j],
-            Role.STATE,
-            units.get((i, j), "m^2") + per,
-            f"covariance of {names[i]} and {names[j]} of the {of}" if i != j else f"variance of {names[i]}",
-        )
-        for i, j in _PAIRS
-    )
-
-
-POSE_COVARIANCE = _covariance_ports(("x", "y", "theta"), "", "pose")
-TWIST_COVARIANCE = _covariance_ports(("vx", "vy", "omega"), "/s^2", "twist")
 
 
 @dataclass(frozen=True, slots=True)

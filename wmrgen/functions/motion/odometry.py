@@ -20,11 +20,11 @@ import sympy
 
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import DT, POSE, increments, odometry
+from wmrgen.kinematics.pose import DT, increments, odometry
 from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, Port, Role, output
+from wmrgen.ports import POSE, Limits, Port, Role, output
 from wmrgen.symbolic import Compensated, Expr, add, rounding_error, select, signal, subtract
 
 _INCREMENTS = (

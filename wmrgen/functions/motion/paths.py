@@ -28,13 +28,13 @@ from wmrgen.exact.evaluate import number as nominal_number
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import POSE, odometry
+from wmrgen.kinematics.pose import odometry
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
 from wmrgen.kinematics.sensing import measurements
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import numeric_rank, unit_of
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
+from wmrgen.ports import POSE, Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     absolute,

@@ -27,11 +27,11 @@ from wmrgen.functions.motion.paths import TWIST, named
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.pose import POSE, RATES
+from wmrgen.kinematics.pose import RATES
 from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, Port, Role, output
+from wmrgen.ports import POSE, Limits, Port, Role, output
 from wmrgen.symbolic import Expr, expression, matrix, rotated, rotated_back, signal
 
 ZERO, ONE = Poly({}), Poly.of(1)

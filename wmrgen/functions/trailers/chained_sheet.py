@@ -23,11 +23,10 @@ from wmrgen.functions.system import Domain
 from wmrgen.functions.trailers.chained import U, chained, chained_input, chained_rates
 from wmrgen.functions.trailers.trailer import towing_system
 from wmrgen.functions.trailers.train import OMEGA, Train, V, last_axle, links_of, train
-from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, parameter_ports, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port
+from wmrgen.ports import POSE, Port
 from wmrgen.symbolic import AtLeast, Expr, expression, local, rotated, signal
 
 POINTS = 3

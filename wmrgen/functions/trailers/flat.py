@@ -15,11 +15,10 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
 from wmrgen.functions.system import Gate, rate_port
 from wmrgen.functions.trailers.train import Steering, Train, V, train
-from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, output
+from wmrgen.ports import POSE, Port, output
 from wmrgen.symbolic import (
     Expr,
     add,

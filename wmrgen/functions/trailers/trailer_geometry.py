@@ -19,11 +19,10 @@ from wmrgen.constraints import working_view
 from wmrgen.exact.poly import Poly
 from wmrgen.functions.registry import function, underivable
 from wmrgen.functions.trailers.trailer import THROUGH_P, Vector, fixed_axle, require_trailers, state_ports
-from wmrgen.kinematics.pose import POSE
 from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
+from wmrgen.ports import POSE, Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     add,

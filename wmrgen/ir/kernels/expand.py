@@ -45,7 +45,7 @@ def with_kernels(module: Module, scalar: str, math: str, target: str = DEFAULT.t
     functions = tuple(
         _Expansion(f, processor, vectors, _results_of_both(f, module)).run() for f in module.functions
     )
-    return Module(module.name, functions, prepare, _needed(functions, (*common, *own)))
+    return replace(module, functions=functions, prepare=prepare, kernels=_needed(functions, (*common, *own)))
 
 
 def processor_of(scalar: str, math: str, target: str) -> Processor:

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_6783c079a0c48a91)
+#if !defined(AGILEX_RANGER_PAIR_f10f019581e548f7)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -222,28 +222,40 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inverse_out *out)
+/* The members of agilex_ranger_wheels lie as an array does. */
+typedef char agilex_ranger_wheels_are_joints[
+    ((sizeof(agilex_ranger_wheels) / sizeof(float)) == (unsigned int)AGILEX_RANGER_JOINTS) ? 1 : -1];
+
+float *agilex_ranger_joint(agilex_ranger_wheels *wheels, int joint)
 {
-    const float front_left_x = fmaf(1.1920929e-09f, in->omega, fmaf((-0.28f), in->omega, in->vx)); /* front_left: a, rear_left: a */
-    const float front_left_y = fmaf(1.1920929e-08f, in->omega, fmaf(0.45f, in->omega, in->vy)); /* front_left: b, front_right: b */
-    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(in->front_left.steer, 1.57f), 1.0f);
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)AGILEX_RANGER_JOINTS)) ? joint : 0];
+}
+
+void agilex_ranger_inverse(
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *now,
+    agilex_ranger_wheels *out)
+{
+    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx)); /* front_left: a, rear_left: a */
+    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy)); /* front_left: b, front_right: b */
+    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(now->front_left.steer, 1.57f), 1.0f);
     const float t1 = (1.6572665f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
     const float front_left_heading = (t0.steer < (-1.6572665f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
     const float t2 = wmrgen_clamp(front_left_heading, 1.57f);
     const wmrgen_vector t3 = wmrgen_vector_at(1.0f, t2 - t0.steer);
-    const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
-    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(in->front_right.steer, 1.57f), 1.0f);
+    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx)); /* front_right: a, rear_right: a */
+    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(now->front_right.steer, 1.57f), 1.0f);
     const float t5 = (1.6572665f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
     const float front_right_heading = (t4.steer < (-1.6572665f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
     const float t6 = wmrgen_clamp(front_right_heading, 1.57f);
     const wmrgen_vector t7 = wmrgen_vector_at(1.0f, t6 - t4.steer);
-    const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
-    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(in->rear_left.steer, 1.57f), 1.0f);
+    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy)); /* rear_left: b, rear_right: b */
+    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(now->rear_left.steer, 1.57f), 1.0f);
     const float t9 = (1.6572665f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
     const float rear_left_heading = (t8.steer < (-1.6572665f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
     const float t10 = wmrgen_clamp(rear_left_heading, 1.57f);
     const wmrgen_vector t11 = wmrgen_vector_at(1.0f, t10 - t8.steer);
-    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(in->rear_right.steer, 1.57f), 1.0f);
+    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(now->rear_right.steer, 1.57f), 1.0f);
     const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
     const float rear_right_heading = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
     const float t14 = wmrgen_clamp(rear_right_heading, 1.57f);
@@ -260,68 +272,73 @@ void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inv
 }
 
 void agilex_ranger_inverse_slip(
-    const agilex_ranger_inverse_slip_in *in,
-    agilex_ranger_inverse_slip_out *out)
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *wheels,
+    float *slip)
 {
-    const float front_left_x = fmaf(1.1920929e-09f, in->omega, fmaf((-0.28f), in->omega, in->vx)); /* front_left: a, rear_left: a */
-    const float front_left_y = fmaf(1.1920929e-08f, in->omega, fmaf(0.45f, in->omega, in->vy)); /* front_left: b, front_right: b */
-    const wmrgen_wheel t0 = wmrgen_steer_along(front_left_x, front_left_y, wmrgen_clamp(in->front_left.steer, 1.57f), 1.0f);
-    const float t1 = (1.6572665f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_left_heading = (t0.steer < (-1.6572665f)) ? (t0.steer + 3.1415927f) : t1; /* front_left: heading, front_left: angle inside the limits */
-    const float front_left_excess = wmrgen_clamp(front_left_heading, 1.57f) - t0.steer; /* front left excess */
-    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_left_excess);
-    const float t3 = t0.spin * t2.y;
-    const float front_right_x = fmaf((-1.1920929e-09f), in->omega, fmaf(0.28f, in->omega, in->vx)); /* front_right: a, rear_right: a */
-    const wmrgen_wheel t4 = wmrgen_steer_along(front_right_x, front_left_y, wmrgen_clamp(in->front_right.steer, 1.57f), 1.0f);
-    const float t5 = (1.6572665f < t4.steer) ? (t4.steer - 3.1415927f) : t4.steer;
-    const float front_right_heading = (t4.steer < (-1.6572665f)) ? (t4.steer + 3.1415927f) : t5; /* front_right: heading, front_right: angle inside the limits */
-    const float front_right_excess = wmrgen_clamp(front_right_heading, 1.57f) - t4.steer; /* front right excess */
-    const wmrgen_vector t6 = wmrgen_vector_at(1.0f, front_right_excess);
-    const float t7 = t4.spin * t6.y;
-    const float rear_left_y = fmaf((-1.1920929e-08f), in->omega, fmaf((-0.45f), in->omega, in->vy)); /* rear_left: b, rear_right: b */
-    const wmrgen_wheel t8 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(in->rear_left.steer, 1.57f), 1.0f);
-    const float t9 = (1.6572665f < t8.steer) ? (t8.steer - 3.1415927f) : t8.steer;
-    const float rear_left_heading = (t8.steer < (-1.6572665f)) ? (t8.steer + 3.1415927f) : t9; /* rear_left: heading, rear_left: angle inside the limits */
-    const float rear_left_excess = wmrgen_clamp(rear_left_heading, 1.57f) - t8.steer; /* rear left excess */
-    const wmrgen_vector t10 = wmrgen_vector_at(1.0f, rear_left_excess);
-    const float t11 = t8.spin * t10.y;
-    const wmrgen_wheel t12 = wmrgen_steer_along(front_right_x, rear_left_y, wmrgen_clamp(in->rear_right.steer, 1.57f), 1.0f);
-    const float t13 = (1.6572665f < t12.steer) ? (t12.steer - 3.1415927f) : t12.steer;
-    const float rear_right_heading = (t12.steer < (-1.6572665f)) ? (t12.steer + 3.1415927f) : t13; /* rear_right: heading, rear_right: angle inside the limits */
-    const float rear_right_excess = wmrgen_clamp(rear_right_heading, 1.57f) - t12.steer; /* rear right excess */
-    const wmrgen_vector t14 = wmrgen_vector_at(1.0f, rear_right_excess);
-    const float t15 = t12.spin * t14.y;
-    const float t16 = fmaf(t15, t15, fmaf(t11, t11, fmaf(t3, t3, t7 * t7)));
+    const float front_left_x = fmaf(1.1920929e-09f, twist->omega, fmaf((-0.28f), twist->omega, twist->vx)); /* front_left: a, rear_left: a */
+    const float front_left_y = fmaf(1.1920929e-08f, twist->omega, fmaf(0.45f, twist->omega, twist->vy)); /* front_left: b, front_right: b */
+    const float t0 = wmrgen_clamp(wheels->front_left.steer, 1.57f);
+    const wmrgen_wheel t1 = wmrgen_steer_along(front_left_x, front_left_y, t0, 1.0f);
+    const float t2 = (1.6572665f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
+    const float front_left_heading = (t1.steer < (-1.6572665f)) ? (t1.steer + 3.1415927f) : t2; /* front_left: heading, front_left: angle inside the limits */
+    const float front_left_excess = wmrgen_clamp(front_left_heading, 1.57f) - t1.steer; /* front left excess */
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, front_left_excess);
+    const float t4 = t1.spin * t3.y;
+    const float front_right_x = fmaf((-1.1920929e-09f), twist->omega, fmaf(0.28f, twist->omega, twist->vx)); /* front_right: a, rear_right: a */
+    const float t5 = wmrgen_clamp(wheels->front_right.steer, 1.57f);
+    const wmrgen_wheel t6 = wmrgen_steer_along(front_right_x, front_left_y, t5, 1.0f);
+    const float t7 = (1.6572665f < t6.steer) ? (t6.steer - 3.1415927f) : t6.steer;
+    const float front_right_heading = (t6.steer < (-1.6572665f)) ? (t6.steer + 3.1415927f) : t7; /* front_right: heading, front_right: angle inside the limits */
+    const float front_right_excess = wmrgen_clamp(front_right_heading, 1.57f) - t6.steer; /* front right excess */
+    const wmrgen_vector t8 = wmrgen_vector_at(1.0f, front_right_excess);
+    const float t9 = t6.spin * t8.y;
+    const float rear_left_y = fmaf((-1.1920929e-08f), twist->omega, fmaf((-0.45f), twist->omega, twist->vy)); /* rear_left: b, rear_right: b */
+    const wmrgen_wheel t10 = wmrgen_steer_along(front_left_x, rear_left_y, wmrgen_clamp(wheels->rear_left.steer, 1.57f), 1.0f);
+    const float t11 = (1.6572665f < t10.steer) ? (t10.steer - 3.1415927f) : t10.steer;
+    const float rear_left_heading = (t10.steer < (-1.6572665f)) ? (t10.steer + 3.1415927f) : t11; /* rear_left: heading, rear_left: angle inside the limits */
+    const float rear_left_excess = wmrgen_clamp(rear_left_heading, 1.57f) - t10.steer; /* rear left excess */
+    const wmrgen_vector t12 = wmrgen_vector_at(1.0f, rear_left_excess);
+    const float t13 = t10.spin * t12.y;
+    const float t14 = wmrgen_clamp(wheels->rear_right.steer, 1.57f);
+    const wmrgen_wheel t15 = wmrgen_steer_along(front_right_x, rear_left_y, t14, 1.0f);
+    const float t16 = (1.6572665f < t15.steer) ? (t15.steer - 3.1415927f) : t15.steer;
+    const float rear_right_heading = (t15.steer < (-1.6572665f)) ? (t15.steer + 3.1415927f) : t16; /* rear_right: heading, rear_right: angle inside the limits */
+    const float rear_right_excess = wmrgen_clamp(rear_right_heading, 1.57f) - t15.steer; /* rear right excess */
+    const wmrgen_vector t17 = wmrgen_vector_at(1.0f, rear_right_excess);
+    const float t18 = t15.spin * t17.y;
+    const float t19 = fmaf(t18, t18, fmaf(t13, t13, fmaf(t4, t4, t9 * t9)));
 
-    out->slip = sqrtf(0.25f * t16);
+    *slip = sqrtf(0.25f * t19);
 }
 
-void agilex_ranger_forward(const agilex_ranger_forward_in *in, agilex_ranger_forward_out *out)
+void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twist *twist)
 {
-    const wmrgen_vector front_right = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
-    const wmrgen_vector rear_right = wmrgen_vector_at(in->rear_right.spin, in->rear_right.steer);
+    const wmrgen_vector front_right = wmrgen_vector_at(wheels->front_right.spin, wheels->front_right.steer);
+    const wmrgen_vector rear_right = wmrgen_vector_at(wheels->rear_right.spin, wheels->rear_right.steer);
     const float t0 = front_right.x + rear_right.x;
-    const wmrgen_vector front_left = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
-    const wmrgen_vector rear_left = wmrgen_vector_at(in->rear_left.spin, in->rear_left.steer);
+    const wmrgen_vector front_left = wmrgen_vector_at(wheels->front_left.spin, wheels->front_left.steer);
+    const wmrgen_vector rear_left = wmrgen_vector_at(wheels->rear_left.spin, wheels->rear_left.steer);
     const float t1 = front_left.x + rear_left.x;
     const float t2 = rear_left.y + rear_right.y;
     const float t3 = front_left.y + front_right.y;
     const float omega_fit = fmaf(0.048059806f, t3 - t2, 0.029903881f * (t0 - t1)); /* omega */
 
-    out->vx = 0.03f * (t0 + t1);
-    out->vy = 0.03f * (t2 + t3);
-    out->omega = omega_fit;
+    twist->vx = 0.03f * (t0 + t1);
+    twist->vy = 0.03f * (t2 + t3);
+    twist->omega = omega_fit;
 }
 
 void agilex_ranger_forward_slip(
-    const agilex_ranger_forward_slip_in *in,
-    agilex_ranger_forward_slip_out *out)
+    const agilex_ranger_wheels *wheels,
+    agilex_ranger_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector front_right = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
-    const wmrgen_vector rear_right = wmrgen_vector_at(in->rear_right.spin, in->rear_right.steer);
+    const wmrgen_vector front_right = wmrgen_vector_at(wheels->front_right.spin, wheels->front_right.steer);
+    const wmrgen_vector rear_right = wmrgen_vector_at(wheels->rear_right.spin, wheels->rear_right.steer);
     const float t0 = front_right.x + rear_right.x;
-    const wmrgen_vector front_left = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
-    const wmrgen_vector rear_left = wmrgen_vector_at(in->rear_left.spin, in->rear_left.steer);
+    const wmrgen_vector front_left = wmrgen_vector_at(wheels->front_left.spin, wheels->front_left.steer);
+    const wmrgen_vector rear_left = wmrgen_vector_at(wheels->rear_left.spin, wheels->rear_left.steer);
     const float t1 = front_left.x + rear_left.x;
     const float vx_fit = 0.03f * (t0 + t1); /* vx */
     const float t2 = rear_left.y + rear_right.y;
@@ -345,22 +362,22 @@ void agilex_ranger_forward_slip(
     const float t18 = fmaf(t17, t17, fmaf(t16, t16, fmaf(t14, t14, t13)));
     const float t19 = fmaf(0.12f, rear_right.y, t15);
 
-    out->vx = vx_fit;
-    out->vy = vy_fit;
-    out->omega = omega_fit;
-    out->slip = sqrtf(fmaf(t19, t19, t18));
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
+    *slip = sqrtf(fmaf(t19, t19, t18));
 }
 
-void agilex_ranger_odometry(const agilex_ranger_odometry_in *in, agilex_ranger_odometry_out *out)
+void agilex_ranger_odometry(agilex_ranger_pose *pose, const agilex_ranger_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

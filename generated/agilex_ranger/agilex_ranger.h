@@ -6,7 +6,155 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   front_left: steered, x 0.45 m, y 0.28 m, heading 0 deg, r 0.12 m
+ *   front_right: steered, x 0.45 m, y -0.28 m, heading 0 deg, r 0.12 m
+ *   rear_left: steered, x -0.45 m, y 0.28 m, heading 0 deg, r 0.12 m
+ *   rear_right: steered, x -0.45 m, y -0.28 m, heading 0 deg, r 0.12 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     agilex_ranger_twist twist = {0.5f, 0.0f, 0.2f};
+ *     agilex_ranger_wheels wheels = {{0.0f}};
+ *     agilex_ranger_pose pose = {0.0f, 0.0f, 0.0f};
+ *     agilex_ranger_inverse(&twist, &wheels, &wheels);
+ *     agilex_ranger_forward(&wheels, &twist);
+ *     agilex_ranger_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_AGILEX_RANGER_H
+#define WMRGEN_AGILEX_RANGER_H
+
+#define AGILEX_RANGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define AGILEX_RANGER_MODEL_HASH "b85a0cf196c72b9ea4891d6bcbc9f7a6" /**< digest of the model */
+#define AGILEX_RANGER_PAIR_f10f019581e548f7 1 /**< header and source that were written together have the same */
+#define AGILEX_RANGER_FRONT_LEFT_X 0.45f /**< [m] pivot, forward of P */
+#define AGILEX_RANGER_FRONT_LEFT_Y 0.28f /**< [m] pivot, to the left of P */
+#define AGILEX_RANGER_FRONT_LEFT_RADIUS 0.12f /**< [m] radius */
+#define AGILEX_RANGER_FRONT_RIGHT_X 0.45f /**< [m] pivot, forward of P */
+#define AGILEX_RANGER_FRONT_RIGHT_Y (-0.28f) /**< [m] pivot, to the left of P */
+#define AGILEX_RANGER_FRONT_RIGHT_RADIUS 0.12f /**< [m] radius */
+#define AGILEX_RANGER_REAR_LEFT_X (-0.45f) /**< [m] pivot, forward of P */
+#define AGILEX_RANGER_REAR_LEFT_Y 0.28f /**< [m] pivot, to the left of P */
+#define AGILEX_RANGER_REAR_LEFT_RADIUS 0.12f /**< [m] radius */
+#define AGILEX_RANGER_REAR_RIGHT_X (-0.45f) /**< [m] pivot, forward of P */
+#define AGILEX_RANGER_REAR_RIGHT_Y (-0.28f) /**< [m] pivot, to the left of P */
+#define AGILEX_RANGER_REAR_RIGHT_RADIUS 0.12f /**< [m] radius */
+#define AGILEX_RANGER_VX_MIN (-2.7f) /**< [m/s] least that the robot file allows */
+#define AGILEX_RANGER_VX_MAX 2.7f /**< [m/s] most that the robot file allows */
+#define AGILEX_RANGER_VY_MIN (-2.7f) /**< [m/s] least that the robot file allows */
+#define AGILEX_RANGER_VY_MAX 2.7f /**< [m/s] most that the robot file allows */
+#define AGILEX_RANGER_OMEGA_MIN (-0.7853f) /**< [rad/s] least that the robot file allows */
+#define AGILEX_RANGER_OMEGA_MAX 0.7853f /**< [rad/s] most that the robot file allows */
+#define AGILEX_RANGER_FRONT_LEFT_STEER_MIN (-1.57f) /**< [rad] least that the robot file allows */
+#define AGILEX_RANGER_FRONT_LEFT_STEER_MAX 1.57f /**< [rad] most that the robot file allows */
+#define AGILEX_RANGER_FRONT_RIGHT_STEER_MIN (-1.57f) /**< [rad] least that the robot file allows */
+#define AGILEX_RANGER_FRONT_RIGHT_STEER_MAX 1.57f /**< [rad] most that the robot file allows */
+#define AGILEX_RANGER_REAR_LEFT_STEER_MIN (-1.57f) /**< [rad] least that the robot file allows */
+#define AGILEX_RANGER_REAR_LEFT_STEER_MAX 1.57f /**< [rad] most that the robot file allows */
+#define AGILEX_RANGER_REAR_RIGHT_STEER_MIN (-1.57f) /**< [rad] least that the robot file allows */
+#define AGILEX_RANGER_REAR_RIGHT_STEER_MAX 1.57f /**< [rad] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} agilex_ranger_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} agilex_ranger_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file. */
+typedef struct {
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } front_left;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } front_right;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } rear_left;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } rear_right;
+} agilex_ranger_wheels;
+
+/** Joints in the order of agilex_ranger_wheels. */
+enum agilex_ranger_joint {
+    AGILEX_RANGER_FRONT_LEFT_SPIN, /**< [rad/s] front_left.spin */
+    AGILEX_RANGER_FRONT_LEFT_STEER, /**< [rad] front_left.steer */
+    AGILEX_RANGER_FRONT_RIGHT_SPIN, /**< [rad/s] front_right.spin */
+    AGILEX_RANGER_FRONT_RIGHT_STEER, /**< [rad] front_right.steer */
+    AGILEX_RANGER_REAR_LEFT_SPIN, /**< [rad/s] rear_left.spin */
+    AGILEX_RANGER_REAR_LEFT_STEER, /**< [rad] rear_left.steer */
+    AGILEX_RANGER_REAR_RIGHT_SPIN, /**< [rad/s] rear_right.spin */
+    AGILEX_RANGER_REAR_RIGHT_STEER, /**< [rad] rear_right.steer */
+    AGILEX_RANGER_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum agilex_ranger_joint, for loops over all; of the first where there is none. */
+float *agilex_ranger_joint(agilex_ranger_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill. At a stop it keeps that heading,
+ * cut there, while the opposite one lies less than 5 degrees less outside: noise does not swing
+ * it to and fro.
+ * Operations of the formula: 32 additions, 28 multiplications, 4 divisions, 4 square roots, 4
+ * sines and cosines, 4 arctangents, 24 comparisons, 12 sign operations, 4 roundings. */
+void agilex_ranger_inverse(
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *now,
+    agilex_ranger_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 35 additions, 29 multiplications, 4 divisions, 5 square roots, 4
+ * sines and cosines, 4 arctangents, 24 comparisons, 12 sign operations, 4 roundings. */
+void agilex_ranger_inverse_slip(
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 9 additions, 12 multiplications, 8 sines and cosines. */
+void agilex_ranger_forward(const agilex_ranger_wheels *wheels, agilex_ranger_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 28 additions, 30 multiplications, 1 square root, 8 sines and
+ * cosines. */
+void agilex_ranger_forward_slip(
+    const agilex_ranger_wheels *wheels,
+    agilex_ranger_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void agilex_ranger_odometry(agilex_ranger_pose *pose, const agilex_ranger_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,14 +170,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   front_left: steered, x 0.45 m, y 0.28 m, heading 0 deg, r 0.12 m
- *   front_right: steered, x 0.45 m, y -0.28 m, heading 0 deg, r 0.12 m
- *   rear_left: steered, x -0.45 m, y 0.28 m, heading 0 deg, r 0.12 m
- *   rear_right: steered, x -0.45 m, y -0.28 m, heading 0 deg, r 0.12 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  *
  * Proved for |vx| <= 2.7, |vy| <= 2.7, |omega| <= 0.7853, |front_left.steer, front_right.steer,
  * rear_left.steer, rear_right.steer| <= 1.57, and with these ranges of inputs that have no limits:
@@ -56,149 +196,5 @@
  *   odometry: y in [-100.541, 100.541] m, off by 4.3e-06
  *   odometry: theta in [-12.645, 12.645] rad, off by 4.9e-07
  */
-#ifndef WMRGEN_AGILEX_RANGER_H
-#define WMRGEN_AGILEX_RANGER_H
-
-#define AGILEX_RANGER_MODEL_HASH "b85a0cf196c72b9ea4891d6bcbc9f7a6"
-#define AGILEX_RANGER_PAIR_6783c079a0c48a91 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of agilex_ranger_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                            /* [m/s] velocity of P forward, robot frame */
-    float vy;                            /* [m/s] velocity of P to the left, robot frame */
-    float omega;                         /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } front_left;  /* [rad] */
-    struct { float steer; } front_right; /* [rad] */
-    struct { float steer; } rear_left;   /* [rad] */
-    struct { float steer; } rear_right;  /* [rad] */
-} agilex_ranger_inverse_in;
-
-/* Output of agilex_ranger_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_right;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } rear_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } rear_right;
-} agilex_ranger_inverse_out;
-
-typedef agilex_ranger_inverse_in agilex_ranger_inverse_slip_in;
-
-/* Output of agilex_ranger_inverse_slip(). */
-typedef struct {
-    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
-     * held steering */
-    float slip;
-} agilex_ranger_inverse_slip_out;
-
-/* Input of agilex_ranger_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_right;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } rear_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } rear_right;
-} agilex_ranger_forward_in;
-
-/* Output of agilex_ranger_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} agilex_ranger_forward_out;
-
-typedef agilex_ranger_forward_in agilex_ranger_forward_slip_in;
-
-/* Output of agilex_ranger_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} agilex_ranger_forward_slip_out;
-
-/* Input of agilex_ranger_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} agilex_ranger_odometry_in;
-
-/* Output of agilex_ranger_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} agilex_ranger_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill. At a stop it keeps that heading,
- * cut there, while the opposite one lies less than 5 degrees less outside: noise does not swing
- * it to and fro.
- * Operations of the formula: 32 additions, 28 multiplications, 4 divisions, 4 square roots, 4
- * sines and cosines, 4 arctangents, 24 comparisons, 12 sign operations, 4 roundings. */
-void agilex_ranger_inverse(const agilex_ranger_inverse_in *in, agilex_ranger_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 35 additions, 29 multiplications, 4 divisions, 5 square roots, 4
- * sines and cosines, 4 arctangents, 24 comparisons, 12 sign operations, 4 roundings. */
-void agilex_ranger_inverse_slip(
-    const agilex_ranger_inverse_slip_in *in,
-    agilex_ranger_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 9 additions, 12 multiplications, 8 sines and cosines. */
-void agilex_ranger_forward(const agilex_ranger_forward_in *in, agilex_ranger_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 28 additions, 30 multiplications, 1 square root, 8 sines and
- * cosines. */
-void agilex_ranger_forward_slip(
-    const agilex_ranger_forward_slip_in *in,
-    agilex_ranger_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void agilex_ranger_odometry(const agilex_ranger_odometry_in *in, agilex_ranger_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_AGILEX_RANGER_H */

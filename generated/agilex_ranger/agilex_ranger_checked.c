@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(AGILEX_RANGER_PAIR_6783c079a0c48a91)
+#if !defined(AGILEX_RANGER_PAIR_f10f019581e548f7)
 #error "agilex_ranger_checked.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -40,194 +40,198 @@ static float agilex_ranger_between(const float x, const float low, const float h
 }
 
 agilex_ranger_status agilex_ranger_inverse_checked(
-    const agilex_ranger_inverse_in *in,
-    agilex_ranger_inverse_out *out)
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *now,
+    agilex_ranger_wheels *out)
 {
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            agilex_ranger_is_number(in->vx) &&
-            agilex_ranger_is_number(in->vy) &&
-            agilex_ranger_is_number(in->omega) &&
-            agilex_ranger_is_number(in->front_left.steer) &&
-            agilex_ranger_is_number(in->front_right.steer) &&
-            agilex_ranger_is_number(in->rear_left.steer) &&
-            agilex_ranger_is_number(in->rear_right.steer)
+            agilex_ranger_is_number(twist->vx) &&
+            agilex_ranger_is_number(twist->vy) &&
+            agilex_ranger_is_number(twist->omega) &&
+            agilex_ranger_is_number(now->front_left.steer) &&
+            agilex_ranger_is_number(now->front_right.steer) &&
+            agilex_ranger_is_number(now->rear_left.steer) &&
+            agilex_ranger_is_number(now->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            agilex_ranger_is_within(in->vx, -2.7f, 2.7f) &&
-            agilex_ranger_is_within(in->vy, -2.7f, 2.7f) &&
-            agilex_ranger_is_within(in->omega, -0.7853f, 0.7853f) &&
-            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(twist->vx, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(twist->vy, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(twist->omega, -0.7853f, 0.7853f) &&
+            agilex_ranger_is_within(now->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(now->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(now->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(now->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
-        agilex_ranger_inverse(in, out);
+        agilex_ranger_inverse(twist, now, out);
     }
     if (status != AGILEX_RANGER_OK) {
         out->front_left.spin = 0.0f;
-        out->front_left.steer = agilex_ranger_between(agilex_ranger_held(in->front_left.steer), -1.57f, 1.57f);
+        out->front_left.steer = agilex_ranger_between(agilex_ranger_held(now->front_left.steer), -1.57f, 1.57f);
         out->front_right.spin = 0.0f;
-        out->front_right.steer = agilex_ranger_between(agilex_ranger_held(in->front_right.steer), -1.57f, 1.57f);
+        out->front_right.steer = agilex_ranger_between(agilex_ranger_held(now->front_right.steer), -1.57f, 1.57f);
         out->rear_left.spin = 0.0f;
-        out->rear_left.steer = agilex_ranger_between(agilex_ranger_held(in->rear_left.steer), -1.57f, 1.57f);
+        out->rear_left.steer = agilex_ranger_between(agilex_ranger_held(now->rear_left.steer), -1.57f, 1.57f);
         out->rear_right.spin = 0.0f;
-        out->rear_right.steer = agilex_ranger_between(agilex_ranger_held(in->rear_right.steer), -1.57f, 1.57f);
+        out->rear_right.steer = agilex_ranger_between(agilex_ranger_held(now->rear_right.steer), -1.57f, 1.57f);
     }
     return status;
 }
 
 agilex_ranger_status agilex_ranger_inverse_slip_checked(
-    const agilex_ranger_inverse_slip_in *in,
-    agilex_ranger_inverse_slip_out *out)
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *wheels,
+    float *slip)
 {
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            agilex_ranger_is_number(in->vx) &&
-            agilex_ranger_is_number(in->vy) &&
-            agilex_ranger_is_number(in->omega) &&
-            agilex_ranger_is_number(in->front_left.steer) &&
-            agilex_ranger_is_number(in->front_right.steer) &&
-            agilex_ranger_is_number(in->rear_left.steer) &&
-            agilex_ranger_is_number(in->rear_right.steer)
+            agilex_ranger_is_number(twist->vx) &&
+            agilex_ranger_is_number(twist->vy) &&
+            agilex_ranger_is_number(twist->omega) &&
+            agilex_ranger_is_number(wheels->front_left.steer) &&
+            agilex_ranger_is_number(wheels->front_right.steer) &&
+            agilex_ranger_is_number(wheels->rear_left.steer) &&
+            agilex_ranger_is_number(wheels->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            agilex_ranger_is_within(in->vx, -2.7f, 2.7f) &&
-            agilex_ranger_is_within(in->vy, -2.7f, 2.7f) &&
-            agilex_ranger_is_within(in->omega, -0.7853f, 0.7853f) &&
-            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(twist->vx, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(twist->vy, -2.7f, 2.7f) &&
+            agilex_ranger_is_within(twist->omega, -0.7853f, 0.7853f) &&
+            agilex_ranger_is_within(wheels->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
-        agilex_ranger_inverse_slip(in, out);
+        agilex_ranger_inverse_slip(twist, wheels, slip);
     }
     if (status != AGILEX_RANGER_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 agilex_ranger_status agilex_ranger_forward_checked(
-    const agilex_ranger_forward_in *in,
-    agilex_ranger_forward_out *out)
+    const agilex_ranger_wheels *wheels,
+    agilex_ranger_twist *twist)
 {
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            agilex_ranger_is_number(in->front_left.spin) &&
-            agilex_ranger_is_number(in->front_left.steer) &&
-            agilex_ranger_is_number(in->front_right.spin) &&
-            agilex_ranger_is_number(in->front_right.steer) &&
-            agilex_ranger_is_number(in->rear_left.spin) &&
-            agilex_ranger_is_number(in->rear_left.steer) &&
-            agilex_ranger_is_number(in->rear_right.spin) &&
-            agilex_ranger_is_number(in->rear_right.steer)
+            agilex_ranger_is_number(wheels->front_left.spin) &&
+            agilex_ranger_is_number(wheels->front_left.steer) &&
+            agilex_ranger_is_number(wheels->front_right.spin) &&
+            agilex_ranger_is_number(wheels->front_right.steer) &&
+            agilex_ranger_is_number(wheels->rear_left.spin) &&
+            agilex_ranger_is_number(wheels->rear_left.steer) &&
+            agilex_ranger_is_number(wheels->rear_right.spin) &&
+            agilex_ranger_is_number(wheels->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            agilex_ranger_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->rear_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
-        agilex_ranger_forward(in, out);
+        agilex_ranger_forward(wheels, twist);
     }
     if (status != AGILEX_RANGER_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 agilex_ranger_status agilex_ranger_forward_slip_checked(
-    const agilex_ranger_forward_slip_in *in,
-    agilex_ranger_forward_slip_out *out)
+    const agilex_ranger_wheels *wheels,
+    agilex_ranger_twist *twist,
+    float *slip)
 {
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            agilex_ranger_is_number(in->front_left.spin) &&
-            agilex_ranger_is_number(in->front_left.steer) &&
-            agilex_ranger_is_number(in->front_right.spin) &&
-            agilex_ranger_is_number(in->front_right.steer) &&
-            agilex_ranger_is_number(in->rear_left.spin) &&
-            agilex_ranger_is_number(in->rear_left.steer) &&
-            agilex_ranger_is_number(in->rear_right.spin) &&
-            agilex_ranger_is_number(in->rear_right.steer)
+            agilex_ranger_is_number(wheels->front_left.spin) &&
+            agilex_ranger_is_number(wheels->front_left.steer) &&
+            agilex_ranger_is_number(wheels->front_right.spin) &&
+            agilex_ranger_is_number(wheels->front_right.steer) &&
+            agilex_ranger_is_number(wheels->rear_left.spin) &&
+            agilex_ranger_is_number(wheels->rear_left.steer) &&
+            agilex_ranger_is_number(wheels->rear_right.spin) &&
+            agilex_ranger_is_number(wheels->rear_right.steer)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            agilex_ranger_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->front_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->front_right.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->rear_left.steer, -1.9625f, 1.9625f) &&
-            agilex_ranger_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->rear_right.steer, -1.9625f, 1.9625f)
+            agilex_ranger_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->front_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->front_right.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->rear_left.steer, -1.9625f, 1.9625f) &&
+            agilex_ranger_is_within(wheels->rear_right.spin, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(wheels->rear_right.steer, -1.9625f, 1.9625f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
-        agilex_ranger_forward_slip(in, out);
+        agilex_ranger_forward_slip(wheels, twist, slip);
     }
     if (status != AGILEX_RANGER_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 agilex_ranger_status agilex_ranger_odometry_checked(
-    const agilex_ranger_odometry_in *in,
-    agilex_ranger_odometry_out *out)
+    agilex_ranger_pose *pose,
+    const agilex_ranger_twist *twist,
+    float dt)
 {
     agilex_ranger_status status = AGILEX_RANGER_OK;
 
     if (!(
-            agilex_ranger_is_number(in->x) &&
-            agilex_ranger_is_number(in->y) &&
-            agilex_ranger_is_number(in->theta) &&
-            agilex_ranger_is_number(in->vx) &&
-            agilex_ranger_is_number(in->vy) &&
-            agilex_ranger_is_number(in->omega) &&
-            agilex_ranger_is_number(in->dt)
+            agilex_ranger_is_number(pose->x) &&
+            agilex_ranger_is_number(pose->y) &&
+            agilex_ranger_is_number(pose->theta) &&
+            agilex_ranger_is_number(twist->vx) &&
+            agilex_ranger_is_number(twist->vy) &&
+            agilex_ranger_is_number(twist->omega) &&
+            agilex_ranger_is_number(dt)
         )) {
         status = AGILEX_RANGER_NOT_A_NUMBER;
     } else if (!(
-            agilex_ranger_is_within(in->x, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->y, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->theta, -1e4f, 1e4f) &&
-            agilex_ranger_is_within(in->vx, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->vy, -1e9f, 1e9f) &&
-            agilex_ranger_is_within(in->omega, -200.0f, 200.0f) &&
-            agilex_ranger_is_within(in->dt, -10.0f, 10.0f)
+            agilex_ranger_is_within(pose->x, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(pose->y, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(pose->theta, -1e4f, 1e4f) &&
+            agilex_ranger_is_within(twist->vx, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(twist->vy, -1e9f, 1e9f) &&
+            agilex_ranger_is_within(twist->omega, -200.0f, 200.0f) &&
+            agilex_ranger_is_within(dt, -10.0f, 10.0f)
         )) {
         status = AGILEX_RANGER_OUT_OF_RANGE;
     } else {
-        agilex_ranger_odometry(in, out);
+        agilex_ranger_odometry(pose, twist, dt);
     }
     if (status != AGILEX_RANGER_OK) {
-        out->x = agilex_ranger_held(in->x);
-        out->y = agilex_ranger_held(in->y);
-        out->theta = agilex_ranger_held(in->theta);
+        pose->x = agilex_ranger_held(pose->x);
+        pose->y = agilex_ranger_held(pose->y);
+        pose->theta = agilex_ranger_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_6783c079a0c48a91)
+#if !defined(AGILEX_RANGER_PAIR_f10f019581e548f7)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 
@@ -39,35 +39,39 @@ typedef enum {
  * -0.7853 to 0.7853 rad/s; front_left.steer, front_right.steer, rear_left.steer,
  * rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_inverse_checked(
-    const agilex_ranger_inverse_in *in,
-    agilex_ranger_inverse_out *out);
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *now,
+    agilex_ranger_wheels *out);
 
 /* agilex_ranger_inverse_slip() with its inputs checked. Accepted: vx, vy -2.7 to 2.7 m/s; omega
  * -0.7853 to 0.7853 rad/s; front_left.steer, front_right.steer, rear_left.steer,
  * rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_inverse_slip_checked(
-    const agilex_ranger_inverse_slip_in *in,
-    agilex_ranger_inverse_slip_out *out);
+    const agilex_ranger_twist *twist,
+    const agilex_ranger_wheels *wheels,
+    float *slip);
 
 /* agilex_ranger_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
  * rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s; front_left.steer, front_right.steer,
  * rear_left.steer, rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_forward_checked(
-    const agilex_ranger_forward_in *in,
-    agilex_ranger_forward_out *out);
+    const agilex_ranger_wheels *wheels,
+    agilex_ranger_twist *twist);
 
 /* agilex_ranger_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s; front_left.steer,
  * front_right.steer, rear_left.steer, rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_forward_slip_checked(
-    const agilex_ranger_forward_slip_in *in,
-    agilex_ranger_forward_slip_out *out);
+    const agilex_ranger_wheels *wheels,
+    agilex_ranger_twist *twist,
+    float *slip);
 
 /* agilex_ranger_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 agilex_ranger_status agilex_ranger_odometry_checked(
-    const agilex_ranger_odometry_in *in,
-    agilex_ranger_odometry_out *out);
+    agilex_ranger_pose *pose,
+    const agilex_ranger_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

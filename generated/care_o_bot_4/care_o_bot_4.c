@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_9f01014fc52cf07a)
+#if !defined(CARE_O_BOT_4_PAIR_f56a6e2b206bd324)
 #error "care_o_bot_4.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -211,15 +211,27 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void care_o_bot_4_inverse(const care_o_bot_4_inverse_in *in, care_o_bot_4_inverse_out *out)
+/* The members of care_o_bot_4_wheels lie as an array does. */
+typedef char care_o_bot_4_wheels_are_joints[
+    ((sizeof(care_o_bot_4_wheels) / sizeof(float)) == (unsigned int)CARE_O_BOT_4_JOINTS) ? 1 : -1];
+
+float *care_o_bot_4_joint(care_o_bot_4_wheels *wheels, int joint)
 {
-    const float t0 = fmaf((-1.335144e-09f), in->omega, fmaf((-0.21515f), in->omega, in->vx));
-    const float fl_y = fmaf(1.282692e-09f, in->omega, fmaf(0.12422f, in->omega, in->vy)); /* fl: b, fr: b */
-    const wmrgen_wheel fl = wmrgen_steer_along(t0, fl_y, in->fl.steer, 13.333333f);
-    const float t1 = fmaf((-2.565384e-09f), in->omega, fmaf((-0.24844f), in->omega, in->vy));
-    const wmrgen_wheel b = wmrgen_steer_along(in->vx, t1, in->b.steer, 13.333333f);
-    const float t2 = fmaf(1.335144e-09f, in->omega, fmaf(0.21515f, in->omega, in->vx));
-    const wmrgen_wheel fr = wmrgen_steer_along(t2, fl_y, in->fr.steer, 13.333333f);
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)CARE_O_BOT_4_JOINTS)) ? joint : 0];
+}
+
+void care_o_bot_4_inverse(
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *now,
+    care_o_bot_4_wheels *out)
+{
+    const float t0 = fmaf((-1.335144e-09f), twist->omega, fmaf((-0.21515f), twist->omega, twist->vx));
+    const float fl_y = fmaf(1.282692e-09f, twist->omega, fmaf(0.12422f, twist->omega, twist->vy)); /* fl: b, fr: b */
+    const wmrgen_wheel fl = wmrgen_steer_along(t0, fl_y, now->fl.steer, 13.333333f);
+    const float t1 = fmaf((-2.565384e-09f), twist->omega, fmaf((-0.24844f), twist->omega, twist->vy));
+    const wmrgen_wheel b = wmrgen_steer_along(twist->vx, t1, now->b.steer, 13.333333f);
+    const float t2 = fmaf(1.335144e-09f, twist->omega, fmaf(0.21515f, twist->omega, twist->vx));
+    const wmrgen_wheel fr = wmrgen_steer_along(t2, fl_y, now->fr.steer, 13.333333f);
 
     out->fl.spin = fl.spin;
     out->fl.steer = fl.steer;
@@ -230,34 +242,37 @@ void care_o_bot_4_inverse(const care_o_bot_4_inverse_in *in, care_o_bot_4_invers
 }
 
 void care_o_bot_4_inverse_slip(
-    const care_o_bot_4_inverse_slip_in *in,
-    care_o_bot_4_inverse_slip_out *out)
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *wheels,
+    float *slip)
 {
-    (void)in;
+    (void)twist;
+    (void)wheels;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void care_o_bot_4_forward(const care_o_bot_4_forward_in *in, care_o_bot_4_forward_out *out)
+void care_o_bot_4_forward(const care_o_bot_4_wheels *wheels, care_o_bot_4_twist *twist)
 {
-    const wmrgen_vector fl = wmrgen_vector_at(in->fl.spin, in->fl.steer);
-    const wmrgen_vector b = wmrgen_vector_at(in->b.spin, in->b.steer);
-    const wmrgen_vector fr = wmrgen_vector_at(in->fr.spin, in->fr.steer);
+    const wmrgen_vector fl = wmrgen_vector_at(wheels->fl.spin, wheels->fl.steer);
+    const wmrgen_vector b = wmrgen_vector_at(wheels->b.spin, wheels->b.steer);
+    const wmrgen_vector fr = wmrgen_vector_at(wheels->fr.spin, wheels->fr.steer);
     const float t0 = fl.y + fr.y;
     const float t1 = fmaf(0.087146334f, fr.x - fl.x, -(0.10063042f * b.y));
 
-    out->vx = 0.025f * (fr.x + (fl.x + b.x));
-    out->vy = 0.025f * (b.y + t0);
-    out->omega = fmaf(0.05031521f, t0, t1);
+    twist->vx = 0.025f * (fr.x + (fl.x + b.x));
+    twist->vy = 0.025f * (b.y + t0);
+    twist->omega = fmaf(0.05031521f, t0, t1);
 }
 
 void care_o_bot_4_forward_slip(
-    const care_o_bot_4_forward_slip_in *in,
-    care_o_bot_4_forward_slip_out *out)
+    const care_o_bot_4_wheels *wheels,
+    care_o_bot_4_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector fl = wmrgen_vector_at(in->fl.spin, in->fl.steer);
-    const wmrgen_vector b = wmrgen_vector_at(in->b.spin, in->b.steer);
-    const wmrgen_vector fr = wmrgen_vector_at(in->fr.spin, in->fr.steer);
+    const wmrgen_vector fl = wmrgen_vector_at(wheels->fl.spin, wheels->fl.steer);
+    const wmrgen_vector b = wmrgen_vector_at(wheels->b.spin, wheels->b.steer);
+    const wmrgen_vector fr = wmrgen_vector_at(wheels->fr.spin, wheels->fr.steer);
     const float vx_fit = 0.025f * (fr.x + (fl.x + b.x)); /* vx */
     const float t0 = fl.y + fr.y;
     const float vy_fit = 0.025f * (b.y + t0); /* vy */
@@ -274,22 +289,22 @@ void care_o_bot_4_forward_slip(
     const float t10 = fmaf(0.075f, fr.x, t2 - vx_fit);
     const float t11 = fmaf(0.075f, fr.y, t5);
 
-    out->vx = vx_fit;
-    out->vy = vy_fit;
-    out->omega = omega_fit;
-    out->slip = sqrtf(fmaf(t11, t11, fmaf(t10, t10, t9)));
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
+    *slip = sqrtf(fmaf(t11, t11, fmaf(t10, t10, t9)));
 }
 
-void care_o_bot_4_odometry(const care_o_bot_4_odometry_in *in, care_o_bot_4_odometry_out *out)
+void care_o_bot_4_odometry(care_o_bot_4_pose *pose, const care_o_bot_4_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

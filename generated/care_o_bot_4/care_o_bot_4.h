@@ -6,7 +6,128 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   fl: steered, x 0.12422 m, y 0.21515 m, heading 0 deg, r 0.075 m
+ *   b: steered, x -0.24844 m, y 0 m, heading 0 deg, r 0.075 m
+ *   fr: steered, x 0.12422 m, y -0.21515 m, heading 0 deg, r 0.075 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     care_o_bot_4_twist twist = {0.5f, 0.0f, 0.2f};
+ *     care_o_bot_4_wheels wheels = {{0.0f}};
+ *     care_o_bot_4_pose pose = {0.0f, 0.0f, 0.0f};
+ *     care_o_bot_4_inverse(&twist, &wheels, &wheels);
+ *     care_o_bot_4_forward(&wheels, &twist);
+ *     care_o_bot_4_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_CARE_O_BOT_4_H
+#define WMRGEN_CARE_O_BOT_4_H
+
+#define CARE_O_BOT_4_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define CARE_O_BOT_4_MODEL_HASH "20816f229724bb4aaeaa82826a8df9ad" /**< digest of the model */
+#define CARE_O_BOT_4_PAIR_f56a6e2b206bd324 1 /**< header and source that were written together have the same */
+#define CARE_O_BOT_4_FL_X 0.12422f /**< [m] pivot, forward of P */
+#define CARE_O_BOT_4_FL_Y 0.21515f /**< [m] pivot, to the left of P */
+#define CARE_O_BOT_4_FL_RADIUS 0.075f /**< [m] radius */
+#define CARE_O_BOT_4_B_X (-0.24844f) /**< [m] pivot, forward of P */
+#define CARE_O_BOT_4_B_Y 0.0f /**< [m] pivot, to the left of P */
+#define CARE_O_BOT_4_B_RADIUS 0.075f /**< [m] radius */
+#define CARE_O_BOT_4_FR_X 0.12422f /**< [m] pivot, forward of P */
+#define CARE_O_BOT_4_FR_Y (-0.21515f) /**< [m] pivot, to the left of P */
+#define CARE_O_BOT_4_FR_RADIUS 0.075f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} care_o_bot_4_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} care_o_bot_4_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file. */
+typedef struct {
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } fl;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } b;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } fr;
+} care_o_bot_4_wheels;
+
+/** Joints in the order of care_o_bot_4_wheels. */
+enum care_o_bot_4_joint {
+    CARE_O_BOT_4_FL_SPIN, /**< [rad/s] fl.spin */
+    CARE_O_BOT_4_FL_STEER, /**< [rad] fl.steer */
+    CARE_O_BOT_4_B_SPIN, /**< [rad/s] b.spin */
+    CARE_O_BOT_4_B_STEER, /**< [rad] b.steer */
+    CARE_O_BOT_4_FR_SPIN, /**< [rad/s] fr.spin */
+    CARE_O_BOT_4_FR_STEER, /**< [rad] fr.steer */
+    CARE_O_BOT_4_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum care_o_bot_4_joint, for loops over all; of the first where there is none. */
+float *care_o_bot_4_joint(care_o_bot_4_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 16 additions, 21 multiplications, 3 divisions, 3 square roots, 3
+ * arctangents, 6 comparisons, 12 sign operations, 3 roundings. */
+void care_o_bot_4_inverse(
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *now,
+    care_o_bot_4_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void care_o_bot_4_inverse_slip(
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 7 additions, 11 multiplications, 6 sines and cosines. */
+void care_o_bot_4_forward(const care_o_bot_4_wheels *wheels, care_o_bot_4_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 22 additions, 26 multiplications, 1 square root, 6 sines and
+ * cosines. */
+void care_o_bot_4_forward_slip(
+    const care_o_bot_4_wheels *wheels,
+    care_o_bot_4_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void care_o_bot_4_odometry(care_o_bot_4_pose *pose, const care_o_bot_4_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,143 +143,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   fl: steered, x 0.12422 m, y 0.21515 m, heading 0 deg, r 0.075 m
- *   b: steered, x -0.24844 m, y 0 m, heading 0 deg, r 0.075 m
- *   fr: steered, x 0.12422 m, y -0.21515 m, heading 0 deg, r 0.075 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_CARE_O_BOT_4_H
-#define WMRGEN_CARE_O_BOT_4_H
-
-#define CARE_O_BOT_4_MODEL_HASH "20816f229724bb4aaeaa82826a8df9ad"
-#define CARE_O_BOT_4_PAIR_9f01014fc52cf07a 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of care_o_bot_4_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                   /* [m/s] velocity of P forward, robot frame */
-    float vy;                   /* [m/s] velocity of P to the left, robot frame */
-    float omega;                /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } fl; /* [rad] */
-    struct { float steer; } b;  /* [rad] */
-    struct { float steer; } fr; /* [rad] */
-} care_o_bot_4_inverse_in;
-
-/* Output of care_o_bot_4_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fl;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } b;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fr;
-} care_o_bot_4_inverse_out;
-
-typedef care_o_bot_4_inverse_in care_o_bot_4_inverse_slip_in;
-
-/* Output of care_o_bot_4_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} care_o_bot_4_inverse_slip_out;
-
-/* Input of care_o_bot_4_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fl;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } b;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fr;
-} care_o_bot_4_forward_in;
-
-/* Output of care_o_bot_4_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} care_o_bot_4_forward_out;
-
-typedef care_o_bot_4_forward_in care_o_bot_4_forward_slip_in;
-
-/* Output of care_o_bot_4_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} care_o_bot_4_forward_slip_out;
-
-/* Input of care_o_bot_4_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} care_o_bot_4_odometry_in;
-
-/* Output of care_o_bot_4_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} care_o_bot_4_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill.
- * Operations of the formula: 16 additions, 21 multiplications, 3 divisions, 3 square roots, 3
- * arctangents, 6 comparisons, 12 sign operations, 3 roundings. */
-void care_o_bot_4_inverse(const care_o_bot_4_inverse_in *in, care_o_bot_4_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void care_o_bot_4_inverse_slip(
-    const care_o_bot_4_inverse_slip_in *in,
-    care_o_bot_4_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 7 additions, 11 multiplications, 6 sines and cosines. */
-void care_o_bot_4_forward(const care_o_bot_4_forward_in *in, care_o_bot_4_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 22 additions, 26 multiplications, 1 square root, 6 sines and
- * cosines. */
-void care_o_bot_4_forward_slip(
-    const care_o_bot_4_forward_slip_in *in,
-    care_o_bot_4_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void care_o_bot_4_odometry(const care_o_bot_4_odometry_in *in, care_o_bot_4_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_CARE_O_BOT_4_H */

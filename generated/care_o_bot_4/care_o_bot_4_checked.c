@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CARE_O_BOT_4_PAIR_9f01014fc52cf07a)
+#if !defined(CARE_O_BOT_4_PAIR_f56a6e2b206bd324)
 #error "care_o_bot_4_checked.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,180 +33,184 @@ static float care_o_bot_4_held(const float x)
 }
 
 care_o_bot_4_status care_o_bot_4_inverse_checked(
-    const care_o_bot_4_inverse_in *in,
-    care_o_bot_4_inverse_out *out)
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *now,
+    care_o_bot_4_wheels *out)
 {
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            care_o_bot_4_is_number(in->vx) &&
-            care_o_bot_4_is_number(in->vy) &&
-            care_o_bot_4_is_number(in->omega) &&
-            care_o_bot_4_is_number(in->fl.steer) &&
-            care_o_bot_4_is_number(in->b.steer) &&
-            care_o_bot_4_is_number(in->fr.steer)
+            care_o_bot_4_is_number(twist->vx) &&
+            care_o_bot_4_is_number(twist->vy) &&
+            care_o_bot_4_is_number(twist->omega) &&
+            care_o_bot_4_is_number(now->fl.steer) &&
+            care_o_bot_4_is_number(now->b.steer) &&
+            care_o_bot_4_is_number(now->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            care_o_bot_4_is_within(in->vx, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->vy, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->omega, -200.0f, 200.0f) &&
-            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(twist->vx, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(twist->vy, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(twist->omega, -200.0f, 200.0f) &&
+            care_o_bot_4_is_within(now->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(now->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(now->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
-        care_o_bot_4_inverse(in, out);
+        care_o_bot_4_inverse(twist, now, out);
     }
     if (status != CARE_O_BOT_4_OK) {
         out->fl.spin = 0.0f;
-        out->fl.steer = care_o_bot_4_held(in->fl.steer);
+        out->fl.steer = care_o_bot_4_held(now->fl.steer);
         out->b.spin = 0.0f;
-        out->b.steer = care_o_bot_4_held(in->b.steer);
+        out->b.steer = care_o_bot_4_held(now->b.steer);
         out->fr.spin = 0.0f;
-        out->fr.steer = care_o_bot_4_held(in->fr.steer);
+        out->fr.steer = care_o_bot_4_held(now->fr.steer);
     }
     return status;
 }
 
 care_o_bot_4_status care_o_bot_4_inverse_slip_checked(
-    const care_o_bot_4_inverse_slip_in *in,
-    care_o_bot_4_inverse_slip_out *out)
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *wheels,
+    float *slip)
 {
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            care_o_bot_4_is_number(in->vx) &&
-            care_o_bot_4_is_number(in->vy) &&
-            care_o_bot_4_is_number(in->omega) &&
-            care_o_bot_4_is_number(in->fl.steer) &&
-            care_o_bot_4_is_number(in->b.steer) &&
-            care_o_bot_4_is_number(in->fr.steer)
+            care_o_bot_4_is_number(twist->vx) &&
+            care_o_bot_4_is_number(twist->vy) &&
+            care_o_bot_4_is_number(twist->omega) &&
+            care_o_bot_4_is_number(wheels->fl.steer) &&
+            care_o_bot_4_is_number(wheels->b.steer) &&
+            care_o_bot_4_is_number(wheels->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            care_o_bot_4_is_within(in->vx, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->vy, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->omega, -200.0f, 200.0f) &&
-            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(twist->vx, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(twist->vy, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(twist->omega, -200.0f, 200.0f) &&
+            care_o_bot_4_is_within(wheels->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(wheels->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(wheels->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
-        care_o_bot_4_inverse_slip(in, out);
+        care_o_bot_4_inverse_slip(twist, wheels, slip);
     }
     if (status != CARE_O_BOT_4_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 care_o_bot_4_status care_o_bot_4_forward_checked(
-    const care_o_bot_4_forward_in *in,
-    care_o_bot_4_forward_out *out)
+    const care_o_bot_4_wheels *wheels,
+    care_o_bot_4_twist *twist)
 {
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            care_o_bot_4_is_number(in->fl.spin) &&
-            care_o_bot_4_is_number(in->fl.steer) &&
-            care_o_bot_4_is_number(in->b.spin) &&
-            care_o_bot_4_is_number(in->b.steer) &&
-            care_o_bot_4_is_number(in->fr.spin) &&
-            care_o_bot_4_is_number(in->fr.steer)
+            care_o_bot_4_is_number(wheels->fl.spin) &&
+            care_o_bot_4_is_number(wheels->fl.steer) &&
+            care_o_bot_4_is_number(wheels->b.spin) &&
+            care_o_bot_4_is_number(wheels->b.steer) &&
+            care_o_bot_4_is_number(wheels->fr.spin) &&
+            care_o_bot_4_is_number(wheels->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            care_o_bot_4_is_within(in->fl.spin, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->b.spin, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->fr.spin, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(wheels->fl.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(wheels->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(wheels->b.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(wheels->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(wheels->fr.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(wheels->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
-        care_o_bot_4_forward(in, out);
+        care_o_bot_4_forward(wheels, twist);
     }
     if (status != CARE_O_BOT_4_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 care_o_bot_4_status care_o_bot_4_forward_slip_checked(
-    const care_o_bot_4_forward_slip_in *in,
-    care_o_bot_4_forward_slip_out *out)
+    const care_o_bot_4_wheels *wheels,
+    care_o_bot_4_twist *twist,
+    float *slip)
 {
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            care_o_bot_4_is_number(in->fl.spin) &&
-            care_o_bot_4_is_number(in->fl.steer) &&
-            care_o_bot_4_is_number(in->b.spin) &&
-            care_o_bot_4_is_number(in->b.steer) &&
-            care_o_bot_4_is_number(in->fr.spin) &&
-            care_o_bot_4_is_number(in->fr.steer)
+            care_o_bot_4_is_number(wheels->fl.spin) &&
+            care_o_bot_4_is_number(wheels->fl.steer) &&
+            care_o_bot_4_is_number(wheels->b.spin) &&
+            care_o_bot_4_is_number(wheels->b.steer) &&
+            care_o_bot_4_is_number(wheels->fr.spin) &&
+            care_o_bot_4_is_number(wheels->fr.steer)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            care_o_bot_4_is_within(in->fl.spin, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->fl.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->b.spin, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->b.steer, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->fr.spin, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->fr.steer, -1e4f, 1e4f)
+            care_o_bot_4_is_within(wheels->fl.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(wheels->fl.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(wheels->b.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(wheels->b.steer, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(wheels->fr.spin, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(wheels->fr.steer, -1e4f, 1e4f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
-        care_o_bot_4_forward_slip(in, out);
+        care_o_bot_4_forward_slip(wheels, twist, slip);
     }
     if (status != CARE_O_BOT_4_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 care_o_bot_4_status care_o_bot_4_odometry_checked(
-    const care_o_bot_4_odometry_in *in,
-    care_o_bot_4_odometry_out *out)
+    care_o_bot_4_pose *pose,
+    const care_o_bot_4_twist *twist,
+    float dt)
 {
     care_o_bot_4_status status = CARE_O_BOT_4_OK;
 
     if (!(
-            care_o_bot_4_is_number(in->x) &&
-            care_o_bot_4_is_number(in->y) &&
-            care_o_bot_4_is_number(in->theta) &&
-            care_o_bot_4_is_number(in->vx) &&
-            care_o_bot_4_is_number(in->vy) &&
-            care_o_bot_4_is_number(in->omega) &&
-            care_o_bot_4_is_number(in->dt)
+            care_o_bot_4_is_number(pose->x) &&
+            care_o_bot_4_is_number(pose->y) &&
+            care_o_bot_4_is_number(pose->theta) &&
+            care_o_bot_4_is_number(twist->vx) &&
+            care_o_bot_4_is_number(twist->vy) &&
+            care_o_bot_4_is_number(twist->omega) &&
+            care_o_bot_4_is_number(dt)
         )) {
         status = CARE_O_BOT_4_NOT_A_NUMBER;
     } else if (!(
-            care_o_bot_4_is_within(in->x, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->y, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->theta, -1e4f, 1e4f) &&
-            care_o_bot_4_is_within(in->vx, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->vy, -1e9f, 1e9f) &&
-            care_o_bot_4_is_within(in->omega, -200.0f, 200.0f) &&
-            care_o_bot_4_is_within(in->dt, -10.0f, 10.0f)
+            care_o_bot_4_is_within(pose->x, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(pose->y, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(pose->theta, -1e4f, 1e4f) &&
+            care_o_bot_4_is_within(twist->vx, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(twist->vy, -1e9f, 1e9f) &&
+            care_o_bot_4_is_within(twist->omega, -200.0f, 200.0f) &&
+            care_o_bot_4_is_within(dt, -10.0f, 10.0f)
         )) {
         status = CARE_O_BOT_4_OUT_OF_RANGE;
     } else {
-        care_o_bot_4_odometry(in, out);
+        care_o_bot_4_odometry(pose, twist, dt);
     }
     if (status != CARE_O_BOT_4_OK) {
-        out->x = care_o_bot_4_held(in->x);
-        out->y = care_o_bot_4_held(in->y);
-        out->theta = care_o_bot_4_held(in->theta);
+        pose->x = care_o_bot_4_held(pose->x);
+        pose->y = care_o_bot_4_held(pose->y);
+        pose->theta = care_o_bot_4_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_9f01014fc52cf07a)
+#if !defined(CARE_O_BOT_4_PAIR_f56a6e2b206bd324)
 #error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,36 @@ typedef enum {
 /* care_o_bot_4_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_inverse_checked(
-    const care_o_bot_4_inverse_in *in,
-    care_o_bot_4_inverse_out *out);
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *now,
+    care_o_bot_4_wheels *out);
 
 /* care_o_bot_4_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_inverse_slip_checked(
-    const care_o_bot_4_inverse_slip_in *in,
-    care_o_bot_4_inverse_slip_out *out);
+    const care_o_bot_4_twist *twist,
+    const care_o_bot_4_wheels *wheels,
+    float *slip);
 
 /* care_o_bot_4_forward() with its inputs checked. Accepted: fl.spin, b.spin, fr.spin -1e9 to 1e9
  * rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_forward_checked(
-    const care_o_bot_4_forward_in *in,
-    care_o_bot_4_forward_out *out);
+    const care_o_bot_4_wheels *wheels,
+    care_o_bot_4_twist *twist);
 
 /* care_o_bot_4_forward_slip() with its inputs checked. Accepted: fl.spin, b.spin, fr.spin -1e9
  * to 1e9 rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_forward_slip_checked(
-    const care_o_bot_4_forward_slip_in *in,
-    care_o_bot_4_forward_slip_out *out);
+    const care_o_bot_4_wheels *wheels,
+    care_o_bot_4_twist *twist,
+    float *slip);
 
 /* care_o_bot_4_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 care_o_bot_4_status care_o_bot_4_odometry_checked(
-    const care_o_bot_4_odometry_in *in,
-    care_o_bot_4_odometry_out *out);
+    care_o_bot_4_pose *pose,
+    const care_o_bot_4_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

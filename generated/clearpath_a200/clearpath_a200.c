@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_A200_PAIR_4c6d6c74cd4571b9)
+#if !defined(CLEARPATH_A200_PAIR_27c037504d7555fa)
 #error "clearpath_a200.c and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,10 +146,19 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void clearpath_a200_inverse(const clearpath_a200_inverse_in *in, clearpath_a200_inverse_out *out)
+/* The members of clearpath_a200_wheels lie as an array does. */
+typedef char clearpath_a200_wheels_are_joints[
+    ((sizeof(clearpath_a200_wheels) / sizeof(float)) == (unsigned int)CLEARPATH_A200_JOINTS) ? 1 : -1];
+
+float *clearpath_a200_joint(clearpath_a200_wheels *wheels, int joint)
 {
-    const float t0 = 6.0569353f * in->vx;
-    const float t1 = 1.6807995f * in->omega;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)CLEARPATH_A200_JOINTS)) ? joint : 0];
+}
+
+void clearpath_a200_inverse(const clearpath_a200_twist *twist, clearpath_a200_wheels *out)
+{
+    const float t0 = 6.0569353f * twist->vx;
+    const float t1 = 1.6807995f * twist->omega;
     const float t2 = t0 - t1;
     const float t3 = t1 + t0;
 
@@ -159,64 +168,64 @@ void clearpath_a200_inverse(const clearpath_a200_inverse_in *in, clearpath_a200_
     out->rear_right.spin = t3;
 }
 
-void clearpath_a200_inverse_slip(
-    const clearpath_a200_inverse_slip_in *in,
-    clearpath_a200_inverse_slip_out *out)
+void clearpath_a200_inverse_slip(const clearpath_a200_twist *twist, float *slip)
 {
-    const float t0 = 0.256f * in->omega;
-    const float t1 = in->vy + t0;
-    const float t2 = in->vy - t0;
+    const float t0 = 0.256f * twist->omega;
+    const float t1 = twist->vy + t0;
+    const float t2 = twist->vy - t0;
 
-    out->slip = sqrtf(0.5f * fmaf(t1, t1, t2 * t2));
+    *slip = sqrtf(0.5f * fmaf(t1, t1, t2 * t2));
 }
 
-void clearpath_a200_forward(const clearpath_a200_forward_in *in, clearpath_a200_forward_out *out)
+void clearpath_a200_forward(const clearpath_a200_wheels *wheels, clearpath_a200_twist *twist)
 {
-    const float t0 = in->front_right.spin + in->rear_right.spin;
-    const float t1 = in->front_left.spin + in->rear_left.spin;
+    const float t0 = wheels->front_right.spin + wheels->rear_right.spin;
+    const float t1 = wheels->front_left.spin + wheels->rear_left.spin;
 
-    out->vx = 0.041275f * (t0 + t1);
-    out->vy = 0.0f;
-    out->omega = 0.080353804f * (t0 - t1);
+    twist->vx = 0.041275f * (t0 + t1);
+    twist->vy = 0.0f;
+    twist->omega = 0.080353804f * (t0 - t1);
 }
 
 void clearpath_a200_forward_slip(
-    const clearpath_a200_forward_slip_in *in,
-    clearpath_a200_forward_slip_out *out)
+    const clearpath_a200_wheels *wheels,
+    clearpath_a200_twist *twist,
+    float *slip)
 {
-    const float t0 = in->front_right.spin + in->rear_right.spin;
-    const float t1 = in->front_left.spin + in->rear_left.spin;
+    const float t0 = wheels->front_right.spin + wheels->rear_right.spin;
+    const float t1 = wheels->front_left.spin + wheels->rear_left.spin;
     const float vx_fit = 0.041275f * (t0 + t1); /* vx */
     const float t2 = t0 - t1;
     const float omega_fit = 0.080353804f * t2; /* omega */
     const float t3 = 0.022298181f * t2;
     const float t4 = -(vx_fit - t3);
-    const float t5 = fmaf(0.1651f, in->front_left.spin, t4);
+    const float t5 = fmaf(0.1651f, wheels->front_left.spin, t4);
     const float t6 = -(vx_fit + t3);
-    const float t7 = fmaf(0.1651f, in->front_right.spin, t6);
-    const float t8 = fmaf(0.1651f, in->rear_left.spin, t4);
-    const float t9 = fmaf(0.1651f, in->rear_right.spin, t6);
+    const float t7 = fmaf(0.1651f, wheels->front_right.spin, t6);
+    const float t8 = fmaf(0.1651f, wheels->rear_left.spin, t4);
+    const float t9 = fmaf(0.1651f, wheels->rear_right.spin, t6);
     const float t10 = fmaf(t9, t9, fmaf(t8, t8, fmaf(t5, t5, t7 * t7)));
     const float t11 = sqrtf(fmaf(0.262144f, omega_fit * omega_fit, t10));
 
-    out->vx = vx_fit;
-    out->vy = 0.0f;
-    out->omega = omega_fit;
-    out->slip = t11;
+    twist->vx = vx_fit;
+    twist->vy = 0.0f;
+    twist->omega = omega_fit;
+    *slip = t11;
 }
 
 void clearpath_a200_odometry(
-    const clearpath_a200_odometry_in *in,
-    clearpath_a200_odometry_out *out)
+    clearpath_a200_pose *pose,
+    const clearpath_a200_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_A200_PAIR_4c6d6c74cd4571b9)
+#if !defined(CLEARPATH_A200_PAIR_27c037504d7555fa)
 #error "clearpath_a200_checked.c and clearpath_a200.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,25 +33,25 @@ static float clearpath_a200_held(const float x)
 }
 
 clearpath_a200_status clearpath_a200_inverse_checked(
-    const clearpath_a200_inverse_in *in,
-    clearpath_a200_inverse_out *out)
+    const clearpath_a200_twist *twist,
+    clearpath_a200_wheels *out)
 {
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            clearpath_a200_is_number(in->vx) &&
-            clearpath_a200_is_number(in->vy) &&
-            clearpath_a200_is_number(in->omega)
+            clearpath_a200_is_number(twist->vx) &&
+            clearpath_a200_is_number(twist->vy) &&
+            clearpath_a200_is_number(twist->omega)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            clearpath_a200_is_within(in->vx, -1.0f, 1.0f) &&
-            clearpath_a200_is_within(in->vy, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->omega, -2.0f, 2.0f)
+            clearpath_a200_is_within(twist->vx, -1.0f, 1.0f) &&
+            clearpath_a200_is_within(twist->vy, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(twist->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
-        clearpath_a200_inverse(in, out);
+        clearpath_a200_inverse(twist, out);
     }
     if (status != CLEARPATH_A200_OK) {
         out->front_left.spin = 0.0f;
@@ -63,128 +63,130 @@ clearpath_a200_status clearpath_a200_inverse_checked(
 }
 
 clearpath_a200_status clearpath_a200_inverse_slip_checked(
-    const clearpath_a200_inverse_slip_in *in,
-    clearpath_a200_inverse_slip_out *out)
+    const clearpath_a200_twist *twist,
+    float *slip)
 {
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            clearpath_a200_is_number(in->vx) &&
-            clearpath_a200_is_number(in->vy) &&
-            clearpath_a200_is_number(in->omega)
+            clearpath_a200_is_number(twist->vx) &&
+            clearpath_a200_is_number(twist->vy) &&
+            clearpath_a200_is_number(twist->omega)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            clearpath_a200_is_within(in->vx, -1.0f, 1.0f) &&
-            clearpath_a200_is_within(in->vy, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->omega, -2.0f, 2.0f)
+            clearpath_a200_is_within(twist->vx, -1.0f, 1.0f) &&
+            clearpath_a200_is_within(twist->vy, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(twist->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
-        clearpath_a200_inverse_slip(in, out);
+        clearpath_a200_inverse_slip(twist, slip);
     }
     if (status != CLEARPATH_A200_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 clearpath_a200_status clearpath_a200_forward_checked(
-    const clearpath_a200_forward_in *in,
-    clearpath_a200_forward_out *out)
+    const clearpath_a200_wheels *wheels,
+    clearpath_a200_twist *twist)
 {
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            clearpath_a200_is_number(in->front_left.spin) &&
-            clearpath_a200_is_number(in->front_right.spin) &&
-            clearpath_a200_is_number(in->rear_left.spin) &&
-            clearpath_a200_is_number(in->rear_right.spin)
+            clearpath_a200_is_number(wheels->front_left.spin) &&
+            clearpath_a200_is_number(wheels->front_right.spin) &&
+            clearpath_a200_is_number(wheels->rear_left.spin) &&
+            clearpath_a200_is_number(wheels->rear_right.spin)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            clearpath_a200_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_a200_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(wheels->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
-        clearpath_a200_forward(in, out);
+        clearpath_a200_forward(wheels, twist);
     }
     if (status != CLEARPATH_A200_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 clearpath_a200_status clearpath_a200_forward_slip_checked(
-    const clearpath_a200_forward_slip_in *in,
-    clearpath_a200_forward_slip_out *out)
+    const clearpath_a200_wheels *wheels,
+    clearpath_a200_twist *twist,
+    float *slip)
 {
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            clearpath_a200_is_number(in->front_left.spin) &&
-            clearpath_a200_is_number(in->front_right.spin) &&
-            clearpath_a200_is_number(in->rear_left.spin) &&
-            clearpath_a200_is_number(in->rear_right.spin)
+            clearpath_a200_is_number(wheels->front_left.spin) &&
+            clearpath_a200_is_number(wheels->front_right.spin) &&
+            clearpath_a200_is_number(wheels->rear_left.spin) &&
+            clearpath_a200_is_number(wheels->rear_right.spin)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            clearpath_a200_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_a200_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(wheels->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
-        clearpath_a200_forward_slip(in, out);
+        clearpath_a200_forward_slip(wheels, twist, slip);
     }
     if (status != CLEARPATH_A200_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 clearpath_a200_status clearpath_a200_odometry_checked(
-    const clearpath_a200_odometry_in *in,
-    clearpath_a200_odometry_out *out)
+    clearpath_a200_pose *pose,
+    const clearpath_a200_twist *twist,
+    float dt)
 {
     clearpath_a200_status status = CLEARPATH_A200_OK;
 
     if (!(
-            clearpath_a200_is_number(in->x) &&
-            clearpath_a200_is_number(in->y) &&
-            clearpath_a200_is_number(in->theta) &&
-            clearpath_a200_is_number(in->vx) &&
-            clearpath_a200_is_number(in->vy) &&
-            clearpath_a200_is_number(in->omega) &&
-            clearpath_a200_is_number(in->dt)
+            clearpath_a200_is_number(pose->x) &&
+            clearpath_a200_is_number(pose->y) &&
+            clearpath_a200_is_number(pose->theta) &&
+            clearpath_a200_is_number(twist->vx) &&
+            clearpath_a200_is_number(twist->vy) &&
+            clearpath_a200_is_number(twist->omega) &&
+            clearpath_a200_is_number(dt)
         )) {
         status = CLEARPATH_A200_NOT_A_NUMBER;
     } else if (!(
-            clearpath_a200_is_within(in->x, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->y, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->theta, -1e4f, 1e4f) &&
-            clearpath_a200_is_within(in->vx, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->vy, -1e9f, 1e9f) &&
-            clearpath_a200_is_within(in->omega, -200.0f, 200.0f) &&
-            clearpath_a200_is_within(in->dt, -10.0f, 10.0f)
+            clearpath_a200_is_within(pose->x, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(pose->y, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(pose->theta, -1e4f, 1e4f) &&
+            clearpath_a200_is_within(twist->vx, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(twist->vy, -1e9f, 1e9f) &&
+            clearpath_a200_is_within(twist->omega, -200.0f, 200.0f) &&
+            clearpath_a200_is_within(dt, -10.0f, 10.0f)
         )) {
         status = CLEARPATH_A200_OUT_OF_RANGE;
     } else {
-        clearpath_a200_odometry(in, out);
+        clearpath_a200_odometry(pose, twist, dt);
     }
     if (status != CLEARPATH_A200_OK) {
-        out->x = clearpath_a200_held(in->x);
-        out->y = clearpath_a200_held(in->y);
-        out->theta = clearpath_a200_held(in->theta);
+        pose->x = clearpath_a200_held(pose->x);
+        pose->y = clearpath_a200_held(pose->y);
+        pose->theta = clearpath_a200_held(pose->theta);
     }
     return status;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_2d19db7a45f769e5)
+#if !defined(CLEARPATH_DO100_PAIR_9b8bf90266f3f0b2)
 #error "clearpath_do100.c and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,14 +146,21 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void clearpath_do100_inverse(
-    const clearpath_do100_inverse_in *in,
-    clearpath_do100_inverse_out *out)
+/* The members of clearpath_do100_wheels lie as an array does. */
+typedef char clearpath_do100_wheels_are_joints[
+    ((sizeof(clearpath_do100_wheels) / sizeof(float)) == (unsigned int)CLEARPATH_DO100_JOINTS) ? 1 : -1];
+
+float *clearpath_do100_joint(clearpath_do100_wheels *wheels, int joint)
 {
-    const float t0 = 20.0f * in->vx;
-    const float t1 = 20.0f * in->vy;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)CLEARPATH_DO100_JOINTS)) ? joint : 0];
+}
+
+void clearpath_do100_inverse(const clearpath_do100_twist *twist, clearpath_do100_wheels *out)
+{
+    const float t0 = 20.0f * twist->vx;
+    const float t1 = 20.0f * twist->vy;
     const float t2 = t0 - t1;
-    const float t3 = 9.908f * in->omega;
+    const float t3 = 9.908f * twist->omega;
     const float t4 = t1 + t0;
 
     out->front_left.spin = t2 - t3;
@@ -162,55 +169,54 @@ void clearpath_do100_inverse(
     out->rear_right.spin = t2 + t3;
 }
 
-void clearpath_do100_inverse_slip(
-    const clearpath_do100_inverse_slip_in *in,
-    clearpath_do100_inverse_slip_out *out)
+void clearpath_do100_inverse_slip(const clearpath_do100_twist *twist, float *slip)
 {
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void clearpath_do100_forward(
-    const clearpath_do100_forward_in *in,
-    clearpath_do100_forward_out *out)
+void clearpath_do100_forward(const clearpath_do100_wheels *wheels, clearpath_do100_twist *twist)
 {
-    const float t0 = in->rear_left.spin + in->rear_right.spin + (in->front_left.spin + in->front_right.spin);
-    const float t1 = in->rear_left.spin - in->rear_right.spin;
-    const float t2 = in->front_left.spin - in->front_right.spin;
+    const float t0 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float t1 = wheels->front_left.spin + wheels->front_right.spin;
+    const float t2 = wheels->rear_left.spin - wheels->rear_right.spin;
+    const float t3 = wheels->front_left.spin - wheels->front_right.spin;
 
-    out->vx = 0.0125f * t0;
-    out->vy = 0.0125f * (t1 - t2);
-    out->omega = (-0.025232136f) * (t1 + t2);
+    twist->vx = 0.0125f * (t0 + t1);
+    twist->vy = 0.0125f * (t2 - t3);
+    twist->omega = (-0.025232136f) * (t2 + t3);
 }
 
 void clearpath_do100_forward_slip(
-    const clearpath_do100_forward_slip_in *in,
-    clearpath_do100_forward_slip_out *out)
+    const clearpath_do100_wheels *wheels,
+    clearpath_do100_twist *twist,
+    float *slip)
 {
-    const float t0 = in->rear_left.spin + in->rear_right.spin;
-    const float t1 = in->front_left.spin + in->front_right.spin;
-    const float t2 = in->rear_left.spin - in->rear_right.spin;
-    const float t3 = in->front_left.spin - in->front_right.spin;
+    const float t0 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float t1 = wheels->front_left.spin + wheels->front_right.spin;
+    const float t2 = wheels->rear_left.spin - wheels->rear_right.spin;
+    const float t3 = wheels->front_left.spin - wheels->front_right.spin;
 
-    out->vx = 0.0125f * (t0 + t1);
-    out->vy = 0.0125f * (t2 - t3);
-    out->omega = (-0.025232136f) * (t2 + t3);
-    out->slip = fabsf(0.01767767f * (t1 - t0));
+    twist->vx = 0.0125f * (t0 + t1);
+    twist->vy = 0.0125f * (t2 - t3);
+    twist->omega = (-0.025232136f) * (t2 + t3);
+    *slip = fabsf(0.01767767f * (t1 - t0));
 }
 
 void clearpath_do100_odometry(
-    const clearpath_do100_odometry_in *in,
-    clearpath_do100_odometry_out *out)
+    clearpath_do100_pose *pose,
+    const clearpath_do100_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,123 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   front_left: swedish, x 0.285 m, y 0.2104 m, heading 0 deg, r 0.05 m, gamma -45 deg
+ *   front_right: swedish, x 0.285 m, y -0.2104 m, heading 0 deg, r 0.05 m, gamma 45 deg
+ *   rear_left: swedish, x -0.285 m, y 0.2104 m, heading 0 deg, r 0.05 m, gamma 45 deg
+ *   rear_right: swedish, x -0.285 m, y -0.2104 m, heading 0 deg, r 0.05 m, gamma -45 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     clearpath_do100_twist twist = {0.5f, 0.0f, 0.2f};
+ *     clearpath_do100_wheels wheels = {{0.0f}};
+ *     clearpath_do100_pose pose = {0.0f, 0.0f, 0.0f};
+ *     clearpath_do100_inverse(&twist, &wheels);
+ *     clearpath_do100_forward(&wheels, &twist);
+ *     clearpath_do100_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_CLEARPATH_DO100_H
+#define WMRGEN_CLEARPATH_DO100_H
+
+#define CLEARPATH_DO100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define CLEARPATH_DO100_MODEL_HASH "1b4365f4c99648a8149e61862a7003af" /**< digest of the model */
+#define CLEARPATH_DO100_PAIR_9b8bf90266f3f0b2 1 /**< header and source that were written together have the same */
+#define CLEARPATH_DO100_FRONT_LEFT_X 0.285f /**< [m] pivot, forward of P */
+#define CLEARPATH_DO100_FRONT_LEFT_Y 0.2104f /**< [m] pivot, to the left of P */
+#define CLEARPATH_DO100_FRONT_LEFT_RADIUS 0.05f /**< [m] radius */
+#define CLEARPATH_DO100_FRONT_RIGHT_X 0.285f /**< [m] pivot, forward of P */
+#define CLEARPATH_DO100_FRONT_RIGHT_Y (-0.2104f) /**< [m] pivot, to the left of P */
+#define CLEARPATH_DO100_FRONT_RIGHT_RADIUS 0.05f /**< [m] radius */
+#define CLEARPATH_DO100_REAR_LEFT_X (-0.285f) /**< [m] pivot, forward of P */
+#define CLEARPATH_DO100_REAR_LEFT_Y 0.2104f /**< [m] pivot, to the left of P */
+#define CLEARPATH_DO100_REAR_LEFT_RADIUS 0.05f /**< [m] radius */
+#define CLEARPATH_DO100_REAR_RIGHT_X (-0.285f) /**< [m] pivot, forward of P */
+#define CLEARPATH_DO100_REAR_RIGHT_Y (-0.2104f) /**< [m] pivot, to the left of P */
+#define CLEARPATH_DO100_REAR_RIGHT_RADIUS 0.05f /**< [m] radius */
+#define CLEARPATH_DO100_VX_MIN (-1.3f) /**< [m/s] least that the robot file allows */
+#define CLEARPATH_DO100_VX_MAX 1.3f /**< [m/s] most that the robot file allows */
+#define CLEARPATH_DO100_VY_MIN (-1.3f) /**< [m/s] least that the robot file allows */
+#define CLEARPATH_DO100_VY_MAX 1.3f /**< [m/s] most that the robot file allows */
+#define CLEARPATH_DO100_OMEGA_MIN (-4.0f) /**< [rad/s] least that the robot file allows */
+#define CLEARPATH_DO100_OMEGA_MAX 4.0f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} clearpath_do100_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} clearpath_do100_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } front_left;  /**< [rad/s] */
+    struct { float spin; } front_right; /**< [rad/s] */
+    struct { float spin; } rear_left;   /**< [rad/s] */
+    struct { float spin; } rear_right;  /**< [rad/s] */
+} clearpath_do100_wheels;
+
+/** Joints in the order of clearpath_do100_wheels. */
+enum clearpath_do100_joint {
+    CLEARPATH_DO100_FRONT_LEFT_SPIN, /**< [rad/s] front_left.spin */
+    CLEARPATH_DO100_FRONT_RIGHT_SPIN, /**< [rad/s] front_right.spin */
+    CLEARPATH_DO100_REAR_LEFT_SPIN, /**< [rad/s] rear_left.spin */
+    CLEARPATH_DO100_REAR_RIGHT_SPIN, /**< [rad/s] rear_right.spin */
+    CLEARPATH_DO100_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum clearpath_do100_joint, for loops over all; of the first where there is none. */
+float *clearpath_do100_joint(clearpath_do100_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 6 additions, 3 multiplications. */
+void clearpath_do100_inverse(const clearpath_do100_twist *twist, clearpath_do100_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void clearpath_do100_inverse_slip(const clearpath_do100_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 7 additions, 3 multiplications. */
+void clearpath_do100_forward(const clearpath_do100_wheels *wheels, clearpath_do100_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
+void clearpath_do100_forward_slip(
+    const clearpath_do100_wheels *wheels,
+    clearpath_do100_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void clearpath_do100_odometry(
+    clearpath_do100_pose *pose,
+    const clearpath_do100_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,16 +138,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   front_left: swedish, x 0.285 m, y 0.2104 m, heading 0 deg, r 0.05 m, gamma -45 deg
- *   front_right: swedish, x 0.285 m, y -0.2104 m, heading 0 deg, r 0.05 m, gamma 45 deg
- *   rear_left: swedish, x -0.285 m, y 0.2104 m, heading 0 deg, r 0.05 m, gamma 45 deg
- *   rear_right: swedish, x -0.285 m, y -0.2104 m, heading 0 deg, r 0.05 m, gamma -45 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  *
  * Proved for |vx| <= 1.3, |vy| <= 1.3, |omega| <= 4, and with these ranges of inputs that have no
  * limits: |front_left.spin, front_right.spin, rear_left.spin, rear_right.spin| <= 91.6321, |x| <=
@@ -52,116 +158,5 @@
  *   odometry: y in [-101.102, 101.102] m, off by 5.8e-06
  *   odometry: theta in [-12.9664, 12.9664] rad, off by 5.0e-07
  */
-#ifndef WMRGEN_CLEARPATH_DO100_H
-#define WMRGEN_CLEARPATH_DO100_H
-
-#define CLEARPATH_DO100_MODEL_HASH "1b4365f4c99648a8149e61862a7003af"
-#define CLEARPATH_DO100_PAIR_2d19db7a45f769e5 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of clearpath_do100_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} clearpath_do100_inverse_in;
-
-/* Output of clearpath_do100_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } front_left;  /* [rad/s] */
-    struct { float spin; } front_right; /* [rad/s] */
-    struct { float spin; } rear_left;   /* [rad/s] */
-    struct { float spin; } rear_right;  /* [rad/s] */
-} clearpath_do100_inverse_out;
-
-typedef clearpath_do100_inverse_in clearpath_do100_inverse_slip_in;
-
-/* Output of clearpath_do100_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} clearpath_do100_inverse_slip_out;
-
-/* Input of clearpath_do100_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } front_left;  /* [rad/s] */
-    struct { float spin; } front_right; /* [rad/s] */
-    struct { float spin; } rear_left;   /* [rad/s] */
-    struct { float spin; } rear_right;  /* [rad/s] */
-} clearpath_do100_forward_in;
-
-/* Output of clearpath_do100_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} clearpath_do100_forward_out;
-
-typedef clearpath_do100_forward_in clearpath_do100_forward_slip_in;
-
-/* Output of clearpath_do100_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} clearpath_do100_forward_slip_out;
-
-/* Input of clearpath_do100_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} clearpath_do100_odometry_in;
-
-/* Output of clearpath_do100_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} clearpath_do100_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 6 additions, 3 multiplications. */
-void clearpath_do100_inverse(
-    const clearpath_do100_inverse_in *in,
-    clearpath_do100_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void clearpath_do100_inverse_slip(
-    const clearpath_do100_inverse_slip_in *in,
-    clearpath_do100_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 7 additions, 3 multiplications. */
-void clearpath_do100_forward(
-    const clearpath_do100_forward_in *in,
-    clearpath_do100_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
-void clearpath_do100_forward_slip(
-    const clearpath_do100_forward_slip_in *in,
-    clearpath_do100_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void clearpath_do100_odometry(
-    const clearpath_do100_odometry_in *in,
-    clearpath_do100_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_CLEARPATH_DO100_H */

@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_2d19db7a45f769e5)
+#if !defined(CLEARPATH_DO100_PAIR_9b8bf90266f3f0b2)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,34 @@ typedef enum {
 /* clearpath_do100_inverse() with its inputs checked. Accepted: vx, vy -1.3 to 1.3 m/s; omega -4
  * to 4 rad/s. */
 clearpath_do100_status clearpath_do100_inverse_checked(
-    const clearpath_do100_inverse_in *in,
-    clearpath_do100_inverse_out *out);
+    const clearpath_do100_twist *twist,
+    clearpath_do100_wheels *out);
 
 /* clearpath_do100_inverse_slip() with its inputs checked. Accepted: vx, vy -1.3 to 1.3 m/s;
  * omega -4 to 4 rad/s. */
 clearpath_do100_status clearpath_do100_inverse_slip_checked(
-    const clearpath_do100_inverse_slip_in *in,
-    clearpath_do100_inverse_slip_out *out);
+    const clearpath_do100_twist *twist,
+    float *slip);
 
 /* clearpath_do100_forward() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_do100_status clearpath_do100_forward_checked(
-    const clearpath_do100_forward_in *in,
-    clearpath_do100_forward_out *out);
+    const clearpath_do100_wheels *wheels,
+    clearpath_do100_twist *twist);
 
 /* clearpath_do100_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_do100_status clearpath_do100_forward_slip_checked(
-    const clearpath_do100_forward_slip_in *in,
-    clearpath_do100_forward_slip_out *out);
+    const clearpath_do100_wheels *wheels,
+    clearpath_do100_twist *twist,
+    float *slip);
 
 /* clearpath_do100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 clearpath_do100_status clearpath_do100_odometry_checked(
-    const clearpath_do100_odometry_in *in,
-    clearpath_do100_odometry_out *out);
+    clearpath_do100_pose *pose,
+    const clearpath_do100_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

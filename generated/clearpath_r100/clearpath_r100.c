@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_R100_PAIR_48f7ac12e76e81b1)
+#if !defined(CLEARPATH_R100_PAIR_f616022cbad17dfb)
 #error "clearpath_r100.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -167,6 +167,15 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
+/* The members of clearpath_r100_wheels lie as an array does. */
+typedef char clearpath_r100_wheels_are_joints[
+    ((sizeof(clearpath_r100_wheels) / sizeof(float)) == (unsigned int)CLEARPATH_R100_JOINTS) ? 1 : -1];
+
+float *clearpath_r100_joint(clearpath_r100_wheels *wheels, int joint)
+{
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)CLEARPATH_R100_JOINTS)) ? joint : 0];
+}
+
 void clearpath_r100_params_default(clearpath_r100_params *params)
 {
     params->radius = 0.0759f;
@@ -185,13 +194,13 @@ void clearpath_r100_prepare(const clearpath_r100_params *params, clearpath_r100_
 
 void clearpath_r100_inverse(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_in *in,
-    clearpath_r100_inverse_out *out)
+    const clearpath_r100_twist *twist,
+    clearpath_r100_wheels *out)
 {
-    const float t0 = in->vx * prepared->k0;
-    const float t1 = in->vy * prepared->k0;
+    const float t0 = twist->vx * prepared->k0;
+    const float t1 = twist->vy * prepared->k0;
     const float t2 = t0 - t1;
-    const float t3 = in->omega * prepared->k1;
+    const float t3 = twist->omega * prepared->k1;
     const float t4 = t1 + t0;
 
     out->front_left.spin = t2 - t3;
@@ -202,57 +211,60 @@ void clearpath_r100_inverse(
 
 void clearpath_r100_inverse_slip(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_slip_in *in,
-    clearpath_r100_inverse_slip_out *out)
+    const clearpath_r100_twist *twist,
+    float *slip)
 {
     (void)prepared;
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
 void clearpath_r100_forward(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_in *in,
-    clearpath_r100_forward_out *out)
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist)
 {
-    const float t0 = in->rear_left.spin + in->rear_right.spin + (in->front_left.spin + in->front_right.spin);
-    const float t1 = in->rear_left.spin - in->rear_right.spin;
-    const float t2 = in->front_left.spin - in->front_right.spin;
+    const float t0 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float t1 = wheels->front_left.spin + wheels->front_right.spin;
+    const float t2 = wheels->rear_left.spin - wheels->rear_right.spin;
+    const float t3 = wheels->front_left.spin - wheels->front_right.spin;
 
-    out->vx = t0 * prepared->k2;
-    out->vy = prepared->k2 * (t1 - t2);
-    out->omega = (t1 + t2) * prepared->k3;
+    twist->vx = (t0 + t1) * prepared->k2;
+    twist->vy = prepared->k2 * (t2 - t3);
+    twist->omega = (t2 + t3) * prepared->k3;
 }
 
 void clearpath_r100_forward_slip(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_slip_in *in,
-    clearpath_r100_forward_slip_out *out)
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist,
+    float *slip)
 {
-    const float t0 = in->rear_left.spin + in->rear_right.spin;
-    const float t1 = in->front_left.spin + in->front_right.spin;
-    const float t2 = in->rear_left.spin - in->rear_right.spin;
-    const float t3 = in->front_left.spin - in->front_right.spin;
+    const float t0 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float t1 = wheels->front_left.spin + wheels->front_right.spin;
+    const float t2 = wheels->rear_left.spin - wheels->rear_right.spin;
+    const float t3 = wheels->front_left.spin - wheels->front_right.spin;
 
-    out->vx = (t0 + t1) * prepared->k2;
-    out->vy = prepared->k2 * (t2 - t3);
-    out->omega = (t2 + t3) * prepared->k3;
-    out->slip = fabsf((t1 - t0) * prepared->k4);
+    twist->vx = (t0 + t1) * prepared->k2;
+    twist->vy = prepared->k2 * (t2 - t3);
+    twist->omega = (t2 + t3) * prepared->k3;
+    *slip = fabsf((t1 - t0) * prepared->k4);
 }
 
 void clearpath_r100_odometry(
-    const clearpath_r100_odometry_in *in,
-    clearpath_r100_odometry_out *out)
+    clearpath_r100_pose *pose,
+    const clearpath_r100_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,159 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   front_left: swedish, x 0.319 m, y 0.2755 m, heading 0 deg, r 0.0759 m, gamma -45 deg
+ *   front_right: swedish, x 0.319 m, y -0.2755 m, heading 0 deg, r 0.0759 m, gamma 45 deg
+ *   rear_left: swedish, x -0.319 m, y 0.2755 m, heading 0 deg, r 0.0759 m, gamma 45 deg
+ *   rear_right: swedish, x -0.319 m, y -0.2755 m, heading 0 deg, r 0.0759 m, gamma -45 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     clearpath_r100_params params;
+ *     clearpath_r100_prepared prepared;
+ *     clearpath_r100_twist twist = {0.5f, 0.0f, 0.2f};
+ *     clearpath_r100_wheels wheels = {{0.0f}};
+ *     clearpath_r100_pose pose = {0.0f, 0.0f, 0.0f};
+ *     clearpath_r100_params_default(&params);
+ *     clearpath_r100_prepare(&params, &prepared);
+ *     clearpath_r100_inverse(&prepared, &twist, &wheels);
+ *     clearpath_r100_forward(&prepared, &wheels, &twist);
+ *     clearpath_r100_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_CLEARPATH_R100_H
+#define WMRGEN_CLEARPATH_R100_H
+
+#define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define CLEARPATH_R100_MODEL_HASH "d2d473fb5ffa09d58576428bd1ce21c3" /**< digest of the model */
+#define CLEARPATH_R100_PAIR_f616022cbad17dfb 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
+#define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */
+#define CLEARPATH_R100_FRONT_LEFT_RADIUS 0.0759f /**< [m] radius */
+#define CLEARPATH_R100_FRONT_RIGHT_X 0.319f /**< [m] pivot, forward of P */
+#define CLEARPATH_R100_FRONT_RIGHT_Y (-0.2755f) /**< [m] pivot, to the left of P */
+#define CLEARPATH_R100_FRONT_RIGHT_RADIUS 0.0759f /**< [m] radius */
+#define CLEARPATH_R100_REAR_LEFT_X (-0.319f) /**< [m] pivot, forward of P */
+#define CLEARPATH_R100_REAR_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */
+#define CLEARPATH_R100_REAR_LEFT_RADIUS 0.0759f /**< [m] radius */
+#define CLEARPATH_R100_REAR_RIGHT_X (-0.319f) /**< [m] pivot, forward of P */
+#define CLEARPATH_R100_REAR_RIGHT_Y (-0.2755f) /**< [m] pivot, to the left of P */
+#define CLEARPATH_R100_REAR_RIGHT_RADIUS 0.0759f /**< [m] radius */
+#define CLEARPATH_R100_VX_MIN (-1.1f) /**< [m/s] least that the robot file allows */
+#define CLEARPATH_R100_VX_MAX 1.1f /**< [m/s] most that the robot file allows */
+#define CLEARPATH_R100_VY_MIN (-1.1f) /**< [m/s] least that the robot file allows */
+#define CLEARPATH_R100_VY_MAX 1.1f /**< [m/s] most that the robot file allows */
+#define CLEARPATH_R100_OMEGA_MIN (-2.0f) /**< [rad/s] least that the robot file allows */
+#define CLEARPATH_R100_OMEGA_MAX 2.0f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} clearpath_r100_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} clearpath_r100_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } front_left;  /**< [rad/s] */
+    struct { float spin; } front_right; /**< [rad/s] */
+    struct { float spin; } rear_left;   /**< [rad/s] */
+    struct { float spin; } rear_right;  /**< [rad/s] */
+} clearpath_r100_wheels;
+
+/** Tunable parameters: calibrate, then prepare. */
+typedef struct {
+    float radius; /**< [m] tunable parameter (nominal 0.0759) */
+} clearpath_r100_params;
+
+/** What clearpath_r100_prepare() works out once from the parameters; the steps only read it. */
+typedef struct {
+    float k0;
+    float k1;
+    float k2;
+    float k3;
+    float k4;
+} clearpath_r100_prepared;
+
+/** Joints in the order of clearpath_r100_wheels. */
+enum clearpath_r100_joint {
+    CLEARPATH_R100_FRONT_LEFT_SPIN, /**< [rad/s] front_left.spin */
+    CLEARPATH_R100_FRONT_RIGHT_SPIN, /**< [rad/s] front_right.spin */
+    CLEARPATH_R100_REAR_LEFT_SPIN, /**< [rad/s] rear_left.spin */
+    CLEARPATH_R100_REAR_RIGHT_SPIN, /**< [rad/s] rear_right.spin */
+    CLEARPATH_R100_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum clearpath_r100_joint, for loops over all; of the first where there is none. */
+float *clearpath_r100_joint(clearpath_r100_wheels *wheels, int joint);
+
+/** Sets the parameters to the nominal values of the robot file. */
+void clearpath_r100_params_default(clearpath_r100_params *params);
+
+/** Values that depend on the tunable parameters alone. Call once, and again after every change of
+ * a parameter. clearpath_r100_prepare_checked() refuses parameters that are far from nominal.
+ * Operations of the formula: 4 multiplications, 1 division, 1 comparison. */
+void clearpath_r100_prepare(const clearpath_r100_params *params, clearpath_r100_prepared *prepared);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 6 additions, 3 multiplications. */
+void clearpath_r100_inverse(
+    const clearpath_r100_prepared *prepared,
+    const clearpath_r100_twist *twist,
+    clearpath_r100_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void clearpath_r100_inverse_slip(
+    const clearpath_r100_prepared *prepared,
+    const clearpath_r100_twist *twist,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 7 additions, 3 multiplications. */
+void clearpath_r100_forward(
+    const clearpath_r100_prepared *prepared,
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
+void clearpath_r100_forward_slip(
+    const clearpath_r100_prepared *prepared,
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void clearpath_r100_odometry(
+    clearpath_r100_pose *pose,
+    const clearpath_r100_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,16 +174,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   front_left: swedish, x 0.319 m, y 0.2755 m, heading 0 deg, r 0.0759 m, gamma -45 deg
- *   front_right: swedish, x 0.319 m, y -0.2755 m, heading 0 deg, r 0.0759 m, gamma 45 deg
- *   rear_left: swedish, x -0.319 m, y 0.2755 m, heading 0 deg, r 0.0759 m, gamma 45 deg
- *   rear_right: swedish, x -0.319 m, y -0.2755 m, heading 0 deg, r 0.0759 m, gamma -45 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  *
  * Proved for |vx| <= 1.1, |vy| <= 1.1, |omega| <= 2, and with these ranges of inputs that have no
  * limits: 0.06831 <= radius <= 0.08349, |front_left.spin, front_right.spin, rear_left.spin,
@@ -53,142 +195,5 @@
  *   odometry: y in [-100.469, 100.469] m, off by 5.0e-06
  *   odometry: theta in [-12.7664, 12.7664] rad, off by 4.9e-07
  */
-#ifndef WMRGEN_CLEARPATH_R100_H
-#define WMRGEN_CLEARPATH_R100_H
-
-#define CLEARPATH_R100_MODEL_HASH "d2d473fb5ffa09d58576428bd1ce21c3"
-#define CLEARPATH_R100_PAIR_48f7ac12e76e81b1 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Tunable parameters: calibrate, then prepare. */
-typedef struct {
-    float radius; /* [m] tunable parameter (nominal 0.0759) */
-} clearpath_r100_params;
-
-/* What clearpath_r100_prepare() works out once from the parameters; the steps only read it. */
-typedef struct {
-    float k0;
-    float k1;
-    float k2;
-    float k3;
-    float k4;
-} clearpath_r100_prepared;
-
-/* Input of clearpath_r100_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} clearpath_r100_inverse_in;
-
-/* Output of clearpath_r100_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } front_left;  /* [rad/s] */
-    struct { float spin; } front_right; /* [rad/s] */
-    struct { float spin; } rear_left;   /* [rad/s] */
-    struct { float spin; } rear_right;  /* [rad/s] */
-} clearpath_r100_inverse_out;
-
-typedef clearpath_r100_inverse_in clearpath_r100_inverse_slip_in;
-
-/* Output of clearpath_r100_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} clearpath_r100_inverse_slip_out;
-
-/* Input of clearpath_r100_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } front_left;  /* [rad/s] */
-    struct { float spin; } front_right; /* [rad/s] */
-    struct { float spin; } rear_left;   /* [rad/s] */
-    struct { float spin; } rear_right;  /* [rad/s] */
-} clearpath_r100_forward_in;
-
-/* Output of clearpath_r100_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} clearpath_r100_forward_out;
-
-typedef clearpath_r100_forward_in clearpath_r100_forward_slip_in;
-
-/* Output of clearpath_r100_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} clearpath_r100_forward_slip_out;
-
-/* Input of clearpath_r100_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} clearpath_r100_odometry_in;
-
-/* Output of clearpath_r100_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} clearpath_r100_odometry_out;
-
-/* Sets the parameters to the nominal values of the robot file. */
-void clearpath_r100_params_default(clearpath_r100_params *params);
-
-/* Values that depend on the tunable parameters alone. Call once, and again after every change of
- * a parameter. clearpath_r100_prepare_checked() refuses parameters that are far from nominal.
- * Operations of the formula: 4 multiplications, 1 division, 1 comparison. */
-void clearpath_r100_prepare(const clearpath_r100_params *params, clearpath_r100_prepared *prepared);
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 6 additions, 3 multiplications. */
-void clearpath_r100_inverse(
-    const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_in *in,
-    clearpath_r100_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void clearpath_r100_inverse_slip(
-    const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_slip_in *in,
-    clearpath_r100_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 7 additions, 3 multiplications. */
-void clearpath_r100_forward(
-    const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_in *in,
-    clearpath_r100_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
-void clearpath_r100_forward_slip(
-    const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_slip_in *in,
-    clearpath_r100_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void clearpath_r100_odometry(
-    const clearpath_r100_odometry_in *in,
-    clearpath_r100_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_CLEARPATH_R100_H */

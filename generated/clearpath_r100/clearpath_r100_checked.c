@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(CLEARPATH_R100_PAIR_48f7ac12e76e81b1)
+#if !defined(CLEARPATH_R100_PAIR_f616022cbad17dfb)
 #error "clearpath_r100_checked.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -60,25 +60,25 @@ clearpath_r100_status clearpath_r100_prepare_checked(
 
 clearpath_r100_status clearpath_r100_inverse_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_in *in,
-    clearpath_r100_inverse_out *out)
+    const clearpath_r100_twist *twist,
+    clearpath_r100_wheels *out)
 {
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            clearpath_r100_is_number(in->vx) &&
-            clearpath_r100_is_number(in->vy) &&
-            clearpath_r100_is_number(in->omega)
+            clearpath_r100_is_number(twist->vx) &&
+            clearpath_r100_is_number(twist->vy) &&
+            clearpath_r100_is_number(twist->omega)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            clearpath_r100_is_within(in->vx, -1.1f, 1.1f) &&
-            clearpath_r100_is_within(in->vy, -1.1f, 1.1f) &&
-            clearpath_r100_is_within(in->omega, -2.0f, 2.0f)
+            clearpath_r100_is_within(twist->vx, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(twist->vy, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(twist->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
-        clearpath_r100_inverse(prepared, in, out);
+        clearpath_r100_inverse(prepared, twist, out);
     }
     if (status != CLEARPATH_R100_OK) {
         out->front_left.spin = 0.0f;
@@ -91,130 +91,132 @@ clearpath_r100_status clearpath_r100_inverse_checked(
 
 clearpath_r100_status clearpath_r100_inverse_slip_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_slip_in *in,
-    clearpath_r100_inverse_slip_out *out)
+    const clearpath_r100_twist *twist,
+    float *slip)
 {
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            clearpath_r100_is_number(in->vx) &&
-            clearpath_r100_is_number(in->vy) &&
-            clearpath_r100_is_number(in->omega)
+            clearpath_r100_is_number(twist->vx) &&
+            clearpath_r100_is_number(twist->vy) &&
+            clearpath_r100_is_number(twist->omega)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            clearpath_r100_is_within(in->vx, -1.1f, 1.1f) &&
-            clearpath_r100_is_within(in->vy, -1.1f, 1.1f) &&
-            clearpath_r100_is_within(in->omega, -2.0f, 2.0f)
+            clearpath_r100_is_within(twist->vx, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(twist->vy, -1.1f, 1.1f) &&
+            clearpath_r100_is_within(twist->omega, -2.0f, 2.0f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
-        clearpath_r100_inverse_slip(prepared, in, out);
+        clearpath_r100_inverse_slip(prepared, twist, slip);
     }
     if (status != CLEARPATH_R100_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 clearpath_r100_status clearpath_r100_forward_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_in *in,
-    clearpath_r100_forward_out *out)
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist)
 {
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            clearpath_r100_is_number(in->front_left.spin) &&
-            clearpath_r100_is_number(in->front_right.spin) &&
-            clearpath_r100_is_number(in->rear_left.spin) &&
-            clearpath_r100_is_number(in->rear_right.spin)
+            clearpath_r100_is_number(wheels->front_left.spin) &&
+            clearpath_r100_is_number(wheels->front_right.spin) &&
+            clearpath_r100_is_number(wheels->rear_left.spin) &&
+            clearpath_r100_is_number(wheels->rear_right.spin)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            clearpath_r100_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_r100_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(wheels->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
-        clearpath_r100_forward(prepared, in, out);
+        clearpath_r100_forward(prepared, wheels, twist);
     }
     if (status != CLEARPATH_R100_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 clearpath_r100_status clearpath_r100_forward_slip_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_slip_in *in,
-    clearpath_r100_forward_slip_out *out)
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist,
+    float *slip)
 {
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            clearpath_r100_is_number(in->front_left.spin) &&
-            clearpath_r100_is_number(in->front_right.spin) &&
-            clearpath_r100_is_number(in->rear_left.spin) &&
-            clearpath_r100_is_number(in->rear_right.spin)
+            clearpath_r100_is_number(wheels->front_left.spin) &&
+            clearpath_r100_is_number(wheels->front_right.spin) &&
+            clearpath_r100_is_number(wheels->rear_left.spin) &&
+            clearpath_r100_is_number(wheels->rear_right.spin)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            clearpath_r100_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->rear_right.spin, -1e9f, 1e9f)
+            clearpath_r100_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(wheels->rear_right.spin, -1e9f, 1e9f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
-        clearpath_r100_forward_slip(prepared, in, out);
+        clearpath_r100_forward_slip(prepared, wheels, twist, slip);
     }
     if (status != CLEARPATH_R100_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 clearpath_r100_status clearpath_r100_odometry_checked(
-    const clearpath_r100_odometry_in *in,
-    clearpath_r100_odometry_out *out)
+    clearpath_r100_pose *pose,
+    const clearpath_r100_twist *twist,
+    float dt)
 {
     clearpath_r100_status status = CLEARPATH_R100_OK;
 
     if (!(
-            clearpath_r100_is_number(in->x) &&
-            clearpath_r100_is_number(in->y) &&
-            clearpath_r100_is_number(in->theta) &&
-            clearpath_r100_is_number(in->vx) &&
-            clearpath_r100_is_number(in->vy) &&
-            clearpath_r100_is_number(in->omega) &&
-            clearpath_r100_is_number(in->dt)
+            clearpath_r100_is_number(pose->x) &&
+            clearpath_r100_is_number(pose->y) &&
+            clearpath_r100_is_number(pose->theta) &&
+            clearpath_r100_is_number(twist->vx) &&
+            clearpath_r100_is_number(twist->vy) &&
+            clearpath_r100_is_number(twist->omega) &&
+            clearpath_r100_is_number(dt)
         )) {
         status = CLEARPATH_R100_NOT_A_NUMBER;
     } else if (!(
-            clearpath_r100_is_within(in->x, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->y, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->theta, -1e4f, 1e4f) &&
-            clearpath_r100_is_within(in->vx, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->vy, -1e9f, 1e9f) &&
-            clearpath_r100_is_within(in->omega, -200.0f, 200.0f) &&
-            clearpath_r100_is_within(in->dt, -10.0f, 10.0f)
+            clearpath_r100_is_within(pose->x, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(pose->y, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(pose->theta, -1e4f, 1e4f) &&
+            clearpath_r100_is_within(twist->vx, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(twist->vy, -1e9f, 1e9f) &&
+            clearpath_r100_is_within(twist->omega, -200.0f, 200.0f) &&
+            clearpath_r100_is_within(dt, -10.0f, 10.0f)
         )) {
         status = CLEARPATH_R100_OUT_OF_RANGE;
     } else {
-        clearpath_r100_odometry(in, out);
+        clearpath_r100_odometry(pose, twist, dt);
     }
     if (status != CLEARPATH_R100_OK) {
-        out->x = clearpath_r100_held(in->x);
-        out->y = clearpath_r100_held(in->y);
-        out->theta = clearpath_r100_held(in->theta);
+        pose->x = clearpath_r100_held(pose->x);
+        pose->y = clearpath_r100_held(pose->y);
+        pose->theta = clearpath_r100_held(pose->theta);
     }
     return status;
 }

@@ -26,7 +26,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_48f7ac12e76e81b1)
+#if !defined(CLEARPATH_R100_PAIR_f616022cbad17dfb)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 
@@ -50,35 +50,37 @@ clearpath_r100_status clearpath_r100_prepare_checked(
  * to 2 rad/s. */
 clearpath_r100_status clearpath_r100_inverse_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_in *in,
-    clearpath_r100_inverse_out *out);
+    const clearpath_r100_twist *twist,
+    clearpath_r100_wheels *out);
 
 /* clearpath_r100_inverse_slip() with its inputs checked. Accepted: vx, vy -1.1 to 1.1 m/s; omega
  * -2 to 2 rad/s. */
 clearpath_r100_status clearpath_r100_inverse_slip_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_inverse_slip_in *in,
-    clearpath_r100_inverse_slip_out *out);
+    const clearpath_r100_twist *twist,
+    float *slip);
 
 /* clearpath_r100_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
  * rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_r100_status clearpath_r100_forward_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_in *in,
-    clearpath_r100_forward_out *out);
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist);
 
 /* clearpath_r100_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_r100_status clearpath_r100_forward_slip_checked(
     const clearpath_r100_prepared *prepared,
-    const clearpath_r100_forward_slip_in *in,
-    clearpath_r100_forward_slip_out *out);
+    const clearpath_r100_wheels *wheels,
+    clearpath_r100_twist *twist,
+    float *slip);
 
 /* clearpath_r100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 clearpath_r100_status clearpath_r100_odometry_checked(
-    const clearpath_r100_odometry_in *in,
-    clearpath_r100_odometry_out *out);
+    clearpath_r100_pose *pose,
+    const clearpath_r100_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_b61ddf8509f4091e)
+#if !defined(FESTO_ROBOTINO_PAIR_95ac3452e4d06a00)
 #error "festo_robotino.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,62 +146,72 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void festo_robotino_inverse(const festo_robotino_inverse_in *in, festo_robotino_inverse_out *out)
+/* The members of festo_robotino_wheels lie as an array does. */
+typedef char festo_robotino_wheels_are_joints[
+    ((sizeof(festo_robotino_wheels) / sizeof(float)) == (unsigned int)FESTO_ROBOTINO_JOINTS) ? 1 : -1];
+
+float *festo_robotino_joint(festo_robotino_wheels *wheels, int joint)
 {
-    const float t0 = fmaf(3.1940699f, in->omega, 12.5f * in->vy);
-    const float t1 = 21.650635f * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)FESTO_ROBOTINO_JOINTS)) ? joint : 0];
+}
+
+void festo_robotino_inverse(const festo_robotino_twist *twist, festo_robotino_wheels *out)
+{
+    const float t0 = fmaf(3.1940699f, twist->omega, 12.5f * twist->vy);
+    const float t1 = 21.650635f * twist->vx;
+    const float t2 = fmaf(3.25f, twist->omega, -(25.0f * twist->vy));
 
     out->wheel0.spin = t0 - t1;
-    out->wheel1.spin = fmaf(3.25f, in->omega, -(25.0f * in->vy));
+    out->wheel1.spin = t2;
     out->wheel2.spin = t0 + t1;
 }
 
-void festo_robotino_inverse_slip(
-    const festo_robotino_inverse_slip_in *in,
-    festo_robotino_inverse_slip_out *out)
+void festo_robotino_inverse_slip(const festo_robotino_twist *twist, float *slip)
 {
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void festo_robotino_forward(const festo_robotino_forward_in *in, festo_robotino_forward_out *out)
+void festo_robotino_forward(const festo_robotino_wheels *wheels, festo_robotino_twist *twist)
 {
-    const float t0 = 0.023094011f * (in->wheel2.spin - in->wheel0.spin);
-    const float t1 = in->wheel0.spin + in->wheel2.spin;
-    const float t2 = 0.01348808f * fmaf((-1.9655814f), in->wheel1.spin, t1);
+    const float t0 = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
+    const float t1 = wheels->wheel0.spin + wheels->wheel2.spin;
+    const float t2 = 0.01348808f * fmaf((-1.9655814f), wheels->wheel1.spin, t1);
 
-    out->vx = t0;
-    out->vy = t2;
-    out->omega = 0.10375446f * (in->wheel1.spin + t1);
+    twist->vx = t0;
+    twist->vy = t2;
+    twist->omega = 0.10375446f * (wheels->wheel1.spin + t1);
 }
 
 void festo_robotino_forward_slip(
-    const festo_robotino_forward_slip_in *in,
-    festo_robotino_forward_slip_out *out)
+    const festo_robotino_wheels *wheels,
+    festo_robotino_twist *twist,
+    float *slip)
 {
-    const float t0 = 0.023094011f * (in->wheel2.spin - in->wheel0.spin);
-    const float t1 = in->wheel0.spin + in->wheel2.spin;
-    const float t2 = 0.01348808f * fmaf((-1.9655814f), in->wheel1.spin, t1);
+    const float t0 = 0.023094011f * (wheels->wheel2.spin - wheels->wheel0.spin);
+    const float t1 = wheels->wheel0.spin + wheels->wheel2.spin;
+    const float t2 = 0.01348808f * fmaf((-1.9655814f), wheels->wheel1.spin, t1);
 
-    out->vx = t0;
-    out->vy = t2;
-    out->omega = 0.10375446f * (in->wheel1.spin + t1);
-    out->slip = 0.0f;
+    twist->vx = t0;
+    twist->vy = t2;
+    twist->omega = 0.10375446f * (wheels->wheel1.spin + t1);
+    *slip = 0.0f;
 }
 
 void festo_robotino_odometry(
-    const festo_robotino_odometry_in *in,
-    festo_robotino_odometry_out *out)
+    festo_robotino_pose *pose,
+    const festo_robotino_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,117 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   wheel0: swedish, x 0.065 m, y 0.11 m, heading 150 deg, r 0.04 m, gamma 0 deg
+ *   wheel1: swedish, x -0.13 m, y 0 m, heading -90 deg, r 0.04 m, gamma 0 deg
+ *   wheel2: swedish, x 0.065 m, y -0.11 m, heading 30 deg, r 0.04 m, gamma 0 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     festo_robotino_twist twist = {0.5f, 0.0f, 0.2f};
+ *     festo_robotino_wheels wheels = {{0.0f}};
+ *     festo_robotino_pose pose = {0.0f, 0.0f, 0.0f};
+ *     festo_robotino_inverse(&twist, &wheels);
+ *     festo_robotino_forward(&wheels, &twist);
+ *     festo_robotino_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_FESTO_ROBOTINO_H
+#define WMRGEN_FESTO_ROBOTINO_H
+
+#define FESTO_ROBOTINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define FESTO_ROBOTINO_MODEL_HASH "33e1b28b5046057d11ad87e9cd5a89e7" /**< digest of the model */
+#define FESTO_ROBOTINO_PAIR_95ac3452e4d06a00 1 /**< header and source that were written together have the same */
+#define FESTO_ROBOTINO_WHEEL0_X 0.065f /**< [m] pivot, forward of P */
+#define FESTO_ROBOTINO_WHEEL0_Y 0.11f /**< [m] pivot, to the left of P */
+#define FESTO_ROBOTINO_WHEEL0_RADIUS 0.04f /**< [m] radius */
+#define FESTO_ROBOTINO_WHEEL1_X (-0.13f) /**< [m] pivot, forward of P */
+#define FESTO_ROBOTINO_WHEEL1_Y 0.0f /**< [m] pivot, to the left of P */
+#define FESTO_ROBOTINO_WHEEL1_RADIUS 0.04f /**< [m] radius */
+#define FESTO_ROBOTINO_WHEEL2_X 0.065f /**< [m] pivot, forward of P */
+#define FESTO_ROBOTINO_WHEEL2_Y (-0.11f) /**< [m] pivot, to the left of P */
+#define FESTO_ROBOTINO_WHEEL2_RADIUS 0.04f /**< [m] radius */
+#define FESTO_ROBOTINO_VX_MIN (-1.5f) /**< [m/s] least that the robot file allows */
+#define FESTO_ROBOTINO_VX_MAX 1.5f /**< [m/s] most that the robot file allows */
+#define FESTO_ROBOTINO_VY_MIN (-1.5f) /**< [m/s] least that the robot file allows */
+#define FESTO_ROBOTINO_VY_MAX 1.5f /**< [m/s] most that the robot file allows */
+#define FESTO_ROBOTINO_OMEGA_MIN (-3.0f) /**< [rad/s] least that the robot file allows */
+#define FESTO_ROBOTINO_OMEGA_MAX 3.0f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} festo_robotino_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} festo_robotino_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } wheel0; /**< [rad/s] */
+    struct { float spin; } wheel1; /**< [rad/s] */
+    struct { float spin; } wheel2; /**< [rad/s] */
+} festo_robotino_wheels;
+
+/** Joints in the order of festo_robotino_wheels. */
+enum festo_robotino_joint {
+    FESTO_ROBOTINO_WHEEL0_SPIN, /**< [rad/s] wheel0.spin */
+    FESTO_ROBOTINO_WHEEL1_SPIN, /**< [rad/s] wheel1.spin */
+    FESTO_ROBOTINO_WHEEL2_SPIN, /**< [rad/s] wheel2.spin */
+    FESTO_ROBOTINO_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum festo_robotino_joint, for loops over all; of the first where there is none. */
+float *festo_robotino_joint(festo_robotino_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 4 additions, 5 multiplications. */
+void festo_robotino_inverse(const festo_robotino_twist *twist, festo_robotino_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void festo_robotino_inverse_slip(const festo_robotino_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void festo_robotino_forward(const festo_robotino_wheels *wheels, festo_robotino_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void festo_robotino_forward_slip(
+    const festo_robotino_wheels *wheels,
+    festo_robotino_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void festo_robotino_odometry(
+    festo_robotino_pose *pose,
+    const festo_robotino_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,15 +132,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   wheel0: swedish, x 0.065 m, y 0.11 m, heading 150 deg, r 0.04 m, gamma 0 deg
- *   wheel1: swedish, x -0.13 m, y 0 m, heading -90 deg, r 0.04 m, gamma 0 deg
- *   wheel2: swedish, x 0.065 m, y -0.11 m, heading 30 deg, r 0.04 m, gamma 0 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  *
  * Proved for |vx| <= 1.5, |vy| <= 1.5, |omega| <= 3, and with these ranges of inputs that have no
  * limits: |wheel0.spin, wheel2.spin| <= 60.8082, |wheel1.spin| <= 47.2501, |x| <= 100, |y| <= 100,
@@ -51,110 +152,5 @@
  *   odometry: y in [-100.957, 100.957] m, off by 5.7e-06
  *   odometry: theta in [-12.8664, 12.8664] rad, off by 5.0e-07
  */
-#ifndef WMRGEN_FESTO_ROBOTINO_H
-#define WMRGEN_FESTO_ROBOTINO_H
-
-#define FESTO_ROBOTINO_MODEL_HASH "33e1b28b5046057d11ad87e9cd5a89e7"
-#define FESTO_ROBOTINO_PAIR_b61ddf8509f4091e 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of festo_robotino_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} festo_robotino_inverse_in;
-
-/* Output of festo_robotino_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } wheel0; /* [rad/s] */
-    struct { float spin; } wheel1; /* [rad/s] */
-    struct { float spin; } wheel2; /* [rad/s] */
-} festo_robotino_inverse_out;
-
-typedef festo_robotino_inverse_in festo_robotino_inverse_slip_in;
-
-/* Output of festo_robotino_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} festo_robotino_inverse_slip_out;
-
-/* Input of festo_robotino_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } wheel0; /* [rad/s] */
-    struct { float spin; } wheel1; /* [rad/s] */
-    struct { float spin; } wheel2; /* [rad/s] */
-} festo_robotino_forward_in;
-
-/* Output of festo_robotino_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} festo_robotino_forward_out;
-
-typedef festo_robotino_forward_in festo_robotino_forward_slip_in;
-
-/* Output of festo_robotino_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} festo_robotino_forward_slip_out;
-
-/* Input of festo_robotino_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} festo_robotino_odometry_in;
-
-/* Output of festo_robotino_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} festo_robotino_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 4 additions, 5 multiplications. */
-void festo_robotino_inverse(const festo_robotino_inverse_in *in, festo_robotino_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void festo_robotino_inverse_slip(
-    const festo_robotino_inverse_slip_in *in,
-    festo_robotino_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void festo_robotino_forward(const festo_robotino_forward_in *in, festo_robotino_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void festo_robotino_forward_slip(
-    const festo_robotino_forward_slip_in *in,
-    festo_robotino_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void festo_robotino_odometry(
-    const festo_robotino_odometry_in *in,
-    festo_robotino_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_FESTO_ROBOTINO_H */

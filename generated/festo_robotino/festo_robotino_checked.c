@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(FESTO_ROBOTINO_PAIR_b61ddf8509f4091e)
+#if !defined(FESTO_ROBOTINO_PAIR_95ac3452e4d06a00)
 #error "festo_robotino_checked.c and festo_robotino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,25 +33,25 @@ static float festo_robotino_held(const float x)
 }
 
 festo_robotino_status festo_robotino_inverse_checked(
-    const festo_robotino_inverse_in *in,
-    festo_robotino_inverse_out *out)
+    const festo_robotino_twist *twist,
+    festo_robotino_wheels *out)
 {
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            festo_robotino_is_number(in->vx) &&
-            festo_robotino_is_number(in->vy) &&
-            festo_robotino_is_number(in->omega)
+            festo_robotino_is_number(twist->vx) &&
+            festo_robotino_is_number(twist->vy) &&
+            festo_robotino_is_number(twist->omega)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            festo_robotino_is_within(in->vx, -1.5f, 1.5f) &&
-            festo_robotino_is_within(in->vy, -1.5f, 1.5f) &&
-            festo_robotino_is_within(in->omega, -3.0f, 3.0f)
+            festo_robotino_is_within(twist->vx, -1.5f, 1.5f) &&
+            festo_robotino_is_within(twist->vy, -1.5f, 1.5f) &&
+            festo_robotino_is_within(twist->omega, -3.0f, 3.0f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
-        festo_robotino_inverse(in, out);
+        festo_robotino_inverse(twist, out);
     }
     if (status != FESTO_ROBOTINO_OK) {
         out->wheel0.spin = 0.0f;
@@ -62,124 +62,126 @@ festo_robotino_status festo_robotino_inverse_checked(
 }
 
 festo_robotino_status festo_robotino_inverse_slip_checked(
-    const festo_robotino_inverse_slip_in *in,
-    festo_robotino_inverse_slip_out *out)
+    const festo_robotino_twist *twist,
+    float *slip)
 {
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            festo_robotino_is_number(in->vx) &&
-            festo_robotino_is_number(in->vy) &&
-            festo_robotino_is_number(in->omega)
+            festo_robotino_is_number(twist->vx) &&
+            festo_robotino_is_number(twist->vy) &&
+            festo_robotino_is_number(twist->omega)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            festo_robotino_is_within(in->vx, -1.5f, 1.5f) &&
-            festo_robotino_is_within(in->vy, -1.5f, 1.5f) &&
-            festo_robotino_is_within(in->omega, -3.0f, 3.0f)
+            festo_robotino_is_within(twist->vx, -1.5f, 1.5f) &&
+            festo_robotino_is_within(twist->vy, -1.5f, 1.5f) &&
+            festo_robotino_is_within(twist->omega, -3.0f, 3.0f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
-        festo_robotino_inverse_slip(in, out);
+        festo_robotino_inverse_slip(twist, slip);
     }
     if (status != FESTO_ROBOTINO_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 festo_robotino_status festo_robotino_forward_checked(
-    const festo_robotino_forward_in *in,
-    festo_robotino_forward_out *out)
+    const festo_robotino_wheels *wheels,
+    festo_robotino_twist *twist)
 {
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            festo_robotino_is_number(in->wheel0.spin) &&
-            festo_robotino_is_number(in->wheel1.spin) &&
-            festo_robotino_is_number(in->wheel2.spin)
+            festo_robotino_is_number(wheels->wheel0.spin) &&
+            festo_robotino_is_number(wheels->wheel1.spin) &&
+            festo_robotino_is_number(wheels->wheel2.spin)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            festo_robotino_is_within(in->wheel0.spin, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->wheel2.spin, -1e9f, 1e9f)
+            festo_robotino_is_within(wheels->wheel0.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(wheels->wheel1.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(wheels->wheel2.spin, -1e9f, 1e9f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
-        festo_robotino_forward(in, out);
+        festo_robotino_forward(wheels, twist);
     }
     if (status != FESTO_ROBOTINO_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 festo_robotino_status festo_robotino_forward_slip_checked(
-    const festo_robotino_forward_slip_in *in,
-    festo_robotino_forward_slip_out *out)
+    const festo_robotino_wheels *wheels,
+    festo_robotino_twist *twist,
+    float *slip)
 {
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            festo_robotino_is_number(in->wheel0.spin) &&
-            festo_robotino_is_number(in->wheel1.spin) &&
-            festo_robotino_is_number(in->wheel2.spin)
+            festo_robotino_is_number(wheels->wheel0.spin) &&
+            festo_robotino_is_number(wheels->wheel1.spin) &&
+            festo_robotino_is_number(wheels->wheel2.spin)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            festo_robotino_is_within(in->wheel0.spin, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->wheel2.spin, -1e9f, 1e9f)
+            festo_robotino_is_within(wheels->wheel0.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(wheels->wheel1.spin, -1e9f, 1e9f) &&
+            festo_robotino_is_within(wheels->wheel2.spin, -1e9f, 1e9f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
-        festo_robotino_forward_slip(in, out);
+        festo_robotino_forward_slip(wheels, twist, slip);
     }
     if (status != FESTO_ROBOTINO_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 festo_robotino_status festo_robotino_odometry_checked(
-    const festo_robotino_odometry_in *in,
-    festo_robotino_odometry_out *out)
+    festo_robotino_pose *pose,
+    const festo_robotino_twist *twist,
+    float dt)
 {
     festo_robotino_status status = FESTO_ROBOTINO_OK;
 
     if (!(
-            festo_robotino_is_number(in->x) &&
-            festo_robotino_is_number(in->y) &&
-            festo_robotino_is_number(in->theta) &&
-            festo_robotino_is_number(in->vx) &&
-            festo_robotino_is_number(in->vy) &&
-            festo_robotino_is_number(in->omega) &&
-            festo_robotino_is_number(in->dt)
+            festo_robotino_is_number(pose->x) &&
+            festo_robotino_is_number(pose->y) &&
+            festo_robotino_is_number(pose->theta) &&
+            festo_robotino_is_number(twist->vx) &&
+            festo_robotino_is_number(twist->vy) &&
+            festo_robotino_is_number(twist->omega) &&
+            festo_robotino_is_number(dt)
         )) {
         status = FESTO_ROBOTINO_NOT_A_NUMBER;
     } else if (!(
-            festo_robotino_is_within(in->x, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->y, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->theta, -1e4f, 1e4f) &&
-            festo_robotino_is_within(in->vx, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->vy, -1e9f, 1e9f) &&
-            festo_robotino_is_within(in->omega, -200.0f, 200.0f) &&
-            festo_robotino_is_within(in->dt, -10.0f, 10.0f)
+            festo_robotino_is_within(pose->x, -1e9f, 1e9f) &&
+            festo_robotino_is_within(pose->y, -1e9f, 1e9f) &&
+            festo_robotino_is_within(pose->theta, -1e4f, 1e4f) &&
+            festo_robotino_is_within(twist->vx, -1e9f, 1e9f) &&
+            festo_robotino_is_within(twist->vy, -1e9f, 1e9f) &&
+            festo_robotino_is_within(twist->omega, -200.0f, 200.0f) &&
+            festo_robotino_is_within(dt, -10.0f, 10.0f)
         )) {
         status = FESTO_ROBOTINO_OUT_OF_RANGE;
     } else {
-        festo_robotino_odometry(in, out);
+        festo_robotino_odometry(pose, twist, dt);
     }
     if (status != FESTO_ROBOTINO_OK) {
-        out->x = festo_robotino_held(in->x);
-        out->y = festo_robotino_held(in->y);
-        out->theta = festo_robotino_held(in->theta);
+        pose->x = festo_robotino_held(pose->x);
+        pose->y = festo_robotino_held(pose->y);
+        pose->theta = festo_robotino_held(pose->theta);
     }
     return status;
 }

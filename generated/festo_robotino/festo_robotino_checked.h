@@ -21,7 +21,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_b61ddf8509f4091e)
+#if !defined(FESTO_ROBOTINO_PAIR_95ac3452e4d06a00)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,34 @@ typedef enum {
 /* festo_robotino_inverse() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega -3
  * to 3 rad/s. */
 festo_robotino_status festo_robotino_inverse_checked(
-    const festo_robotino_inverse_in *in,
-    festo_robotino_inverse_out *out);
+    const festo_robotino_twist *twist,
+    festo_robotino_wheels *out);
 
 /* festo_robotino_inverse_slip() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega
  * -3 to 3 rad/s. */
 festo_robotino_status festo_robotino_inverse_slip_checked(
-    const festo_robotino_inverse_slip_in *in,
-    festo_robotino_inverse_slip_out *out);
+    const festo_robotino_twist *twist,
+    float *slip);
 
 /* festo_robotino_forward() with its inputs checked. Accepted: wheel0.spin, wheel1.spin,
  * wheel2.spin -1e9 to 1e9 rad/s. */
 festo_robotino_status festo_robotino_forward_checked(
-    const festo_robotino_forward_in *in,
-    festo_robotino_forward_out *out);
+    const festo_robotino_wheels *wheels,
+    festo_robotino_twist *twist);
 
 /* festo_robotino_forward_slip() with its inputs checked. Accepted: wheel0.spin, wheel1.spin,
  * wheel2.spin -1e9 to 1e9 rad/s. */
 festo_robotino_status festo_robotino_forward_slip_checked(
-    const festo_robotino_forward_slip_in *in,
-    festo_robotino_forward_slip_out *out);
+    const festo_robotino_wheels *wheels,
+    festo_robotino_twist *twist,
+    float *slip);
 
 /* festo_robotino_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 festo_robotino_status festo_robotino_odometry_checked(
-    const festo_robotino_odometry_in *in,
-    festo_robotino_odometry_out *out);
+    festo_robotino_pose *pose,
+    const festo_robotino_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(JPL_OSR_PAIR_0e5a63536da6b0a5)
+#if !defined(JPL_OSR_PAIR_66e88eba2b612eed)
 #error "jpl_osr.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -211,19 +211,28 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void jpl_osr_inverse(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out)
+/* The members of jpl_osr_wheels lie as an array does. */
+typedef char jpl_osr_wheels_are_joints[
+    ((sizeof(jpl_osr_wheels) / sizeof(float)) == (unsigned int)JPL_OSR_JOINTS) ? 1 : -1];
+
+float *jpl_osr_joint(jpl_osr_wheels *wheels, int joint)
 {
-    const float t0 = 0.177f * in->omega;
-    const float left_front_x = in->vx - t0; /* left_front: a, left_back: a */
-    const float t1 = 0.274f * in->omega;
-    const wmrgen_wheel left_front = wmrgen_steer_along(left_front_x, t1, in->left_front.steer, 13.333333f);
-    const float right_front_x = in->vx + t0; /* right_front: a, right_back: a */
-    const wmrgen_wheel right_front = wmrgen_steer_along(right_front_x, t1, in->right_front.steer, 13.333333f);
-    const float t2 = (-0.31f) * in->omega;
-    const wmrgen_wheel left_back = wmrgen_steer_along(left_front_x, t2, in->left_back.steer, 13.333333f);
-    const wmrgen_wheel right_back = wmrgen_steer_along(right_front_x, t2, in->right_back.steer, 13.333333f);
-    const float t3 = 13.333333f * in->vx;
-    const float t4 = 3.3733332f * in->omega;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)JPL_OSR_JOINTS)) ? joint : 0];
+}
+
+void jpl_osr_inverse(const jpl_osr_twist *twist, const jpl_osr_wheels *now, jpl_osr_wheels *out)
+{
+    const float t0 = 0.177f * twist->omega;
+    const float left_front_x = twist->vx - t0; /* left_front: a, left_back: a */
+    const float t1 = 0.274f * twist->omega;
+    const wmrgen_wheel left_front = wmrgen_steer_along(left_front_x, t1, now->left_front.steer, 13.333333f);
+    const float right_front_x = twist->vx + t0; /* right_front: a, right_back: a */
+    const wmrgen_wheel right_front = wmrgen_steer_along(right_front_x, t1, now->right_front.steer, 13.333333f);
+    const float t2 = (-0.31f) * twist->omega;
+    const wmrgen_wheel left_back = wmrgen_steer_along(left_front_x, t2, now->left_back.steer, 13.333333f);
+    const wmrgen_wheel right_back = wmrgen_steer_along(right_front_x, t2, now->right_back.steer, 13.333333f);
+    const float t3 = 13.333333f * twist->vx;
+    const float t4 = 3.3733332f * twist->omega;
 
     out->left_front.spin = left_front.spin;
     out->left_front.steer = left_front.steer;
@@ -237,82 +246,87 @@ void jpl_osr_inverse(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out)
     out->right_middle.spin = t4 + t3;
 }
 
-void jpl_osr_inverse_slip(const jpl_osr_inverse_slip_in *in, jpl_osr_inverse_slip_out *out)
+void jpl_osr_inverse_slip(const jpl_osr_twist *twist, const jpl_osr_wheels *wheels, float *slip)
 {
-    out->slip = fabsf(in->vy);
+    (void)wheels;
+
+    *slip = fabsf(twist->vy);
 }
 
-void jpl_osr_forward(const jpl_osr_forward_in *in, jpl_osr_forward_out *out)
+void jpl_osr_forward(const jpl_osr_wheels *wheels, jpl_osr_twist *twist)
 {
-    const wmrgen_vector right_front = wmrgen_vector_at(in->right_front.spin, in->right_front.steer);
-    const wmrgen_vector right_back = wmrgen_vector_at(in->right_back.spin, in->right_back.steer);
+    const wmrgen_vector right_front = wmrgen_vector_at(wheels->right_front.spin, wheels->right_front.steer);
+    const wmrgen_vector right_back = wmrgen_vector_at(wheels->right_back.spin, wheels->right_back.steer);
     const float t0 = right_front.x + right_back.x;
-    const wmrgen_vector left_front = wmrgen_vector_at(in->left_front.spin, in->left_front.steer);
-    const wmrgen_vector left_back = wmrgen_vector_at(in->left_back.spin, in->left_back.steer);
+    const wmrgen_vector left_front = wmrgen_vector_at(wheels->left_front.spin, wheels->left_front.steer);
+    const wmrgen_vector left_back = wmrgen_vector_at(wheels->left_back.spin, wheels->left_back.steer);
     const float t1 = left_front.x + left_back.x;
-    const float t2 = t1 + (in->left_middle.spin + in->right_middle.spin);
-    const float t3 = fmaf(0.69960475f, t1 - t0, in->left_middle.spin - in->right_middle.spin);
-    const float t4 = left_back.y + right_back.y;
-    const float t5 = left_front.y + right_front.y;
-    const float vy_fit = fmaf((-0.00038280358f), t3, fmaf(0.012049109f, t4, 0.012932735f * t5)); /* vy */
-    const float omega_fit = fmaf((-0.031900298f), t3, fmaf(0.03606121f, t5, -(0.037574265f * t4))); /* omega */
+    const float t2 = wheels->left_middle.spin + wheels->right_middle.spin;
+    const float t3 = wheels->left_middle.spin - wheels->right_middle.spin;
+    const float t4 = fmaf(0.69960475f, t1 - t0, t3);
+    const float t5 = left_back.y + right_back.y;
+    const float t6 = left_front.y + right_front.y;
+    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6)); /* vy */
+    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5))); /* omega */
 
-    out->vx = 0.0125f * (t0 + t2);
-    out->vy = vy_fit;
-    out->omega = omega_fit;
+    twist->vx = 0.0125f * (t0 + (t1 + t2));
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
 }
 
-void jpl_osr_forward_slip(const jpl_osr_forward_slip_in *in, jpl_osr_forward_slip_out *out)
+void jpl_osr_forward_slip(const jpl_osr_wheels *wheels, jpl_osr_twist *twist, float *slip)
 {
-    const wmrgen_vector right_front = wmrgen_vector_at(in->right_front.spin, in->right_front.steer);
-    const wmrgen_vector right_back = wmrgen_vector_at(in->right_back.spin, in->right_back.steer);
+    const wmrgen_vector right_front = wmrgen_vector_at(wheels->right_front.spin, wheels->right_front.steer);
+    const wmrgen_vector right_back = wmrgen_vector_at(wheels->right_back.spin, wheels->right_back.steer);
     const float t0 = right_front.x + right_back.x;
-    const wmrgen_vector left_front = wmrgen_vector_at(in->left_front.spin, in->left_front.steer);
-    const wmrgen_vector left_back = wmrgen_vector_at(in->left_back.spin, in->left_back.steer);
+    const wmrgen_vector left_front = wmrgen_vector_at(wheels->left_front.spin, wheels->left_front.steer);
+    const wmrgen_vector left_back = wmrgen_vector_at(wheels->left_back.spin, wheels->left_back.steer);
     const float t1 = left_front.x + left_back.x;
-    const float t2 = t1 + (in->left_middle.spin + in->right_middle.spin);
-    const float vx_fit = 0.0125f * (t0 + t2); /* vx */
-    const float t3 = fmaf(0.69960475f, t1 - t0, in->left_middle.spin - in->right_middle.spin);
-    const float t4 = left_back.y + right_back.y;
-    const float t5 = left_front.y + right_front.y;
-    const float vy_fit = fmaf((-0.00038280358f), t3, fmaf(0.012049109f, t4, 0.012932735f * t5)); /* vy */
-    const float omega_fit = fmaf((-0.031900298f), t3, fmaf(0.03606121f, t5, -(0.037574265f * t4))); /* omega */
-    const float t6 = -fmaf(0.274f, omega_fit, vy_fit);
-    const float t7 = fmaf(0.075f, right_front.y, t6);
-    const float t8 = fmaf(0.075f, left_front.y, t6);
-    const float t9 = 0.177f * omega_fit;
-    const float t10 = -(vx_fit - t9);
-    const float t11 = fmaf(0.075f, left_front.x, t10);
-    const float t12 = -(vx_fit + t9);
-    const float t13 = fmaf(0.075f, right_front.x, t12);
-    const float t14 = fmaf(t7, t7, fmaf(t13, t13, fmaf(t11, t11, t8 * t8)));
-    const float t15 = fmaf(0.075f, left_back.x, t10);
-    const float t16 = -fmaf((-0.31f), omega_fit, vy_fit);
-    const float t17 = fmaf(0.075f, left_back.y, t16);
-    const float t18 = fmaf(0.075f, right_back.x, t12);
-    const float t19 = fmaf(t18, t18, fmaf(t17, t17, fmaf(t15, t15, t14)));
-    const float t20 = fmaf(0.075f, right_back.y, t16);
-    const float t21 = (-0.253f) * omega_fit;
-    const float t22 = fmaf(0.075f, in->left_middle.spin, -vx_fit) - t21;
-    const float t23 = fmaf(0.075f, in->right_middle.spin, t21 - vx_fit);
-    const float t24 = fmaf(t23, t23, fmaf(t22, t22, fmaf(t20, t20, t19)));
+    const float t2 = wheels->left_middle.spin + wheels->right_middle.spin;
+    const float vx_fit = 0.0125f * (t0 + (t1 + t2)); /* vx */
+    const float t3 = wheels->left_middle.spin - wheels->right_middle.spin;
+    const float t4 = fmaf(0.69960475f, t1 - t0, t3);
+    const float t5 = left_back.y + right_back.y;
+    const float t6 = left_front.y + right_front.y;
+    const float vy_fit = fmaf((-0.00038280358f), t4, fmaf(0.012049109f, t5, 0.012932735f * t6)); /* vy */
+    const float omega_fit = fmaf((-0.031900298f), t4, fmaf(0.03606121f, t6, -(0.037574265f * t5))); /* omega */
+    const float t7 = -fmaf(0.274f, omega_fit, vy_fit);
+    const float t8 = fmaf(0.075f, right_front.y, t7);
+    const float t9 = fmaf(0.075f, left_front.y, t7);
+    const float t10 = 0.177f * omega_fit;
+    const float t11 = -(vx_fit - t10);
+    const float t12 = fmaf(0.075f, left_front.x, t11);
+    const float t13 = -(vx_fit + t10);
+    const float t14 = fmaf(0.075f, right_front.x, t13);
+    const float t15 = fmaf(t8, t8, fmaf(t14, t14, fmaf(t12, t12, t9 * t9)));
+    const float t16 = fmaf(0.075f, left_back.x, t11);
+    const float t17 = -fmaf((-0.31f), omega_fit, vy_fit);
+    const float t18 = fmaf(0.075f, left_back.y, t17);
+    const float t19 = fmaf(0.075f, right_back.x, t13);
+    const float t20 = fmaf(t19, t19, fmaf(t18, t18, fmaf(t16, t16, t15)));
+    const float t21 = fmaf(0.075f, right_back.y, t17);
+    const float t22 = (-0.253f) * omega_fit;
+    const float t23 = fmaf(0.075f, wheels->left_middle.spin, -vx_fit);
+    const float t24 = t23 - t22;
+    const float t25 = fmaf(0.075f, wheels->right_middle.spin, t22 - vx_fit);
+    const float t26 = fmaf(t25, t25, fmaf(t24, t24, fmaf(t21, t21, t20)));
 
-    out->vx = vx_fit;
-    out->vy = vy_fit;
-    out->omega = omega_fit;
-    out->slip = sqrtf((2.0f * (vy_fit * vy_fit)) + t24);
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
+    *slip = sqrtf((2.0f * (vy_fit * vy_fit)) + t26);
 }
 
-void jpl_osr_odometry(const jpl_osr_odometry_in *in, jpl_osr_odometry_out *out)
+void jpl_osr_odometry(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

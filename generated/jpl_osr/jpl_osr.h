@@ -6,7 +6,141 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   left_front: steered, x 0.274 m, y 0.177 m, heading 0 deg, r 0.075 m
+ *   right_front: steered, x 0.274 m, y -0.177 m, heading 0 deg, r 0.075 m
+ *   left_back: steered, x -0.31 m, y 0.177 m, heading 0 deg, r 0.075 m
+ *   right_back: steered, x -0.31 m, y -0.177 m, heading 0 deg, r 0.075 m
+ *   left_middle: fixed, x 0 m, y 0.253 m, heading 0 deg, r 0.075 m
+ *   right_middle: fixed, x 0 m, y -0.253 m, heading 0 deg, r 0.075 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     jpl_osr_twist twist = {0.5f, 0.0f, 0.2f};
+ *     jpl_osr_wheels wheels = {{0.0f}};
+ *     jpl_osr_pose pose = {0.0f, 0.0f, 0.0f};
+ *     jpl_osr_inverse(&twist, &wheels, &wheels);
+ *     jpl_osr_forward(&wheels, &twist);
+ *     jpl_osr_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_JPL_OSR_H
+#define WMRGEN_JPL_OSR_H
+
+#define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define JPL_OSR_MODEL_HASH "14ffece6b5631114881c318e672de1fa" /**< digest of the model */
+#define JPL_OSR_PAIR_66e88eba2b612eed 1 /**< header and source that were written together have the same */
+#define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
+#define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */
+#define JPL_OSR_LEFT_FRONT_RADIUS 0.075f /**< [m] radius */
+#define JPL_OSR_RIGHT_FRONT_X 0.274f /**< [m] pivot, forward of P */
+#define JPL_OSR_RIGHT_FRONT_Y (-0.177f) /**< [m] pivot, to the left of P */
+#define JPL_OSR_RIGHT_FRONT_RADIUS 0.075f /**< [m] radius */
+#define JPL_OSR_LEFT_BACK_X (-0.31f) /**< [m] pivot, forward of P */
+#define JPL_OSR_LEFT_BACK_Y 0.177f /**< [m] pivot, to the left of P */
+#define JPL_OSR_LEFT_BACK_RADIUS 0.075f /**< [m] radius */
+#define JPL_OSR_RIGHT_BACK_X (-0.31f) /**< [m] pivot, forward of P */
+#define JPL_OSR_RIGHT_BACK_Y (-0.177f) /**< [m] pivot, to the left of P */
+#define JPL_OSR_RIGHT_BACK_RADIUS 0.075f /**< [m] radius */
+#define JPL_OSR_LEFT_MIDDLE_X 0.0f /**< [m] pivot, forward of P */
+#define JPL_OSR_LEFT_MIDDLE_Y 0.253f /**< [m] pivot, to the left of P */
+#define JPL_OSR_LEFT_MIDDLE_RADIUS 0.075f /**< [m] radius */
+#define JPL_OSR_RIGHT_MIDDLE_X 0.0f /**< [m] pivot, forward of P */
+#define JPL_OSR_RIGHT_MIDDLE_Y (-0.253f) /**< [m] pivot, to the left of P */
+#define JPL_OSR_RIGHT_MIDDLE_RADIUS 0.075f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} jpl_osr_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} jpl_osr_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file. */
+typedef struct {
+    struct {
+        float spin;                      /**< [rad/s] */
+        float steer;                     /**< [rad] */
+    } left_front;
+    struct {
+        float spin;                      /**< [rad/s] */
+        float steer;                     /**< [rad] */
+    } right_front;
+    struct {
+        float spin;                      /**< [rad/s] */
+        float steer;                     /**< [rad] */
+    } left_back;
+    struct {
+        float spin;                      /**< [rad/s] */
+        float steer;                     /**< [rad] */
+    } right_back;
+    struct { float spin; } left_middle;  /**< [rad/s] */
+    struct { float spin; } right_middle; /**< [rad/s] */
+} jpl_osr_wheels;
+
+/** Joints in the order of jpl_osr_wheels. */
+enum jpl_osr_joint {
+    JPL_OSR_LEFT_FRONT_SPIN, /**< [rad/s] left_front.spin */
+    JPL_OSR_LEFT_FRONT_STEER, /**< [rad] left_front.steer */
+    JPL_OSR_RIGHT_FRONT_SPIN, /**< [rad/s] right_front.spin */
+    JPL_OSR_RIGHT_FRONT_STEER, /**< [rad] right_front.steer */
+    JPL_OSR_LEFT_BACK_SPIN, /**< [rad/s] left_back.spin */
+    JPL_OSR_LEFT_BACK_STEER, /**< [rad] left_back.steer */
+    JPL_OSR_RIGHT_BACK_SPIN, /**< [rad/s] right_back.spin */
+    JPL_OSR_RIGHT_BACK_STEER, /**< [rad] right_back.steer */
+    JPL_OSR_LEFT_MIDDLE_SPIN, /**< [rad/s] left_middle.spin */
+    JPL_OSR_RIGHT_MIDDLE_SPIN, /**< [rad/s] right_middle.spin */
+    JPL_OSR_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum jpl_osr_joint, for loops over all; of the first where there is none. */
+float *jpl_osr_joint(jpl_osr_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 20 additions, 25 multiplications, 4 divisions, 4 square roots, 4
+ * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
+void jpl_osr_inverse(const jpl_osr_twist *twist, const jpl_osr_wheels *now, jpl_osr_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 1 sign operation. */
+void jpl_osr_inverse_slip(const jpl_osr_twist *twist, const jpl_osr_wheels *wheels, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 14 additions, 16 multiplications, 8 sines and cosines. */
+void jpl_osr_forward(const jpl_osr_wheels *wheels, jpl_osr_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 40 additions, 42 multiplications, 1 square root, 8 sines and
+ * cosines. */
+void jpl_osr_forward_slip(const jpl_osr_wheels *wheels, jpl_osr_twist *twist, float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void jpl_osr_odometry(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,155 +156,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   left_front: steered, x 0.274 m, y 0.177 m, heading 0 deg, r 0.075 m
- *   right_front: steered, x 0.274 m, y -0.177 m, heading 0 deg, r 0.075 m
- *   left_back: steered, x -0.31 m, y 0.177 m, heading 0 deg, r 0.075 m
- *   right_back: steered, x -0.31 m, y -0.177 m, heading 0 deg, r 0.075 m
- *   left_middle: fixed, x 0 m, y 0.253 m, heading 0 deg, r 0.075 m
- *   right_middle: fixed, x 0 m, y -0.253 m, heading 0 deg, r 0.075 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_JPL_OSR_H
-#define WMRGEN_JPL_OSR_H
-
-#define JPL_OSR_MODEL_HASH "14ffece6b5631114881c318e672de1fa"
-#define JPL_OSR_PAIR_0e5a63536da6b0a5 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of jpl_osr_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                            /* [m/s] velocity of P forward, robot frame */
-    float vy;                            /* [m/s] velocity of P to the left, robot frame */
-    float omega;                         /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } left_front;  /* [rad] */
-    struct { float steer; } right_front; /* [rad] */
-    struct { float steer; } left_back;   /* [rad] */
-    struct { float steer; } right_back;  /* [rad] */
-} jpl_osr_inverse_in;
-
-/* Output of jpl_osr_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } left_front;
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } right_front;
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } left_back;
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } right_back;
-    struct { float spin; } left_middle;  /* [rad/s] */
-    struct { float spin; } right_middle; /* [rad/s] */
-} jpl_osr_inverse_out;
-
-typedef jpl_osr_inverse_in jpl_osr_inverse_slip_in;
-
-/* Output of jpl_osr_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} jpl_osr_inverse_slip_out;
-
-/* Input of jpl_osr_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } left_front;
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } right_front;
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } left_back;
-    struct {
-        float spin;                      /* [rad/s] */
-        float steer;                     /* [rad] */
-    } right_back;
-    struct { float spin; } left_middle;  /* [rad/s] */
-    struct { float spin; } right_middle; /* [rad/s] */
-} jpl_osr_forward_in;
-
-/* Output of jpl_osr_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} jpl_osr_forward_out;
-
-typedef jpl_osr_forward_in jpl_osr_forward_slip_in;
-
-/* Output of jpl_osr_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} jpl_osr_forward_slip_out;
-
-/* Input of jpl_osr_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} jpl_osr_odometry_in;
-
-/* Output of jpl_osr_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} jpl_osr_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill.
- * Operations of the formula: 20 additions, 25 multiplications, 4 divisions, 4 square roots, 4
- * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
-void jpl_osr_inverse(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 1 sign operation. */
-void jpl_osr_inverse_slip(const jpl_osr_inverse_slip_in *in, jpl_osr_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 14 additions, 16 multiplications, 8 sines and cosines. */
-void jpl_osr_forward(const jpl_osr_forward_in *in, jpl_osr_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 40 additions, 42 multiplications, 1 square root, 8 sines and
- * cosines. */
-void jpl_osr_forward_slip(const jpl_osr_forward_slip_in *in, jpl_osr_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void jpl_osr_odometry(const jpl_osr_odometry_in *in, jpl_osr_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_JPL_OSR_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(JPL_OSR_PAIR_0e5a63536da6b0a5)
+#if !defined(JPL_OSR_PAIR_66e88eba2b612eed)
 #error "jpl_osr_checked.c and jpl_osr.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -32,42 +32,45 @@ static float jpl_osr_held(const float x)
     return jpl_osr_is_number(x) ? x : 0.0f;
 }
 
-jpl_osr_status jpl_osr_inverse_checked(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out)
+jpl_osr_status jpl_osr_inverse_checked(
+    const jpl_osr_twist *twist,
+    const jpl_osr_wheels *now,
+    jpl_osr_wheels *out)
 {
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            jpl_osr_is_number(in->vx) &&
-            jpl_osr_is_number(in->vy) &&
-            jpl_osr_is_number(in->omega) &&
-            jpl_osr_is_number(in->left_front.steer) &&
-            jpl_osr_is_number(in->right_front.steer) &&
-            jpl_osr_is_number(in->left_back.steer) &&
-            jpl_osr_is_number(in->right_back.steer)
+            jpl_osr_is_number(twist->vx) &&
+            jpl_osr_is_number(twist->vy) &&
+            jpl_osr_is_number(twist->omega) &&
+            jpl_osr_is_number(now->left_front.steer) &&
+            jpl_osr_is_number(now->right_front.steer) &&
+            jpl_osr_is_number(now->left_back.steer) &&
+            jpl_osr_is_number(now->right_back.steer)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            jpl_osr_is_within(in->vx, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->vy, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->omega, -200.0f, 200.0f) &&
-            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f)
+            jpl_osr_is_within(twist->vx, -1e9f, 1e9f) &&
+            jpl_osr_is_within(twist->vy, -1e9f, 1e9f) &&
+            jpl_osr_is_within(twist->omega, -200.0f, 200.0f) &&
+            jpl_osr_is_within(now->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(now->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(now->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(now->right_back.steer, -1e4f, 1e4f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
-        jpl_osr_inverse(in, out);
+        jpl_osr_inverse(twist, now, out);
     }
     if (status != JPL_OSR_OK) {
         out->left_front.spin = 0.0f;
-        out->left_front.steer = jpl_osr_held(in->left_front.steer);
+        out->left_front.steer = jpl_osr_held(now->left_front.steer);
         out->right_front.spin = 0.0f;
-        out->right_front.steer = jpl_osr_held(in->right_front.steer);
+        out->right_front.steer = jpl_osr_held(now->right_front.steer);
         out->left_back.spin = 0.0f;
-        out->left_back.steer = jpl_osr_held(in->left_back.steer);
+        out->left_back.steer = jpl_osr_held(now->left_back.steer);
         out->right_back.spin = 0.0f;
-        out->right_back.steer = jpl_osr_held(in->right_back.steer);
+        out->right_back.steer = jpl_osr_held(now->right_back.steer);
         out->left_middle.spin = 0.0f;
         out->right_middle.spin = 0.0f;
     }
@@ -75,156 +78,158 @@ jpl_osr_status jpl_osr_inverse_checked(const jpl_osr_inverse_in *in, jpl_osr_inv
 }
 
 jpl_osr_status jpl_osr_inverse_slip_checked(
-    const jpl_osr_inverse_slip_in *in,
-    jpl_osr_inverse_slip_out *out)
+    const jpl_osr_twist *twist,
+    const jpl_osr_wheels *wheels,
+    float *slip)
 {
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            jpl_osr_is_number(in->vx) &&
-            jpl_osr_is_number(in->vy) &&
-            jpl_osr_is_number(in->omega) &&
-            jpl_osr_is_number(in->left_front.steer) &&
-            jpl_osr_is_number(in->right_front.steer) &&
-            jpl_osr_is_number(in->left_back.steer) &&
-            jpl_osr_is_number(in->right_back.steer)
+            jpl_osr_is_number(twist->vx) &&
+            jpl_osr_is_number(twist->vy) &&
+            jpl_osr_is_number(twist->omega) &&
+            jpl_osr_is_number(wheels->left_front.steer) &&
+            jpl_osr_is_number(wheels->right_front.steer) &&
+            jpl_osr_is_number(wheels->left_back.steer) &&
+            jpl_osr_is_number(wheels->right_back.steer)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            jpl_osr_is_within(in->vx, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->vy, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->omega, -200.0f, 200.0f) &&
-            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f)
+            jpl_osr_is_within(twist->vx, -1e9f, 1e9f) &&
+            jpl_osr_is_within(twist->vy, -1e9f, 1e9f) &&
+            jpl_osr_is_within(twist->omega, -200.0f, 200.0f) &&
+            jpl_osr_is_within(wheels->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->right_back.steer, -1e4f, 1e4f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
-        jpl_osr_inverse_slip(in, out);
+        jpl_osr_inverse_slip(twist, wheels, slip);
     }
     if (status != JPL_OSR_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-jpl_osr_status jpl_osr_forward_checked(const jpl_osr_forward_in *in, jpl_osr_forward_out *out)
+jpl_osr_status jpl_osr_forward_checked(const jpl_osr_wheels *wheels, jpl_osr_twist *twist)
 {
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            jpl_osr_is_number(in->left_front.spin) &&
-            jpl_osr_is_number(in->left_front.steer) &&
-            jpl_osr_is_number(in->right_front.spin) &&
-            jpl_osr_is_number(in->right_front.steer) &&
-            jpl_osr_is_number(in->left_back.spin) &&
-            jpl_osr_is_number(in->left_back.steer) &&
-            jpl_osr_is_number(in->right_back.spin) &&
-            jpl_osr_is_number(in->right_back.steer) &&
-            jpl_osr_is_number(in->left_middle.spin) &&
-            jpl_osr_is_number(in->right_middle.spin)
+            jpl_osr_is_number(wheels->left_front.spin) &&
+            jpl_osr_is_number(wheels->left_front.steer) &&
+            jpl_osr_is_number(wheels->right_front.spin) &&
+            jpl_osr_is_number(wheels->right_front.steer) &&
+            jpl_osr_is_number(wheels->left_back.spin) &&
+            jpl_osr_is_number(wheels->left_back.steer) &&
+            jpl_osr_is_number(wheels->right_back.spin) &&
+            jpl_osr_is_number(wheels->right_back.steer) &&
+            jpl_osr_is_number(wheels->left_middle.spin) &&
+            jpl_osr_is_number(wheels->right_middle.spin)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            jpl_osr_is_within(in->left_front.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_front.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->left_back.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_back.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->left_middle.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->right_middle.spin, -1e9f, 1e9f)
+            jpl_osr_is_within(wheels->left_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->right_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->left_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->right_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->right_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->left_middle.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->right_middle.spin, -1e9f, 1e9f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
-        jpl_osr_forward(in, out);
+        jpl_osr_forward(wheels, twist);
     }
     if (status != JPL_OSR_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 jpl_osr_status jpl_osr_forward_slip_checked(
-    const jpl_osr_forward_slip_in *in,
-    jpl_osr_forward_slip_out *out)
+    const jpl_osr_wheels *wheels,
+    jpl_osr_twist *twist,
+    float *slip)
 {
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            jpl_osr_is_number(in->left_front.spin) &&
-            jpl_osr_is_number(in->left_front.steer) &&
-            jpl_osr_is_number(in->right_front.spin) &&
-            jpl_osr_is_number(in->right_front.steer) &&
-            jpl_osr_is_number(in->left_back.spin) &&
-            jpl_osr_is_number(in->left_back.steer) &&
-            jpl_osr_is_number(in->right_back.spin) &&
-            jpl_osr_is_number(in->right_back.steer) &&
-            jpl_osr_is_number(in->left_middle.spin) &&
-            jpl_osr_is_number(in->right_middle.spin)
+            jpl_osr_is_number(wheels->left_front.spin) &&
+            jpl_osr_is_number(wheels->left_front.steer) &&
+            jpl_osr_is_number(wheels->right_front.spin) &&
+            jpl_osr_is_number(wheels->right_front.steer) &&
+            jpl_osr_is_number(wheels->left_back.spin) &&
+            jpl_osr_is_number(wheels->left_back.steer) &&
+            jpl_osr_is_number(wheels->right_back.spin) &&
+            jpl_osr_is_number(wheels->right_back.steer) &&
+            jpl_osr_is_number(wheels->left_middle.spin) &&
+            jpl_osr_is_number(wheels->right_middle.spin)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            jpl_osr_is_within(in->left_front.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->left_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_front.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->right_front.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->left_back.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->left_back.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->right_back.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->right_back.steer, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->left_middle.spin, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->right_middle.spin, -1e9f, 1e9f)
+            jpl_osr_is_within(wheels->left_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->left_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->right_front.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->right_front.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->left_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->left_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->right_back.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->right_back.steer, -1e4f, 1e4f) &&
+            jpl_osr_is_within(wheels->left_middle.spin, -1e9f, 1e9f) &&
+            jpl_osr_is_within(wheels->right_middle.spin, -1e9f, 1e9f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
-        jpl_osr_forward_slip(in, out);
+        jpl_osr_forward_slip(wheels, twist, slip);
     }
     if (status != JPL_OSR_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-jpl_osr_status jpl_osr_odometry_checked(const jpl_osr_odometry_in *in, jpl_osr_odometry_out *out)
+jpl_osr_status jpl_osr_odometry_checked(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt)
 {
     jpl_osr_status status = JPL_OSR_OK;
 
     if (!(
-            jpl_osr_is_number(in->x) &&
-            jpl_osr_is_number(in->y) &&
-            jpl_osr_is_number(in->theta) &&
-            jpl_osr_is_number(in->vx) &&
-            jpl_osr_is_number(in->vy) &&
-            jpl_osr_is_number(in->omega) &&
-            jpl_osr_is_number(in->dt)
+            jpl_osr_is_number(pose->x) &&
+            jpl_osr_is_number(pose->y) &&
+            jpl_osr_is_number(pose->theta) &&
+            jpl_osr_is_number(twist->vx) &&
+            jpl_osr_is_number(twist->vy) &&
+            jpl_osr_is_number(twist->omega) &&
+            jpl_osr_is_number(dt)
         )) {
         status = JPL_OSR_NOT_A_NUMBER;
     } else if (!(
-            jpl_osr_is_within(in->x, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->y, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->theta, -1e4f, 1e4f) &&
-            jpl_osr_is_within(in->vx, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->vy, -1e9f, 1e9f) &&
-            jpl_osr_is_within(in->omega, -200.0f, 200.0f) &&
-            jpl_osr_is_within(in->dt, -10.0f, 10.0f)
+            jpl_osr_is_within(pose->x, -1e9f, 1e9f) &&
+            jpl_osr_is_within(pose->y, -1e9f, 1e9f) &&
+            jpl_osr_is_within(pose->theta, -1e4f, 1e4f) &&
+            jpl_osr_is_within(twist->vx, -1e9f, 1e9f) &&
+            jpl_osr_is_within(twist->vy, -1e9f, 1e9f) &&
+            jpl_osr_is_within(twist->omega, -200.0f, 200.0f) &&
+            jpl_osr_is_within(dt, -10.0f, 10.0f)
         )) {
         status = JPL_OSR_OUT_OF_RANGE;
     } else {
-        jpl_osr_odometry(in, out);
+        jpl_osr_odometry(pose, twist, dt);
     }
     if (status != JPL_OSR_OK) {
-        out->x = jpl_osr_held(in->x);
-        out->y = jpl_osr_held(in->y);
-        out->theta = jpl_osr_held(in->theta);
+        pose->x = jpl_osr_held(pose->x);
+        pose->y = jpl_osr_held(pose->y);
+        pose->theta = jpl_osr_held(pose->theta);
     }
     return status;
 }

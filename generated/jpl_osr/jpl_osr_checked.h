@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_0e5a63536da6b0a5)
+#if !defined(JPL_OSR_PAIR_66e88eba2b612eed)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 
@@ -37,30 +37,35 @@ typedef enum {
 
 /* jpl_osr_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
  * rad/s; left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to 1e4 rad. */
-jpl_osr_status jpl_osr_inverse_checked(const jpl_osr_inverse_in *in, jpl_osr_inverse_out *out);
+jpl_osr_status jpl_osr_inverse_checked(
+    const jpl_osr_twist *twist,
+    const jpl_osr_wheels *now,
+    jpl_osr_wheels *out);
 
 /* jpl_osr_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to
  * 1e4 rad. */
 jpl_osr_status jpl_osr_inverse_slip_checked(
-    const jpl_osr_inverse_slip_in *in,
-    jpl_osr_inverse_slip_out *out);
+    const jpl_osr_twist *twist,
+    const jpl_osr_wheels *wheels,
+    float *slip);
 
 /* jpl_osr_forward() with its inputs checked. Accepted: left_front.spin, right_front.spin,
  * left_back.spin, right_back.spin, left_middle.spin, right_middle.spin -1e9 to 1e9 rad/s;
  * left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to 1e4 rad. */
-jpl_osr_status jpl_osr_forward_checked(const jpl_osr_forward_in *in, jpl_osr_forward_out *out);
+jpl_osr_status jpl_osr_forward_checked(const jpl_osr_wheels *wheels, jpl_osr_twist *twist);
 
 /* jpl_osr_forward_slip() with its inputs checked. Accepted: left_front.spin, right_front.spin,
  * left_back.spin, right_back.spin, left_middle.spin, right_middle.spin -1e9 to 1e9 rad/s;
  * left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to 1e4 rad. */
 jpl_osr_status jpl_osr_forward_slip_checked(
-    const jpl_osr_forward_slip_in *in,
-    jpl_osr_forward_slip_out *out);
+    const jpl_osr_wheels *wheels,
+    jpl_osr_twist *twist,
+    float *slip);
 
 /* jpl_osr_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
-jpl_osr_status jpl_osr_odometry_checked(const jpl_osr_odometry_in *in, jpl_osr_odometry_out *out);
+jpl_osr_status jpl_osr_odometry_checked(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KELLY_4WS_PAIR_6bb0b9fd313bd70f)
+#if !defined(KELLY_4WS_PAIR_896fe1fff0a17500)
 #error "kelly_4ws.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -217,18 +217,30 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void kelly_4ws_inverse(const kelly_4ws_inverse_in *in, kelly_4ws_inverse_out *out)
+/* The members of kelly_4ws_wheels lie as an array does. */
+typedef char kelly_4ws_wheels_are_joints[
+    ((sizeof(kelly_4ws_wheels) / sizeof(float)) == (unsigned int)KELLY_4WS_JOINTS) ? 1 : -1];
+
+float *kelly_4ws_joint(kelly_4ws_wheels *wheels, int joint)
 {
-    const float w1_x = fmaf(1.1920929e-08f, in->omega, fmaf((-0.3f), in->omega, in->vx)); /* w1: a, w3: a */
-    const float w1_y = fmaf(0.5f, in->omega, in->vy); /* w1: b, w2: b */
-    const wmrgen_wheel w1 = wmrgen_steer_along(w1_x, w1_y, in->w1.steer, 1.0f);
-    const float t0 = 0.7f * in->omega;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)KELLY_4WS_JOINTS)) ? joint : 0];
+}
+
+void kelly_4ws_inverse(
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *now,
+    kelly_4ws_wheels *out)
+{
+    const float w1_x = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vx)); /* w1: a, w3: a */
+    const float w1_y = fmaf(0.5f, twist->omega, twist->vy); /* w1: b, w2: b */
+    const wmrgen_wheel w1 = wmrgen_steer_along(w1_x, w1_y, now->w1.steer, 1.0f);
+    const float t0 = 0.7f * twist->omega;
     const float t1 = -t0;
-    const float w2_x = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vx)); /* w2: a, w4: a */
-    const wmrgen_wheel w2 = wmrgen_steer_along(w2_x, w1_y, in->w2.steer, 1.0f);
-    const float w3_y = fmaf((-0.5f), in->omega, in->vy); /* w3: b, w4: b */
-    const wmrgen_wheel w3 = wmrgen_steer_along(w1_x, w3_y, in->w3.steer, 1.0f);
-    const wmrgen_wheel w4 = wmrgen_steer_along(w2_x, w3_y, in->w4.steer, 1.0f);
+    const float w2_x = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vx)); /* w2: a, w4: a */
+    const wmrgen_wheel w2 = wmrgen_steer_along(w2_x, w1_y, now->w2.steer, 1.0f);
+    const float w3_y = fmaf((-0.5f), twist->omega, twist->vy); /* w3: b, w4: b */
+    const wmrgen_wheel w3 = wmrgen_steer_along(w1_x, w3_y, now->w3.steer, 1.0f);
+    const wmrgen_wheel w4 = wmrgen_steer_along(w2_x, w3_y, now->w4.steer, 1.0f);
 
     out->w1.spin = fmaf(10.0f, w1.spin, t1);
     out->w1.steer = w1.steer;
@@ -240,123 +252,129 @@ void kelly_4ws_inverse(const kelly_4ws_inverse_in *in, kelly_4ws_inverse_out *ou
     out->w4.steer = w4.steer;
 }
 
-void kelly_4ws_inverse_slip(const kelly_4ws_inverse_slip_in *in, kelly_4ws_inverse_slip_out *out)
+void kelly_4ws_inverse_slip(
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *wheels,
+    float *slip)
 {
-    (void)in;
+    (void)twist;
+    (void)wheels;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void kelly_4ws_forward(const kelly_4ws_forward_in *in, kelly_4ws_forward_out *out)
+void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
 {
-    const float t0 = fmaf(0.07f, in->w1.steer_rate, 0.1f * in->w1.spin);
-    const float t1 = fmaf(0.1f, in->w2.spin, -(0.07f * in->w2.steer_rate));
-    const wmrgen_vector w2 = wmrgen_direction(in->w2.steer);
-    const wmrgen_vector w1 = wmrgen_direction(in->w1.steer);
+    const float t0 = fmaf(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
+    const float t1 = fmaf(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
+    const wmrgen_vector w2 = wmrgen_direction(wheels->w2.steer);
+    const wmrgen_vector w1 = wmrgen_direction(wheels->w1.steer);
     const float t2 = fmaf(t0, w1.y, t1 * w2.y);
-    const float t3 = fmaf(0.07f, in->w3.steer_rate, 0.1f * in->w3.spin);
-    const float t4 = fmaf(0.1f, in->w4.spin, -(0.07f * in->w4.steer_rate));
-    const wmrgen_vector w4 = wmrgen_direction(in->w4.steer);
-    const wmrgen_vector w3 = wmrgen_direction(in->w3.steer);
+    const float t3 = fmaf(0.07f, wheels->w3.steer_rate, 0.1f * wheels->w3.spin);
+    const float t4 = fmaf(0.1f, wheels->w4.spin, -(0.07f * wheels->w4.steer_rate));
+    const wmrgen_vector w4 = wmrgen_direction(wheels->w4.steer);
+    const wmrgen_vector w3 = wmrgen_direction(wheels->w3.steer);
     const float t5 = fmaf(t3, w3.y, t4 * w4.y);
     const float t6 = fmaf(w2.x, t1, w4.x * t4);
     const float t7 = fmaf(w1.x, t0, w3.x * t3);
-    const float t8 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
-    const float t9 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
-    const float t10 = fmaf(0.028f, t8, -(0.0196f * (in->w4.steer_rate + t9)));
-    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t10); /* moment */
+    const float t8 = wheels->w2.spin - wheels->w1.spin - wheels->w3.spin;
+    const float t9 = wheels->w1.steer_rate + wheels->w2.steer_rate;
+    const float t10 = wheels->w4.steer_rate + (wheels->w3.steer_rate + t9);
+    const float t11 = fmaf(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
+    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11); /* moment */
     const float sum_wy = t5 + t2; /* sum: its velocity, y */
-    const float t11 = w3.y - w4.y;
-    const float t12 = w1.y - w2.y;
-    const float sum_fx = (-0.07f) * (t11 + t12); /* sum fx */
-    const float t13 = -sum_fx;
+    const float t12 = w3.y - w4.y;
+    const float t13 = w1.y - w2.y;
+    const float sum_fx = (-0.07f) * (t12 + t13); /* sum fx */
+    const float t14 = -sum_fx;
     const float sum_wx = t6 + t7; /* sum: its velocity, x */
-    const float t14 = w1.x + w3.x;
-    const float t15 = w2.x + w4.x;
-    const float sum_fy = 0.07f * (t14 - t15); /* sum fy */
-    const float t16 = fmaf(sum_wx, sum_fy, fmaf(t13, sum_wy, moment));
-    const float inertia = fmaf(0.168f, t15 + t14, fmaf(0.28f, t11 - t12, 5.5184f)); /* inertia */
-    const float t17 = fmaf(-sum_fy, sum_fy, fmaf(t13, sum_fx, inertia));
-    const float omega_fit = t16 / t17; /* omega */
+    const float t15 = w1.x + w3.x;
+    const float t16 = w2.x + w4.x;
+    const float sum_fy = 0.07f * (t15 - t16); /* sum fy */
+    const float t17 = fmaf(sum_wx, sum_fy, fmaf(t14, sum_wy, moment));
+    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f)); /* inertia */
+    const float t18 = fmaf(-sum_fy, sum_fy, fmaf(t14, sum_fx, inertia));
+    const float omega_fit = t17 / t18; /* omega */
 
-    out->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
-    out->vy = 0.25f * fmaf(t13, omega_fit, sum_wy);
-    out->omega = omega_fit;
+    twist->vx = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
+    twist->vy = 0.25f * fmaf(t14, omega_fit, sum_wy);
+    twist->omega = omega_fit;
 }
 
-void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forward_slip_out *out)
+void kelly_4ws_forward_slip(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist, float *slip)
 {
-    const float t0 = fmaf(0.07f, in->w1.steer_rate, 0.1f * in->w1.spin);
-    const float t1 = fmaf(0.1f, in->w2.spin, -(0.07f * in->w2.steer_rate));
-    const wmrgen_vector w2 = wmrgen_direction(in->w2.steer);
+    const float t0 = fmaf(0.07f, wheels->w1.steer_rate, 0.1f * wheels->w1.spin);
+    const float t1 = fmaf(0.1f, wheels->w2.spin, -(0.07f * wheels->w2.steer_rate));
+    const wmrgen_vector w2 = wmrgen_direction(wheels->w2.steer);
     const float w2_wy = t1 * w2.y; /* w2: its velocity, y */
-    const wmrgen_vector w1 = wmrgen_direction(in->w1.steer);
+    const wmrgen_vector w1 = wmrgen_direction(wheels->w1.steer);
     const float t2 = fmaf(t0, w1.y, w2_wy);
-    const float t3 = fmaf(0.07f, in->w3.steer_rate, 0.1f * in->w3.spin);
-    const float t4 = fmaf(0.1f, in->w4.spin, -(0.07f * in->w4.steer_rate));
-    const wmrgen_vector w4 = wmrgen_direction(in->w4.steer);
+    const float t3 = fmaf(0.07f, wheels->w3.steer_rate, 0.1f * wheels->w3.spin);
+    const float t4 = fmaf(0.1f, wheels->w4.spin, -(0.07f * wheels->w4.steer_rate));
+    const wmrgen_vector w4 = wmrgen_direction(wheels->w4.steer);
     const float w4_wy = t4 * w4.y; /* w4: its velocity, y */
-    const wmrgen_vector w3 = wmrgen_direction(in->w3.steer);
+    const wmrgen_vector w3 = wmrgen_direction(wheels->w3.steer);
     const float t5 = fmaf(t3, w3.y, w4_wy);
     const float w4_wx = w4.x * t4; /* w4: its velocity, x */
     const float t6 = fmaf(w2.x, t1, w4_wx);
     const float w3_wx = w3.x * t3; /* w3: its velocity, x */
     const float t7 = fmaf(w1.x, t0, w3_wx);
-    const float t8 = in->w4.spin + (in->w2.spin - in->w1.spin - in->w3.spin);
-    const float t9 = in->w3.steer_rate + (in->w1.steer_rate + in->w2.steer_rate);
-    const float t10 = fmaf(0.028f, t8, -(0.0196f * (in->w4.steer_rate + t9)));
-    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t10); /* moment */
+    const float t8 = wheels->w2.spin - wheels->w1.spin - wheels->w3.spin;
+    const float t9 = wheels->w1.steer_rate + wheels->w2.steer_rate;
+    const float t10 = wheels->w4.steer_rate + (wheels->w3.steer_rate + t9);
+    const float t11 = fmaf(0.028f, wheels->w4.spin + t8, -(0.0196f * t10));
+    const float moment = (2.0f * (t2 - t5)) + fmaf(1.2f, t6 - t7, t11); /* moment */
     const float sum_wy = t5 + t2; /* sum: its velocity, y */
-    const float t11 = w3.y - w4.y;
-    const float t12 = w1.y - w2.y;
-    const float sum_fx = (-0.07f) * (t11 + t12); /* sum fx */
-    const float t13 = -sum_fx;
+    const float t12 = w3.y - w4.y;
+    const float t13 = w1.y - w2.y;
+    const float sum_fx = (-0.07f) * (t12 + t13); /* sum fx */
+    const float t14 = -sum_fx;
     const float sum_wx = t6 + t7; /* sum: its velocity, x */
-    const float t14 = w1.x + w3.x;
-    const float t15 = w2.x + w4.x;
-    const float sum_fy = 0.07f * (t14 - t15); /* sum fy */
-    const float t16 = fmaf(sum_wx, sum_fy, fmaf(t13, sum_wy, moment));
-    const float inertia = fmaf(0.168f, t15 + t14, fmaf(0.28f, t11 - t12, 5.5184f)); /* inertia */
-    const float t17 = fmaf(-sum_fy, sum_fy, fmaf(t13, sum_fx, inertia));
-    const float omega_fit = t16 / t17; /* omega */
-    const float t18 = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
-    const float t19 = 0.25f * fmaf(t13, omega_fit, sum_wy);
-    const float t20 = 0.3f * omega_fit;
-    const float t21 = t20 - t18;
-    const float t22 = 0.07f * omega_fit;
-    const float error_0 = fmaf(w1.x, t22, fmaf(w1.x, t0, t21)); /* residual 0 */
-    const float t23 = (-0.5f) * omega_fit;
-    const float t24 = t23 - t19;
-    const float error_1 = fmaf(w1.y, t22, fmaf(t0, w1.y, t24)); /* residual 1 */
-    const float t25 = t18 + t20;
-    const float t26 = (-0.07f) * omega_fit;
-    const float error_2 = fmaf(w2.x, t26, fmaf(w2.x, t1, -t25)); /* residual 2 */
-    const float t27 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(w2.y, t26, w2_wy + t24); /* residual 3 */
-    const float error_4 = fmaf(w3.x, t22, w3_wx + t21); /* residual 4 */
-    const float t28 = fmaf(error_4, error_4, fmaf(error_3, error_3, t27));
-    const float t29 = t19 + t23;
-    const float error_5 = fmaf(w3.y, t22, fmaf(t3, w3.y, -t29)); /* residual 5 */
-    const float error_6 = fmaf(w4.x, t26, w4_wx - t25); /* residual 6 */
-    const float t30 = fmaf(error_6, error_6, fmaf(error_5, error_5, t28));
-    const float error_7 = fmaf(w4.y, t26, w4_wy - t29); /* residual 7 */
+    const float t15 = w1.x + w3.x;
+    const float t16 = w2.x + w4.x;
+    const float sum_fy = 0.07f * (t15 - t16); /* sum fy */
+    const float t17 = fmaf(sum_wx, sum_fy, fmaf(t14, sum_wy, moment));
+    const float inertia = fmaf(0.168f, t16 + t15, fmaf(0.28f, t12 - t13, 5.5184f)); /* inertia */
+    const float t18 = fmaf(-sum_fy, sum_fy, fmaf(t14, sum_fx, inertia));
+    const float omega_fit = t17 / t18; /* omega */
+    const float t19 = 0.25f * fmaf(sum_fy, omega_fit, sum_wx);
+    const float t20 = 0.25f * fmaf(t14, omega_fit, sum_wy);
+    const float t21 = 0.3f * omega_fit;
+    const float t22 = t21 - t19;
+    const float t23 = 0.07f * omega_fit;
+    const float error_0 = fmaf(w1.x, t23, fmaf(w1.x, t0, t22)); /* residual 0 */
+    const float t24 = (-0.5f) * omega_fit;
+    const float t25 = t24 - t20;
+    const float error_1 = fmaf(w1.y, t23, fmaf(t0, w1.y, t25)); /* residual 1 */
+    const float t26 = t19 + t21;
+    const float t27 = (-0.07f) * omega_fit;
+    const float error_2 = fmaf(w2.x, t27, fmaf(w2.x, t1, -t26)); /* residual 2 */
+    const float t28 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
+    const float error_3 = fmaf(w2.y, t27, w2_wy + t25); /* residual 3 */
+    const float error_4 = fmaf(w3.x, t23, w3_wx + t22); /* residual 4 */
+    const float t29 = fmaf(error_4, error_4, fmaf(error_3, error_3, t28));
+    const float t30 = t20 + t24;
+    const float error_5 = fmaf(w3.y, t23, fmaf(t3, w3.y, -t30)); /* residual 5 */
+    const float error_6 = fmaf(w4.x, t27, w4_wx - t26); /* residual 6 */
+    const float t31 = fmaf(error_6, error_6, fmaf(error_5, error_5, t29));
+    const float error_7 = fmaf(w4.y, t27, w4_wy - t30); /* residual 7 */
 
-    out->vx = t18;
-    out->vy = t19;
-    out->omega = omega_fit;
-    out->slip = sqrtf(fmaf(error_7, error_7, t30));
+    twist->vx = t19;
+    twist->vy = t20;
+    twist->omega = omega_fit;
+    *slip = sqrtf(fmaf(error_7, error_7, t31));
 }
 
-void kelly_4ws_odometry(const kelly_4ws_odometry_in *in, kelly_4ws_odometry_out *out)
+void kelly_4ws_odometry(kelly_4ws_pose *pose, const kelly_4ws_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

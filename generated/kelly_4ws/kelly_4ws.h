@@ -6,7 +6,144 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   w1: steered, x 0.5 m, y 0.3 m, heading 0 deg, r 0.1 m, offset_y 0.07 m
+ *   w2: steered, x 0.5 m, y -0.3 m, heading 0 deg, r 0.1 m, offset_y -0.07 m
+ *   w3: steered, x -0.5 m, y 0.3 m, heading 0 deg, r 0.1 m, offset_y 0.07 m
+ *   w4: steered, x -0.5 m, y -0.3 m, heading 0 deg, r 0.1 m, offset_y -0.07 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     kelly_4ws_twist twist = {0.5f, 0.0f, 0.2f};
+ *     kelly_4ws_wheels wheels = {{0.0f}};
+ *     kelly_4ws_pose pose = {0.0f, 0.0f, 0.0f};
+ *     kelly_4ws_inverse(&twist, &wheels, &wheels);
+ *     kelly_4ws_forward(&wheels, &twist);
+ *     kelly_4ws_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_KELLY_4WS_H
+#define WMRGEN_KELLY_4WS_H
+
+#define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define KELLY_4WS_MODEL_HASH "9578dfd51cc5c54643a2faecc51243a0" /**< digest of the model */
+#define KELLY_4WS_PAIR_896fe1fff0a17500 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
+#define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */
+#define KELLY_4WS_W1_RADIUS 0.1f /**< [m] radius */
+#define KELLY_4WS_W2_X 0.5f /**< [m] pivot, forward of P */
+#define KELLY_4WS_W2_Y (-0.3f) /**< [m] pivot, to the left of P */
+#define KELLY_4WS_W2_RADIUS 0.1f /**< [m] radius */
+#define KELLY_4WS_W3_X (-0.5f) /**< [m] pivot, forward of P */
+#define KELLY_4WS_W3_Y 0.3f /**< [m] pivot, to the left of P */
+#define KELLY_4WS_W3_RADIUS 0.1f /**< [m] radius */
+#define KELLY_4WS_W4_X (-0.5f) /**< [m] pivot, forward of P */
+#define KELLY_4WS_W4_Y (-0.3f) /**< [m] pivot, to the left of P */
+#define KELLY_4WS_W4_RADIUS 0.1f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} kelly_4ws_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} kelly_4ws_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file.
+ * steer_rate: steering rate, counter-clockwise. */
+typedef struct {
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } w1;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } w2;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } w3;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } w4;
+} kelly_4ws_wheels;
+
+/** Joints in the order of kelly_4ws_wheels. */
+enum kelly_4ws_joint {
+    KELLY_4WS_W1_SPIN, /**< [rad/s] w1.spin */
+    KELLY_4WS_W1_STEER, /**< [rad] w1.steer */
+    KELLY_4WS_W1_STEER_RATE, /**< [rad/s] w1.steer_rate */
+    KELLY_4WS_W2_SPIN, /**< [rad/s] w2.spin */
+    KELLY_4WS_W2_STEER, /**< [rad] w2.steer */
+    KELLY_4WS_W2_STEER_RATE, /**< [rad/s] w2.steer_rate */
+    KELLY_4WS_W3_SPIN, /**< [rad/s] w3.spin */
+    KELLY_4WS_W3_STEER, /**< [rad] w3.steer */
+    KELLY_4WS_W3_STEER_RATE, /**< [rad/s] w3.steer_rate */
+    KELLY_4WS_W4_SPIN, /**< [rad/s] w4.spin */
+    KELLY_4WS_W4_STEER, /**< [rad] w4.steer */
+    KELLY_4WS_W4_STEER_RATE, /**< [rad/s] w4.steer_rate */
+    KELLY_4WS_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum kelly_4ws_joint, for loops over all; of the first where there is none. */
+float *kelly_4ws_joint(kelly_4ws_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 24 additions, 25 multiplications, 4 divisions, 4 square roots, 4
+ * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
+void kelly_4ws_inverse(
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *now,
+    kelly_4ws_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void kelly_4ws_inverse_slip(
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 37 additions, 32 multiplications, 1 division, 8 sines and cosines. */
+void kelly_4ws_forward(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 64 additions, 52 multiplications, 1 division, 1 square root, 8
+ * sines and cosines. */
+void kelly_4ws_forward_slip(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist, float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void kelly_4ws_odometry(kelly_4ws_pose *pose, const kelly_4ws_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,154 +159,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   w1: steered, x 0.5 m, y 0.3 m, heading 0 deg, r 0.1 m, offset_y 0.07 m
- *   w2: steered, x 0.5 m, y -0.3 m, heading 0 deg, r 0.1 m, offset_y -0.07 m
- *   w3: steered, x -0.5 m, y 0.3 m, heading 0 deg, r 0.1 m, offset_y 0.07 m
- *   w4: steered, x -0.5 m, y -0.3 m, heading 0 deg, r 0.1 m, offset_y -0.07 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_KELLY_4WS_H
-#define WMRGEN_KELLY_4WS_H
-
-#define KELLY_4WS_MODEL_HASH "9578dfd51cc5c54643a2faecc51243a0"
-#define KELLY_4WS_PAIR_6bb0b9fd313bd70f 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of kelly_4ws_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                   /* [m/s] velocity of P forward, robot frame */
-    float vy;                   /* [m/s] velocity of P to the left, robot frame */
-    float omega;                /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } w1; /* [rad] */
-    struct { float steer; } w2; /* [rad] */
-    struct { float steer; } w3; /* [rad] */
-    struct { float steer; } w4; /* [rad] */
-} kelly_4ws_inverse_in;
-
-/* Output of kelly_4ws_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w1;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w2;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w3;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w4;
-} kelly_4ws_inverse_out;
-
-typedef kelly_4ws_inverse_in kelly_4ws_inverse_slip_in;
-
-/* Output of kelly_4ws_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} kelly_4ws_inverse_slip_out;
-
-/* Input of kelly_4ws_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } w1;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } w2;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } w3;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } w4;
-} kelly_4ws_forward_in;
-
-/* Output of kelly_4ws_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} kelly_4ws_forward_out;
-
-typedef kelly_4ws_forward_in kelly_4ws_forward_slip_in;
-
-/* Output of kelly_4ws_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} kelly_4ws_forward_slip_out;
-
-/* Input of kelly_4ws_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} kelly_4ws_odometry_in;
-
-/* Output of kelly_4ws_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} kelly_4ws_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill.
- * Operations of the formula: 24 additions, 25 multiplications, 4 divisions, 4 square roots, 4
- * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
-void kelly_4ws_inverse(const kelly_4ws_inverse_in *in, kelly_4ws_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void kelly_4ws_inverse_slip(const kelly_4ws_inverse_slip_in *in, kelly_4ws_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 37 additions, 32 multiplications, 1 division, 8 sines and cosines. */
-void kelly_4ws_forward(const kelly_4ws_forward_in *in, kelly_4ws_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 64 additions, 52 multiplications, 1 division, 1 square root, 8
- * sines and cosines. */
-void kelly_4ws_forward_slip(const kelly_4ws_forward_slip_in *in, kelly_4ws_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void kelly_4ws_odometry(const kelly_4ws_odometry_in *in, kelly_4ws_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_KELLY_4WS_H */

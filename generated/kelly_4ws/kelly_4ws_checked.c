@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KELLY_4WS_PAIR_6bb0b9fd313bd70f)
+#if !defined(KELLY_4WS_PAIR_896fe1fff0a17500)
 #error "kelly_4ws_checked.c and kelly_4ws.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,210 +33,212 @@ static float kelly_4ws_held(const float x)
 }
 
 kelly_4ws_status kelly_4ws_inverse_checked(
-    const kelly_4ws_inverse_in *in,
-    kelly_4ws_inverse_out *out)
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *now,
+    kelly_4ws_wheels *out)
 {
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            kelly_4ws_is_number(in->vx) &&
-            kelly_4ws_is_number(in->vy) &&
-            kelly_4ws_is_number(in->omega) &&
-            kelly_4ws_is_number(in->w1.steer) &&
-            kelly_4ws_is_number(in->w2.steer) &&
-            kelly_4ws_is_number(in->w3.steer) &&
-            kelly_4ws_is_number(in->w4.steer)
+            kelly_4ws_is_number(twist->vx) &&
+            kelly_4ws_is_number(twist->vy) &&
+            kelly_4ws_is_number(twist->omega) &&
+            kelly_4ws_is_number(now->w1.steer) &&
+            kelly_4ws_is_number(now->w2.steer) &&
+            kelly_4ws_is_number(now->w3.steer) &&
+            kelly_4ws_is_number(now->w4.steer)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            kelly_4ws_is_within(in->vx, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->vy, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->omega, -200.0f, 200.0f) &&
-            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f)
+            kelly_4ws_is_within(twist->vx, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(twist->vy, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(twist->omega, -200.0f, 200.0f) &&
+            kelly_4ws_is_within(now->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(now->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(now->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(now->w4.steer, -1e4f, 1e4f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
-        kelly_4ws_inverse(in, out);
+        kelly_4ws_inverse(twist, now, out);
     }
     if (status != KELLY_4WS_OK) {
         out->w1.spin = 0.0f;
-        out->w1.steer = kelly_4ws_held(in->w1.steer);
+        out->w1.steer = kelly_4ws_held(now->w1.steer);
         out->w2.spin = 0.0f;
-        out->w2.steer = kelly_4ws_held(in->w2.steer);
+        out->w2.steer = kelly_4ws_held(now->w2.steer);
         out->w3.spin = 0.0f;
-        out->w3.steer = kelly_4ws_held(in->w3.steer);
+        out->w3.steer = kelly_4ws_held(now->w3.steer);
         out->w4.spin = 0.0f;
-        out->w4.steer = kelly_4ws_held(in->w4.steer);
+        out->w4.steer = kelly_4ws_held(now->w4.steer);
     }
     return status;
 }
 
 kelly_4ws_status kelly_4ws_inverse_slip_checked(
-    const kelly_4ws_inverse_slip_in *in,
-    kelly_4ws_inverse_slip_out *out)
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *wheels,
+    float *slip)
 {
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            kelly_4ws_is_number(in->vx) &&
-            kelly_4ws_is_number(in->vy) &&
-            kelly_4ws_is_number(in->omega) &&
-            kelly_4ws_is_number(in->w1.steer) &&
-            kelly_4ws_is_number(in->w2.steer) &&
-            kelly_4ws_is_number(in->w3.steer) &&
-            kelly_4ws_is_number(in->w4.steer)
+            kelly_4ws_is_number(twist->vx) &&
+            kelly_4ws_is_number(twist->vy) &&
+            kelly_4ws_is_number(twist->omega) &&
+            kelly_4ws_is_number(wheels->w1.steer) &&
+            kelly_4ws_is_number(wheels->w2.steer) &&
+            kelly_4ws_is_number(wheels->w3.steer) &&
+            kelly_4ws_is_number(wheels->w4.steer)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            kelly_4ws_is_within(in->vx, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->vy, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->omega, -200.0f, 200.0f) &&
-            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f)
+            kelly_4ws_is_within(twist->vx, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(twist->vy, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(twist->omega, -200.0f, 200.0f) &&
+            kelly_4ws_is_within(wheels->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w4.steer, -1e4f, 1e4f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
-        kelly_4ws_inverse_slip(in, out);
+        kelly_4ws_inverse_slip(twist, wheels, slip);
     }
     if (status != KELLY_4WS_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-kelly_4ws_status kelly_4ws_forward_checked(
-    const kelly_4ws_forward_in *in,
-    kelly_4ws_forward_out *out)
+kelly_4ws_status kelly_4ws_forward_checked(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist)
 {
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            kelly_4ws_is_number(in->w1.spin) &&
-            kelly_4ws_is_number(in->w1.steer) &&
-            kelly_4ws_is_number(in->w1.steer_rate) &&
-            kelly_4ws_is_number(in->w2.spin) &&
-            kelly_4ws_is_number(in->w2.steer) &&
-            kelly_4ws_is_number(in->w2.steer_rate) &&
-            kelly_4ws_is_number(in->w3.spin) &&
-            kelly_4ws_is_number(in->w3.steer) &&
-            kelly_4ws_is_number(in->w3.steer_rate) &&
-            kelly_4ws_is_number(in->w4.spin) &&
-            kelly_4ws_is_number(in->w4.steer) &&
-            kelly_4ws_is_number(in->w4.steer_rate)
+            kelly_4ws_is_number(wheels->w1.spin) &&
+            kelly_4ws_is_number(wheels->w1.steer) &&
+            kelly_4ws_is_number(wheels->w1.steer_rate) &&
+            kelly_4ws_is_number(wheels->w2.spin) &&
+            kelly_4ws_is_number(wheels->w2.steer) &&
+            kelly_4ws_is_number(wheels->w2.steer_rate) &&
+            kelly_4ws_is_number(wheels->w3.spin) &&
+            kelly_4ws_is_number(wheels->w3.steer) &&
+            kelly_4ws_is_number(wheels->w3.steer_rate) &&
+            kelly_4ws_is_number(wheels->w4.spin) &&
+            kelly_4ws_is_number(wheels->w4.steer) &&
+            kelly_4ws_is_number(wheels->w4.steer_rate)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            kelly_4ws_is_within(in->w1.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w1.steer_rate, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w2.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w2.steer_rate, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w3.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w3.steer_rate, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w4.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w4.steer_rate, -1e9f, 1e9f)
+            kelly_4ws_is_within(wheels->w1.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w1.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w2.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w2.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w3.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w3.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w4.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w4.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w4.steer_rate, -1e9f, 1e9f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
-        kelly_4ws_forward(in, out);
+        kelly_4ws_forward(wheels, twist);
     }
     if (status != KELLY_4WS_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 kelly_4ws_status kelly_4ws_forward_slip_checked(
-    const kelly_4ws_forward_slip_in *in,
-    kelly_4ws_forward_slip_out *out)
+    const kelly_4ws_wheels *wheels,
+    kelly_4ws_twist *twist,
+    float *slip)
 {
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            kelly_4ws_is_number(in->w1.spin) &&
-            kelly_4ws_is_number(in->w1.steer) &&
-            kelly_4ws_is_number(in->w1.steer_rate) &&
-            kelly_4ws_is_number(in->w2.spin) &&
-            kelly_4ws_is_number(in->w2.steer) &&
-            kelly_4ws_is_number(in->w2.steer_rate) &&
-            kelly_4ws_is_number(in->w3.spin) &&
-            kelly_4ws_is_number(in->w3.steer) &&
-            kelly_4ws_is_number(in->w3.steer_rate) &&
-            kelly_4ws_is_number(in->w4.spin) &&
-            kelly_4ws_is_number(in->w4.steer) &&
-            kelly_4ws_is_number(in->w4.steer_rate)
+            kelly_4ws_is_number(wheels->w1.spin) &&
+            kelly_4ws_is_number(wheels->w1.steer) &&
+            kelly_4ws_is_number(wheels->w1.steer_rate) &&
+            kelly_4ws_is_number(wheels->w2.spin) &&
+            kelly_4ws_is_number(wheels->w2.steer) &&
+            kelly_4ws_is_number(wheels->w2.steer_rate) &&
+            kelly_4ws_is_number(wheels->w3.spin) &&
+            kelly_4ws_is_number(wheels->w3.steer) &&
+            kelly_4ws_is_number(wheels->w3.steer_rate) &&
+            kelly_4ws_is_number(wheels->w4.spin) &&
+            kelly_4ws_is_number(wheels->w4.steer) &&
+            kelly_4ws_is_number(wheels->w4.steer_rate)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            kelly_4ws_is_within(in->w1.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w1.steer_rate, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w2.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w2.steer_rate, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w3.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w3.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w3.steer_rate, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w4.spin, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->w4.steer, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->w4.steer_rate, -1e9f, 1e9f)
+            kelly_4ws_is_within(wheels->w1.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w1.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w1.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w2.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w2.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w2.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w3.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w3.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w3.steer_rate, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w4.spin, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(wheels->w4.steer, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(wheels->w4.steer_rate, -1e9f, 1e9f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
-        kelly_4ws_forward_slip(in, out);
+        kelly_4ws_forward_slip(wheels, twist, slip);
     }
     if (status != KELLY_4WS_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 kelly_4ws_status kelly_4ws_odometry_checked(
-    const kelly_4ws_odometry_in *in,
-    kelly_4ws_odometry_out *out)
+    kelly_4ws_pose *pose,
+    const kelly_4ws_twist *twist,
+    float dt)
 {
     kelly_4ws_status status = KELLY_4WS_OK;
 
     if (!(
-            kelly_4ws_is_number(in->x) &&
-            kelly_4ws_is_number(in->y) &&
-            kelly_4ws_is_number(in->theta) &&
-            kelly_4ws_is_number(in->vx) &&
-            kelly_4ws_is_number(in->vy) &&
-            kelly_4ws_is_number(in->omega) &&
-            kelly_4ws_is_number(in->dt)
+            kelly_4ws_is_number(pose->x) &&
+            kelly_4ws_is_number(pose->y) &&
+            kelly_4ws_is_number(pose->theta) &&
+            kelly_4ws_is_number(twist->vx) &&
+            kelly_4ws_is_number(twist->vy) &&
+            kelly_4ws_is_number(twist->omega) &&
+            kelly_4ws_is_number(dt)
         )) {
         status = KELLY_4WS_NOT_A_NUMBER;
     } else if (!(
-            kelly_4ws_is_within(in->x, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->y, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->theta, -1e4f, 1e4f) &&
-            kelly_4ws_is_within(in->vx, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->vy, -1e9f, 1e9f) &&
-            kelly_4ws_is_within(in->omega, -200.0f, 200.0f) &&
-            kelly_4ws_is_within(in->dt, -10.0f, 10.0f)
+            kelly_4ws_is_within(pose->x, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(pose->y, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(pose->theta, -1e4f, 1e4f) &&
+            kelly_4ws_is_within(twist->vx, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(twist->vy, -1e9f, 1e9f) &&
+            kelly_4ws_is_within(twist->omega, -200.0f, 200.0f) &&
+            kelly_4ws_is_within(dt, -10.0f, 10.0f)
         )) {
         status = KELLY_4WS_OUT_OF_RANGE;
     } else {
-        kelly_4ws_odometry(in, out);
+        kelly_4ws_odometry(pose, twist, dt);
     }
     if (status != KELLY_4WS_OK) {
-        out->x = kelly_4ws_held(in->x);
-        out->y = kelly_4ws_held(in->y);
-        out->theta = kelly_4ws_held(in->theta);
+        pose->x = kelly_4ws_held(pose->x);
+        pose->y = kelly_4ws_held(pose->y);
+        pose->theta = kelly_4ws_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_6bb0b9fd313bd70f)
+#if !defined(KELLY_4WS_PAIR_896fe1fff0a17500)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 
@@ -38,34 +38,36 @@ typedef enum {
 /* kelly_4ws_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s; w1.steer, w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
 kelly_4ws_status kelly_4ws_inverse_checked(
-    const kelly_4ws_inverse_in *in,
-    kelly_4ws_inverse_out *out);
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *now,
+    kelly_4ws_wheels *out);
 
 /* kelly_4ws_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; w1.steer, w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
 kelly_4ws_status kelly_4ws_inverse_slip_checked(
-    const kelly_4ws_inverse_slip_in *in,
-    kelly_4ws_inverse_slip_out *out);
+    const kelly_4ws_twist *twist,
+    const kelly_4ws_wheels *wheels,
+    float *slip);
 
 /* kelly_4ws_forward() with its inputs checked. Accepted: w1.spin, w1.steer_rate, w2.spin,
  * w2.steer_rate, w3.spin, w3.steer_rate, w4.spin, w4.steer_rate -1e9 to 1e9 rad/s; w1.steer,
  * w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
-kelly_4ws_status kelly_4ws_forward_checked(
-    const kelly_4ws_forward_in *in,
-    kelly_4ws_forward_out *out);
+kelly_4ws_status kelly_4ws_forward_checked(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist);
 
 /* kelly_4ws_forward_slip() with its inputs checked. Accepted: w1.spin, w1.steer_rate, w2.spin,
  * w2.steer_rate, w3.spin, w3.steer_rate, w4.spin, w4.steer_rate -1e9 to 1e9 rad/s; w1.steer,
  * w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
 kelly_4ws_status kelly_4ws_forward_slip_checked(
-    const kelly_4ws_forward_slip_in *in,
-    kelly_4ws_forward_slip_out *out);
+    const kelly_4ws_wheels *wheels,
+    kelly_4ws_twist *twist,
+    float *slip);
 
 /* kelly_4ws_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 kelly_4ws_status kelly_4ws_odometry_checked(
-    const kelly_4ws_odometry_in *in,
-    kelly_4ws_odometry_out *out);
+    kelly_4ws_pose *pose,
+    const kelly_4ws_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_2f40bc3145ce25bd)
+#if !defined(KUKA_YOUBOT_PAIR_e7fa81de668a93ba)
 #error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -167,6 +167,15 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
+/* The members of kuka_youbot_wheels lie as an array does. */
+typedef char kuka_youbot_wheels_are_joints[
+    ((sizeof(kuka_youbot_wheels) / sizeof(float)) == (unsigned int)KUKA_YOUBOT_JOINTS) ? 1 : -1];
+
+float *kuka_youbot_joint(kuka_youbot_wheels *wheels, int joint)
+{
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)KUKA_YOUBOT_JOINTS)) ? joint : 0];
+}
+
 void kuka_youbot_params_default(kuka_youbot_params *params)
 {
     params->radius = 0.05f;
@@ -185,13 +194,13 @@ void kuka_youbot_prepare(const kuka_youbot_params *params, kuka_youbot_prepared 
 
 void kuka_youbot_inverse(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_in *in,
-    kuka_youbot_inverse_out *out)
+    const kuka_youbot_twist *twist,
+    kuka_youbot_wheels *out)
 {
-    const float t0 = in->vx * prepared->k0;
-    const float t1 = in->vy * prepared->k0;
+    const float t0 = twist->vx * prepared->k0;
+    const float t1 = twist->vy * prepared->k0;
     const float t2 = t0 - t1;
-    const float t3 = in->omega * prepared->k1;
+    const float t3 = twist->omega * prepared->k1;
     const float t4 = t1 + t0;
 
     out->fl.spin = t2 - t3;
@@ -202,55 +211,56 @@ void kuka_youbot_inverse(
 
 void kuka_youbot_inverse_slip(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_slip_in *in,
-    kuka_youbot_inverse_slip_out *out)
+    const kuka_youbot_twist *twist,
+    float *slip)
 {
     (void)prepared;
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
 void kuka_youbot_forward(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_in *in,
-    kuka_youbot_forward_out *out)
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist)
 {
-    const float t0 = in->bl.spin + in->br.spin + (in->fl.spin + in->fr.spin);
-    const float t1 = in->bl.spin - in->br.spin;
-    const float t2 = in->fl.spin - in->fr.spin;
+    const float t0 = wheels->bl.spin + wheels->br.spin + (wheels->fl.spin + wheels->fr.spin);
+    const float t1 = wheels->bl.spin - wheels->br.spin;
+    const float t2 = wheels->fl.spin - wheels->fr.spin;
 
-    out->vx = t0 * prepared->k2;
-    out->vy = prepared->k2 * (t1 - t2);
-    out->omega = (t1 + t2) * prepared->k3;
+    twist->vx = t0 * prepared->k2;
+    twist->vy = prepared->k2 * (t1 - t2);
+    twist->omega = (t1 + t2) * prepared->k3;
 }
 
 void kuka_youbot_forward_slip(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_slip_in *in,
-    kuka_youbot_forward_slip_out *out)
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist,
+    float *slip)
 {
-    const float t0 = in->bl.spin + in->br.spin;
-    const float t1 = in->fl.spin + in->fr.spin;
-    const float t2 = in->bl.spin - in->br.spin;
-    const float t3 = in->fl.spin - in->fr.spin;
+    const float t0 = wheels->bl.spin + wheels->br.spin;
+    const float t1 = wheels->fl.spin + wheels->fr.spin;
+    const float t2 = wheels->bl.spin - wheels->br.spin;
+    const float t3 = wheels->fl.spin - wheels->fr.spin;
 
-    out->vx = (t0 + t1) * prepared->k2;
-    out->vy = prepared->k2 * (t2 - t3);
-    out->omega = (t2 + t3) * prepared->k3;
-    out->slip = fabsf((t1 - t0) * prepared->k4);
+    twist->vx = (t0 + t1) * prepared->k2;
+    twist->vy = prepared->k2 * (t2 - t3);
+    twist->omega = (t2 + t3) * prepared->k3;
+    *slip = fabsf((t1 - t0) * prepared->k4);
 }
 
-void kuka_youbot_odometry(const kuka_youbot_odometry_in *in, kuka_youbot_odometry_out *out)
+void kuka_youbot_odometry(kuka_youbot_pose *pose, const kuka_youbot_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

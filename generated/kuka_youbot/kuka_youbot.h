@@ -6,7 +6,156 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   fl: swedish, x 0.228 m, y 0.158 m, heading 0 deg, r 0.05 m, gamma -45 deg
+ *   fr: swedish, x 0.228 m, y -0.158 m, heading 0 deg, r 0.05 m, gamma 45 deg
+ *   bl: swedish, x -0.228 m, y 0.158 m, heading 0 deg, r 0.05 m, gamma 45 deg
+ *   br: swedish, x -0.228 m, y -0.158 m, heading 0 deg, r 0.05 m, gamma -45 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     kuka_youbot_params params;
+ *     kuka_youbot_prepared prepared;
+ *     kuka_youbot_twist twist = {0.5f, 0.0f, 0.2f};
+ *     kuka_youbot_wheels wheels = {{0.0f}};
+ *     kuka_youbot_pose pose = {0.0f, 0.0f, 0.0f};
+ *     kuka_youbot_params_default(&params);
+ *     kuka_youbot_prepare(&params, &prepared);
+ *     kuka_youbot_inverse(&prepared, &twist, &wheels);
+ *     kuka_youbot_forward(&prepared, &wheels, &twist);
+ *     kuka_youbot_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_KUKA_YOUBOT_H
+#define WMRGEN_KUKA_YOUBOT_H
+
+#define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define KUKA_YOUBOT_MODEL_HASH "93798f78d55a634b2c48bae90eee16a9" /**< digest of the model */
+#define KUKA_YOUBOT_PAIR_e7fa81de668a93ba 1 /**< header and source that were written together have the same */
+#define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
+#define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */
+#define KUKA_YOUBOT_FL_RADIUS 0.05f /**< [m] radius */
+#define KUKA_YOUBOT_FR_X 0.228f /**< [m] pivot, forward of P */
+#define KUKA_YOUBOT_FR_Y (-0.158f) /**< [m] pivot, to the left of P */
+#define KUKA_YOUBOT_FR_RADIUS 0.05f /**< [m] radius */
+#define KUKA_YOUBOT_BL_X (-0.228f) /**< [m] pivot, forward of P */
+#define KUKA_YOUBOT_BL_Y 0.158f /**< [m] pivot, to the left of P */
+#define KUKA_YOUBOT_BL_RADIUS 0.05f /**< [m] radius */
+#define KUKA_YOUBOT_BR_X (-0.228f) /**< [m] pivot, forward of P */
+#define KUKA_YOUBOT_BR_Y (-0.158f) /**< [m] pivot, to the left of P */
+#define KUKA_YOUBOT_BR_RADIUS 0.05f /**< [m] radius */
+#define KUKA_YOUBOT_VX_MIN (-0.8f) /**< [m/s] least that the robot file allows */
+#define KUKA_YOUBOT_VX_MAX 0.8f /**< [m/s] most that the robot file allows */
+#define KUKA_YOUBOT_VY_MIN (-0.8f) /**< [m/s] least that the robot file allows */
+#define KUKA_YOUBOT_VY_MAX 0.8f /**< [m/s] most that the robot file allows */
+#define KUKA_YOUBOT_OMEGA_MIN (-1.2f) /**< [rad/s] least that the robot file allows */
+#define KUKA_YOUBOT_OMEGA_MAX 1.2f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} kuka_youbot_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} kuka_youbot_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } fl; /**< [rad/s] */
+    struct { float spin; } fr; /**< [rad/s] */
+    struct { float spin; } bl; /**< [rad/s] */
+    struct { float spin; } br; /**< [rad/s] */
+} kuka_youbot_wheels;
+
+/** Tunable parameters: calibrate, then prepare. */
+typedef struct {
+    float radius; /**< [m] tunable parameter (nominal 0.05) */
+} kuka_youbot_params;
+
+/** What kuka_youbot_prepare() works out once from the parameters; the steps only read it. */
+typedef struct {
+    float k0;
+    float k1;
+    float k2;
+    float k3;
+    float k4;
+} kuka_youbot_prepared;
+
+/** Joints in the order of kuka_youbot_wheels. */
+enum kuka_youbot_joint {
+    KUKA_YOUBOT_FL_SPIN, /**< [rad/s] fl.spin */
+    KUKA_YOUBOT_FR_SPIN, /**< [rad/s] fr.spin */
+    KUKA_YOUBOT_BL_SPIN, /**< [rad/s] bl.spin */
+    KUKA_YOUBOT_BR_SPIN, /**< [rad/s] br.spin */
+    KUKA_YOUBOT_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum kuka_youbot_joint, for loops over all; of the first where there is none. */
+float *kuka_youbot_joint(kuka_youbot_wheels *wheels, int joint);
+
+/** Sets the parameters to the nominal values of the robot file. */
+void kuka_youbot_params_default(kuka_youbot_params *params);
+
+/** Values that depend on the tunable parameters alone. Call once, and again after every change of
+ * a parameter. kuka_youbot_prepare_checked() refuses parameters that are far from nominal.
+ * Operations of the formula: 4 multiplications, 1 division, 1 comparison. */
+void kuka_youbot_prepare(const kuka_youbot_params *params, kuka_youbot_prepared *prepared);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 6 additions, 3 multiplications. */
+void kuka_youbot_inverse(
+    const kuka_youbot_prepared *prepared,
+    const kuka_youbot_twist *twist,
+    kuka_youbot_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void kuka_youbot_inverse_slip(
+    const kuka_youbot_prepared *prepared,
+    const kuka_youbot_twist *twist,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 7 additions, 3 multiplications. */
+void kuka_youbot_forward(
+    const kuka_youbot_prepared *prepared,
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
+void kuka_youbot_forward_slip(
+    const kuka_youbot_prepared *prepared,
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void kuka_youbot_odometry(kuka_youbot_pose *pose, const kuka_youbot_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,16 +171,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   fl: swedish, x 0.228 m, y 0.158 m, heading 0 deg, r 0.05 m, gamma -45 deg
- *   fr: swedish, x 0.228 m, y -0.158 m, heading 0 deg, r 0.05 m, gamma 45 deg
- *   bl: swedish, x -0.228 m, y 0.158 m, heading 0 deg, r 0.05 m, gamma 45 deg
- *   br: swedish, x -0.228 m, y -0.158 m, heading 0 deg, r 0.05 m, gamma -45 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  *
  * Proved for |vx| <= 0.8, |vy| <= 0.8, |omega| <= 1.2, and with these ranges of inputs that have no
  * limits: 0.045 <= radius <= 0.055, |fl.spin, fr.spin, bl.spin, br.spin| <= 45.8489, |x| <= 100,
@@ -51,140 +190,5 @@
  *   odometry: y in [-100.205, 100.205] m, off by 4.5e-06
  *   odometry: theta in [-12.6864, 12.6864] rad, off by 4.9e-07
  */
-#ifndef WMRGEN_KUKA_YOUBOT_H
-#define WMRGEN_KUKA_YOUBOT_H
-
-#define KUKA_YOUBOT_MODEL_HASH "93798f78d55a634b2c48bae90eee16a9"
-#define KUKA_YOUBOT_PAIR_2f40bc3145ce25bd 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Tunable parameters: calibrate, then prepare. */
-typedef struct {
-    float radius; /* [m] tunable parameter (nominal 0.05) */
-} kuka_youbot_params;
-
-/* What kuka_youbot_prepare() works out once from the parameters; the steps only read it. */
-typedef struct {
-    float k0;
-    float k1;
-    float k2;
-    float k3;
-    float k4;
-} kuka_youbot_prepared;
-
-/* Input of kuka_youbot_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} kuka_youbot_inverse_in;
-
-/* Output of kuka_youbot_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } fl; /* [rad/s] */
-    struct { float spin; } fr; /* [rad/s] */
-    struct { float spin; } bl; /* [rad/s] */
-    struct { float spin; } br; /* [rad/s] */
-} kuka_youbot_inverse_out;
-
-typedef kuka_youbot_inverse_in kuka_youbot_inverse_slip_in;
-
-/* Output of kuka_youbot_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} kuka_youbot_inverse_slip_out;
-
-/* Input of kuka_youbot_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } fl; /* [rad/s] */
-    struct { float spin; } fr; /* [rad/s] */
-    struct { float spin; } bl; /* [rad/s] */
-    struct { float spin; } br; /* [rad/s] */
-} kuka_youbot_forward_in;
-
-/* Output of kuka_youbot_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} kuka_youbot_forward_out;
-
-typedef kuka_youbot_forward_in kuka_youbot_forward_slip_in;
-
-/* Output of kuka_youbot_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} kuka_youbot_forward_slip_out;
-
-/* Input of kuka_youbot_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} kuka_youbot_odometry_in;
-
-/* Output of kuka_youbot_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} kuka_youbot_odometry_out;
-
-/* Sets the parameters to the nominal values of the robot file. */
-void kuka_youbot_params_default(kuka_youbot_params *params);
-
-/* Values that depend on the tunable parameters alone. Call once, and again after every change of
- * a parameter. kuka_youbot_prepare_checked() refuses parameters that are far from nominal.
- * Operations of the formula: 4 multiplications, 1 division, 1 comparison. */
-void kuka_youbot_prepare(const kuka_youbot_params *params, kuka_youbot_prepared *prepared);
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 6 additions, 3 multiplications. */
-void kuka_youbot_inverse(
-    const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_in *in,
-    kuka_youbot_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void kuka_youbot_inverse_slip(
-    const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_slip_in *in,
-    kuka_youbot_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 7 additions, 3 multiplications. */
-void kuka_youbot_forward(
-    const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_in *in,
-    kuka_youbot_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
-void kuka_youbot_forward_slip(
-    const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_slip_in *in,
-    kuka_youbot_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void kuka_youbot_odometry(const kuka_youbot_odometry_in *in, kuka_youbot_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_KUKA_YOUBOT_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_2f40bc3145ce25bd)
+#if !defined(KUKA_YOUBOT_PAIR_e7fa81de668a93ba)
 #error "kuka_youbot_checked.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -60,25 +60,25 @@ kuka_youbot_status kuka_youbot_prepare_checked(
 
 kuka_youbot_status kuka_youbot_inverse_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_in *in,
-    kuka_youbot_inverse_out *out)
+    const kuka_youbot_twist *twist,
+    kuka_youbot_wheels *out)
 {
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            kuka_youbot_is_number(in->vx) &&
-            kuka_youbot_is_number(in->vy) &&
-            kuka_youbot_is_number(in->omega)
+            kuka_youbot_is_number(twist->vx) &&
+            kuka_youbot_is_number(twist->vy) &&
+            kuka_youbot_is_number(twist->omega)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            kuka_youbot_is_within(in->vx, -0.8f, 0.8f) &&
-            kuka_youbot_is_within(in->vy, -0.8f, 0.8f) &&
-            kuka_youbot_is_within(in->omega, -1.2f, 1.2f)
+            kuka_youbot_is_within(twist->vx, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(twist->vy, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(twist->omega, -1.2f, 1.2f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
-        kuka_youbot_inverse(prepared, in, out);
+        kuka_youbot_inverse(prepared, twist, out);
     }
     if (status != KUKA_YOUBOT_OK) {
         out->fl.spin = 0.0f;
@@ -91,130 +91,132 @@ kuka_youbot_status kuka_youbot_inverse_checked(
 
 kuka_youbot_status kuka_youbot_inverse_slip_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_slip_in *in,
-    kuka_youbot_inverse_slip_out *out)
+    const kuka_youbot_twist *twist,
+    float *slip)
 {
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            kuka_youbot_is_number(in->vx) &&
-            kuka_youbot_is_number(in->vy) &&
-            kuka_youbot_is_number(in->omega)
+            kuka_youbot_is_number(twist->vx) &&
+            kuka_youbot_is_number(twist->vy) &&
+            kuka_youbot_is_number(twist->omega)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            kuka_youbot_is_within(in->vx, -0.8f, 0.8f) &&
-            kuka_youbot_is_within(in->vy, -0.8f, 0.8f) &&
-            kuka_youbot_is_within(in->omega, -1.2f, 1.2f)
+            kuka_youbot_is_within(twist->vx, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(twist->vy, -0.8f, 0.8f) &&
+            kuka_youbot_is_within(twist->omega, -1.2f, 1.2f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
-        kuka_youbot_inverse_slip(prepared, in, out);
+        kuka_youbot_inverse_slip(prepared, twist, slip);
     }
     if (status != KUKA_YOUBOT_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 kuka_youbot_status kuka_youbot_forward_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_in *in,
-    kuka_youbot_forward_out *out)
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist)
 {
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            kuka_youbot_is_number(in->fl.spin) &&
-            kuka_youbot_is_number(in->fr.spin) &&
-            kuka_youbot_is_number(in->bl.spin) &&
-            kuka_youbot_is_number(in->br.spin)
+            kuka_youbot_is_number(wheels->fl.spin) &&
+            kuka_youbot_is_number(wheels->fr.spin) &&
+            kuka_youbot_is_number(wheels->bl.spin) &&
+            kuka_youbot_is_number(wheels->br.spin)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            kuka_youbot_is_within(in->fl.spin, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->fr.spin, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->bl.spin, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->br.spin, -1e9f, 1e9f)
+            kuka_youbot_is_within(wheels->fl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(wheels->fr.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(wheels->bl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(wheels->br.spin, -1e9f, 1e9f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
-        kuka_youbot_forward(prepared, in, out);
+        kuka_youbot_forward(prepared, wheels, twist);
     }
     if (status != KUKA_YOUBOT_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 kuka_youbot_status kuka_youbot_forward_slip_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_slip_in *in,
-    kuka_youbot_forward_slip_out *out)
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist,
+    float *slip)
 {
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            kuka_youbot_is_number(in->fl.spin) &&
-            kuka_youbot_is_number(in->fr.spin) &&
-            kuka_youbot_is_number(in->bl.spin) &&
-            kuka_youbot_is_number(in->br.spin)
+            kuka_youbot_is_number(wheels->fl.spin) &&
+            kuka_youbot_is_number(wheels->fr.spin) &&
+            kuka_youbot_is_number(wheels->bl.spin) &&
+            kuka_youbot_is_number(wheels->br.spin)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            kuka_youbot_is_within(in->fl.spin, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->fr.spin, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->bl.spin, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->br.spin, -1e9f, 1e9f)
+            kuka_youbot_is_within(wheels->fl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(wheels->fr.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(wheels->bl.spin, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(wheels->br.spin, -1e9f, 1e9f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
-        kuka_youbot_forward_slip(prepared, in, out);
+        kuka_youbot_forward_slip(prepared, wheels, twist, slip);
     }
     if (status != KUKA_YOUBOT_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 kuka_youbot_status kuka_youbot_odometry_checked(
-    const kuka_youbot_odometry_in *in,
-    kuka_youbot_odometry_out *out)
+    kuka_youbot_pose *pose,
+    const kuka_youbot_twist *twist,
+    float dt)
 {
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
     if (!(
-            kuka_youbot_is_number(in->x) &&
-            kuka_youbot_is_number(in->y) &&
-            kuka_youbot_is_number(in->theta) &&
-            kuka_youbot_is_number(in->vx) &&
-            kuka_youbot_is_number(in->vy) &&
-            kuka_youbot_is_number(in->omega) &&
-            kuka_youbot_is_number(in->dt)
+            kuka_youbot_is_number(pose->x) &&
+            kuka_youbot_is_number(pose->y) &&
+            kuka_youbot_is_number(pose->theta) &&
+            kuka_youbot_is_number(twist->vx) &&
+            kuka_youbot_is_number(twist->vy) &&
+            kuka_youbot_is_number(twist->omega) &&
+            kuka_youbot_is_number(dt)
         )) {
         status = KUKA_YOUBOT_NOT_A_NUMBER;
     } else if (!(
-            kuka_youbot_is_within(in->x, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->y, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->theta, -1e4f, 1e4f) &&
-            kuka_youbot_is_within(in->vx, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->vy, -1e9f, 1e9f) &&
-            kuka_youbot_is_within(in->omega, -200.0f, 200.0f) &&
-            kuka_youbot_is_within(in->dt, -10.0f, 10.0f)
+            kuka_youbot_is_within(pose->x, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(pose->y, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(pose->theta, -1e4f, 1e4f) &&
+            kuka_youbot_is_within(twist->vx, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(twist->vy, -1e9f, 1e9f) &&
+            kuka_youbot_is_within(twist->omega, -200.0f, 200.0f) &&
+            kuka_youbot_is_within(dt, -10.0f, 10.0f)
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
-        kuka_youbot_odometry(in, out);
+        kuka_youbot_odometry(pose, twist, dt);
     }
     if (status != KUKA_YOUBOT_OK) {
-        out->x = kuka_youbot_held(in->x);
-        out->y = kuka_youbot_held(in->y);
-        out->theta = kuka_youbot_held(in->theta);
+        pose->x = kuka_youbot_held(pose->x);
+        pose->y = kuka_youbot_held(pose->y);
+        pose->theta = kuka_youbot_held(pose->theta);
     }
     return status;
 }

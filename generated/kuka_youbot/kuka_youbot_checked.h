@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_2f40bc3145ce25bd)
+#if !defined(KUKA_YOUBOT_PAIR_e7fa81de668a93ba)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 
@@ -50,35 +50,37 @@ kuka_youbot_status kuka_youbot_prepare_checked(
  * 1.2 rad/s. */
 kuka_youbot_status kuka_youbot_inverse_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_in *in,
-    kuka_youbot_inverse_out *out);
+    const kuka_youbot_twist *twist,
+    kuka_youbot_wheels *out);
 
 /* kuka_youbot_inverse_slip() with its inputs checked. Accepted: vx, vy -0.8 to 0.8 m/s; omega
  * -1.2 to 1.2 rad/s. */
 kuka_youbot_status kuka_youbot_inverse_slip_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_inverse_slip_in *in,
-    kuka_youbot_inverse_slip_out *out);
+    const kuka_youbot_twist *twist,
+    float *slip);
 
 /* kuka_youbot_forward() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin, br.spin
  * -1e9 to 1e9 rad/s. */
 kuka_youbot_status kuka_youbot_forward_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_in *in,
-    kuka_youbot_forward_out *out);
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist);
 
 /* kuka_youbot_forward_slip() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin,
  * br.spin -1e9 to 1e9 rad/s. */
 kuka_youbot_status kuka_youbot_forward_slip_checked(
     const kuka_youbot_prepared *prepared,
-    const kuka_youbot_forward_slip_in *in,
-    kuka_youbot_forward_slip_out *out);
+    const kuka_youbot_wheels *wheels,
+    kuka_youbot_twist *twist,
+    float *slip);
 
 /* kuka_youbot_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 kuka_youbot_status kuka_youbot_odometry_checked(
-    const kuka_youbot_odometry_in *in,
-    kuka_youbot_odometry_out *out);
+    kuka_youbot_pose *pose,
+    const kuka_youbot_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LEKIWI_PAIR_ce61a1874dc06af7)
+#if !defined(LEKIWI_PAIR_a582c18442a6f84e)
 #error "lekiwi.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,57 +146,66 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void lekiwi_inverse(const lekiwi_inverse_in *in, lekiwi_inverse_out *out)
+/* The members of lekiwi_wheels lie as an array does. */
+typedef char lekiwi_wheels_are_joints[
+    ((sizeof(lekiwi_wheels) / sizeof(float)) == (unsigned int)LEKIWI_JOINTS) ? 1 : -1];
+
+float *lekiwi_joint(lekiwi_wheels *wheels, int joint)
 {
-    const float t0 = 2.5f * in->omega;
-    const float t1 = fmaf(10.0f, in->vy, t0);
-    const float t2 = 17.320509f * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)LEKIWI_JOINTS)) ? joint : 0];
+}
+
+void lekiwi_inverse(const lekiwi_twist *twist, lekiwi_wheels *out)
+{
+    const float t0 = 2.5f * twist->omega;
+    const float t1 = fmaf(10.0f, twist->vy, t0);
+    const float t2 = 17.320509f * twist->vx;
 
     out->left_wheel.spin = t1 - t2;
-    out->back_wheel.spin = fmaf((-20.0f), in->vy, t0);
+    out->back_wheel.spin = fmaf((-20.0f), twist->vy, t0);
     out->right_wheel.spin = t1 + t2;
 }
 
-void lekiwi_inverse_slip(const lekiwi_inverse_slip_in *in, lekiwi_inverse_slip_out *out)
+void lekiwi_inverse_slip(const lekiwi_twist *twist, float *slip)
 {
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void lekiwi_forward(const lekiwi_forward_in *in, lekiwi_forward_out *out)
+void lekiwi_forward(const lekiwi_wheels *wheels, lekiwi_twist *twist)
 {
-    const float t0 = 0.028867513f * (in->right_wheel.spin - in->left_wheel.spin);
-    const float t1 = in->left_wheel.spin + in->right_wheel.spin;
-    const float t2 = 0.016666668f * (t1 - (2.0f * in->back_wheel.spin));
+    const float t0 = wheels->right_wheel.spin - wheels->left_wheel.spin;
+    const float t1 = wheels->left_wheel.spin + wheels->right_wheel.spin;
+    const float t2 = 0.016666668f * (t1 - (2.0f * wheels->back_wheel.spin));
 
-    out->vx = t0;
-    out->vy = t2;
-    out->omega = 0.13333334f * (in->back_wheel.spin + t1);
+    twist->vx = 0.028867513f * t0;
+    twist->vy = t2;
+    twist->omega = 0.13333334f * (wheels->back_wheel.spin + t1);
 }
 
-void lekiwi_forward_slip(const lekiwi_forward_slip_in *in, lekiwi_forward_slip_out *out)
+void lekiwi_forward_slip(const lekiwi_wheels *wheels, lekiwi_twist *twist, float *slip)
 {
-    const float t0 = 0.028867513f * (in->right_wheel.spin - in->left_wheel.spin);
-    const float t1 = in->left_wheel.spin + in->right_wheel.spin;
-    const float t2 = 0.016666668f * (t1 - (2.0f * in->back_wheel.spin));
+    const float t0 = wheels->right_wheel.spin - wheels->left_wheel.spin;
+    const float t1 = wheels->left_wheel.spin + wheels->right_wheel.spin;
+    const float t2 = 0.016666668f * (t1 - (2.0f * wheels->back_wheel.spin));
 
-    out->vx = t0;
-    out->vy = t2;
-    out->omega = 0.13333334f * (in->back_wheel.spin + t1);
-    out->slip = 0.0f;
+    twist->vx = 0.028867513f * t0;
+    twist->vy = t2;
+    twist->omega = 0.13333334f * (wheels->back_wheel.spin + t1);
+    *slip = 0.0f;
 }
 
-void lekiwi_odometry(const lekiwi_odometry_in *in, lekiwi_odometry_out *out)
+void lekiwi_odometry(lekiwi_pose *pose, const lekiwi_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

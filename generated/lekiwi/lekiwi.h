@@ -6,7 +6,111 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   left_wheel: swedish, x 0.0625 m, y 0.108253 m, heading 150 deg, r 0.05 m, gamma 0 deg
+ *   back_wheel: swedish, x -0.125 m, y 0 m, heading 270 deg, r 0.05 m, gamma 0 deg
+ *   right_wheel: swedish, x 0.0625 m, y -0.108253 m, heading 30 deg, r 0.05 m, gamma 0 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     lekiwi_twist twist = {0.5f, 0.0f, 0.2f};
+ *     lekiwi_wheels wheels = {{0.0f}};
+ *     lekiwi_pose pose = {0.0f, 0.0f, 0.0f};
+ *     lekiwi_inverse(&twist, &wheels);
+ *     lekiwi_forward(&wheels, &twist);
+ *     lekiwi_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_LEKIWI_H
+#define WMRGEN_LEKIWI_H
+
+#define LEKIWI_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define LEKIWI_MODEL_HASH "4b5a8f14e6f4af6bbfa42c22e9eee90a" /**< digest of the model */
+#define LEKIWI_PAIR_a582c18442a6f84e 1 /**< header and source that were written together have the same */
+#define LEKIWI_LEFT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
+#define LEKIWI_LEFT_WHEEL_Y 0.10825317f /**< [m] pivot, to the left of P */
+#define LEKIWI_LEFT_WHEEL_RADIUS 0.05f /**< [m] radius */
+#define LEKIWI_BACK_WHEEL_X (-0.125f) /**< [m] pivot, forward of P */
+#define LEKIWI_BACK_WHEEL_Y 0.0f /**< [m] pivot, to the left of P */
+#define LEKIWI_BACK_WHEEL_RADIUS 0.05f /**< [m] radius */
+#define LEKIWI_RIGHT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
+#define LEKIWI_RIGHT_WHEEL_Y (-0.10825317f) /**< [m] pivot, to the left of P */
+#define LEKIWI_RIGHT_WHEEL_RADIUS 0.05f /**< [m] radius */
+#define LEKIWI_VX_MIN (-0.3f) /**< [m/s] least that the robot file allows */
+#define LEKIWI_VX_MAX 0.3f /**< [m/s] most that the robot file allows */
+#define LEKIWI_VY_MIN (-0.3f) /**< [m/s] least that the robot file allows */
+#define LEKIWI_VY_MAX 0.3f /**< [m/s] most that the robot file allows */
+#define LEKIWI_OMEGA_MIN (-1.5707964f) /**< [rad/s] least that the robot file allows */
+#define LEKIWI_OMEGA_MAX 1.5707964f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} lekiwi_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} lekiwi_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } left_wheel;  /**< [rad/s] */
+    struct { float spin; } back_wheel;  /**< [rad/s] */
+    struct { float spin; } right_wheel; /**< [rad/s] */
+} lekiwi_wheels;
+
+/** Joints in the order of lekiwi_wheels. */
+enum lekiwi_joint {
+    LEKIWI_LEFT_WHEEL_SPIN, /**< [rad/s] left_wheel.spin */
+    LEKIWI_BACK_WHEEL_SPIN, /**< [rad/s] back_wheel.spin */
+    LEKIWI_RIGHT_WHEEL_SPIN, /**< [rad/s] right_wheel.spin */
+    LEKIWI_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum lekiwi_joint, for loops over all; of the first where there is none. */
+float *lekiwi_joint(lekiwi_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void lekiwi_inverse(const lekiwi_twist *twist, lekiwi_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void lekiwi_inverse_slip(const lekiwi_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void lekiwi_forward(const lekiwi_wheels *wheels, lekiwi_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void lekiwi_forward_slip(const lekiwi_wheels *wheels, lekiwi_twist *twist, float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void lekiwi_odometry(lekiwi_pose *pose, const lekiwi_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,15 +126,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   left_wheel: swedish, x 0.0625 m, y 0.108253 m, heading 150 deg, r 0.05 m, gamma 0 deg
- *   back_wheel: swedish, x -0.125 m, y 0 m, heading 270 deg, r 0.05 m, gamma 0 deg
- *   right_wheel: swedish, x 0.0625 m, y -0.108253 m, heading 30 deg, r 0.05 m, gamma 0 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  *
  * Proved for |vx| <= 0.3, |vy| <= 0.3, |omega| <= 1.5708, and with these ranges of inputs that have
  * no limits: |left_wheel.spin, right_wheel.spin| <= 12.1232, |back_wheel.spin| <= 9.927, |x| <=
@@ -51,104 +146,5 @@
  *   odometry: y in [-100.101, 100.101] m, off by 4.1e-06
  *   odometry: theta in [-12.7235, 12.7235] rad, off by 4.9e-07
  */
-#ifndef WMRGEN_LEKIWI_H
-#define WMRGEN_LEKIWI_H
-
-#define LEKIWI_MODEL_HASH "4b5a8f14e6f4af6bbfa42c22e9eee90a"
-#define LEKIWI_PAIR_ce61a1874dc06af7 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of lekiwi_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} lekiwi_inverse_in;
-
-/* Output of lekiwi_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } left_wheel;  /* [rad/s] */
-    struct { float spin; } back_wheel;  /* [rad/s] */
-    struct { float spin; } right_wheel; /* [rad/s] */
-} lekiwi_inverse_out;
-
-typedef lekiwi_inverse_in lekiwi_inverse_slip_in;
-
-/* Output of lekiwi_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} lekiwi_inverse_slip_out;
-
-/* Input of lekiwi_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } left_wheel;  /* [rad/s] */
-    struct { float spin; } back_wheel;  /* [rad/s] */
-    struct { float spin; } right_wheel; /* [rad/s] */
-} lekiwi_forward_in;
-
-/* Output of lekiwi_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} lekiwi_forward_out;
-
-typedef lekiwi_forward_in lekiwi_forward_slip_in;
-
-/* Output of lekiwi_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} lekiwi_forward_slip_out;
-
-/* Input of lekiwi_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} lekiwi_odometry_in;
-
-/* Output of lekiwi_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} lekiwi_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void lekiwi_inverse(const lekiwi_inverse_in *in, lekiwi_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void lekiwi_inverse_slip(const lekiwi_inverse_slip_in *in, lekiwi_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void lekiwi_forward(const lekiwi_forward_in *in, lekiwi_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void lekiwi_forward_slip(const lekiwi_forward_slip_in *in, lekiwi_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void lekiwi_odometry(const lekiwi_odometry_in *in, lekiwi_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_LEKIWI_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LEKIWI_PAIR_ce61a1874dc06af7)
+#if !defined(LEKIWI_PAIR_a582c18442a6f84e)
 #error "lekiwi_checked.c and lekiwi.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -32,24 +32,24 @@ static float lekiwi_held(const float x)
     return lekiwi_is_number(x) ? x : 0.0f;
 }
 
-lekiwi_status lekiwi_inverse_checked(const lekiwi_inverse_in *in, lekiwi_inverse_out *out)
+lekiwi_status lekiwi_inverse_checked(const lekiwi_twist *twist, lekiwi_wheels *out)
 {
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            lekiwi_is_number(in->vx) &&
-            lekiwi_is_number(in->vy) &&
-            lekiwi_is_number(in->omega)
+            lekiwi_is_number(twist->vx) &&
+            lekiwi_is_number(twist->vy) &&
+            lekiwi_is_number(twist->omega)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            lekiwi_is_within(in->vx, -0.3f, 0.3f) &&
-            lekiwi_is_within(in->vy, -0.3f, 0.3f) &&
-            lekiwi_is_within(in->omega, -1.5707964f, 1.5707964f)
+            lekiwi_is_within(twist->vx, -0.3f, 0.3f) &&
+            lekiwi_is_within(twist->vy, -0.3f, 0.3f) &&
+            lekiwi_is_within(twist->omega, -1.5707964f, 1.5707964f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
-        lekiwi_inverse(in, out);
+        lekiwi_inverse(twist, out);
     }
     if (status != LEKIWI_OK) {
         out->left_wheel.spin = 0.0f;
@@ -59,121 +59,120 @@ lekiwi_status lekiwi_inverse_checked(const lekiwi_inverse_in *in, lekiwi_inverse
     return status;
 }
 
-lekiwi_status lekiwi_inverse_slip_checked(
-    const lekiwi_inverse_slip_in *in,
-    lekiwi_inverse_slip_out *out)
+lekiwi_status lekiwi_inverse_slip_checked(const lekiwi_twist *twist, float *slip)
 {
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            lekiwi_is_number(in->vx) &&
-            lekiwi_is_number(in->vy) &&
-            lekiwi_is_number(in->omega)
+            lekiwi_is_number(twist->vx) &&
+            lekiwi_is_number(twist->vy) &&
+            lekiwi_is_number(twist->omega)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            lekiwi_is_within(in->vx, -0.3f, 0.3f) &&
-            lekiwi_is_within(in->vy, -0.3f, 0.3f) &&
-            lekiwi_is_within(in->omega, -1.5707964f, 1.5707964f)
+            lekiwi_is_within(twist->vx, -0.3f, 0.3f) &&
+            lekiwi_is_within(twist->vy, -0.3f, 0.3f) &&
+            lekiwi_is_within(twist->omega, -1.5707964f, 1.5707964f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
-        lekiwi_inverse_slip(in, out);
+        lekiwi_inverse_slip(twist, slip);
     }
     if (status != LEKIWI_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-lekiwi_status lekiwi_forward_checked(const lekiwi_forward_in *in, lekiwi_forward_out *out)
+lekiwi_status lekiwi_forward_checked(const lekiwi_wheels *wheels, lekiwi_twist *twist)
 {
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            lekiwi_is_number(in->left_wheel.spin) &&
-            lekiwi_is_number(in->back_wheel.spin) &&
-            lekiwi_is_number(in->right_wheel.spin)
+            lekiwi_is_number(wheels->left_wheel.spin) &&
+            lekiwi_is_number(wheels->back_wheel.spin) &&
+            lekiwi_is_number(wheels->right_wheel.spin)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            lekiwi_is_within(in->left_wheel.spin, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->back_wheel.spin, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->right_wheel.spin, -1e9f, 1e9f)
+            lekiwi_is_within(wheels->left_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(wheels->back_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(wheels->right_wheel.spin, -1e9f, 1e9f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
-        lekiwi_forward(in, out);
+        lekiwi_forward(wheels, twist);
     }
     if (status != LEKIWI_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 lekiwi_status lekiwi_forward_slip_checked(
-    const lekiwi_forward_slip_in *in,
-    lekiwi_forward_slip_out *out)
+    const lekiwi_wheels *wheels,
+    lekiwi_twist *twist,
+    float *slip)
 {
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            lekiwi_is_number(in->left_wheel.spin) &&
-            lekiwi_is_number(in->back_wheel.spin) &&
-            lekiwi_is_number(in->right_wheel.spin)
+            lekiwi_is_number(wheels->left_wheel.spin) &&
+            lekiwi_is_number(wheels->back_wheel.spin) &&
+            lekiwi_is_number(wheels->right_wheel.spin)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            lekiwi_is_within(in->left_wheel.spin, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->back_wheel.spin, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->right_wheel.spin, -1e9f, 1e9f)
+            lekiwi_is_within(wheels->left_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(wheels->back_wheel.spin, -1e9f, 1e9f) &&
+            lekiwi_is_within(wheels->right_wheel.spin, -1e9f, 1e9f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
-        lekiwi_forward_slip(in, out);
+        lekiwi_forward_slip(wheels, twist, slip);
     }
     if (status != LEKIWI_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-lekiwi_status lekiwi_odometry_checked(const lekiwi_odometry_in *in, lekiwi_odometry_out *out)
+lekiwi_status lekiwi_odometry_checked(lekiwi_pose *pose, const lekiwi_twist *twist, float dt)
 {
     lekiwi_status status = LEKIWI_OK;
 
     if (!(
-            lekiwi_is_number(in->x) &&
-            lekiwi_is_number(in->y) &&
-            lekiwi_is_number(in->theta) &&
-            lekiwi_is_number(in->vx) &&
-            lekiwi_is_number(in->vy) &&
-            lekiwi_is_number(in->omega) &&
-            lekiwi_is_number(in->dt)
+            lekiwi_is_number(pose->x) &&
+            lekiwi_is_number(pose->y) &&
+            lekiwi_is_number(pose->theta) &&
+            lekiwi_is_number(twist->vx) &&
+            lekiwi_is_number(twist->vy) &&
+            lekiwi_is_number(twist->omega) &&
+            lekiwi_is_number(dt)
         )) {
         status = LEKIWI_NOT_A_NUMBER;
     } else if (!(
-            lekiwi_is_within(in->x, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->y, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->theta, -1e4f, 1e4f) &&
-            lekiwi_is_within(in->vx, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->vy, -1e9f, 1e9f) &&
-            lekiwi_is_within(in->omega, -200.0f, 200.0f) &&
-            lekiwi_is_within(in->dt, -10.0f, 10.0f)
+            lekiwi_is_within(pose->x, -1e9f, 1e9f) &&
+            lekiwi_is_within(pose->y, -1e9f, 1e9f) &&
+            lekiwi_is_within(pose->theta, -1e4f, 1e4f) &&
+            lekiwi_is_within(twist->vx, -1e9f, 1e9f) &&
+            lekiwi_is_within(twist->vy, -1e9f, 1e9f) &&
+            lekiwi_is_within(twist->omega, -200.0f, 200.0f) &&
+            lekiwi_is_within(dt, -10.0f, 10.0f)
         )) {
         status = LEKIWI_OUT_OF_RANGE;
     } else {
-        lekiwi_odometry(in, out);
+        lekiwi_odometry(pose, twist, dt);
     }
     if (status != LEKIWI_OK) {
-        out->x = lekiwi_held(in->x);
-        out->y = lekiwi_held(in->y);
-        out->theta = lekiwi_held(in->theta);
+        pose->x = lekiwi_held(pose->x);
+        pose->y = lekiwi_held(pose->y);
+        pose->theta = lekiwi_held(pose->theta);
     }
     return status;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_73df83beeec3cd1b)
+#if !defined(LOCKED_BICYCLE_PAIR_1e24a7e6164c88d6)
 #error "locked_bicycle.c and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,56 +146,68 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void locked_bicycle_inverse(const locked_bicycle_inverse_in *in, locked_bicycle_inverse_out *out)
+/* The members of locked_bicycle_wheels lie as an array does. */
+typedef char locked_bicycle_wheels_are_joints[
+    ((sizeof(locked_bicycle_wheels) / sizeof(float)) == (unsigned int)LOCKED_BICYCLE_JOINTS) ? 1 : -1];
+
+float *locked_bicycle_joint(locked_bicycle_wheels *wheels, int joint)
 {
-    const float t0 = 10.0f * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)LOCKED_BICYCLE_JOINTS)) ? joint : 0];
+}
+
+void locked_bicycle_inverse(const locked_bicycle_twist *twist, locked_bicycle_wheels *out)
+{
+    const float t0 = 10.0f * twist->vx;
 
     out->front.spin = t0;
     out->rear.spin = t0;
 }
 
-void locked_bicycle_inverse_slip(
-    const locked_bicycle_inverse_slip_in *in,
-    locked_bicycle_inverse_slip_out *out)
+void locked_bicycle_inverse_slip(const locked_bicycle_twist *twist, float *slip)
 {
-    const float t0 = 0.6f * in->omega;
-    const float t1 = in->vy + t0;
-    const float t2 = in->vy - t0;
+    const float t0 = 0.6f * twist->omega;
+    const float t1 = twist->vy + t0;
+    const float t2 = twist->vy - t0;
 
-    out->slip = sqrtf(0.5f * fmaf(t1, t1, t2 * t2));
+    *slip = sqrtf(0.5f * fmaf(t1, t1, t2 * t2));
 }
 
-void locked_bicycle_forward(const locked_bicycle_forward_in *in, locked_bicycle_forward_out *out)
+void locked_bicycle_forward(const locked_bicycle_wheels *wheels, locked_bicycle_twist *twist)
 {
-    out->vx = 0.05f * (in->front.spin + in->rear.spin);
-    out->vy = 0.0f;
-    out->omega = 0.0f;
+    const float t0 = 0.05f * (wheels->front.spin + wheels->rear.spin);
+
+    twist->vx = t0;
+    twist->vy = 0.0f;
+    twist->omega = 0.0f;
 }
 
 void locked_bicycle_forward_slip(
-    const locked_bicycle_forward_slip_in *in,
-    locked_bicycle_forward_slip_out *out)
+    const locked_bicycle_wheels *wheels,
+    locked_bicycle_twist *twist,
+    float *slip)
 {
-    const float t0 = 0.07071068f * (in->front.spin - in->rear.spin);
+    const float t0 = 0.05f * (wheels->front.spin + wheels->rear.spin);
+    const float t1 = 0.07071068f * (wheels->front.spin - wheels->rear.spin);
 
-    out->vx = 0.05f * (in->front.spin + in->rear.spin);
-    out->vy = 0.0f;
-    out->omega = 0.0f;
-    out->slip = fabsf(t0);
+    twist->vx = t0;
+    twist->vy = 0.0f;
+    twist->omega = 0.0f;
+    *slip = fabsf(t1);
 }
 
 void locked_bicycle_odometry(
-    const locked_bicycle_odometry_in *in,
-    locked_bicycle_odometry_out *out)
+    locked_bicycle_pose *pose,
+    const locked_bicycle_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

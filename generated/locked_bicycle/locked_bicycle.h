@@ -6,7 +6,103 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   front: fixed, x 0.6 m, y 0 m, heading 0 deg, r 0.1 m
+ *   rear: fixed, x -0.6 m, y 0 m, heading 0 deg, r 0.1 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     locked_bicycle_twist twist = {0.5f, 0.0f, 0.2f};
+ *     locked_bicycle_wheels wheels = {{0.0f}};
+ *     locked_bicycle_pose pose = {0.0f, 0.0f, 0.0f};
+ *     locked_bicycle_inverse(&twist, &wheels);
+ *     locked_bicycle_forward(&wheels, &twist);
+ *     locked_bicycle_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_LOCKED_BICYCLE_H
+#define WMRGEN_LOCKED_BICYCLE_H
+
+#define LOCKED_BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define LOCKED_BICYCLE_MODEL_HASH "91600d4b3ec19e7f48d61777f70d3063" /**< digest of the model */
+#define LOCKED_BICYCLE_PAIR_1e24a7e6164c88d6 1 /**< header and source that were written together have the same */
+#define LOCKED_BICYCLE_FRONT_X 0.6f /**< [m] pivot, forward of P */
+#define LOCKED_BICYCLE_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
+#define LOCKED_BICYCLE_FRONT_RADIUS 0.1f /**< [m] radius */
+#define LOCKED_BICYCLE_REAR_X (-0.6f) /**< [m] pivot, forward of P */
+#define LOCKED_BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */
+#define LOCKED_BICYCLE_REAR_RADIUS 0.1f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} locked_bicycle_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} locked_bicycle_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } front; /**< [rad/s] */
+    struct { float spin; } rear;  /**< [rad/s] */
+} locked_bicycle_wheels;
+
+/** Joints in the order of locked_bicycle_wheels. */
+enum locked_bicycle_joint {
+    LOCKED_BICYCLE_FRONT_SPIN, /**< [rad/s] front.spin */
+    LOCKED_BICYCLE_REAR_SPIN, /**< [rad/s] rear.spin */
+    LOCKED_BICYCLE_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum locked_bicycle_joint, for loops over all; of the first where there is none. */
+float *locked_bicycle_joint(locked_bicycle_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 1 multiplication. */
+void locked_bicycle_inverse(const locked_bicycle_twist *twist, locked_bicycle_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 3 additions, 4 multiplications, 1 square root. */
+void locked_bicycle_inverse_slip(const locked_bicycle_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 1 addition, 1 multiplication. */
+void locked_bicycle_forward(const locked_bicycle_wheels *wheels, locked_bicycle_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 2 additions, 2 multiplications, 1 sign operation. */
+void locked_bicycle_forward_slip(
+    const locked_bicycle_wheels *wheels,
+    locked_bicycle_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void locked_bicycle_odometry(
+    locked_bicycle_pose *pose,
+    const locked_bicycle_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,115 +118,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   front: fixed, x 0.6 m, y 0 m, heading 0 deg, r 0.1 m
- *   rear: fixed, x -0.6 m, y 0 m, heading 0 deg, r 0.1 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_LOCKED_BICYCLE_H
-#define WMRGEN_LOCKED_BICYCLE_H
-
-#define LOCKED_BICYCLE_MODEL_HASH "91600d4b3ec19e7f48d61777f70d3063"
-#define LOCKED_BICYCLE_PAIR_73df83beeec3cd1b 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of locked_bicycle_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} locked_bicycle_inverse_in;
-
-/* Output of locked_bicycle_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } front; /* [rad/s] */
-    struct { float spin; } rear;  /* [rad/s] */
-} locked_bicycle_inverse_out;
-
-typedef locked_bicycle_inverse_in locked_bicycle_inverse_slip_in;
-
-/* Output of locked_bicycle_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} locked_bicycle_inverse_slip_out;
-
-/* Input of locked_bicycle_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } front; /* [rad/s] */
-    struct { float spin; } rear;  /* [rad/s] */
-} locked_bicycle_forward_in;
-
-/* Output of locked_bicycle_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} locked_bicycle_forward_out;
-
-typedef locked_bicycle_forward_in locked_bicycle_forward_slip_in;
-
-/* Output of locked_bicycle_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} locked_bicycle_forward_slip_out;
-
-/* Input of locked_bicycle_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} locked_bicycle_odometry_in;
-
-/* Output of locked_bicycle_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} locked_bicycle_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 1 multiplication. */
-void locked_bicycle_inverse(const locked_bicycle_inverse_in *in, locked_bicycle_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 3 additions, 4 multiplications, 1 square root. */
-void locked_bicycle_inverse_slip(
-    const locked_bicycle_inverse_slip_in *in,
-    locked_bicycle_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 1 addition, 1 multiplication. */
-void locked_bicycle_forward(const locked_bicycle_forward_in *in, locked_bicycle_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 2 additions, 2 multiplications, 1 sign operation. */
-void locked_bicycle_forward_slip(
-    const locked_bicycle_forward_slip_in *in,
-    locked_bicycle_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void locked_bicycle_odometry(
-    const locked_bicycle_odometry_in *in,
-    locked_bicycle_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_LOCKED_BICYCLE_H */

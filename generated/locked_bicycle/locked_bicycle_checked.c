@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_73df83beeec3cd1b)
+#if !defined(LOCKED_BICYCLE_PAIR_1e24a7e6164c88d6)
 #error "locked_bicycle_checked.c and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,25 +33,25 @@ static float locked_bicycle_held(const float x)
 }
 
 locked_bicycle_status locked_bicycle_inverse_checked(
-    const locked_bicycle_inverse_in *in,
-    locked_bicycle_inverse_out *out)
+    const locked_bicycle_twist *twist,
+    locked_bicycle_wheels *out)
 {
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            locked_bicycle_is_number(in->vx) &&
-            locked_bicycle_is_number(in->vy) &&
-            locked_bicycle_is_number(in->omega)
+            locked_bicycle_is_number(twist->vx) &&
+            locked_bicycle_is_number(twist->vy) &&
+            locked_bicycle_is_number(twist->omega)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            locked_bicycle_is_within(in->vx, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->vy, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->omega, -200.0f, 200.0f)
+            locked_bicycle_is_within(twist->vx, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
-        locked_bicycle_inverse(in, out);
+        locked_bicycle_inverse(twist, out);
     }
     if (status != LOCKED_BICYCLE_OK) {
         out->front.spin = 0.0f;
@@ -61,120 +61,122 @@ locked_bicycle_status locked_bicycle_inverse_checked(
 }
 
 locked_bicycle_status locked_bicycle_inverse_slip_checked(
-    const locked_bicycle_inverse_slip_in *in,
-    locked_bicycle_inverse_slip_out *out)
+    const locked_bicycle_twist *twist,
+    float *slip)
 {
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            locked_bicycle_is_number(in->vx) &&
-            locked_bicycle_is_number(in->vy) &&
-            locked_bicycle_is_number(in->omega)
+            locked_bicycle_is_number(twist->vx) &&
+            locked_bicycle_is_number(twist->vy) &&
+            locked_bicycle_is_number(twist->omega)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            locked_bicycle_is_within(in->vx, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->vy, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->omega, -200.0f, 200.0f)
+            locked_bicycle_is_within(twist->vx, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
-        locked_bicycle_inverse_slip(in, out);
+        locked_bicycle_inverse_slip(twist, slip);
     }
     if (status != LOCKED_BICYCLE_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 locked_bicycle_status locked_bicycle_forward_checked(
-    const locked_bicycle_forward_in *in,
-    locked_bicycle_forward_out *out)
+    const locked_bicycle_wheels *wheels,
+    locked_bicycle_twist *twist)
 {
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            locked_bicycle_is_number(in->front.spin) &&
-            locked_bicycle_is_number(in->rear.spin)
+            locked_bicycle_is_number(wheels->front.spin) &&
+            locked_bicycle_is_number(wheels->rear.spin)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            locked_bicycle_is_within(in->front.spin, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->rear.spin, -1e9f, 1e9f)
+            locked_bicycle_is_within(wheels->front.spin, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(wheels->rear.spin, -1e9f, 1e9f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
-        locked_bicycle_forward(in, out);
+        locked_bicycle_forward(wheels, twist);
     }
     if (status != LOCKED_BICYCLE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 locked_bicycle_status locked_bicycle_forward_slip_checked(
-    const locked_bicycle_forward_slip_in *in,
-    locked_bicycle_forward_slip_out *out)
+    const locked_bicycle_wheels *wheels,
+    locked_bicycle_twist *twist,
+    float *slip)
 {
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            locked_bicycle_is_number(in->front.spin) &&
-            locked_bicycle_is_number(in->rear.spin)
+            locked_bicycle_is_number(wheels->front.spin) &&
+            locked_bicycle_is_number(wheels->rear.spin)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            locked_bicycle_is_within(in->front.spin, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->rear.spin, -1e9f, 1e9f)
+            locked_bicycle_is_within(wheels->front.spin, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(wheels->rear.spin, -1e9f, 1e9f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
-        locked_bicycle_forward_slip(in, out);
+        locked_bicycle_forward_slip(wheels, twist, slip);
     }
     if (status != LOCKED_BICYCLE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 locked_bicycle_status locked_bicycle_odometry_checked(
-    const locked_bicycle_odometry_in *in,
-    locked_bicycle_odometry_out *out)
+    locked_bicycle_pose *pose,
+    const locked_bicycle_twist *twist,
+    float dt)
 {
     locked_bicycle_status status = LOCKED_BICYCLE_OK;
 
     if (!(
-            locked_bicycle_is_number(in->x) &&
-            locked_bicycle_is_number(in->y) &&
-            locked_bicycle_is_number(in->theta) &&
-            locked_bicycle_is_number(in->vx) &&
-            locked_bicycle_is_number(in->vy) &&
-            locked_bicycle_is_number(in->omega) &&
-            locked_bicycle_is_number(in->dt)
+            locked_bicycle_is_number(pose->x) &&
+            locked_bicycle_is_number(pose->y) &&
+            locked_bicycle_is_number(pose->theta) &&
+            locked_bicycle_is_number(twist->vx) &&
+            locked_bicycle_is_number(twist->vy) &&
+            locked_bicycle_is_number(twist->omega) &&
+            locked_bicycle_is_number(dt)
         )) {
         status = LOCKED_BICYCLE_NOT_A_NUMBER;
     } else if (!(
-            locked_bicycle_is_within(in->x, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->y, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->theta, -1e4f, 1e4f) &&
-            locked_bicycle_is_within(in->vx, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->vy, -1e9f, 1e9f) &&
-            locked_bicycle_is_within(in->omega, -200.0f, 200.0f) &&
-            locked_bicycle_is_within(in->dt, -10.0f, 10.0f)
+            locked_bicycle_is_within(pose->x, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(pose->y, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(pose->theta, -1e4f, 1e4f) &&
+            locked_bicycle_is_within(twist->vx, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            locked_bicycle_is_within(twist->omega, -200.0f, 200.0f) &&
+            locked_bicycle_is_within(dt, -10.0f, 10.0f)
         )) {
         status = LOCKED_BICYCLE_OUT_OF_RANGE;
     } else {
-        locked_bicycle_odometry(in, out);
+        locked_bicycle_odometry(pose, twist, dt);
     }
     if (status != LOCKED_BICYCLE_OK) {
-        out->x = locked_bicycle_held(in->x);
-        out->y = locked_bicycle_held(in->y);
-        out->theta = locked_bicycle_held(in->theta);
+        pose->x = locked_bicycle_held(pose->x);
+        pose->y = locked_bicycle_held(pose->y);
+        pose->theta = locked_bicycle_held(pose->theta);
     }
     return status;
 }

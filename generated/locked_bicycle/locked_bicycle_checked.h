@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_73df83beeec3cd1b)
+#if !defined(LOCKED_BICYCLE_PAIR_1e24a7e6164c88d6)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,34 @@ typedef enum {
 /* locked_bicycle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s. */
 locked_bicycle_status locked_bicycle_inverse_checked(
-    const locked_bicycle_inverse_in *in,
-    locked_bicycle_inverse_out *out);
+    const locked_bicycle_twist *twist,
+    locked_bicycle_wheels *out);
 
 /* locked_bicycle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
 locked_bicycle_status locked_bicycle_inverse_slip_checked(
-    const locked_bicycle_inverse_slip_in *in,
-    locked_bicycle_inverse_slip_out *out);
+    const locked_bicycle_twist *twist,
+    float *slip);
 
 /* locked_bicycle_forward() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to 1e9
  * rad/s. */
 locked_bicycle_status locked_bicycle_forward_checked(
-    const locked_bicycle_forward_in *in,
-    locked_bicycle_forward_out *out);
+    const locked_bicycle_wheels *wheels,
+    locked_bicycle_twist *twist);
 
 /* locked_bicycle_forward_slip() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to
  * 1e9 rad/s. */
 locked_bicycle_status locked_bicycle_forward_slip_checked(
-    const locked_bicycle_forward_slip_in *in,
-    locked_bicycle_forward_slip_out *out);
+    const locked_bicycle_wheels *wheels,
+    locked_bicycle_twist *twist,
+    float *slip);
 
 /* locked_bicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 locked_bicycle_status locked_bicycle_odometry_checked(
-    const locked_bicycle_odometry_in *in,
-    locked_bicycle_odometry_out *out);
+    locked_bicycle_pose *pose,
+    const locked_bicycle_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

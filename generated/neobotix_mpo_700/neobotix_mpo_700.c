@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_32f6a934555df37e)
+#if !defined(NEOBOTIX_MPO_700_PAIR_66c4ea8380330dbf)
 #error "neobotix_mpo_700.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,29 +146,39 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void neobotix_mpo_700_inverse(
-    const neobotix_mpo_700_inverse_in *in,
-    neobotix_mpo_700_inverse_out *out)
+/* The members of neobotix_mpo_700_wheels lie as an array does. */
+typedef char neobotix_mpo_700_wheels_are_joints[
+    ((sizeof(neobotix_mpo_700_wheels) / sizeof(float)) == (unsigned int)NEOBOTIX_MPO_700_JOINTS) ? 1 : -1];
+
+float *neobotix_mpo_700_joint(neobotix_mpo_700_wheels *wheels, int joint)
 {
-    const float t0 = 4.2222223f * in->omega;
-    const float t1 = (-22.222221f) * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)NEOBOTIX_MPO_700_JOINTS)) ? joint : 0];
+}
+
+void neobotix_mpo_700_inverse(
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *now,
+    neobotix_mpo_700_wheels *out)
+{
+    const float t0 = 4.2222223f * twist->omega;
+    const float t1 = (-22.222221f) * twist->vx;
     const float front_left_a = t0 + t1; /* front left a, back left a */
-    const float t2 = (-22.222221f) * in->vy;
-    const float t3 = 5.3333335f * in->omega;
+    const float t2 = (-22.222221f) * twist->vy;
+    const float t3 = 5.3333335f * twist->omega;
     const float front_left_b = t2 - t3; /* front left b, front right b */
-    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
+    const wmrgen_vector front_left = wmrgen_direction(now->front_left.steer);
     const float t4 = fmaf(front_left_a, front_left.x, front_left_b * front_left.y);
-    const float t5 = -in->omega;
+    const float t5 = -twist->omega;
     const float t6 = fmaf(-front_left.x, front_left_b, fmaf(front_left_a, front_left.y, t5));
     const float back_left_b = t2 + t3; /* back left b, back right b */
-    const wmrgen_vector back_left = wmrgen_direction(in->back_left.steer);
+    const wmrgen_vector back_left = wmrgen_direction(now->back_left.steer);
     const float t7 = fmaf(front_left_a, back_left.x, back_left_b * back_left.y);
     const float t8 = fmaf(-back_left.x, back_left_b, fmaf(front_left_a, back_left.y, t5));
     const float back_right_a = t1 - t0; /* back right a, front right a */
-    const wmrgen_vector back_right = wmrgen_direction(in->back_right.steer);
+    const wmrgen_vector back_right = wmrgen_direction(now->back_right.steer);
     const float t9 = fmaf(back_right_a, back_right.x, back_left_b * back_right.y);
     const float t10 = fmaf(-back_left_b, back_right.x, fmaf(back_right_a, back_right.y, t5));
-    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
+    const wmrgen_vector front_right = wmrgen_direction(now->front_right.steer);
     const float t11 = fmaf(back_right_a, front_right.x, front_left_b * front_right.y);
     const float t12 = fmaf(-front_left_b, front_right.x, fmaf(back_right_a, front_right.y, t5));
 
@@ -183,141 +193,146 @@ void neobotix_mpo_700_inverse(
 }
 
 void neobotix_mpo_700_inverse_slip(
-    const neobotix_mpo_700_inverse_slip_in *in,
-    neobotix_mpo_700_inverse_slip_out *out)
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *wheels,
+    float *slip)
 {
-    (void)in;
+    (void)twist;
+    (void)wheels;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void neobotix_mpo_700_forward(
-    const neobotix_mpo_700_forward_in *in,
-    neobotix_mpo_700_forward_out *out)
+void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mpo_700_twist *twist)
 {
-    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
-    const float t0 = 2.0f * in->front_left.spin;
-    const float front_left_wy = fmaf(front_left.x, in->front_left.steer_rate, front_left.y * t0); /* front_left: its velocity, y */
-    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
-    const float t1 = 2.0f * in->front_right.spin;
-    const float front_right_wy = fmaf(front_right.x, in->front_right.steer_rate, front_right.y * t1); /* front_right: its velocity, y */
+    const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
+    const float t0 = 2.0f * wheels->front_left.spin;
+    const float front_left_wy = fmaf(front_left.x, wheels->front_left.steer_rate, front_left.y * t0); /* front_left: its velocity, y */
+    const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
+    const float t1 = 2.0f * wheels->front_right.spin;
+    const float front_right_wy = fmaf(front_right.x, wheels->front_right.steer_rate, front_right.y * t1); /* front_right: its velocity, y */
     const float t2 = front_left_wy + front_right_wy;
-    const wmrgen_vector back_left = wmrgen_direction(in->back_left.steer);
-    const float t3 = 2.0f * in->back_left.spin;
-    const float back_left_wy = fmaf(back_left.x, in->back_left.steer_rate, back_left.y * t3); /* back_left: its velocity, y */
-    const wmrgen_vector back_right = wmrgen_direction(in->back_right.steer);
-    const float t4 = 2.0f * in->back_right.spin;
-    const float back_right_wy = fmaf(back_right.x, in->back_right.steer_rate, back_right.y * t4); /* back_right: its velocity, y */
+    const wmrgen_vector back_left = wmrgen_direction(wheels->back_left.steer);
+    const float t3 = 2.0f * wheels->back_left.spin;
+    const float back_left_wy = fmaf(back_left.x, wheels->back_left.steer_rate, back_left.y * t3); /* back_left: its velocity, y */
+    const wmrgen_vector back_right = wmrgen_direction(wheels->back_right.steer);
+    const float t4 = 2.0f * wheels->back_right.spin;
+    const float back_right_wy = fmaf(back_right.x, wheels->back_right.steer_rate, back_right.y * t4); /* back_right: its velocity, y */
     const float t5 = back_left_wy + back_right_wy;
-    const float back_right_wx = fmaf(back_right.x, t4, -(in->back_right.steer_rate * back_right.y)); /* back_right: its velocity, x */
-    const float t6 = -(in->front_right.steer_rate * front_right.y);
-    const float t7 = back_right_wx + fmaf(front_right.x, t1, t6);
-    const float front_left_wx = fmaf(front_left.x, t0, -(in->front_left.steer_rate * front_left.y)); /* front_left: its velocity, x */
-    const float back_left_wx = fmaf(back_left.x, t3, -(in->back_left.steer_rate * back_left.y)); /* back_left: its velocity, x */
-    const float t8 = front_left_wx + back_left_wx;
-    const float t9 = in->front_left.steer_rate + in->back_left.steer_rate;
-    const float t10 = in->front_right.steer_rate + (in->back_right.steer_rate + t9);
-    const float moment = fmaf(21.333334f, t2 - t5, fmaf(16.88889f, t7 - t8, -(4.0f * t10))); /* moment */
+    const float t6 = -(wheels->back_right.steer_rate * back_right.y);
+    const float t7 = wheels->front_right.steer_rate * front_right.y;
+    const float t8 = fmaf(back_right.x, t4, t6) + fmaf(front_right.x, t1, -t7);
+    const float t9 = -(wheels->front_left.steer_rate * front_left.y);
+    const float t10 = -(wheels->back_left.steer_rate * back_left.y);
+    const float t11 = fmaf(front_left.x, t0, t9) + fmaf(back_left.x, t3, t10);
+    const float t12 = wheels->front_left.steer_rate + wheels->back_left.steer_rate;
+    const float t13 = wheels->front_right.steer_rate + (wheels->back_right.steer_rate + t12);
+    const float moment = fmaf(21.333334f, t2 - t5, fmaf(16.88889f, t8 - t11, -(4.0f * t13))); /* moment */
     const float sum_wy = t5 + t2; /* sum: its velocity, y */
-    const float t11 = back_left.x + back_right.x;
-    const float t12 = front_left.x + front_right.x;
-    const float t13 = t11 + t12;
-    const float sum_wx = t7 + t8; /* sum: its velocity, x */
-    const float t14 = back_right.y + front_right.y;
-    const float t15 = front_left.y + back_left.y;
+    const float t14 = back_left.x + back_right.x;
+    const float t15 = front_left.x + front_right.x;
     const float t16 = t14 + t15;
-    const float t17 = fmaf(-sum_wx, t16, fmaf(t13, sum_wy, moment));
-    const float inertia = fmaf(33.77778f, t14 - t15, fmaf(42.666668f, t11 - t12, 756.3457f)); /* inertia */
-    const float t18 = -t16;
-    const float omega_fit = t17 / fmaf(t18, t16, fmaf(-t13, t13, inertia)); /* omega */
+    const float sum_wx = t8 + t11; /* sum: its velocity, x */
+    const float t17 = back_right.y + front_right.y;
+    const float t18 = front_left.y + back_left.y;
+    const float t19 = t17 + t18;
+    const float t20 = fmaf(-sum_wx, t19, fmaf(t16, sum_wy, moment));
+    const float inertia = fmaf(33.77778f, t17 - t18, fmaf(42.666668f, t14 - t15, 756.3457f)); /* inertia */
+    const float t21 = -t19;
+    const float omega_fit = t20 / fmaf(t21, t19, fmaf(-t16, t16, inertia)); /* omega */
 
-    out->vx = 0.01125f * fmaf(t18, omega_fit, sum_wx);
-    out->vy = 0.01125f * fmaf(t13, omega_fit, sum_wy);
-    out->omega = omega_fit;
+    twist->vx = 0.01125f * fmaf(t21, omega_fit, sum_wx);
+    twist->vy = 0.01125f * fmaf(t16, omega_fit, sum_wy);
+    twist->omega = omega_fit;
 }
 
 void neobotix_mpo_700_forward_slip(
-    const neobotix_mpo_700_forward_slip_in *in,
-    neobotix_mpo_700_forward_slip_out *out)
+    const neobotix_mpo_700_wheels *wheels,
+    neobotix_mpo_700_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector front_left = wmrgen_direction(in->front_left.steer);
-    const float t0 = 2.0f * in->front_left.spin;
-    const float front_left_wy = fmaf(front_left.x, in->front_left.steer_rate, front_left.y * t0); /* front_left: its velocity, y */
-    const wmrgen_vector front_right = wmrgen_direction(in->front_right.steer);
-    const float t1 = 2.0f * in->front_right.spin;
-    const float front_right_wy = fmaf(front_right.x, in->front_right.steer_rate, front_right.y * t1); /* front_right: its velocity, y */
+    const wmrgen_vector front_left = wmrgen_direction(wheels->front_left.steer);
+    const float t0 = 2.0f * wheels->front_left.spin;
+    const float front_left_wy = fmaf(front_left.x, wheels->front_left.steer_rate, front_left.y * t0); /* front_left: its velocity, y */
+    const wmrgen_vector front_right = wmrgen_direction(wheels->front_right.steer);
+    const float t1 = 2.0f * wheels->front_right.spin;
+    const float front_right_wy = fmaf(front_right.x, wheels->front_right.steer_rate, front_right.y * t1); /* front_right: its velocity, y */
     const float t2 = front_left_wy + front_right_wy;
-    const wmrgen_vector back_left = wmrgen_direction(in->back_left.steer);
-    const float t3 = 2.0f * in->back_left.spin;
-    const float back_left_wy = fmaf(back_left.x, in->back_left.steer_rate, back_left.y * t3); /* back_left: its velocity, y */
-    const wmrgen_vector back_right = wmrgen_direction(in->back_right.steer);
-    const float t4 = 2.0f * in->back_right.spin;
-    const float back_right_wy = fmaf(back_right.x, in->back_right.steer_rate, back_right.y * t4); /* back_right: its velocity, y */
+    const wmrgen_vector back_left = wmrgen_direction(wheels->back_left.steer);
+    const float t3 = 2.0f * wheels->back_left.spin;
+    const float back_left_wy = fmaf(back_left.x, wheels->back_left.steer_rate, back_left.y * t3); /* back_left: its velocity, y */
+    const wmrgen_vector back_right = wmrgen_direction(wheels->back_right.steer);
+    const float t4 = 2.0f * wheels->back_right.spin;
+    const float back_right_wy = fmaf(back_right.x, wheels->back_right.steer_rate, back_right.y * t4); /* back_right: its velocity, y */
     const float t5 = back_left_wy + back_right_wy;
-    const float back_right_wx = fmaf(back_right.x, t4, -(in->back_right.steer_rate * back_right.y)); /* back_right: its velocity, x */
-    const float t6 = -(in->front_right.steer_rate * front_right.y);
-    const float front_right_wx = fmaf(front_right.x, t1, t6); /* front_right: its velocity, x */
-    const float t7 = back_right_wx + front_right_wx;
-    const float front_left_wx = fmaf(front_left.x, t0, -(in->front_left.steer_rate * front_left.y)); /* front_left: its velocity, x */
-    const float back_left_wx = fmaf(back_left.x, t3, -(in->back_left.steer_rate * back_left.y)); /* back_left: its velocity, x */
-    const float t8 = front_left_wx + back_left_wx;
-    const float t9 = in->front_left.steer_rate + in->back_left.steer_rate;
-    const float t10 = in->front_right.steer_rate + (in->back_right.steer_rate + t9);
-    const float moment = fmaf(21.333334f, t2 - t5, fmaf(16.88889f, t7 - t8, -(4.0f * t10))); /* moment */
+    const float t6 = -(wheels->back_right.steer_rate * back_right.y);
+    const float back_right_wx = fmaf(back_right.x, t4, t6); /* back_right: its velocity, x */
+    const float t7 = wheels->front_right.steer_rate * front_right.y;
+    const float front_right_wx = fmaf(front_right.x, t1, -t7); /* front_right: its velocity, x */
+    const float t8 = back_right_wx + front_right_wx;
+    const float t9 = -(wheels->front_left.steer_rate * front_left.y);
+    const float front_left_wx = fmaf(front_left.x, t0, t9); /* front_left: its velocity, x */
+    const float t10 = -(wheels->back_left.steer_rate * back_left.y);
+    const float back_left_wx = fmaf(back_left.x, t3, t10); /* back_left: its velocity, x */
+    const float t11 = front_left_wx + back_left_wx;
+    const float t12 = wheels->front_left.steer_rate + wheels->back_left.steer_rate;
+    const float t13 = wheels->front_right.steer_rate + (wheels->back_right.steer_rate + t12);
+    const float moment = fmaf(21.333334f, t2 - t5, fmaf(16.88889f, t8 - t11, -(4.0f * t13))); /* moment */
     const float sum_wy = t5 + t2; /* sum: its velocity, y */
-    const float t11 = back_left.x + back_right.x;
-    const float t12 = front_left.x + front_right.x;
-    const float t13 = t11 + t12;
-    const float sum_wx = t7 + t8; /* sum: its velocity, x */
-    const float t14 = back_right.y + front_right.y;
-    const float t15 = front_left.y + back_left.y;
+    const float t14 = back_left.x + back_right.x;
+    const float t15 = front_left.x + front_right.x;
     const float t16 = t14 + t15;
-    const float t17 = fmaf(-sum_wx, t16, fmaf(t13, sum_wy, moment));
-    const float inertia = fmaf(33.77778f, t14 - t15, fmaf(42.666668f, t11 - t12, 756.3457f)); /* inertia */
-    const float t18 = -t16;
-    const float omega_fit = t17 / fmaf(t18, t16, fmaf(-t13, t13, inertia)); /* omega */
-    const float t19 = 0.01125f * fmaf(t18, omega_fit, sum_wx);
-    const float t20 = 0.01125f * fmaf(t13, omega_fit, sum_wy);
-    const float t21 = 0.19f * omega_fit;
-    const float t22 = t21 - t19;
-    const float t23 = fmaf(-front_left.y, omega_fit, front_left_wx);
-    const float error_0 = fmaf(0.045f, t23, t22); /* residual 0 */
-    const float t24 = (-0.24f) * omega_fit;
-    const float t25 = t24 - t20;
-    const float error_1 = fmaf(0.045f, fmaf(front_left.x, omega_fit, front_left_wy), t25); /* residual 1 */
-    const float error_2 = fmaf(0.045f, fmaf(-back_left.y, omega_fit, back_left_wx), t22); /* residual 2 */
-    const float t26 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float t27 = -(t20 + t24);
-    const float error_3 = fmaf(0.045f, fmaf(back_left.x, omega_fit, back_left_wy), t27); /* residual 3 */
-    const float t28 = -(t19 + t21);
-    const float t29 = fmaf(-back_right.y, omega_fit, back_right_wx);
-    const float error_4 = fmaf(0.045f, t29, t28); /* residual 4 */
-    const float t30 = fmaf(error_4, error_4, fmaf(error_3, error_3, t26));
-    const float error_5 = fmaf(0.045f, fmaf(back_right.x, omega_fit, back_right_wy), t27); /* residual 5 */
-    const float t31 = fmaf(-front_right.y, omega_fit, front_right_wx);
-    const float error_6 = fmaf(0.045f, t31, t28); /* residual 6 */
-    const float t32 = fmaf(error_6, error_6, fmaf(error_5, error_5, t30));
-    const float t33 = fmaf(front_right.x, omega_fit, front_right_wy);
-    const float error_7 = fmaf(0.045f, t33, t25); /* residual 7 */
+    const float sum_wx = t8 + t11; /* sum: its velocity, x */
+    const float t17 = back_right.y + front_right.y;
+    const float t18 = front_left.y + back_left.y;
+    const float t19 = t17 + t18;
+    const float t20 = fmaf(-sum_wx, t19, fmaf(t16, sum_wy, moment));
+    const float inertia = fmaf(33.77778f, t17 - t18, fmaf(42.666668f, t14 - t15, 756.3457f)); /* inertia */
+    const float t21 = -t19;
+    const float omega_fit = t20 / fmaf(t21, t19, fmaf(-t16, t16, inertia)); /* omega */
+    const float t22 = 0.01125f * fmaf(t21, omega_fit, sum_wx);
+    const float t23 = 0.01125f * fmaf(t16, omega_fit, sum_wy);
+    const float t24 = 0.19f * omega_fit;
+    const float t25 = t24 - t22;
+    const float t26 = fmaf(-front_left.y, omega_fit, front_left_wx);
+    const float error_0 = fmaf(0.045f, t26, t25); /* residual 0 */
+    const float t27 = (-0.24f) * omega_fit;
+    const float t28 = t27 - t23;
+    const float error_1 = fmaf(0.045f, fmaf(front_left.x, omega_fit, front_left_wy), t28); /* residual 1 */
+    const float error_2 = fmaf(0.045f, fmaf(-back_left.y, omega_fit, back_left_wx), t25); /* residual 2 */
+    const float t29 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
+    const float t30 = -(t23 + t27);
+    const float error_3 = fmaf(0.045f, fmaf(back_left.x, omega_fit, back_left_wy), t30); /* residual 3 */
+    const float t31 = -(t22 + t24);
+    const float t32 = fmaf(-back_right.y, omega_fit, back_right_wx);
+    const float error_4 = fmaf(0.045f, t32, t31); /* residual 4 */
+    const float t33 = fmaf(error_4, error_4, fmaf(error_3, error_3, t29));
+    const float error_5 = fmaf(0.045f, fmaf(back_right.x, omega_fit, back_right_wy), t30); /* residual 5 */
+    const float t34 = fmaf(-front_right.y, omega_fit, front_right_wx);
+    const float error_6 = fmaf(0.045f, t34, t31); /* residual 6 */
+    const float t35 = fmaf(error_6, error_6, fmaf(error_5, error_5, t33));
+    const float t36 = fmaf(front_right.x, omega_fit, front_right_wy);
+    const float error_7 = fmaf(0.045f, t36, t28); /* residual 7 */
 
-    out->vx = t19;
-    out->vy = t20;
-    out->omega = omega_fit;
-    out->slip = sqrtf(fmaf(error_7, error_7, t32));
+    twist->vx = t22;
+    twist->vy = t23;
+    twist->omega = omega_fit;
+    *slip = sqrtf(fmaf(error_7, error_7, t35));
 }
 
 void neobotix_mpo_700_odometry(
-    const neobotix_mpo_700_odometry_in *in,
-    neobotix_mpo_700_odometry_out *out)
+    neobotix_mpo_700_pose *pose,
+    const neobotix_mpo_700_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,149 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   front_left: castor, x 0.24 m, y 0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
+ *   back_left: castor, x -0.24 m, y 0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
+ *   back_right: castor, x -0.24 m, y -0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
+ *   front_right: castor, x 0.24 m, y -0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   d: contact point minus pivot, along the rolling direction.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     neobotix_mpo_700_twist twist = {0.5f, 0.0f, 0.2f};
+ *     neobotix_mpo_700_wheels wheels = {{0.0f}};
+ *     neobotix_mpo_700_pose pose = {0.0f, 0.0f, 0.0f};
+ *     neobotix_mpo_700_inverse(&twist, &wheels, &wheels);
+ *     neobotix_mpo_700_forward(&wheels, &twist);
+ *     neobotix_mpo_700_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_NEOBOTIX_MPO_700_H
+#define WMRGEN_NEOBOTIX_MPO_700_H
+
+#define NEOBOTIX_MPO_700_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define NEOBOTIX_MPO_700_MODEL_HASH "7c0eb96fb2cdd482c2e6b99dc5e028d8" /**< digest of the model */
+#define NEOBOTIX_MPO_700_PAIR_66c4ea8380330dbf 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MPO_700_FRONT_LEFT_X 0.24f /**< [m] pivot, forward of P */
+#define NEOBOTIX_MPO_700_FRONT_LEFT_Y 0.19f /**< [m] pivot, to the left of P */
+#define NEOBOTIX_MPO_700_FRONT_LEFT_RADIUS 0.09f /**< [m] radius */
+#define NEOBOTIX_MPO_700_BACK_LEFT_X (-0.24f) /**< [m] pivot, forward of P */
+#define NEOBOTIX_MPO_700_BACK_LEFT_Y 0.19f /**< [m] pivot, to the left of P */
+#define NEOBOTIX_MPO_700_BACK_LEFT_RADIUS 0.09f /**< [m] radius */
+#define NEOBOTIX_MPO_700_BACK_RIGHT_X (-0.24f) /**< [m] pivot, forward of P */
+#define NEOBOTIX_MPO_700_BACK_RIGHT_Y (-0.19f) /**< [m] pivot, to the left of P */
+#define NEOBOTIX_MPO_700_BACK_RIGHT_RADIUS 0.09f /**< [m] radius */
+#define NEOBOTIX_MPO_700_FRONT_RIGHT_X 0.24f /**< [m] pivot, forward of P */
+#define NEOBOTIX_MPO_700_FRONT_RIGHT_Y (-0.19f) /**< [m] pivot, to the left of P */
+#define NEOBOTIX_MPO_700_FRONT_RIGHT_RADIUS 0.09f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} neobotix_mpo_700_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} neobotix_mpo_700_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file.
+ * steer_rate: steering rate, counter-clockwise. */
+typedef struct {
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } front_left;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } back_left;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } back_right;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } front_right;
+} neobotix_mpo_700_wheels;
+
+/** Joints in the order of neobotix_mpo_700_wheels. */
+enum neobotix_mpo_700_joint {
+    NEOBOTIX_MPO_700_FRONT_LEFT_SPIN, /**< [rad/s] front_left.spin */
+    NEOBOTIX_MPO_700_FRONT_LEFT_STEER, /**< [rad] front_left.steer */
+    NEOBOTIX_MPO_700_FRONT_LEFT_STEER_RATE, /**< [rad/s] front_left.steer_rate */
+    NEOBOTIX_MPO_700_BACK_LEFT_SPIN, /**< [rad/s] back_left.spin */
+    NEOBOTIX_MPO_700_BACK_LEFT_STEER, /**< [rad] back_left.steer */
+    NEOBOTIX_MPO_700_BACK_LEFT_STEER_RATE, /**< [rad/s] back_left.steer_rate */
+    NEOBOTIX_MPO_700_BACK_RIGHT_SPIN, /**< [rad/s] back_right.spin */
+    NEOBOTIX_MPO_700_BACK_RIGHT_STEER, /**< [rad] back_right.steer */
+    NEOBOTIX_MPO_700_BACK_RIGHT_STEER_RATE, /**< [rad/s] back_right.steer_rate */
+    NEOBOTIX_MPO_700_FRONT_RIGHT_SPIN, /**< [rad/s] front_right.spin */
+    NEOBOTIX_MPO_700_FRONT_RIGHT_STEER, /**< [rad] front_right.steer */
+    NEOBOTIX_MPO_700_FRONT_RIGHT_STEER_RATE, /**< [rad/s] front_right.steer_rate */
+    NEOBOTIX_MPO_700_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum neobotix_mpo_700_joint, for loops over all; of the first where there is none. */
+float *neobotix_mpo_700_joint(neobotix_mpo_700_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 16 additions, 24 multiplications, 8 sines and cosines. */
+void neobotix_mpo_700_inverse(
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *now,
+    neobotix_mpo_700_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void neobotix_mpo_700_inverse_slip(
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 37 additions, 33 multiplications, 1 division, 8 sines and cosines. */
+void neobotix_mpo_700_forward(const neobotix_mpo_700_wheels *wheels, neobotix_mpo_700_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 64 additions, 59 multiplications, 1 division, 1 square root, 8
+ * sines and cosines. */
+void neobotix_mpo_700_forward_slip(
+    const neobotix_mpo_700_wheels *wheels,
+    neobotix_mpo_700_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void neobotix_mpo_700_odometry(
+    neobotix_mpo_700_pose *pose,
+    const neobotix_mpo_700_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,163 +164,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   front_left: castor, x 0.24 m, y 0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
- *   back_left: castor, x -0.24 m, y 0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
- *   back_right: castor, x -0.24 m, y -0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
- *   front_right: castor, x 0.24 m, y -0.19 m, heading 0 deg, r 0.09 m, d -0.045 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   d: contact point minus pivot, along the rolling direction.
  */
-#ifndef WMRGEN_NEOBOTIX_MPO_700_H
-#define WMRGEN_NEOBOTIX_MPO_700_H
-
-#define NEOBOTIX_MPO_700_MODEL_HASH "7c0eb96fb2cdd482c2e6b99dc5e028d8"
-#define NEOBOTIX_MPO_700_PAIR_32f6a934555df37e 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of neobotix_mpo_700_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                            /* [m/s] velocity of P forward, robot frame */
-    float vy;                            /* [m/s] velocity of P to the left, robot frame */
-    float omega;                         /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } front_left;  /* [rad] */
-    struct { float steer; } back_left;   /* [rad] */
-    struct { float steer; } back_right;  /* [rad] */
-    struct { float steer; } front_right; /* [rad] */
-} neobotix_mpo_700_inverse_in;
-
-/* Output of neobotix_mpo_700_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } front_left;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } back_left;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } back_right;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } front_right;
-} neobotix_mpo_700_inverse_out;
-
-typedef neobotix_mpo_700_inverse_in neobotix_mpo_700_inverse_slip_in;
-
-/* Output of neobotix_mpo_700_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} neobotix_mpo_700_inverse_slip_out;
-
-/* Input of neobotix_mpo_700_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } front_left;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } back_left;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } back_right;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } front_right;
-} neobotix_mpo_700_forward_in;
-
-/* Output of neobotix_mpo_700_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} neobotix_mpo_700_forward_out;
-
-typedef neobotix_mpo_700_forward_in neobotix_mpo_700_forward_slip_in;
-
-/* Output of neobotix_mpo_700_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} neobotix_mpo_700_forward_slip_out;
-
-/* Input of neobotix_mpo_700_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} neobotix_mpo_700_odometry_in;
-
-/* Output of neobotix_mpo_700_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} neobotix_mpo_700_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 16 additions, 24 multiplications, 8 sines and cosines. */
-void neobotix_mpo_700_inverse(
-    const neobotix_mpo_700_inverse_in *in,
-    neobotix_mpo_700_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void neobotix_mpo_700_inverse_slip(
-    const neobotix_mpo_700_inverse_slip_in *in,
-    neobotix_mpo_700_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 37 additions, 33 multiplications, 1 division, 8 sines and cosines. */
-void neobotix_mpo_700_forward(
-    const neobotix_mpo_700_forward_in *in,
-    neobotix_mpo_700_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 64 additions, 59 multiplications, 1 division, 1 square root, 8
- * sines and cosines. */
-void neobotix_mpo_700_forward_slip(
-    const neobotix_mpo_700_forward_slip_in *in,
-    neobotix_mpo_700_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void neobotix_mpo_700_odometry(
-    const neobotix_mpo_700_odometry_in *in,
-    neobotix_mpo_700_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_NEOBOTIX_MPO_700_H */

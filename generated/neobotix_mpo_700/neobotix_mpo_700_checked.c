@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_32f6a934555df37e)
+#if !defined(NEOBOTIX_MPO_700_PAIR_66c4ea8380330dbf)
 #error "neobotix_mpo_700_checked.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,33 +33,34 @@ static float neobotix_mpo_700_held(const float x)
 }
 
 neobotix_mpo_700_status neobotix_mpo_700_inverse_checked(
-    const neobotix_mpo_700_inverse_in *in,
-    neobotix_mpo_700_inverse_out *out)
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *now,
+    neobotix_mpo_700_wheels *out)
 {
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            neobotix_mpo_700_is_number(in->vx) &&
-            neobotix_mpo_700_is_number(in->vy) &&
-            neobotix_mpo_700_is_number(in->omega) &&
-            neobotix_mpo_700_is_number(in->front_left.steer) &&
-            neobotix_mpo_700_is_number(in->back_left.steer) &&
-            neobotix_mpo_700_is_number(in->back_right.steer) &&
-            neobotix_mpo_700_is_number(in->front_right.steer)
+            neobotix_mpo_700_is_number(twist->vx) &&
+            neobotix_mpo_700_is_number(twist->vy) &&
+            neobotix_mpo_700_is_number(twist->omega) &&
+            neobotix_mpo_700_is_number(now->front_left.steer) &&
+            neobotix_mpo_700_is_number(now->back_left.steer) &&
+            neobotix_mpo_700_is_number(now->back_right.steer) &&
+            neobotix_mpo_700_is_number(now->front_right.steer)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            neobotix_mpo_700_is_within(in->vx, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->vy, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->omega, -200.0f, 200.0f) &&
-            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f)
+            neobotix_mpo_700_is_within(twist->vx, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(twist->vy, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(twist->omega, -200.0f, 200.0f) &&
+            neobotix_mpo_700_is_within(now->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(now->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(now->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(now->front_right.steer, -1e4f, 1e4f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
-        neobotix_mpo_700_inverse(in, out);
+        neobotix_mpo_700_inverse(twist, now, out);
     }
     if (status != NEOBOTIX_MPO_700_OK) {
         out->front_left.spin = 0.0f;
@@ -75,168 +76,171 @@ neobotix_mpo_700_status neobotix_mpo_700_inverse_checked(
 }
 
 neobotix_mpo_700_status neobotix_mpo_700_inverse_slip_checked(
-    const neobotix_mpo_700_inverse_slip_in *in,
-    neobotix_mpo_700_inverse_slip_out *out)
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *wheels,
+    float *slip)
 {
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            neobotix_mpo_700_is_number(in->vx) &&
-            neobotix_mpo_700_is_number(in->vy) &&
-            neobotix_mpo_700_is_number(in->omega) &&
-            neobotix_mpo_700_is_number(in->front_left.steer) &&
-            neobotix_mpo_700_is_number(in->back_left.steer) &&
-            neobotix_mpo_700_is_number(in->back_right.steer) &&
-            neobotix_mpo_700_is_number(in->front_right.steer)
+            neobotix_mpo_700_is_number(twist->vx) &&
+            neobotix_mpo_700_is_number(twist->vy) &&
+            neobotix_mpo_700_is_number(twist->omega) &&
+            neobotix_mpo_700_is_number(wheels->front_left.steer) &&
+            neobotix_mpo_700_is_number(wheels->back_left.steer) &&
+            neobotix_mpo_700_is_number(wheels->back_right.steer) &&
+            neobotix_mpo_700_is_number(wheels->front_right.steer)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            neobotix_mpo_700_is_within(in->vx, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->vy, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->omega, -200.0f, 200.0f) &&
-            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f)
+            neobotix_mpo_700_is_within(twist->vx, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(twist->vy, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(twist->omega, -200.0f, 200.0f) &&
+            neobotix_mpo_700_is_within(wheels->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->front_right.steer, -1e4f, 1e4f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
-        neobotix_mpo_700_inverse_slip(in, out);
+        neobotix_mpo_700_inverse_slip(twist, wheels, slip);
     }
     if (status != NEOBOTIX_MPO_700_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 neobotix_mpo_700_status neobotix_mpo_700_forward_checked(
-    const neobotix_mpo_700_forward_in *in,
-    neobotix_mpo_700_forward_out *out)
+    const neobotix_mpo_700_wheels *wheels,
+    neobotix_mpo_700_twist *twist)
 {
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            neobotix_mpo_700_is_number(in->front_left.spin) &&
-            neobotix_mpo_700_is_number(in->front_left.steer) &&
-            neobotix_mpo_700_is_number(in->front_left.steer_rate) &&
-            neobotix_mpo_700_is_number(in->back_left.spin) &&
-            neobotix_mpo_700_is_number(in->back_left.steer) &&
-            neobotix_mpo_700_is_number(in->back_left.steer_rate) &&
-            neobotix_mpo_700_is_number(in->back_right.spin) &&
-            neobotix_mpo_700_is_number(in->back_right.steer) &&
-            neobotix_mpo_700_is_number(in->back_right.steer_rate) &&
-            neobotix_mpo_700_is_number(in->front_right.spin) &&
-            neobotix_mpo_700_is_number(in->front_right.steer) &&
-            neobotix_mpo_700_is_number(in->front_right.steer_rate)
+            neobotix_mpo_700_is_number(wheels->front_left.spin) &&
+            neobotix_mpo_700_is_number(wheels->front_left.steer) &&
+            neobotix_mpo_700_is_number(wheels->front_left.steer_rate) &&
+            neobotix_mpo_700_is_number(wheels->back_left.spin) &&
+            neobotix_mpo_700_is_number(wheels->back_left.steer) &&
+            neobotix_mpo_700_is_number(wheels->back_left.steer_rate) &&
+            neobotix_mpo_700_is_number(wheels->back_right.spin) &&
+            neobotix_mpo_700_is_number(wheels->back_right.steer) &&
+            neobotix_mpo_700_is_number(wheels->back_right.steer_rate) &&
+            neobotix_mpo_700_is_number(wheels->front_right.spin) &&
+            neobotix_mpo_700_is_number(wheels->front_right.steer) &&
+            neobotix_mpo_700_is_number(wheels->front_right.steer_rate)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            neobotix_mpo_700_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->front_left.steer_rate, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_left.steer_rate, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_right.steer_rate, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->front_right.steer_rate, -1e9f, 1e9f)
+            neobotix_mpo_700_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->front_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->back_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->back_right.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->front_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->front_right.steer_rate, -1e9f, 1e9f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
-        neobotix_mpo_700_forward(in, out);
+        neobotix_mpo_700_forward(wheels, twist);
     }
     if (status != NEOBOTIX_MPO_700_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 neobotix_mpo_700_status neobotix_mpo_700_forward_slip_checked(
-    const neobotix_mpo_700_forward_slip_in *in,
-    neobotix_mpo_700_forward_slip_out *out)
+    const neobotix_mpo_700_wheels *wheels,
+    neobotix_mpo_700_twist *twist,
+    float *slip)
 {
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            neobotix_mpo_700_is_number(in->front_left.spin) &&
-            neobotix_mpo_700_is_number(in->front_left.steer) &&
-            neobotix_mpo_700_is_number(in->front_left.steer_rate) &&
-            neobotix_mpo_700_is_number(in->back_left.spin) &&
-            neobotix_mpo_700_is_number(in->back_left.steer) &&
-            neobotix_mpo_700_is_number(in->back_left.steer_rate) &&
-            neobotix_mpo_700_is_number(in->back_right.spin) &&
-            neobotix_mpo_700_is_number(in->back_right.steer) &&
-            neobotix_mpo_700_is_number(in->back_right.steer_rate) &&
-            neobotix_mpo_700_is_number(in->front_right.spin) &&
-            neobotix_mpo_700_is_number(in->front_right.steer) &&
-            neobotix_mpo_700_is_number(in->front_right.steer_rate)
+            neobotix_mpo_700_is_number(wheels->front_left.spin) &&
+            neobotix_mpo_700_is_number(wheels->front_left.steer) &&
+            neobotix_mpo_700_is_number(wheels->front_left.steer_rate) &&
+            neobotix_mpo_700_is_number(wheels->back_left.spin) &&
+            neobotix_mpo_700_is_number(wheels->back_left.steer) &&
+            neobotix_mpo_700_is_number(wheels->back_left.steer_rate) &&
+            neobotix_mpo_700_is_number(wheels->back_right.spin) &&
+            neobotix_mpo_700_is_number(wheels->back_right.steer) &&
+            neobotix_mpo_700_is_number(wheels->back_right.steer_rate) &&
+            neobotix_mpo_700_is_number(wheels->front_right.spin) &&
+            neobotix_mpo_700_is_number(wheels->front_right.steer) &&
+            neobotix_mpo_700_is_number(wheels->front_right.steer_rate)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            neobotix_mpo_700_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->front_left.steer_rate, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_left.steer_rate, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->back_right.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->back_right.steer_rate, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->front_right.steer_rate, -1e9f, 1e9f)
+            neobotix_mpo_700_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->front_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->front_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_left.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_left.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->back_left.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->back_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->back_right.steer_rate, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(wheels->front_right.steer, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(wheels->front_right.steer_rate, -1e9f, 1e9f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
-        neobotix_mpo_700_forward_slip(in, out);
+        neobotix_mpo_700_forward_slip(wheels, twist, slip);
     }
     if (status != NEOBOTIX_MPO_700_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 neobotix_mpo_700_status neobotix_mpo_700_odometry_checked(
-    const neobotix_mpo_700_odometry_in *in,
-    neobotix_mpo_700_odometry_out *out)
+    neobotix_mpo_700_pose *pose,
+    const neobotix_mpo_700_twist *twist,
+    float dt)
 {
     neobotix_mpo_700_status status = NEOBOTIX_MPO_700_OK;
 
     if (!(
-            neobotix_mpo_700_is_number(in->x) &&
-            neobotix_mpo_700_is_number(in->y) &&
-            neobotix_mpo_700_is_number(in->theta) &&
-            neobotix_mpo_700_is_number(in->vx) &&
-            neobotix_mpo_700_is_number(in->vy) &&
-            neobotix_mpo_700_is_number(in->omega) &&
-            neobotix_mpo_700_is_number(in->dt)
+            neobotix_mpo_700_is_number(pose->x) &&
+            neobotix_mpo_700_is_number(pose->y) &&
+            neobotix_mpo_700_is_number(pose->theta) &&
+            neobotix_mpo_700_is_number(twist->vx) &&
+            neobotix_mpo_700_is_number(twist->vy) &&
+            neobotix_mpo_700_is_number(twist->omega) &&
+            neobotix_mpo_700_is_number(dt)
         )) {
         status = NEOBOTIX_MPO_700_NOT_A_NUMBER;
     } else if (!(
-            neobotix_mpo_700_is_within(in->x, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->y, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->theta, -1e4f, 1e4f) &&
-            neobotix_mpo_700_is_within(in->vx, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->vy, -1e9f, 1e9f) &&
-            neobotix_mpo_700_is_within(in->omega, -200.0f, 200.0f) &&
-            neobotix_mpo_700_is_within(in->dt, -10.0f, 10.0f)
+            neobotix_mpo_700_is_within(pose->x, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(pose->y, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(pose->theta, -1e4f, 1e4f) &&
+            neobotix_mpo_700_is_within(twist->vx, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(twist->vy, -1e9f, 1e9f) &&
+            neobotix_mpo_700_is_within(twist->omega, -200.0f, 200.0f) &&
+            neobotix_mpo_700_is_within(dt, -10.0f, 10.0f)
         )) {
         status = NEOBOTIX_MPO_700_OUT_OF_RANGE;
     } else {
-        neobotix_mpo_700_odometry(in, out);
+        neobotix_mpo_700_odometry(pose, twist, dt);
     }
     if (status != NEOBOTIX_MPO_700_OK) {
-        out->x = neobotix_mpo_700_held(in->x);
-        out->y = neobotix_mpo_700_held(in->y);
-        out->theta = neobotix_mpo_700_held(in->theta);
+        pose->x = neobotix_mpo_700_held(pose->x);
+        pose->y = neobotix_mpo_700_held(pose->y);
+        pose->theta = neobotix_mpo_700_held(pose->theta);
     }
     return status;
 }

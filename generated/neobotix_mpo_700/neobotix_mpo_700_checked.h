@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_32f6a934555df37e)
+#if !defined(NEOBOTIX_MPO_700_PAIR_66c4ea8380330dbf)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 
@@ -39,37 +39,41 @@ typedef enum {
  * -200 to 200 rad/s; front_left.steer, back_left.steer, back_right.steer, front_right.steer -1e4
  * to 1e4 rad. */
 neobotix_mpo_700_status neobotix_mpo_700_inverse_checked(
-    const neobotix_mpo_700_inverse_in *in,
-    neobotix_mpo_700_inverse_out *out);
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *now,
+    neobotix_mpo_700_wheels *out);
 
 /* neobotix_mpo_700_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s; front_left.steer, back_left.steer, back_right.steer,
  * front_right.steer -1e4 to 1e4 rad. */
 neobotix_mpo_700_status neobotix_mpo_700_inverse_slip_checked(
-    const neobotix_mpo_700_inverse_slip_in *in,
-    neobotix_mpo_700_inverse_slip_out *out);
+    const neobotix_mpo_700_twist *twist,
+    const neobotix_mpo_700_wheels *wheels,
+    float *slip);
 
 /* neobotix_mpo_700_forward() with its inputs checked. Accepted: front_left.spin,
  * front_left.steer_rate, back_left.spin, back_left.steer_rate, back_right.spin,
  * back_right.steer_rate, front_right.spin, front_right.steer_rate -1e9 to 1e9 rad/s;
  * front_left.steer, back_left.steer, back_right.steer, front_right.steer -1e4 to 1e4 rad. */
 neobotix_mpo_700_status neobotix_mpo_700_forward_checked(
-    const neobotix_mpo_700_forward_in *in,
-    neobotix_mpo_700_forward_out *out);
+    const neobotix_mpo_700_wheels *wheels,
+    neobotix_mpo_700_twist *twist);
 
 /* neobotix_mpo_700_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_left.steer_rate, back_left.spin, back_left.steer_rate, back_right.spin,
  * back_right.steer_rate, front_right.spin, front_right.steer_rate -1e9 to 1e9 rad/s;
  * front_left.steer, back_left.steer, back_right.steer, front_right.steer -1e4 to 1e4 rad. */
 neobotix_mpo_700_status neobotix_mpo_700_forward_slip_checked(
-    const neobotix_mpo_700_forward_slip_in *in,
-    neobotix_mpo_700_forward_slip_out *out);
+    const neobotix_mpo_700_wheels *wheels,
+    neobotix_mpo_700_twist *twist,
+    float *slip);
 
 /* neobotix_mpo_700_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 neobotix_mpo_700_status neobotix_mpo_700_odometry_checked(
-    const neobotix_mpo_700_odometry_in *in,
-    neobotix_mpo_700_odometry_out *out);
+    neobotix_mpo_700_pose *pose,
+    const neobotix_mpo_700_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

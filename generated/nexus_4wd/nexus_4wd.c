@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEXUS_4WD_PAIR_0a6253a51fb50892)
+#if !defined(NEXUS_4WD_PAIR_c50cf62b3623c601)
 #error "nexus_4wd.c and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,12 +146,21 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void nexus_4wd_inverse(const nexus_4wd_inverse_in *in, nexus_4wd_inverse_out *out)
+/* The members of nexus_4wd_wheels lie as an array does. */
+typedef char nexus_4wd_wheels_are_joints[
+    ((sizeof(nexus_4wd_wheels) / sizeof(float)) == (unsigned int)NEXUS_4WD_JOINTS) ? 1 : -1];
+
+float *nexus_4wd_joint(nexus_4wd_wheels *wheels, int joint)
 {
-    const float t0 = 20.0f * in->vx;
-    const float t1 = 20.0f * in->vy;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)NEXUS_4WD_JOINTS)) ? joint : 0];
+}
+
+void nexus_4wd_inverse(const nexus_4wd_twist *twist, nexus_4wd_wheels *out)
+{
+    const float t0 = 20.0f * twist->vx;
+    const float t1 = 20.0f * twist->vy;
     const float t2 = t0 - t1;
-    const float t3 = (-6.0f) * in->omega;
+    const float t3 = (-6.0f) * twist->omega;
     const float t4 = t1 + t0;
 
     out->upper_left.spin = t2 + t3;
@@ -160,47 +169,48 @@ void nexus_4wd_inverse(const nexus_4wd_inverse_in *in, nexus_4wd_inverse_out *ou
     out->lower_right.spin = t3 - t2;
 }
 
-void nexus_4wd_inverse_slip(const nexus_4wd_inverse_slip_in *in, nexus_4wd_inverse_slip_out *out)
+void nexus_4wd_inverse_slip(const nexus_4wd_twist *twist, float *slip)
 {
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void nexus_4wd_forward(const nexus_4wd_forward_in *in, nexus_4wd_forward_out *out)
+void nexus_4wd_forward(const nexus_4wd_wheels *wheels, nexus_4wd_twist *twist)
 {
-    const float t0 = in->upper_left.spin + in->lower_left.spin;
-    const float t1 = in->upper_right.spin + in->lower_right.spin;
-    const float t2 = in->upper_right.spin - in->lower_right.spin + (in->upper_left.spin - in->lower_left.spin);
+    const float t0 = wheels->upper_left.spin + wheels->lower_left.spin;
+    const float t1 = wheels->upper_right.spin + wheels->lower_right.spin;
+    const float t2 = wheels->upper_right.spin - wheels->lower_right.spin;
+    const float t3 = wheels->upper_left.spin - wheels->lower_left.spin;
 
-    out->vx = 0.0125f * (t0 - t1);
-    out->vy = (-0.0125f) * t2;
-    out->omega = (-0.041666668f) * (t1 + t0);
+    twist->vx = 0.0125f * (t0 - t1);
+    twist->vy = (-0.0125f) * (t2 + t3);
+    twist->omega = (-0.041666668f) * (t1 + t0);
 }
 
-void nexus_4wd_forward_slip(const nexus_4wd_forward_slip_in *in, nexus_4wd_forward_slip_out *out)
+void nexus_4wd_forward_slip(const nexus_4wd_wheels *wheels, nexus_4wd_twist *twist, float *slip)
 {
-    const float t0 = in->upper_left.spin + in->lower_left.spin;
-    const float t1 = in->upper_right.spin + in->lower_right.spin;
-    const float t2 = in->upper_right.spin - in->lower_right.spin;
-    const float t3 = in->upper_left.spin - in->lower_left.spin;
+    const float t0 = wheels->upper_left.spin + wheels->lower_left.spin;
+    const float t1 = wheels->upper_right.spin + wheels->lower_right.spin;
+    const float t2 = wheels->upper_right.spin - wheels->lower_right.spin;
+    const float t3 = wheels->upper_left.spin - wheels->lower_left.spin;
 
-    out->vx = 0.0125f * (t0 - t1);
-    out->vy = (-0.0125f) * (t2 + t3);
-    out->omega = (-0.041666668f) * (t1 + t0);
-    out->slip = fabsf(0.01767767f * (t3 - t2));
+    twist->vx = 0.0125f * (t0 - t1);
+    twist->vy = (-0.0125f) * (t2 + t3);
+    twist->omega = (-0.041666668f) * (t1 + t0);
+    *slip = fabsf(0.01767767f * (t3 - t2));
 }
 
-void nexus_4wd_odometry(const nexus_4wd_odometry_in *in, nexus_4wd_odometry_out *out)
+void nexus_4wd_odometry(nexus_4wd_pose *pose, const nexus_4wd_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,111 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   upper_left: swedish, x 0.15 m, y 0.15 m, heading 0 deg, r 0.05 m, gamma -45 deg
+ *   lower_left: swedish, x -0.15 m, y 0.15 m, heading 0 deg, r 0.05 m, gamma 45 deg
+ *   upper_right: swedish, x 0.15 m, y -0.15 m, heading 180 deg, r 0.05 m, gamma 45 deg
+ *   lower_right: swedish, x -0.15 m, y -0.15 m, heading 180 deg, r 0.05 m, gamma -45 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     nexus_4wd_twist twist = {0.5f, 0.0f, 0.2f};
+ *     nexus_4wd_wheels wheels = {{0.0f}};
+ *     nexus_4wd_pose pose = {0.0f, 0.0f, 0.0f};
+ *     nexus_4wd_inverse(&twist, &wheels);
+ *     nexus_4wd_forward(&wheels, &twist);
+ *     nexus_4wd_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_NEXUS_4WD_H
+#define WMRGEN_NEXUS_4WD_H
+
+#define NEXUS_4WD_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define NEXUS_4WD_MODEL_HASH "3f0fa7cc99d5053227ed34990562b8c5" /**< digest of the model */
+#define NEXUS_4WD_PAIR_c50cf62b3623c601 1 /**< header and source that were written together have the same */
+#define NEXUS_4WD_UPPER_LEFT_X 0.15f /**< [m] pivot, forward of P */
+#define NEXUS_4WD_UPPER_LEFT_Y 0.15f /**< [m] pivot, to the left of P */
+#define NEXUS_4WD_UPPER_LEFT_RADIUS 0.05f /**< [m] radius */
+#define NEXUS_4WD_LOWER_LEFT_X (-0.15f) /**< [m] pivot, forward of P */
+#define NEXUS_4WD_LOWER_LEFT_Y 0.15f /**< [m] pivot, to the left of P */
+#define NEXUS_4WD_LOWER_LEFT_RADIUS 0.05f /**< [m] radius */
+#define NEXUS_4WD_UPPER_RIGHT_X 0.15f /**< [m] pivot, forward of P */
+#define NEXUS_4WD_UPPER_RIGHT_Y (-0.15f) /**< [m] pivot, to the left of P */
+#define NEXUS_4WD_UPPER_RIGHT_RADIUS 0.05f /**< [m] radius */
+#define NEXUS_4WD_LOWER_RIGHT_X (-0.15f) /**< [m] pivot, forward of P */
+#define NEXUS_4WD_LOWER_RIGHT_Y (-0.15f) /**< [m] pivot, to the left of P */
+#define NEXUS_4WD_LOWER_RIGHT_RADIUS 0.05f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} nexus_4wd_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} nexus_4wd_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } upper_left;  /**< [rad/s] */
+    struct { float spin; } lower_left;  /**< [rad/s] */
+    struct { float spin; } upper_right; /**< [rad/s] */
+    struct { float spin; } lower_right; /**< [rad/s] */
+} nexus_4wd_wheels;
+
+/** Joints in the order of nexus_4wd_wheels. */
+enum nexus_4wd_joint {
+    NEXUS_4WD_UPPER_LEFT_SPIN, /**< [rad/s] upper_left.spin */
+    NEXUS_4WD_LOWER_LEFT_SPIN, /**< [rad/s] lower_left.spin */
+    NEXUS_4WD_UPPER_RIGHT_SPIN, /**< [rad/s] upper_right.spin */
+    NEXUS_4WD_LOWER_RIGHT_SPIN, /**< [rad/s] lower_right.spin */
+    NEXUS_4WD_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum nexus_4wd_joint, for loops over all; of the first where there is none. */
+float *nexus_4wd_joint(nexus_4wd_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 6 additions, 3 multiplications. */
+void nexus_4wd_inverse(const nexus_4wd_twist *twist, nexus_4wd_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void nexus_4wd_inverse_slip(const nexus_4wd_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 7 additions, 3 multiplications. */
+void nexus_4wd_forward(const nexus_4wd_wheels *wheels, nexus_4wd_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
+void nexus_4wd_forward_slip(const nexus_4wd_wheels *wheels, nexus_4wd_twist *twist, float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void nexus_4wd_odometry(nexus_4wd_pose *pose, const nexus_4wd_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,117 +126,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   upper_left: swedish, x 0.15 m, y 0.15 m, heading 0 deg, r 0.05 m, gamma -45 deg
- *   lower_left: swedish, x -0.15 m, y 0.15 m, heading 0 deg, r 0.05 m, gamma 45 deg
- *   upper_right: swedish, x 0.15 m, y -0.15 m, heading 180 deg, r 0.05 m, gamma 45 deg
- *   lower_right: swedish, x -0.15 m, y -0.15 m, heading 180 deg, r 0.05 m, gamma -45 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  */
-#ifndef WMRGEN_NEXUS_4WD_H
-#define WMRGEN_NEXUS_4WD_H
-
-#define NEXUS_4WD_MODEL_HASH "3f0fa7cc99d5053227ed34990562b8c5"
-#define NEXUS_4WD_PAIR_0a6253a51fb50892 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of nexus_4wd_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} nexus_4wd_inverse_in;
-
-/* Output of nexus_4wd_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } upper_left;  /* [rad/s] */
-    struct { float spin; } lower_left;  /* [rad/s] */
-    struct { float spin; } upper_right; /* [rad/s] */
-    struct { float spin; } lower_right; /* [rad/s] */
-} nexus_4wd_inverse_out;
-
-typedef nexus_4wd_inverse_in nexus_4wd_inverse_slip_in;
-
-/* Output of nexus_4wd_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} nexus_4wd_inverse_slip_out;
-
-/* Input of nexus_4wd_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } upper_left;  /* [rad/s] */
-    struct { float spin; } lower_left;  /* [rad/s] */
-    struct { float spin; } upper_right; /* [rad/s] */
-    struct { float spin; } lower_right; /* [rad/s] */
-} nexus_4wd_forward_in;
-
-/* Output of nexus_4wd_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} nexus_4wd_forward_out;
-
-typedef nexus_4wd_forward_in nexus_4wd_forward_slip_in;
-
-/* Output of nexus_4wd_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} nexus_4wd_forward_slip_out;
-
-/* Input of nexus_4wd_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} nexus_4wd_odometry_in;
-
-/* Output of nexus_4wd_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} nexus_4wd_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 6 additions, 3 multiplications. */
-void nexus_4wd_inverse(const nexus_4wd_inverse_in *in, nexus_4wd_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void nexus_4wd_inverse_slip(const nexus_4wd_inverse_slip_in *in, nexus_4wd_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 7 additions, 3 multiplications. */
-void nexus_4wd_forward(const nexus_4wd_forward_in *in, nexus_4wd_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 8 additions, 4 multiplications, 1 sign operation. */
-void nexus_4wd_forward_slip(const nexus_4wd_forward_slip_in *in, nexus_4wd_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void nexus_4wd_odometry(const nexus_4wd_odometry_in *in, nexus_4wd_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_NEXUS_4WD_H */

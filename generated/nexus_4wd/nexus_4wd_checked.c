@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEXUS_4WD_PAIR_0a6253a51fb50892)
+#if !defined(NEXUS_4WD_PAIR_c50cf62b3623c601)
 #error "nexus_4wd_checked.c and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -32,26 +32,24 @@ static float nexus_4wd_held(const float x)
     return nexus_4wd_is_number(x) ? x : 0.0f;
 }
 
-nexus_4wd_status nexus_4wd_inverse_checked(
-    const nexus_4wd_inverse_in *in,
-    nexus_4wd_inverse_out *out)
+nexus_4wd_status nexus_4wd_inverse_checked(const nexus_4wd_twist *twist, nexus_4wd_wheels *out)
 {
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            nexus_4wd_is_number(in->vx) &&
-            nexus_4wd_is_number(in->vy) &&
-            nexus_4wd_is_number(in->omega)
+            nexus_4wd_is_number(twist->vx) &&
+            nexus_4wd_is_number(twist->vy) &&
+            nexus_4wd_is_number(twist->omega)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            nexus_4wd_is_within(in->vx, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->vy, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->omega, -200.0f, 200.0f)
+            nexus_4wd_is_within(twist->vx, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(twist->vy, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
-        nexus_4wd_inverse(in, out);
+        nexus_4wd_inverse(twist, out);
     }
     if (status != NEXUS_4WD_OK) {
         out->upper_left.spin = 0.0f;
@@ -62,129 +60,127 @@ nexus_4wd_status nexus_4wd_inverse_checked(
     return status;
 }
 
-nexus_4wd_status nexus_4wd_inverse_slip_checked(
-    const nexus_4wd_inverse_slip_in *in,
-    nexus_4wd_inverse_slip_out *out)
+nexus_4wd_status nexus_4wd_inverse_slip_checked(const nexus_4wd_twist *twist, float *slip)
 {
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            nexus_4wd_is_number(in->vx) &&
-            nexus_4wd_is_number(in->vy) &&
-            nexus_4wd_is_number(in->omega)
+            nexus_4wd_is_number(twist->vx) &&
+            nexus_4wd_is_number(twist->vy) &&
+            nexus_4wd_is_number(twist->omega)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            nexus_4wd_is_within(in->vx, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->vy, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->omega, -200.0f, 200.0f)
+            nexus_4wd_is_within(twist->vx, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(twist->vy, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
-        nexus_4wd_inverse_slip(in, out);
+        nexus_4wd_inverse_slip(twist, slip);
     }
     if (status != NEXUS_4WD_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-nexus_4wd_status nexus_4wd_forward_checked(
-    const nexus_4wd_forward_in *in,
-    nexus_4wd_forward_out *out)
+nexus_4wd_status nexus_4wd_forward_checked(const nexus_4wd_wheels *wheels, nexus_4wd_twist *twist)
 {
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            nexus_4wd_is_number(in->upper_left.spin) &&
-            nexus_4wd_is_number(in->lower_left.spin) &&
-            nexus_4wd_is_number(in->upper_right.spin) &&
-            nexus_4wd_is_number(in->lower_right.spin)
+            nexus_4wd_is_number(wheels->upper_left.spin) &&
+            nexus_4wd_is_number(wheels->lower_left.spin) &&
+            nexus_4wd_is_number(wheels->upper_right.spin) &&
+            nexus_4wd_is_number(wheels->lower_right.spin)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            nexus_4wd_is_within(in->upper_left.spin, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->lower_left.spin, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->upper_right.spin, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->lower_right.spin, -1e9f, 1e9f)
+            nexus_4wd_is_within(wheels->upper_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(wheels->lower_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(wheels->upper_right.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(wheels->lower_right.spin, -1e9f, 1e9f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
-        nexus_4wd_forward(in, out);
+        nexus_4wd_forward(wheels, twist);
     }
     if (status != NEXUS_4WD_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 nexus_4wd_status nexus_4wd_forward_slip_checked(
-    const nexus_4wd_forward_slip_in *in,
-    nexus_4wd_forward_slip_out *out)
+    const nexus_4wd_wheels *wheels,
+    nexus_4wd_twist *twist,
+    float *slip)
 {
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            nexus_4wd_is_number(in->upper_left.spin) &&
-            nexus_4wd_is_number(in->lower_left.spin) &&
-            nexus_4wd_is_number(in->upper_right.spin) &&
-            nexus_4wd_is_number(in->lower_right.spin)
+            nexus_4wd_is_number(wheels->upper_left.spin) &&
+            nexus_4wd_is_number(wheels->lower_left.spin) &&
+            nexus_4wd_is_number(wheels->upper_right.spin) &&
+            nexus_4wd_is_number(wheels->lower_right.spin)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            nexus_4wd_is_within(in->upper_left.spin, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->lower_left.spin, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->upper_right.spin, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->lower_right.spin, -1e9f, 1e9f)
+            nexus_4wd_is_within(wheels->upper_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(wheels->lower_left.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(wheels->upper_right.spin, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(wheels->lower_right.spin, -1e9f, 1e9f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
-        nexus_4wd_forward_slip(in, out);
+        nexus_4wd_forward_slip(wheels, twist, slip);
     }
     if (status != NEXUS_4WD_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 nexus_4wd_status nexus_4wd_odometry_checked(
-    const nexus_4wd_odometry_in *in,
-    nexus_4wd_odometry_out *out)
+    nexus_4wd_pose *pose,
+    const nexus_4wd_twist *twist,
+    float dt)
 {
     nexus_4wd_status status = NEXUS_4WD_OK;
 
     if (!(
-            nexus_4wd_is_number(in->x) &&
-            nexus_4wd_is_number(in->y) &&
-            nexus_4wd_is_number(in->theta) &&
-            nexus_4wd_is_number(in->vx) &&
-            nexus_4wd_is_number(in->vy) &&
-            nexus_4wd_is_number(in->omega) &&
-            nexus_4wd_is_number(in->dt)
+            nexus_4wd_is_number(pose->x) &&
+            nexus_4wd_is_number(pose->y) &&
+            nexus_4wd_is_number(pose->theta) &&
+            nexus_4wd_is_number(twist->vx) &&
+            nexus_4wd_is_number(twist->vy) &&
+            nexus_4wd_is_number(twist->omega) &&
+            nexus_4wd_is_number(dt)
         )) {
         status = NEXUS_4WD_NOT_A_NUMBER;
     } else if (!(
-            nexus_4wd_is_within(in->x, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->y, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->theta, -1e4f, 1e4f) &&
-            nexus_4wd_is_within(in->vx, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->vy, -1e9f, 1e9f) &&
-            nexus_4wd_is_within(in->omega, -200.0f, 200.0f) &&
-            nexus_4wd_is_within(in->dt, -10.0f, 10.0f)
+            nexus_4wd_is_within(pose->x, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(pose->y, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(pose->theta, -1e4f, 1e4f) &&
+            nexus_4wd_is_within(twist->vx, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(twist->vy, -1e9f, 1e9f) &&
+            nexus_4wd_is_within(twist->omega, -200.0f, 200.0f) &&
+            nexus_4wd_is_within(dt, -10.0f, 10.0f)
         )) {
         status = NEXUS_4WD_OUT_OF_RANGE;
     } else {
-        nexus_4wd_odometry(in, out);
+        nexus_4wd_odometry(pose, twist, dt);
     }
     if (status != NEXUS_4WD_OK) {
-        out->x = nexus_4wd_held(in->x);
-        out->y = nexus_4wd_held(in->y);
-        out->theta = nexus_4wd_held(in->theta);
+        pose->x = nexus_4wd_held(pose->x);
+        pose->y = nexus_4wd_held(pose->y);
+        pose->theta = nexus_4wd_held(pose->theta);
     }
     return status;
 }

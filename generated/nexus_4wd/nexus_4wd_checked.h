@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_0a6253a51fb50892)
+#if !defined(NEXUS_4WD_PAIR_c50cf62b3623c601)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 
@@ -37,33 +37,29 @@ typedef enum {
 
 /* nexus_4wd_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
-nexus_4wd_status nexus_4wd_inverse_checked(
-    const nexus_4wd_inverse_in *in,
-    nexus_4wd_inverse_out *out);
+nexus_4wd_status nexus_4wd_inverse_checked(const nexus_4wd_twist *twist, nexus_4wd_wheels *out);
 
 /* nexus_4wd_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s. */
-nexus_4wd_status nexus_4wd_inverse_slip_checked(
-    const nexus_4wd_inverse_slip_in *in,
-    nexus_4wd_inverse_slip_out *out);
+nexus_4wd_status nexus_4wd_inverse_slip_checked(const nexus_4wd_twist *twist, float *slip);
 
 /* nexus_4wd_forward() with its inputs checked. Accepted: upper_left.spin, lower_left.spin,
  * upper_right.spin, lower_right.spin -1e9 to 1e9 rad/s. */
-nexus_4wd_status nexus_4wd_forward_checked(
-    const nexus_4wd_forward_in *in,
-    nexus_4wd_forward_out *out);
+nexus_4wd_status nexus_4wd_forward_checked(const nexus_4wd_wheels *wheels, nexus_4wd_twist *twist);
 
 /* nexus_4wd_forward_slip() with its inputs checked. Accepted: upper_left.spin, lower_left.spin,
  * upper_right.spin, lower_right.spin -1e9 to 1e9 rad/s. */
 nexus_4wd_status nexus_4wd_forward_slip_checked(
-    const nexus_4wd_forward_slip_in *in,
-    nexus_4wd_forward_slip_out *out);
+    const nexus_4wd_wheels *wheels,
+    nexus_4wd_twist *twist,
+    float *slip);
 
 /* nexus_4wd_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 nexus_4wd_status nexus_4wd_odometry_checked(
-    const nexus_4wd_odometry_in *in,
-    nexus_4wd_odometry_out *out);
+    nexus_4wd_pose *pose,
+    const nexus_4wd_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NOMAD_XR4000_PAIR_d199f7ed0d4d9802)
+#if !defined(NOMAD_XR4000_PAIR_f5bbca712ab59dbc)
 #error "nomad_xr4000.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,26 +146,38 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_inverse_out *out)
+/* The members of nomad_xr4000_wheels lie as an array does. */
+typedef char nomad_xr4000_wheels_are_joints[
+    ((sizeof(nomad_xr4000_wheels) / sizeof(float)) == (unsigned int)NOMAD_XR4000_JOINTS) ? 1 : -1];
+
+float *nomad_xr4000_joint(nomad_xr4000_wheels *wheels, int joint)
 {
-    const float t0 = 10.0f * in->omega;
-    const float t1 = (-50.0f) * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)NOMAD_XR4000_JOINTS)) ? joint : 0];
+}
+
+void nomad_xr4000_inverse(
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *now,
+    nomad_xr4000_wheels *out)
+{
+    const float t0 = 10.0f * twist->omega;
+    const float t1 = (-50.0f) * twist->vx;
     const float castor1_a = t0 + t1; /* castor1 a, castor3 a */
-    const float t2 = (-50.0f) * in->vy;
+    const float t2 = (-50.0f) * twist->vy;
     const float castor1_b = t2 - t0; /* castor1 b, castor2 b */
-    const wmrgen_vector castor1 = wmrgen_direction(in->castor1.steer);
+    const wmrgen_vector castor1 = wmrgen_direction(now->castor1.steer);
     const float t3 = fmaf(castor1_a, castor1.x, castor1_b * castor1.y);
-    const float t4 = -in->omega;
+    const float t4 = -twist->omega;
     const float t5 = fmaf(-castor1.x, castor1_b, fmaf(castor1_a, castor1.y, t4));
     const float castor2_a = t1 - t0; /* castor2 a, castor4 a */
-    const wmrgen_vector castor2 = wmrgen_direction(in->castor2.steer);
+    const wmrgen_vector castor2 = wmrgen_direction(now->castor2.steer);
     const float t6 = fmaf(castor2_a, castor2.x, castor1_b * castor2.y);
     const float t7 = fmaf(-castor1_b, castor2.x, fmaf(castor2_a, castor2.y, t4));
     const float castor3_b = t0 + t2; /* castor3 b, castor4 b */
-    const wmrgen_vector castor3 = wmrgen_direction(in->castor3.steer);
+    const wmrgen_vector castor3 = wmrgen_direction(now->castor3.steer);
     const float t8 = fmaf(castor1_a, castor3.x, castor3_b * castor3.y);
     const float t9 = fmaf(-castor3.x, castor3_b, fmaf(castor1_a, castor3.y, t4));
-    const wmrgen_vector castor4 = wmrgen_direction(in->castor4.steer);
+    const wmrgen_vector castor4 = wmrgen_direction(now->castor4.steer);
     const float t10 = fmaf(castor2_a, castor4.x, castor3_b * castor4.y);
     const float t11 = fmaf(-castor3_b, castor4.x, fmaf(castor2_a, castor4.y, t4));
 
@@ -180,39 +192,41 @@ void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_invers
 }
 
 void nomad_xr4000_inverse_slip(
-    const nomad_xr4000_inverse_slip_in *in,
-    nomad_xr4000_inverse_slip_out *out)
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *wheels,
+    float *slip)
 {
-    (void)in;
+    (void)twist;
+    (void)wheels;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forward_out *out)
+void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist *twist)
 {
-    const wmrgen_vector castor3 = wmrgen_direction(in->castor3.steer);
-    const float t0 = 2.75f * in->castor3.spin;
-    const float castor3_wy = fmaf(castor3.x, in->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
-    const wmrgen_vector castor4 = wmrgen_direction(in->castor4.steer);
-    const float t1 = 2.75f * in->castor4.spin;
-    const float castor4_wy = fmaf(castor4.x, in->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
+    const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
+    const float t0 = 2.75f * wheels->castor3.spin;
+    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
+    const wmrgen_vector castor4 = wmrgen_direction(wheels->castor4.steer);
+    const float t1 = 2.75f * wheels->castor4.spin;
+    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
     const float t2 = castor3_wy + castor4_wy;
-    const wmrgen_vector castor1 = wmrgen_direction(in->castor1.steer);
-    const float t3 = 2.75f * in->castor1.spin;
-    const float castor1_wy = fmaf(castor1.x, in->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
-    const wmrgen_vector castor2 = wmrgen_direction(in->castor2.steer);
-    const float t4 = 2.75f * in->castor2.spin;
-    const float castor2_wy = fmaf(castor2.x, in->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
+    const wmrgen_vector castor1 = wmrgen_direction(wheels->castor1.steer);
+    const float t3 = 2.75f * wheels->castor1.spin;
+    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
+    const wmrgen_vector castor2 = wmrgen_direction(wheels->castor2.steer);
+    const float t4 = 2.75f * wheels->castor2.spin;
+    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
     const float t5 = castor1_wy + castor2_wy;
     const float sum_wy = t2 + t5; /* sum: its velocity, y */
-    const float castor2_wx = fmaf(castor2.x, t4, -(in->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
-    const float castor4_wx = fmaf(castor4.x, t1, -(in->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
+    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
+    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
     const float t6 = castor2_wx + castor4_wx;
-    const float castor1_wx = fmaf(castor1.x, t3, -(in->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
-    const float castor3_wx = fmaf(castor3.x, t0, -(in->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
+    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
+    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
     const float t7 = castor1_wx + castor3_wx;
-    const float t8 = in->castor1.steer_rate + in->castor2.steer_rate;
-    const float t9 = in->castor4.steer_rate + (in->castor3.steer_rate + t8);
+    const float t8 = wheels->castor1.steer_rate + wheels->castor2.steer_rate;
+    const float t9 = wheels->castor4.steer_rate + (wheels->castor3.steer_rate + t8);
     const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9)); /* moment */
     const float t10 = castor3.x + castor4.x;
     const float t11 = castor1.x + castor2.x;
@@ -226,38 +240,39 @@ void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forwar
     const float t17 = -t15;
     const float omega_fit = t16 / fmaf(t17, t15, fmaf(-t12, t12, inertia)); /* omega */
 
-    out->vx = 0.005f * fmaf(t17, omega_fit, sum_wx);
-    out->vy = 0.005f * fmaf(t12, omega_fit, sum_wy);
-    out->omega = omega_fit;
+    twist->vx = 0.005f * fmaf(t17, omega_fit, sum_wx);
+    twist->vy = 0.005f * fmaf(t12, omega_fit, sum_wy);
+    twist->omega = omega_fit;
 }
 
 void nomad_xr4000_forward_slip(
-    const nomad_xr4000_forward_slip_in *in,
-    nomad_xr4000_forward_slip_out *out)
+    const nomad_xr4000_wheels *wheels,
+    nomad_xr4000_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector castor3 = wmrgen_direction(in->castor3.steer);
-    const float t0 = 2.75f * in->castor3.spin;
-    const float castor3_wy = fmaf(castor3.x, in->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
-    const wmrgen_vector castor4 = wmrgen_direction(in->castor4.steer);
-    const float t1 = 2.75f * in->castor4.spin;
-    const float castor4_wy = fmaf(castor4.x, in->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
+    const wmrgen_vector castor3 = wmrgen_direction(wheels->castor3.steer);
+    const float t0 = 2.75f * wheels->castor3.spin;
+    const float castor3_wy = fmaf(castor3.x, wheels->castor3.steer_rate, castor3.y * t0); /* castor3: its velocity, y */
+    const wmrgen_vector castor4 = wmrgen_direction(wheels->castor4.steer);
+    const float t1 = 2.75f * wheels->castor4.spin;
+    const float castor4_wy = fmaf(castor4.x, wheels->castor4.steer_rate, castor4.y * t1); /* castor4: its velocity, y */
     const float t2 = castor3_wy + castor4_wy;
-    const wmrgen_vector castor1 = wmrgen_direction(in->castor1.steer);
-    const float t3 = 2.75f * in->castor1.spin;
-    const float castor1_wy = fmaf(castor1.x, in->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
-    const wmrgen_vector castor2 = wmrgen_direction(in->castor2.steer);
-    const float t4 = 2.75f * in->castor2.spin;
-    const float castor2_wy = fmaf(castor2.x, in->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
+    const wmrgen_vector castor1 = wmrgen_direction(wheels->castor1.steer);
+    const float t3 = 2.75f * wheels->castor1.spin;
+    const float castor1_wy = fmaf(castor1.x, wheels->castor1.steer_rate, castor1.y * t3); /* castor1: its velocity, y */
+    const wmrgen_vector castor2 = wmrgen_direction(wheels->castor2.steer);
+    const float t4 = 2.75f * wheels->castor2.spin;
+    const float castor2_wy = fmaf(castor2.x, wheels->castor2.steer_rate, castor2.y * t4); /* castor2: its velocity, y */
     const float t5 = castor1_wy + castor2_wy;
     const float sum_wy = t2 + t5; /* sum: its velocity, y */
-    const float castor2_wx = fmaf(castor2.x, t4, -(in->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
-    const float castor4_wx = fmaf(castor4.x, t1, -(in->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
+    const float castor2_wx = fmaf(castor2.x, t4, -(wheels->castor2.steer_rate * castor2.y)); /* castor2: its velocity, x */
+    const float castor4_wx = fmaf(castor4.x, t1, -(wheels->castor4.steer_rate * castor4.y)); /* castor4: its velocity, x */
     const float t6 = castor2_wx + castor4_wx;
-    const float castor1_wx = fmaf(castor1.x, t3, -(in->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
-    const float castor3_wx = fmaf(castor3.x, t0, -(in->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
+    const float castor1_wx = fmaf(castor1.x, t3, -(wheels->castor1.steer_rate * castor1.y)); /* castor1: its velocity, x */
+    const float castor3_wx = fmaf(castor3.x, t0, -(wheels->castor3.steer_rate * castor3.y)); /* castor3: its velocity, x */
     const float t7 = castor1_wx + castor3_wx;
-    const float t8 = in->castor1.steer_rate + in->castor2.steer_rate;
-    const float t9 = in->castor4.steer_rate + (in->castor3.steer_rate + t8);
+    const float t8 = wheels->castor1.steer_rate + wheels->castor2.steer_rate;
+    const float t9 = wheels->castor4.steer_rate + (wheels->castor3.steer_rate + t8);
     const float moment = fmaf(40.0f, t5 + (t6 - t7) - t2, -(4.0f * t9)); /* moment */
     const float t10 = castor3.x + castor4.x;
     const float t11 = castor1.x + castor2.x;
@@ -289,22 +304,22 @@ void nomad_xr4000_forward_slip(
     const float t27 = fmaf(error_6, error_6, fmaf(error_5, error_5, t25));
     const float error_7 = fmaf(0.02f, fmaf(castor4.x, omega_fit, castor4_wy), t26); /* residual 7 */
 
-    out->vx = t18;
-    out->vy = t19;
-    out->omega = omega_fit;
-    out->slip = sqrtf(fmaf(error_7, error_7, t27));
+    twist->vx = t18;
+    twist->vy = t19;
+    twist->omega = omega_fit;
+    *slip = sqrtf(fmaf(error_7, error_7, t27));
 }
 
-void nomad_xr4000_odometry(const nomad_xr4000_odometry_in *in, nomad_xr4000_odometry_out *out)
+void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

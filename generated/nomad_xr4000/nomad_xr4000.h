@@ -6,7 +6,152 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   castor1: castor, x 0.2 m, y 0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
+ *   castor2: castor, x 0.2 m, y -0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
+ *   castor3: castor, x -0.2 m, y 0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
+ *   castor4: castor, x -0.2 m, y -0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   d: contact point minus pivot, along the rolling direction.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     nomad_xr4000_twist twist = {0.5f, 0.0f, 0.2f};
+ *     nomad_xr4000_wheels wheels = {{0.0f}};
+ *     nomad_xr4000_pose pose = {0.0f, 0.0f, 0.0f};
+ *     nomad_xr4000_inverse(&twist, &wheels, &wheels);
+ *     nomad_xr4000_forward(&wheels, &twist);
+ *     nomad_xr4000_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_NOMAD_XR4000_H
+#define WMRGEN_NOMAD_XR4000_H
+
+#define NOMAD_XR4000_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define NOMAD_XR4000_MODEL_HASH "4e76e80387543823a70452e680a8f8d5" /**< digest of the model */
+#define NOMAD_XR4000_PAIR_f5bbca712ab59dbc 1 /**< header and source that were written together have the same */
+#define NOMAD_XR4000_CASTOR1_X 0.2f /**< [m] pivot, forward of P */
+#define NOMAD_XR4000_CASTOR1_Y 0.2f /**< [m] pivot, to the left of P */
+#define NOMAD_XR4000_CASTOR1_RADIUS 0.055f /**< [m] radius */
+#define NOMAD_XR4000_CASTOR2_X 0.2f /**< [m] pivot, forward of P */
+#define NOMAD_XR4000_CASTOR2_Y (-0.2f) /**< [m] pivot, to the left of P */
+#define NOMAD_XR4000_CASTOR2_RADIUS 0.055f /**< [m] radius */
+#define NOMAD_XR4000_CASTOR3_X (-0.2f) /**< [m] pivot, forward of P */
+#define NOMAD_XR4000_CASTOR3_Y 0.2f /**< [m] pivot, to the left of P */
+#define NOMAD_XR4000_CASTOR3_RADIUS 0.055f /**< [m] radius */
+#define NOMAD_XR4000_CASTOR4_X (-0.2f) /**< [m] pivot, forward of P */
+#define NOMAD_XR4000_CASTOR4_Y (-0.2f) /**< [m] pivot, to the left of P */
+#define NOMAD_XR4000_CASTOR4_RADIUS 0.055f /**< [m] radius */
+#define NOMAD_XR4000_VX_MIN (-1.5f) /**< [m/s] least that the robot file allows */
+#define NOMAD_XR4000_VX_MAX 1.5f /**< [m/s] most that the robot file allows */
+#define NOMAD_XR4000_VY_MIN (-1.5f) /**< [m/s] least that the robot file allows */
+#define NOMAD_XR4000_VY_MAX 1.5f /**< [m/s] most that the robot file allows */
+#define NOMAD_XR4000_OMEGA_MIN (-2.0f) /**< [rad/s] least that the robot file allows */
+#define NOMAD_XR4000_OMEGA_MAX 2.0f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} nomad_xr4000_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} nomad_xr4000_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file.
+ * steer_rate: steering rate, counter-clockwise. */
+typedef struct {
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } castor1;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } castor2;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } castor3;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } castor4;
+} nomad_xr4000_wheels;
+
+/** Joints in the order of nomad_xr4000_wheels. */
+enum nomad_xr4000_joint {
+    NOMAD_XR4000_CASTOR1_SPIN, /**< [rad/s] castor1.spin */
+    NOMAD_XR4000_CASTOR1_STEER, /**< [rad] castor1.steer */
+    NOMAD_XR4000_CASTOR1_STEER_RATE, /**< [rad/s] castor1.steer_rate */
+    NOMAD_XR4000_CASTOR2_SPIN, /**< [rad/s] castor2.spin */
+    NOMAD_XR4000_CASTOR2_STEER, /**< [rad] castor2.steer */
+    NOMAD_XR4000_CASTOR2_STEER_RATE, /**< [rad/s] castor2.steer_rate */
+    NOMAD_XR4000_CASTOR3_SPIN, /**< [rad/s] castor3.spin */
+    NOMAD_XR4000_CASTOR3_STEER, /**< [rad] castor3.steer */
+    NOMAD_XR4000_CASTOR3_STEER_RATE, /**< [rad/s] castor3.steer_rate */
+    NOMAD_XR4000_CASTOR4_SPIN, /**< [rad/s] castor4.spin */
+    NOMAD_XR4000_CASTOR4_STEER, /**< [rad] castor4.steer */
+    NOMAD_XR4000_CASTOR4_STEER_RATE, /**< [rad/s] castor4.steer_rate */
+    NOMAD_XR4000_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum nomad_xr4000_joint, for loops over all; of the first where there is none. */
+float *nomad_xr4000_joint(nomad_xr4000_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 16 additions, 23 multiplications, 8 sines and cosines. */
+void nomad_xr4000_inverse(
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *now,
+    nomad_xr4000_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void nomad_xr4000_inverse_slip(
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 37 additions, 31 multiplications, 1 division, 8 sines and cosines. */
+void nomad_xr4000_forward(const nomad_xr4000_wheels *wheels, nomad_xr4000_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 64 additions, 56 multiplications, 1 division, 1 square root, 8
+ * sines and cosines. */
+void nomad_xr4000_forward_slip(
+    const nomad_xr4000_wheels *wheels,
+    nomad_xr4000_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void nomad_xr4000_odometry(nomad_xr4000_pose *pose, const nomad_xr4000_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,15 +167,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   castor1: castor, x 0.2 m, y 0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
- *   castor2: castor, x 0.2 m, y -0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
- *   castor3: castor, x -0.2 m, y 0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
- *   castor4: castor, x -0.2 m, y -0.2 m, heading 0 deg, r 0.055 m, d -0.02 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   d: contact point minus pivot, along the rolling direction.
  *
  * Proved for |vx| <= 1.5, |vy| <= 1.5, |omega| <= 2, and with these ranges of inputs that have no
  * limits: |castor1.steer, castor2.steer, castor3.steer, castor4.steer| <= 12.5664, |castor1.spin,
@@ -55,147 +191,5 @@
  *   odometry: y in [-100.639, 100.639] m, off by 5.3e-06
  *   odometry: theta in [-12.7664, 12.7664] rad, off by 4.9e-07
  */
-#ifndef WMRGEN_NOMAD_XR4000_H
-#define WMRGEN_NOMAD_XR4000_H
-
-#define NOMAD_XR4000_MODEL_HASH "4e76e80387543823a70452e680a8f8d5"
-#define NOMAD_XR4000_PAIR_d199f7ed0d4d9802 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of nomad_xr4000_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                        /* [m/s] velocity of P forward, robot frame */
-    float vy;                        /* [m/s] velocity of P to the left, robot frame */
-    float omega;                     /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } castor1; /* [rad] */
-    struct { float steer; } castor2; /* [rad] */
-    struct { float steer; } castor3; /* [rad] */
-    struct { float steer; } castor4; /* [rad] */
-} nomad_xr4000_inverse_in;
-
-/* Output of nomad_xr4000_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } castor1;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } castor2;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } castor3;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } castor4;
-} nomad_xr4000_inverse_out;
-
-typedef nomad_xr4000_inverse_in nomad_xr4000_inverse_slip_in;
-
-/* Output of nomad_xr4000_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} nomad_xr4000_inverse_slip_out;
-
-/* Input of nomad_xr4000_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } castor1;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } castor2;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } castor3;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } castor4;
-} nomad_xr4000_forward_in;
-
-/* Output of nomad_xr4000_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} nomad_xr4000_forward_out;
-
-typedef nomad_xr4000_forward_in nomad_xr4000_forward_slip_in;
-
-/* Output of nomad_xr4000_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} nomad_xr4000_forward_slip_out;
-
-/* Input of nomad_xr4000_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} nomad_xr4000_odometry_in;
-
-/* Output of nomad_xr4000_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} nomad_xr4000_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 16 additions, 23 multiplications, 8 sines and cosines. */
-void nomad_xr4000_inverse(const nomad_xr4000_inverse_in *in, nomad_xr4000_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void nomad_xr4000_inverse_slip(
-    const nomad_xr4000_inverse_slip_in *in,
-    nomad_xr4000_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 37 additions, 31 multiplications, 1 division, 8 sines and cosines. */
-void nomad_xr4000_forward(const nomad_xr4000_forward_in *in, nomad_xr4000_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 64 additions, 56 multiplications, 1 division, 1 square root, 8
- * sines and cosines. */
-void nomad_xr4000_forward_slip(
-    const nomad_xr4000_forward_slip_in *in,
-    nomad_xr4000_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void nomad_xr4000_odometry(const nomad_xr4000_odometry_in *in, nomad_xr4000_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_NOMAD_XR4000_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NOMAD_XR4000_PAIR_d199f7ed0d4d9802)
+#if !defined(NOMAD_XR4000_PAIR_f5bbca712ab59dbc)
 #error "nomad_xr4000_checked.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,33 +33,34 @@ static float nomad_xr4000_held(const float x)
 }
 
 nomad_xr4000_status nomad_xr4000_inverse_checked(
-    const nomad_xr4000_inverse_in *in,
-    nomad_xr4000_inverse_out *out)
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *now,
+    nomad_xr4000_wheels *out)
 {
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            nomad_xr4000_is_number(in->vx) &&
-            nomad_xr4000_is_number(in->vy) &&
-            nomad_xr4000_is_number(in->omega) &&
-            nomad_xr4000_is_number(in->castor1.steer) &&
-            nomad_xr4000_is_number(in->castor2.steer) &&
-            nomad_xr4000_is_number(in->castor3.steer) &&
-            nomad_xr4000_is_number(in->castor4.steer)
+            nomad_xr4000_is_number(twist->vx) &&
+            nomad_xr4000_is_number(twist->vy) &&
+            nomad_xr4000_is_number(twist->omega) &&
+            nomad_xr4000_is_number(now->castor1.steer) &&
+            nomad_xr4000_is_number(now->castor2.steer) &&
+            nomad_xr4000_is_number(now->castor3.steer) &&
+            nomad_xr4000_is_number(now->castor4.steer)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            nomad_xr4000_is_within(in->vx, -1.5f, 1.5f) &&
-            nomad_xr4000_is_within(in->vy, -1.5f, 1.5f) &&
-            nomad_xr4000_is_within(in->omega, -2.0f, 2.0f) &&
-            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f)
+            nomad_xr4000_is_within(twist->vx, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(twist->vy, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(twist->omega, -2.0f, 2.0f) &&
+            nomad_xr4000_is_within(now->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(now->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(now->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(now->castor4.steer, -1e4f, 1e4f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
-        nomad_xr4000_inverse(in, out);
+        nomad_xr4000_inverse(twist, now, out);
     }
     if (status != NOMAD_XR4000_OK) {
         out->castor1.spin = 0.0f;
@@ -75,168 +76,171 @@ nomad_xr4000_status nomad_xr4000_inverse_checked(
 }
 
 nomad_xr4000_status nomad_xr4000_inverse_slip_checked(
-    const nomad_xr4000_inverse_slip_in *in,
-    nomad_xr4000_inverse_slip_out *out)
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *wheels,
+    float *slip)
 {
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            nomad_xr4000_is_number(in->vx) &&
-            nomad_xr4000_is_number(in->vy) &&
-            nomad_xr4000_is_number(in->omega) &&
-            nomad_xr4000_is_number(in->castor1.steer) &&
-            nomad_xr4000_is_number(in->castor2.steer) &&
-            nomad_xr4000_is_number(in->castor3.steer) &&
-            nomad_xr4000_is_number(in->castor4.steer)
+            nomad_xr4000_is_number(twist->vx) &&
+            nomad_xr4000_is_number(twist->vy) &&
+            nomad_xr4000_is_number(twist->omega) &&
+            nomad_xr4000_is_number(wheels->castor1.steer) &&
+            nomad_xr4000_is_number(wheels->castor2.steer) &&
+            nomad_xr4000_is_number(wheels->castor3.steer) &&
+            nomad_xr4000_is_number(wheels->castor4.steer)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            nomad_xr4000_is_within(in->vx, -1.5f, 1.5f) &&
-            nomad_xr4000_is_within(in->vy, -1.5f, 1.5f) &&
-            nomad_xr4000_is_within(in->omega, -2.0f, 2.0f) &&
-            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f)
+            nomad_xr4000_is_within(twist->vx, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(twist->vy, -1.5f, 1.5f) &&
+            nomad_xr4000_is_within(twist->omega, -2.0f, 2.0f) &&
+            nomad_xr4000_is_within(wheels->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor4.steer, -1e4f, 1e4f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
-        nomad_xr4000_inverse_slip(in, out);
+        nomad_xr4000_inverse_slip(twist, wheels, slip);
     }
     if (status != NOMAD_XR4000_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 nomad_xr4000_status nomad_xr4000_forward_checked(
-    const nomad_xr4000_forward_in *in,
-    nomad_xr4000_forward_out *out)
+    const nomad_xr4000_wheels *wheels,
+    nomad_xr4000_twist *twist)
 {
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            nomad_xr4000_is_number(in->castor1.spin) &&
-            nomad_xr4000_is_number(in->castor1.steer) &&
-            nomad_xr4000_is_number(in->castor1.steer_rate) &&
-            nomad_xr4000_is_number(in->castor2.spin) &&
-            nomad_xr4000_is_number(in->castor2.steer) &&
-            nomad_xr4000_is_number(in->castor2.steer_rate) &&
-            nomad_xr4000_is_number(in->castor3.spin) &&
-            nomad_xr4000_is_number(in->castor3.steer) &&
-            nomad_xr4000_is_number(in->castor3.steer_rate) &&
-            nomad_xr4000_is_number(in->castor4.spin) &&
-            nomad_xr4000_is_number(in->castor4.steer) &&
-            nomad_xr4000_is_number(in->castor4.steer_rate)
+            nomad_xr4000_is_number(wheels->castor1.spin) &&
+            nomad_xr4000_is_number(wheels->castor1.steer) &&
+            nomad_xr4000_is_number(wheels->castor1.steer_rate) &&
+            nomad_xr4000_is_number(wheels->castor2.spin) &&
+            nomad_xr4000_is_number(wheels->castor2.steer) &&
+            nomad_xr4000_is_number(wheels->castor2.steer_rate) &&
+            nomad_xr4000_is_number(wheels->castor3.spin) &&
+            nomad_xr4000_is_number(wheels->castor3.steer) &&
+            nomad_xr4000_is_number(wheels->castor3.steer_rate) &&
+            nomad_xr4000_is_number(wheels->castor4.spin) &&
+            nomad_xr4000_is_number(wheels->castor4.steer) &&
+            nomad_xr4000_is_number(wheels->castor4.steer_rate)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            nomad_xr4000_is_within(in->castor1.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor1.steer_rate, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor2.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor2.steer_rate, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor3.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor3.steer_rate, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor4.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor4.steer_rate, -1e9f, 1e9f)
+            nomad_xr4000_is_within(wheels->castor1.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor1.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor2.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor2.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor3.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor3.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor4.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor4.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor4.steer_rate, -1e9f, 1e9f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
-        nomad_xr4000_forward(in, out);
+        nomad_xr4000_forward(wheels, twist);
     }
     if (status != NOMAD_XR4000_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 nomad_xr4000_status nomad_xr4000_forward_slip_checked(
-    const nomad_xr4000_forward_slip_in *in,
-    nomad_xr4000_forward_slip_out *out)
+    const nomad_xr4000_wheels *wheels,
+    nomad_xr4000_twist *twist,
+    float *slip)
 {
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            nomad_xr4000_is_number(in->castor1.spin) &&
-            nomad_xr4000_is_number(in->castor1.steer) &&
-            nomad_xr4000_is_number(in->castor1.steer_rate) &&
-            nomad_xr4000_is_number(in->castor2.spin) &&
-            nomad_xr4000_is_number(in->castor2.steer) &&
-            nomad_xr4000_is_number(in->castor2.steer_rate) &&
-            nomad_xr4000_is_number(in->castor3.spin) &&
-            nomad_xr4000_is_number(in->castor3.steer) &&
-            nomad_xr4000_is_number(in->castor3.steer_rate) &&
-            nomad_xr4000_is_number(in->castor4.spin) &&
-            nomad_xr4000_is_number(in->castor4.steer) &&
-            nomad_xr4000_is_number(in->castor4.steer_rate)
+            nomad_xr4000_is_number(wheels->castor1.spin) &&
+            nomad_xr4000_is_number(wheels->castor1.steer) &&
+            nomad_xr4000_is_number(wheels->castor1.steer_rate) &&
+            nomad_xr4000_is_number(wheels->castor2.spin) &&
+            nomad_xr4000_is_number(wheels->castor2.steer) &&
+            nomad_xr4000_is_number(wheels->castor2.steer_rate) &&
+            nomad_xr4000_is_number(wheels->castor3.spin) &&
+            nomad_xr4000_is_number(wheels->castor3.steer) &&
+            nomad_xr4000_is_number(wheels->castor3.steer_rate) &&
+            nomad_xr4000_is_number(wheels->castor4.spin) &&
+            nomad_xr4000_is_number(wheels->castor4.steer) &&
+            nomad_xr4000_is_number(wheels->castor4.steer_rate)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            nomad_xr4000_is_within(in->castor1.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor1.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor1.steer_rate, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor2.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor2.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor2.steer_rate, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor3.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor3.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor3.steer_rate, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor4.spin, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->castor4.steer, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->castor4.steer_rate, -1e9f, 1e9f)
+            nomad_xr4000_is_within(wheels->castor1.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor1.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor1.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor2.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor2.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor2.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor3.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor3.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor3.steer_rate, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor4.spin, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(wheels->castor4.steer, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(wheels->castor4.steer_rate, -1e9f, 1e9f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
-        nomad_xr4000_forward_slip(in, out);
+        nomad_xr4000_forward_slip(wheels, twist, slip);
     }
     if (status != NOMAD_XR4000_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 nomad_xr4000_status nomad_xr4000_odometry_checked(
-    const nomad_xr4000_odometry_in *in,
-    nomad_xr4000_odometry_out *out)
+    nomad_xr4000_pose *pose,
+    const nomad_xr4000_twist *twist,
+    float dt)
 {
     nomad_xr4000_status status = NOMAD_XR4000_OK;
 
     if (!(
-            nomad_xr4000_is_number(in->x) &&
-            nomad_xr4000_is_number(in->y) &&
-            nomad_xr4000_is_number(in->theta) &&
-            nomad_xr4000_is_number(in->vx) &&
-            nomad_xr4000_is_number(in->vy) &&
-            nomad_xr4000_is_number(in->omega) &&
-            nomad_xr4000_is_number(in->dt)
+            nomad_xr4000_is_number(pose->x) &&
+            nomad_xr4000_is_number(pose->y) &&
+            nomad_xr4000_is_number(pose->theta) &&
+            nomad_xr4000_is_number(twist->vx) &&
+            nomad_xr4000_is_number(twist->vy) &&
+            nomad_xr4000_is_number(twist->omega) &&
+            nomad_xr4000_is_number(dt)
         )) {
         status = NOMAD_XR4000_NOT_A_NUMBER;
     } else if (!(
-            nomad_xr4000_is_within(in->x, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->y, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->theta, -1e4f, 1e4f) &&
-            nomad_xr4000_is_within(in->vx, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->vy, -1e9f, 1e9f) &&
-            nomad_xr4000_is_within(in->omega, -200.0f, 200.0f) &&
-            nomad_xr4000_is_within(in->dt, -10.0f, 10.0f)
+            nomad_xr4000_is_within(pose->x, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(pose->y, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(pose->theta, -1e4f, 1e4f) &&
+            nomad_xr4000_is_within(twist->vx, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(twist->vy, -1e9f, 1e9f) &&
+            nomad_xr4000_is_within(twist->omega, -200.0f, 200.0f) &&
+            nomad_xr4000_is_within(dt, -10.0f, 10.0f)
         )) {
         status = NOMAD_XR4000_OUT_OF_RANGE;
     } else {
-        nomad_xr4000_odometry(in, out);
+        nomad_xr4000_odometry(pose, twist, dt);
     }
     if (status != NOMAD_XR4000_OK) {
-        out->x = nomad_xr4000_held(in->x);
-        out->y = nomad_xr4000_held(in->y);
-        out->theta = nomad_xr4000_held(in->theta);
+        pose->x = nomad_xr4000_held(pose->x);
+        pose->y = nomad_xr4000_held(pose->y);
+        pose->theta = nomad_xr4000_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_d199f7ed0d4d9802)
+#if !defined(NOMAD_XR4000_PAIR_f5bbca712ab59dbc)
 #error "nomad_xr4000_checked.h and nomad_xr4000.h were not generated together: copy both"
 #endif
 
@@ -38,36 +38,40 @@ typedef enum {
 /* nomad_xr4000_inverse() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega -2 to
  * 2 rad/s; castor1.steer, castor2.steer, castor3.steer, castor4.steer -1e4 to 1e4 rad. */
 nomad_xr4000_status nomad_xr4000_inverse_checked(
-    const nomad_xr4000_inverse_in *in,
-    nomad_xr4000_inverse_out *out);
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *now,
+    nomad_xr4000_wheels *out);
 
 /* nomad_xr4000_inverse_slip() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega
  * -2 to 2 rad/s; castor1.steer, castor2.steer, castor3.steer, castor4.steer -1e4 to 1e4 rad. */
 nomad_xr4000_status nomad_xr4000_inverse_slip_checked(
-    const nomad_xr4000_inverse_slip_in *in,
-    nomad_xr4000_inverse_slip_out *out);
+    const nomad_xr4000_twist *twist,
+    const nomad_xr4000_wheels *wheels,
+    float *slip);
 
 /* nomad_xr4000_forward() with its inputs checked. Accepted: castor1.spin, castor1.steer_rate,
  * castor2.spin, castor2.steer_rate, castor3.spin, castor3.steer_rate, castor4.spin,
  * castor4.steer_rate -1e9 to 1e9 rad/s; castor1.steer, castor2.steer, castor3.steer,
  * castor4.steer -1e4 to 1e4 rad. */
 nomad_xr4000_status nomad_xr4000_forward_checked(
-    const nomad_xr4000_forward_in *in,
-    nomad_xr4000_forward_out *out);
+    const nomad_xr4000_wheels *wheels,
+    nomad_xr4000_twist *twist);
 
 /* nomad_xr4000_forward_slip() with its inputs checked. Accepted: castor1.spin,
  * castor1.steer_rate, castor2.spin, castor2.steer_rate, castor3.spin, castor3.steer_rate,
  * castor4.spin, castor4.steer_rate -1e9 to 1e9 rad/s; castor1.steer, castor2.steer,
  * castor3.steer, castor4.steer -1e4 to 1e4 rad. */
 nomad_xr4000_status nomad_xr4000_forward_slip_checked(
-    const nomad_xr4000_forward_slip_in *in,
-    nomad_xr4000_forward_slip_out *out);
+    const nomad_xr4000_wheels *wheels,
+    nomad_xr4000_twist *twist,
+    float *slip);
 
 /* nomad_xr4000_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 nomad_xr4000_status nomad_xr4000_odometry_checked(
-    const nomad_xr4000_odometry_in *in,
-    nomad_xr4000_odometry_out *out);
+    nomad_xr4000_pose *pose,
+    const nomad_xr4000_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PR2_PAIR_ad6b9d0af01d31ac)
+#if !defined(PR2_PAIR_fc550e08d70d6ced)
 #error "pr2.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -217,20 +217,29 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void pr2_inverse(const pr2_inverse_in *in, pr2_inverse_out *out)
+/* The members of pr2_wheels lie as an array does. */
+typedef char pr2_wheels_are_joints[
+    ((sizeof(pr2_wheels) / sizeof(float)) == (unsigned int)PR2_JOINTS) ? 1 : -1];
+
+float *pr2_joint(pr2_wheels *wheels, int joint)
 {
-    const float fl_l_x = fmaf(2.1696092e-09f, in->omega, fmaf((-0.2246f), in->omega, in->vx)); /* fl_l: a, bl_l: a */
-    const float fl_l_y = fmaf((-2.1696092e-09f), in->omega, fmaf(0.2246f, in->omega, in->vy)); /* fl_l: b, fr_l: b */
-    const wmrgen_wheel fl_l = wmrgen_steer_along(fl_l_x, fl_l_y, in->fl_l.steer, 1.0f);
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)PR2_JOINTS)) ? joint : 0];
+}
+
+void pr2_inverse(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out)
+{
+    const float fl_l_x = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vx)); /* fl_l: a, bl_l: a */
+    const float fl_l_y = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vy)); /* fl_l: b, fr_l: b */
+    const wmrgen_wheel fl_l = wmrgen_steer_along(fl_l_x, fl_l_y, now->fl_l.steer, 1.0f);
     const float t0 = 13.370414f * fl_l.spin;
-    const float t1 = 0.6551503f * in->omega;
-    const float fr_l_x = fmaf((-2.1696092e-09f), in->omega, fmaf(0.2246f, in->omega, in->vx)); /* fr_l: a, br_l: a */
-    const wmrgen_wheel fr_l = wmrgen_steer_along(fr_l_x, fl_l_y, in->fr_l.steer, 1.0f);
+    const float t1 = 0.6551503f * twist->omega;
+    const float fr_l_x = fmaf((-2.1696092e-09f), twist->omega, fmaf(0.2246f, twist->omega, twist->vx)); /* fr_l: a, br_l: a */
+    const wmrgen_wheel fr_l = wmrgen_steer_along(fr_l_x, fl_l_y, now->fr_l.steer, 1.0f);
     const float t2 = 13.370414f * fr_l.spin;
-    const float bl_l_y = fmaf(2.1696092e-09f, in->omega, fmaf((-0.2246f), in->omega, in->vy)); /* bl_l: b, br_l: b */
-    const wmrgen_wheel bl_l = wmrgen_steer_along(fl_l_x, bl_l_y, in->bl_l.steer, 1.0f);
+    const float bl_l_y = fmaf(2.1696092e-09f, twist->omega, fmaf((-0.2246f), twist->omega, twist->vy)); /* bl_l: b, br_l: b */
+    const wmrgen_wheel bl_l = wmrgen_steer_along(fl_l_x, bl_l_y, now->bl_l.steer, 1.0f);
     const float t3 = 13.370414f * bl_l.spin;
-    const wmrgen_wheel br_l = wmrgen_steer_along(fr_l_x, bl_l_y, in->br_l.steer, 1.0f);
+    const wmrgen_wheel br_l = wmrgen_steer_along(fr_l_x, bl_l_y, now->br_l.steer, 1.0f);
     const float t4 = 13.370414f * br_l.spin;
 
     out->fl_l.spin = t0 - t1;
@@ -251,158 +260,163 @@ void pr2_inverse(const pr2_inverse_in *in, pr2_inverse_out *out)
     out->br_r.steer = br_l.steer;
 }
 
-void pr2_inverse_slip(const pr2_inverse_slip_in *in, pr2_inverse_slip_out *out)
+void pr2_inverse_slip(const pr2_twist *twist, const pr2_wheels *wheels, float *slip)
 {
-    (void)in;
+    (void)twist;
+    (void)wheels;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void pr2_forward(const pr2_forward_in *in, pr2_forward_out *out)
+void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist)
 {
-    const wmrgen_vector br_l = wmrgen_direction(in->br_l.steer);
-    const wmrgen_vector br_r = wmrgen_direction(in->br_r.steer);
-    const wmrgen_vector bl_l = wmrgen_direction(in->bl_l.steer);
-    const wmrgen_vector bl_r = wmrgen_direction(in->bl_r.steer);
+    const wmrgen_vector br_l = wmrgen_direction(wheels->br_l.steer);
+    const wmrgen_vector br_r = wmrgen_direction(wheels->br_r.steer);
+    const wmrgen_vector bl_l = wmrgen_direction(wheels->bl_l.steer);
+    const wmrgen_vector bl_r = wmrgen_direction(wheels->bl_r.steer);
     const float t0 = br_l.y - br_r.y + (bl_l.y - bl_r.y);
-    const wmrgen_vector fr_l = wmrgen_direction(in->fr_l.steer);
-    const wmrgen_vector fr_r = wmrgen_direction(in->fr_r.steer);
-    const wmrgen_vector fl_l = wmrgen_direction(in->fl_l.steer);
-    const wmrgen_vector fl_r = wmrgen_direction(in->fl_r.steer);
+    const wmrgen_vector fr_l = wmrgen_direction(wheels->fr_l.steer);
+    const wmrgen_vector fr_r = wmrgen_direction(wheels->fr_r.steer);
+    const wmrgen_vector fl_l = wmrgen_direction(wheels->fl_l.steer);
+    const wmrgen_vector fl_r = wmrgen_direction(wheels->fl_r.steer);
     const float t1 = fr_l.y - fr_r.y + (fl_l.y - fl_r.y);
     const float sum_fx = (-0.049f) * (t0 + t1); /* sum fx */
     const float t2 = -sum_fx;
-    const float t3 = fmaf(0.049f, in->bl_l.steer_rate, 0.074792f * in->bl_l.spin);
-    const float t4 = fmaf(0.074792f, in->bl_r.spin, -(0.049f * in->bl_r.steer_rate));
-    const float t5 = fmaf(0.049f, in->br_l.steer_rate, 0.074792f * in->br_l.spin);
+    const float t3 = fmaf(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
+    const float t4 = fmaf(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
+    const float t5 = fmaf(0.049f, wheels->br_l.steer_rate, 0.074792f * wheels->br_l.spin);
     const float t6 = fmaf(t5, br_l.y, fmaf(t3, bl_l.y, t4 * bl_r.y));
-    const float t7 = fmaf(0.074792f, in->br_r.spin, -(0.049f * in->br_r.steer_rate));
+    const float t7 = fmaf(0.074792f, wheels->br_r.spin, -(0.049f * wheels->br_r.steer_rate));
     const float t8 = fmaf(t7, br_r.y, t6);
-    const float t9 = fmaf(0.049f, in->fl_l.steer_rate, 0.074792f * in->fl_l.spin);
-    const float t10 = fmaf(0.074792f, in->fl_r.spin, -(0.049f * in->fl_r.steer_rate));
-    const float t11 = fmaf(0.049f, in->fr_l.steer_rate, 0.074792f * in->fr_l.spin);
+    const float t9 = fmaf(0.049f, wheels->fl_l.steer_rate, 0.074792f * wheels->fl_l.spin);
+    const float t10 = fmaf(0.074792f, wheels->fl_r.spin, -(0.049f * wheels->fl_r.steer_rate));
+    const float t11 = fmaf(0.049f, wheels->fr_l.steer_rate, 0.074792f * wheels->fr_l.spin);
     const float t12 = fmaf(t11, fr_l.y, fmaf(t9, fl_l.y, t10 * fl_r.y));
-    const float t13 = fmaf(0.074792f, in->fr_r.spin, -(0.049f * in->fr_r.steer_rate));
+    const float t13 = fmaf(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
     const float t14 = fmaf(t13, fr_r.y, t12);
     const float sum_wy = t8 + t14; /* sum: its velocity, y */
     const float t15 = fmaf(br_l.x, t5, fmaf(fr_l.x, t11, fr_r.x * t13));
     const float t16 = fmaf(br_r.x, t7, t15);
     const float t17 = fmaf(bl_l.x, t3, fmaf(fl_l.x, t9, fl_r.x * t10));
     const float t18 = fmaf(bl_r.x, t4, t17);
-    const float t19 = in->fl_r.spin - in->fl_l.spin - in->fr_l.spin;
-    const float t20 = in->bl_r.spin + (in->fr_r.spin + t19 - in->bl_l.spin);
-    const float t21 = in->fr_l.steer_rate + (in->fl_l.steer_rate + in->fl_r.steer_rate);
-    const float t22 = in->bl_l.steer_rate + (in->fr_r.steer_rate + t21);
-    const float t23 = in->br_l.steer_rate + (in->bl_r.steer_rate + t22);
-    const float t24 = fmaf(0.029318465f, in->br_r.spin + (t20 - in->br_l.spin), -(0.019208f * (in->br_r.steer_rate + t23)));
-    const float t25 = fmaf(t2, sum_wy, fmaf(1.7968f, t14 + (t16 - t18) - t8, t24));
+    const float t19 = wheels->fl_r.spin - wheels->fl_l.spin - wheels->fr_l.spin;
+    const float t20 = wheels->bl_r.spin + (wheels->fr_r.spin + t19 - wheels->bl_l.spin);
+    const float t21 = wheels->br_r.spin + (t20 - wheels->br_l.spin);
+    const float t22 = wheels->fl_l.steer_rate + wheels->fl_r.steer_rate;
+    const float t23 = wheels->fr_r.steer_rate + (wheels->fr_l.steer_rate + t22);
+    const float t24 = wheels->bl_r.steer_rate + (wheels->bl_l.steer_rate + t23);
+    const float t25 = wheels->br_r.steer_rate + (wheels->br_l.steer_rate + t24);
+    const float moment = fmaf(1.7968f, t14 + (t16 - t18) - t8, fmaf(0.029318465f, t21, -(0.019208f * t25))); /* moment */
     const float sum_wx = t16 + t18; /* sum: its velocity, x */
     const float t26 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
     const float t27 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
     const float sum_fy = 0.049f * (t26 + t27); /* sum fy */
+    const float t28 = fmaf(sum_wx, sum_fy, fmaf(t2, sum_wy, moment));
     const float inertia = fmaf(0.1760864f, t0 + (t27 - t26 - t1), 6.6106443f); /* inertia */
-    const float t28 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
-    const float omega_fit = fmaf(sum_wx, sum_fy, t25) / t28; /* omega */
+    const float t29 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
+    const float omega_fit = t28 / t29; /* omega */
 
-    out->vx = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
-    out->vy = 0.125f * fmaf(t2, omega_fit, sum_wy);
-    out->omega = omega_fit;
+    twist->vx = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
+    twist->vy = 0.125f * fmaf(t2, omega_fit, sum_wy);
+    twist->omega = omega_fit;
 }
 
-void pr2_forward_slip(const pr2_forward_slip_in *in, pr2_forward_slip_out *out)
+void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip)
 {
-    const wmrgen_vector br_l = wmrgen_direction(in->br_l.steer);
-    const wmrgen_vector br_r = wmrgen_direction(in->br_r.steer);
-    const wmrgen_vector bl_l = wmrgen_direction(in->bl_l.steer);
-    const wmrgen_vector bl_r = wmrgen_direction(in->bl_r.steer);
+    const wmrgen_vector br_l = wmrgen_direction(wheels->br_l.steer);
+    const wmrgen_vector br_r = wmrgen_direction(wheels->br_r.steer);
+    const wmrgen_vector bl_l = wmrgen_direction(wheels->bl_l.steer);
+    const wmrgen_vector bl_r = wmrgen_direction(wheels->bl_r.steer);
     const float t0 = br_l.y - br_r.y + (bl_l.y - bl_r.y);
-    const wmrgen_vector fr_l = wmrgen_direction(in->fr_l.steer);
-    const wmrgen_vector fr_r = wmrgen_direction(in->fr_r.steer);
-    const wmrgen_vector fl_l = wmrgen_direction(in->fl_l.steer);
-    const wmrgen_vector fl_r = wmrgen_direction(in->fl_r.steer);
+    const wmrgen_vector fr_l = wmrgen_direction(wheels->fr_l.steer);
+    const wmrgen_vector fr_r = wmrgen_direction(wheels->fr_r.steer);
+    const wmrgen_vector fl_l = wmrgen_direction(wheels->fl_l.steer);
+    const wmrgen_vector fl_r = wmrgen_direction(wheels->fl_r.steer);
     const float t1 = fr_l.y - fr_r.y + (fl_l.y - fl_r.y);
     const float sum_fx = (-0.049f) * (t0 + t1); /* sum fx */
     const float t2 = -sum_fx;
-    const float t3 = fmaf(0.049f, in->bl_l.steer_rate, 0.074792f * in->bl_l.spin);
-    const float t4 = fmaf(0.074792f, in->bl_r.spin, -(0.049f * in->bl_r.steer_rate));
+    const float t3 = fmaf(0.049f, wheels->bl_l.steer_rate, 0.074792f * wheels->bl_l.spin);
+    const float t4 = fmaf(0.074792f, wheels->bl_r.spin, -(0.049f * wheels->bl_r.steer_rate));
     const float bl_r_wy = t4 * bl_r.y; /* bl_r: its velocity, y */
-    const float t5 = fmaf(0.049f, in->br_l.steer_rate, 0.074792f * in->br_l.spin);
-    const float t6 = fmaf(0.074792f, in->br_r.spin, -(0.049f * in->br_r.steer_rate));
+    const float t5 = fmaf(0.049f, wheels->br_l.steer_rate, 0.074792f * wheels->br_l.spin);
+    const float t6 = fmaf(0.074792f, wheels->br_r.spin, -(0.049f * wheels->br_r.steer_rate));
     const float t7 = fmaf(t6, br_r.y, fmaf(t5, br_l.y, fmaf(t3, bl_l.y, bl_r_wy)));
-    const float t8 = fmaf(0.049f, in->fl_l.steer_rate, 0.074792f * in->fl_l.spin);
-    const float t9 = fmaf(0.074792f, in->fl_r.spin, -(0.049f * in->fl_r.steer_rate));
+    const float t8 = fmaf(0.049f, wheels->fl_l.steer_rate, 0.074792f * wheels->fl_l.spin);
+    const float t9 = fmaf(0.074792f, wheels->fl_r.spin, -(0.049f * wheels->fl_r.steer_rate));
     const float fl_r_wy = t9 * fl_r.y; /* fl_r: its velocity, y */
-    const float t10 = fmaf(0.049f, in->fr_l.steer_rate, 0.074792f * in->fr_l.spin);
-    const float t11 = fmaf(0.074792f, in->fr_r.spin, -(0.049f * in->fr_r.steer_rate));
+    const float t10 = fmaf(0.049f, wheels->fr_l.steer_rate, 0.074792f * wheels->fr_l.spin);
+    const float t11 = fmaf(0.074792f, wheels->fr_r.spin, -(0.049f * wheels->fr_r.steer_rate));
     const float t12 = fmaf(t11, fr_r.y, fmaf(t10, fr_l.y, fmaf(t8, fl_l.y, fl_r_wy)));
     const float sum_wy = t7 + t12; /* sum: its velocity, y */
     const float fr_r_wx = fr_r.x * t11; /* fr_r: its velocity, x */
     const float t13 = fmaf(br_r.x, t6, fmaf(br_l.x, t5, fmaf(fr_l.x, t10, fr_r_wx)));
     const float fl_r_wx = fl_r.x * t9; /* fl_r: its velocity, x */
     const float t14 = fmaf(bl_r.x, t4, fmaf(bl_l.x, t3, fmaf(fl_l.x, t8, fl_r_wx)));
-    const float t15 = in->fl_r.spin - in->fl_l.spin - in->fr_l.spin;
-    const float t16 = in->bl_r.spin + (in->fr_r.spin + t15 - in->bl_l.spin);
-    const float t17 = in->fr_l.steer_rate + (in->fl_l.steer_rate + in->fl_r.steer_rate);
-    const float t18 = in->bl_l.steer_rate + (in->fr_r.steer_rate + t17);
-    const float t19 = in->br_l.steer_rate + (in->bl_r.steer_rate + t18);
-    const float t20 = fmaf(0.029318465f, in->br_r.spin + (t16 - in->br_l.spin), -(0.019208f * (in->br_r.steer_rate + t19)));
-    const float t21 = fmaf(t2, sum_wy, fmaf(1.7968f, t12 + (t13 - t14) - t7, t20));
+    const float t15 = wheels->fl_r.spin - wheels->fl_l.spin - wheels->fr_l.spin;
+    const float t16 = wheels->bl_r.spin + (wheels->fr_r.spin + t15 - wheels->bl_l.spin);
+    const float t17 = wheels->br_r.spin + (t16 - wheels->br_l.spin);
+    const float t18 = wheels->fl_l.steer_rate + wheels->fl_r.steer_rate;
+    const float t19 = wheels->fr_r.steer_rate + (wheels->fr_l.steer_rate + t18);
+    const float t20 = wheels->bl_r.steer_rate + (wheels->bl_l.steer_rate + t19);
+    const float t21 = wheels->br_r.steer_rate + (wheels->br_l.steer_rate + t20);
+    const float moment = fmaf(1.7968f, t12 + (t13 - t14) - t7, fmaf(0.029318465f, t17, -(0.019208f * t21))); /* moment */
     const float sum_wx = t13 + t14; /* sum: its velocity, x */
     const float t22 = br_l.x - br_r.x + (fr_l.x - fr_r.x);
     const float t23 = bl_l.x - bl_r.x + (fl_l.x - fl_r.x);
     const float sum_fy = 0.049f * (t22 + t23); /* sum fy */
+    const float t24 = fmaf(sum_wx, sum_fy, fmaf(t2, sum_wy, moment));
     const float inertia = fmaf(0.1760864f, t0 + (t23 - t22 - t1), 6.6106443f); /* inertia */
-    const float t24 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
-    const float omega_fit = fmaf(sum_wx, sum_fy, t21) / t24; /* omega */
-    const float t25 = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
-    const float t26 = 0.125f * fmaf(t2, omega_fit, sum_wy);
-    const float t27 = 0.2246f * omega_fit;
-    const float t28 = t27 - t25;
-    const float t29 = 0.049f * omega_fit;
-    const float error_0 = t28 + fmaf(fl_l.x, t8, fl_l.x * t29); /* residual 0 */
-    const float t30 = t26 + t27;
-    const float error_1 = fmaf(t8, fl_l.y, fl_l.y * t29) - t30; /* residual 1 */
-    const float t31 = (-0.049f) * omega_fit;
-    const float error_2 = t28 + fmaf(fl_r.x, t31, fl_r_wx); /* residual 2 */
-    const float t32 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
-    const float error_3 = fmaf(fl_r.y, t31, fl_r_wy) - t30; /* residual 3 */
-    const float t33 = t25 + t27;
-    const float error_4 = fmaf(fr_l.x, t10, fr_l.x * t29) - t33; /* residual 4 */
-    const float t34 = fmaf(error_4, error_4, fmaf(error_3, error_3, t32));
-    const float error_5 = fmaf(t10, fr_l.y, fr_l.y * t29) - t30; /* residual 5 */
-    const float error_6 = fmaf(fr_r.x, t31, fr_r_wx) - t33; /* residual 6 */
-    const float t35 = fmaf(error_6, error_6, fmaf(error_5, error_5, t34));
-    const float error_7 = fmaf(t11, fr_r.y, fr_r.y * t31) - t30; /* residual 7 */
-    const float error_8 = t28 + fmaf(bl_l.x, t3, bl_l.x * t29); /* residual 8 */
-    const float t36 = fmaf(error_8, error_8, fmaf(error_7, error_7, t35));
-    const float t37 = t27 - t26;
-    const float error_9 = t37 + fmaf(t3, bl_l.y, bl_l.y * t29); /* residual 9 */
-    const float error_10 = t28 + fmaf(bl_r.x, t4, bl_r.x * t31); /* residual 10 */
-    const float t38 = fmaf(error_10, error_10, fmaf(error_9, error_9, t36));
-    const float error_11 = t37 + fmaf(bl_r.y, t31, bl_r_wy); /* residual 11 */
-    const float error_12 = fmaf(br_l.x, t5, br_l.x * t29) - t33; /* residual 12 */
-    const float t39 = fmaf(error_12, error_12, fmaf(error_11, error_11, t38));
-    const float error_13 = t37 + fmaf(t5, br_l.y, br_l.y * t29); /* residual 13 */
-    const float error_14 = fmaf(br_r.x, t6, br_r.x * t31) - t33; /* residual 14 */
-    const float t40 = fmaf(error_14, error_14, fmaf(error_13, error_13, t39));
-    const float error_15 = t37 + fmaf(t6, br_r.y, br_r.y * t31); /* residual 15 */
+    const float t25 = fmaf(-sum_fy, sum_fy, fmaf(t2, sum_fx, inertia));
+    const float omega_fit = t24 / t25; /* omega */
+    const float t26 = 0.125f * fmaf(sum_fy, omega_fit, sum_wx);
+    const float t27 = 0.125f * fmaf(t2, omega_fit, sum_wy);
+    const float t28 = 0.2246f * omega_fit;
+    const float t29 = t28 - t26;
+    const float t30 = 0.049f * omega_fit;
+    const float error_0 = t29 + fmaf(fl_l.x, t8, fl_l.x * t30); /* residual 0 */
+    const float t31 = t27 + t28;
+    const float error_1 = fmaf(t8, fl_l.y, fl_l.y * t30) - t31; /* residual 1 */
+    const float t32 = (-0.049f) * omega_fit;
+    const float error_2 = t29 + fmaf(fl_r.x, t32, fl_r_wx); /* residual 2 */
+    const float t33 = fmaf(error_2, error_2, fmaf(error_0, error_0, error_1 * error_1));
+    const float error_3 = fmaf(fl_r.y, t32, fl_r_wy) - t31; /* residual 3 */
+    const float t34 = t26 + t28;
+    const float error_4 = fmaf(fr_l.x, t10, fr_l.x * t30) - t34; /* residual 4 */
+    const float t35 = fmaf(error_4, error_4, fmaf(error_3, error_3, t33));
+    const float error_5 = fmaf(t10, fr_l.y, fr_l.y * t30) - t31; /* residual 5 */
+    const float error_6 = fmaf(fr_r.x, t32, fr_r_wx) - t34; /* residual 6 */
+    const float t36 = fmaf(error_6, error_6, fmaf(error_5, error_5, t35));
+    const float error_7 = fmaf(t11, fr_r.y, fr_r.y * t32) - t31; /* residual 7 */
+    const float error_8 = t29 + fmaf(bl_l.x, t3, bl_l.x * t30); /* residual 8 */
+    const float t37 = fmaf(error_8, error_8, fmaf(error_7, error_7, t36));
+    const float t38 = t28 - t27;
+    const float error_9 = t38 + fmaf(t3, bl_l.y, bl_l.y * t30); /* residual 9 */
+    const float error_10 = t29 + fmaf(bl_r.x, t4, bl_r.x * t32); /* residual 10 */
+    const float t39 = fmaf(error_10, error_10, fmaf(error_9, error_9, t37));
+    const float error_11 = t38 + fmaf(bl_r.y, t32, bl_r_wy); /* residual 11 */
+    const float error_12 = fmaf(br_l.x, t5, br_l.x * t30) - t34; /* residual 12 */
+    const float t40 = fmaf(error_12, error_12, fmaf(error_11, error_11, t39));
+    const float error_13 = t38 + fmaf(t5, br_l.y, br_l.y * t30); /* residual 13 */
+    const float error_14 = fmaf(br_r.x, t6, br_r.x * t32) - t34; /* residual 14 */
+    const float t41 = fmaf(error_14, error_14, fmaf(error_13, error_13, t40));
+    const float error_15 = t38 + fmaf(t6, br_r.y, br_r.y * t32); /* residual 15 */
 
-    out->vx = t25;
-    out->vy = t26;
-    out->omega = omega_fit;
-    out->slip = sqrtf(fmaf(error_15, error_15, t40));
+    twist->vx = t26;
+    twist->vy = t27;
+    twist->omega = omega_fit;
+    *slip = sqrtf(fmaf(error_15, error_15, t41));
 }
 
-void pr2_odometry(const pr2_odometry_in *in, pr2_odometry_out *out)
+void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,186 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   fl_l: steered, x 0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
+ *   fl_r: steered, x 0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
+ *   fr_l: steered, x 0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
+ *   fr_r: steered, x 0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
+ *   bl_l: steered, x -0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
+ *   bl_r: steered, x -0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
+ *   br_l: steered, x -0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
+ *   br_r: steered, x -0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     pr2_twist twist = {0.5f, 0.0f, 0.2f};
+ *     pr2_wheels wheels = {{0.0f}};
+ *     pr2_pose pose = {0.0f, 0.0f, 0.0f};
+ *     pr2_inverse(&twist, &wheels, &wheels);
+ *     pr2_forward(&wheels, &twist);
+ *     pr2_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_PR2_H
+#define WMRGEN_PR2_H
+
+#define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define PR2_MODEL_HASH "e159aff6b4b556c7e1c715a3c1ac9861" /**< digest of the model */
+#define PR2_PAIR_fc550e08d70d6ced 1 /**< header and source that were written together have the same */
+#define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
+#define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */
+#define PR2_FL_L_RADIUS 0.074792f /**< [m] radius */
+#define PR2_FL_R_X 0.2246f /**< [m] pivot, forward of P */
+#define PR2_FL_R_Y 0.2246f /**< [m] pivot, to the left of P */
+#define PR2_FL_R_RADIUS 0.074792f /**< [m] radius */
+#define PR2_FR_L_X 0.2246f /**< [m] pivot, forward of P */
+#define PR2_FR_L_Y (-0.2246f) /**< [m] pivot, to the left of P */
+#define PR2_FR_L_RADIUS 0.074792f /**< [m] radius */
+#define PR2_FR_R_X 0.2246f /**< [m] pivot, forward of P */
+#define PR2_FR_R_Y (-0.2246f) /**< [m] pivot, to the left of P */
+#define PR2_FR_R_RADIUS 0.074792f /**< [m] radius */
+#define PR2_BL_L_X (-0.2246f) /**< [m] pivot, forward of P */
+#define PR2_BL_L_Y 0.2246f /**< [m] pivot, to the left of P */
+#define PR2_BL_L_RADIUS 0.074792f /**< [m] radius */
+#define PR2_BL_R_X (-0.2246f) /**< [m] pivot, forward of P */
+#define PR2_BL_R_Y 0.2246f /**< [m] pivot, to the left of P */
+#define PR2_BL_R_RADIUS 0.074792f /**< [m] radius */
+#define PR2_BR_L_X (-0.2246f) /**< [m] pivot, forward of P */
+#define PR2_BR_L_Y (-0.2246f) /**< [m] pivot, to the left of P */
+#define PR2_BR_L_RADIUS 0.074792f /**< [m] radius */
+#define PR2_BR_R_X (-0.2246f) /**< [m] pivot, forward of P */
+#define PR2_BR_R_Y (-0.2246f) /**< [m] pivot, to the left of P */
+#define PR2_BR_R_RADIUS 0.074792f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} pr2_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} pr2_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file.
+ * steer_rate: steering rate, counter-clockwise. */
+typedef struct {
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } fl_l;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } fl_r;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } fr_l;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } fr_r;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } bl_l;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } bl_r;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } br_l;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } br_r;
+} pr2_wheels;
+
+/** Joints in the order of pr2_wheels. */
+enum pr2_joint {
+    PR2_FL_L_SPIN, /**< [rad/s] fl_l.spin */
+    PR2_FL_L_STEER, /**< [rad] fl_l.steer */
+    PR2_FL_L_STEER_RATE, /**< [rad/s] fl_l.steer_rate */
+    PR2_FL_R_SPIN, /**< [rad/s] fl_r.spin */
+    PR2_FL_R_STEER, /**< [rad] fl_r.steer */
+    PR2_FL_R_STEER_RATE, /**< [rad/s] fl_r.steer_rate */
+    PR2_FR_L_SPIN, /**< [rad/s] fr_l.spin */
+    PR2_FR_L_STEER, /**< [rad] fr_l.steer */
+    PR2_FR_L_STEER_RATE, /**< [rad/s] fr_l.steer_rate */
+    PR2_FR_R_SPIN, /**< [rad/s] fr_r.spin */
+    PR2_FR_R_STEER, /**< [rad] fr_r.steer */
+    PR2_FR_R_STEER_RATE, /**< [rad/s] fr_r.steer_rate */
+    PR2_BL_L_SPIN, /**< [rad/s] bl_l.spin */
+    PR2_BL_L_STEER, /**< [rad] bl_l.steer */
+    PR2_BL_L_STEER_RATE, /**< [rad/s] bl_l.steer_rate */
+    PR2_BL_R_SPIN, /**< [rad/s] bl_r.spin */
+    PR2_BL_R_STEER, /**< [rad] bl_r.steer */
+    PR2_BL_R_STEER_RATE, /**< [rad/s] bl_r.steer_rate */
+    PR2_BR_L_SPIN, /**< [rad/s] br_l.spin */
+    PR2_BR_L_STEER, /**< [rad] br_l.steer */
+    PR2_BR_L_STEER_RATE, /**< [rad/s] br_l.steer_rate */
+    PR2_BR_R_SPIN, /**< [rad/s] br_r.spin */
+    PR2_BR_R_STEER, /**< [rad] br_r.steer */
+    PR2_BR_R_STEER_RATE, /**< [rad/s] br_r.steer_rate */
+    PR2_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum pr2_joint, for loops over all; of the first where there is none. */
+float *pr2_joint(pr2_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 28 additions, 23 multiplications, 4 divisions, 4 square roots, 4
+ * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
+void pr2_inverse(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void pr2_inverse_slip(const pr2_twist *twist, const pr2_wheels *wheels, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 65 additions, 46 multiplications, 1 division, 16 sines and cosines. */
+void pr2_forward(const pr2_wheels *wheels, pr2_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 116 additions, 81 multiplications, 1 division, 1 square root, 16
+ * sines and cosines. */
+void pr2_forward_slip(const pr2_wheels *wheels, pr2_twist *twist, float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void pr2_odometry(pr2_pose *pose, const pr2_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,198 +201,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   fl_l: steered, x 0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
- *   fl_r: steered, x 0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
- *   fr_l: steered, x 0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
- *   fr_r: steered, x 0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
- *   bl_l: steered, x -0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
- *   bl_r: steered, x -0.2246 m, y 0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
- *   br_l: steered, x -0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y 0.049 m
- *   br_r: steered, x -0.2246 m, y -0.2246 m, heading 0 deg, r 0.074792 m, offset_y -0.049 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_PR2_H
-#define WMRGEN_PR2_H
-
-#define PR2_MODEL_HASH "e159aff6b4b556c7e1c715a3c1ac9861"
-#define PR2_PAIR_ad6b9d0af01d31ac 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of pr2_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                     /* [m/s] velocity of P forward, robot frame */
-    float vy;                     /* [m/s] velocity of P to the left, robot frame */
-    float omega;                  /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } fl_l; /* [rad] */
-    struct { float steer; } fl_r; /* [rad] */
-    struct { float steer; } fr_l; /* [rad] */
-    struct { float steer; } fr_r; /* [rad] */
-    struct { float steer; } bl_l; /* [rad] */
-    struct { float steer; } bl_r; /* [rad] */
-    struct { float steer; } br_l; /* [rad] */
-    struct { float steer; } br_r; /* [rad] */
-} pr2_inverse_in;
-
-/* Output of pr2_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fl_l;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fl_r;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fr_l;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } fr_r;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } bl_l;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } bl_r;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } br_l;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } br_r;
-} pr2_inverse_out;
-
-typedef pr2_inverse_in pr2_inverse_slip_in;
-
-/* Output of pr2_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} pr2_inverse_slip_out;
-
-/* Input of pr2_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } fl_l;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } fl_r;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } fr_l;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } fr_r;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } bl_l;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } bl_r;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } br_l;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } br_r;
-} pr2_forward_in;
-
-/* Output of pr2_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} pr2_forward_out;
-
-typedef pr2_forward_in pr2_forward_slip_in;
-
-/* Output of pr2_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} pr2_forward_slip_out;
-
-/* Input of pr2_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} pr2_odometry_in;
-
-/* Output of pr2_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} pr2_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill.
- * Operations of the formula: 28 additions, 23 multiplications, 4 divisions, 4 square roots, 4
- * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
-void pr2_inverse(const pr2_inverse_in *in, pr2_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void pr2_inverse_slip(const pr2_inverse_slip_in *in, pr2_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 65 additions, 46 multiplications, 1 division, 16 sines and cosines. */
-void pr2_forward(const pr2_forward_in *in, pr2_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 116 additions, 81 multiplications, 1 division, 1 square root, 16
- * sines and cosines. */
-void pr2_forward_slip(const pr2_forward_slip_in *in, pr2_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void pr2_odometry(const pr2_odometry_in *in, pr2_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_PR2_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PR2_PAIR_ad6b9d0af01d31ac)
+#if !defined(PR2_PAIR_fc550e08d70d6ced)
 #error "pr2_checked.c and pr2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -32,273 +32,273 @@ static float pr2_held(const float x)
     return pr2_is_number(x) ? x : 0.0f;
 }
 
-pr2_status pr2_inverse_checked(const pr2_inverse_in *in, pr2_inverse_out *out)
+pr2_status pr2_inverse_checked(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out)
 {
     pr2_status status = PR2_OK;
 
     if (!(
-            pr2_is_number(in->vx) &&
-            pr2_is_number(in->vy) &&
-            pr2_is_number(in->omega) &&
-            pr2_is_number(in->fl_l.steer) &&
-            pr2_is_number(in->fl_r.steer) &&
-            pr2_is_number(in->fr_l.steer) &&
-            pr2_is_number(in->fr_r.steer) &&
-            pr2_is_number(in->bl_l.steer) &&
-            pr2_is_number(in->bl_r.steer) &&
-            pr2_is_number(in->br_l.steer) &&
-            pr2_is_number(in->br_r.steer)
+            pr2_is_number(twist->vx) &&
+            pr2_is_number(twist->vy) &&
+            pr2_is_number(twist->omega) &&
+            pr2_is_number(now->fl_l.steer) &&
+            pr2_is_number(now->fl_r.steer) &&
+            pr2_is_number(now->fr_l.steer) &&
+            pr2_is_number(now->fr_r.steer) &&
+            pr2_is_number(now->bl_l.steer) &&
+            pr2_is_number(now->bl_r.steer) &&
+            pr2_is_number(now->br_l.steer) &&
+            pr2_is_number(now->br_r.steer)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            pr2_is_within(in->vx, -1e9f, 1e9f) &&
-            pr2_is_within(in->vy, -1e9f, 1e9f) &&
-            pr2_is_within(in->omega, -200.0f, 200.0f) &&
-            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_r.steer, -1e4f, 1e4f)
+            pr2_is_within(twist->vx, -1e9f, 1e9f) &&
+            pr2_is_within(twist->vy, -1e9f, 1e9f) &&
+            pr2_is_within(twist->omega, -200.0f, 200.0f) &&
+            pr2_is_within(now->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(now->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(now->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(now->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(now->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(now->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(now->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(now->br_r.steer, -1e4f, 1e4f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
-        pr2_inverse(in, out);
+        pr2_inverse(twist, now, out);
     }
     if (status != PR2_OK) {
         out->fl_l.spin = 0.0f;
-        out->fl_l.steer = pr2_held(in->fl_l.steer);
+        out->fl_l.steer = pr2_held(now->fl_l.steer);
         out->fl_r.spin = 0.0f;
-        out->fl_r.steer = pr2_held(in->fl_r.steer);
+        out->fl_r.steer = pr2_held(now->fl_r.steer);
         out->fr_l.spin = 0.0f;
-        out->fr_l.steer = pr2_held(in->fr_l.steer);
+        out->fr_l.steer = pr2_held(now->fr_l.steer);
         out->fr_r.spin = 0.0f;
-        out->fr_r.steer = pr2_held(in->fr_r.steer);
+        out->fr_r.steer = pr2_held(now->fr_r.steer);
         out->bl_l.spin = 0.0f;
-        out->bl_l.steer = pr2_held(in->bl_l.steer);
+        out->bl_l.steer = pr2_held(now->bl_l.steer);
         out->bl_r.spin = 0.0f;
-        out->bl_r.steer = pr2_held(in->bl_r.steer);
+        out->bl_r.steer = pr2_held(now->bl_r.steer);
         out->br_l.spin = 0.0f;
-        out->br_l.steer = pr2_held(in->br_l.steer);
+        out->br_l.steer = pr2_held(now->br_l.steer);
         out->br_r.spin = 0.0f;
-        out->br_r.steer = pr2_held(in->br_r.steer);
+        out->br_r.steer = pr2_held(now->br_r.steer);
     }
     return status;
 }
 
-pr2_status pr2_inverse_slip_checked(const pr2_inverse_slip_in *in, pr2_inverse_slip_out *out)
+pr2_status pr2_inverse_slip_checked(const pr2_twist *twist, const pr2_wheels *wheels, float *slip)
 {
     pr2_status status = PR2_OK;
 
     if (!(
-            pr2_is_number(in->vx) &&
-            pr2_is_number(in->vy) &&
-            pr2_is_number(in->omega) &&
-            pr2_is_number(in->fl_l.steer) &&
-            pr2_is_number(in->fl_r.steer) &&
-            pr2_is_number(in->fr_l.steer) &&
-            pr2_is_number(in->fr_r.steer) &&
-            pr2_is_number(in->bl_l.steer) &&
-            pr2_is_number(in->bl_r.steer) &&
-            pr2_is_number(in->br_l.steer) &&
-            pr2_is_number(in->br_r.steer)
+            pr2_is_number(twist->vx) &&
+            pr2_is_number(twist->vy) &&
+            pr2_is_number(twist->omega) &&
+            pr2_is_number(wheels->fl_l.steer) &&
+            pr2_is_number(wheels->fl_r.steer) &&
+            pr2_is_number(wheels->fr_l.steer) &&
+            pr2_is_number(wheels->fr_r.steer) &&
+            pr2_is_number(wheels->bl_l.steer) &&
+            pr2_is_number(wheels->bl_r.steer) &&
+            pr2_is_number(wheels->br_l.steer) &&
+            pr2_is_number(wheels->br_r.steer)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            pr2_is_within(in->vx, -1e9f, 1e9f) &&
-            pr2_is_within(in->vy, -1e9f, 1e9f) &&
-            pr2_is_within(in->omega, -200.0f, 200.0f) &&
-            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_r.steer, -1e4f, 1e4f)
+            pr2_is_within(twist->vx, -1e9f, 1e9f) &&
+            pr2_is_within(twist->vy, -1e9f, 1e9f) &&
+            pr2_is_within(twist->omega, -200.0f, 200.0f) &&
+            pr2_is_within(wheels->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->br_r.steer, -1e4f, 1e4f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
-        pr2_inverse_slip(in, out);
+        pr2_inverse_slip(twist, wheels, slip);
     }
     if (status != PR2_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-pr2_status pr2_forward_checked(const pr2_forward_in *in, pr2_forward_out *out)
+pr2_status pr2_forward_checked(const pr2_wheels *wheels, pr2_twist *twist)
 {
     pr2_status status = PR2_OK;
 
     if (!(
-            pr2_is_number(in->fl_l.spin) &&
-            pr2_is_number(in->fl_l.steer) &&
-            pr2_is_number(in->fl_l.steer_rate) &&
-            pr2_is_number(in->fl_r.spin) &&
-            pr2_is_number(in->fl_r.steer) &&
-            pr2_is_number(in->fl_r.steer_rate) &&
-            pr2_is_number(in->fr_l.spin) &&
-            pr2_is_number(in->fr_l.steer) &&
-            pr2_is_number(in->fr_l.steer_rate) &&
-            pr2_is_number(in->fr_r.spin) &&
-            pr2_is_number(in->fr_r.steer) &&
-            pr2_is_number(in->fr_r.steer_rate) &&
-            pr2_is_number(in->bl_l.spin) &&
-            pr2_is_number(in->bl_l.steer) &&
-            pr2_is_number(in->bl_l.steer_rate) &&
-            pr2_is_number(in->bl_r.spin) &&
-            pr2_is_number(in->bl_r.steer) &&
-            pr2_is_number(in->bl_r.steer_rate) &&
-            pr2_is_number(in->br_l.spin) &&
-            pr2_is_number(in->br_l.steer) &&
-            pr2_is_number(in->br_l.steer_rate) &&
-            pr2_is_number(in->br_r.spin) &&
-            pr2_is_number(in->br_r.steer) &&
-            pr2_is_number(in->br_r.steer_rate)
+            pr2_is_number(wheels->fl_l.spin) &&
+            pr2_is_number(wheels->fl_l.steer) &&
+            pr2_is_number(wheels->fl_l.steer_rate) &&
+            pr2_is_number(wheels->fl_r.spin) &&
+            pr2_is_number(wheels->fl_r.steer) &&
+            pr2_is_number(wheels->fl_r.steer_rate) &&
+            pr2_is_number(wheels->fr_l.spin) &&
+            pr2_is_number(wheels->fr_l.steer) &&
+            pr2_is_number(wheels->fr_l.steer_rate) &&
+            pr2_is_number(wheels->fr_r.spin) &&
+            pr2_is_number(wheels->fr_r.steer) &&
+            pr2_is_number(wheels->fr_r.steer_rate) &&
+            pr2_is_number(wheels->bl_l.spin) &&
+            pr2_is_number(wheels->bl_l.steer) &&
+            pr2_is_number(wheels->bl_l.steer_rate) &&
+            pr2_is_number(wheels->bl_r.spin) &&
+            pr2_is_number(wheels->bl_r.steer) &&
+            pr2_is_number(wheels->bl_r.steer_rate) &&
+            pr2_is_number(wheels->br_l.spin) &&
+            pr2_is_number(wheels->br_l.steer) &&
+            pr2_is_number(wheels->br_l.steer_rate) &&
+            pr2_is_number(wheels->br_r.spin) &&
+            pr2_is_number(wheels->br_r.steer) &&
+            pr2_is_number(wheels->br_r.steer_rate)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            pr2_is_within(in->fl_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fl_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->fl_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fl_r.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_r.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_r.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_r.steer_rate, -1e9f, 1e9f)
+            pr2_is_within(wheels->fl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fr_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fr_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->bl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->bl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->br_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->br_r.steer_rate, -1e9f, 1e9f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
-        pr2_forward(in, out);
+        pr2_forward(wheels, twist);
     }
     if (status != PR2_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
-pr2_status pr2_forward_slip_checked(const pr2_forward_slip_in *in, pr2_forward_slip_out *out)
+pr2_status pr2_forward_slip_checked(const pr2_wheels *wheels, pr2_twist *twist, float *slip)
 {
     pr2_status status = PR2_OK;
 
     if (!(
-            pr2_is_number(in->fl_l.spin) &&
-            pr2_is_number(in->fl_l.steer) &&
-            pr2_is_number(in->fl_l.steer_rate) &&
-            pr2_is_number(in->fl_r.spin) &&
-            pr2_is_number(in->fl_r.steer) &&
-            pr2_is_number(in->fl_r.steer_rate) &&
-            pr2_is_number(in->fr_l.spin) &&
-            pr2_is_number(in->fr_l.steer) &&
-            pr2_is_number(in->fr_l.steer_rate) &&
-            pr2_is_number(in->fr_r.spin) &&
-            pr2_is_number(in->fr_r.steer) &&
-            pr2_is_number(in->fr_r.steer_rate) &&
-            pr2_is_number(in->bl_l.spin) &&
-            pr2_is_number(in->bl_l.steer) &&
-            pr2_is_number(in->bl_l.steer_rate) &&
-            pr2_is_number(in->bl_r.spin) &&
-            pr2_is_number(in->bl_r.steer) &&
-            pr2_is_number(in->bl_r.steer_rate) &&
-            pr2_is_number(in->br_l.spin) &&
-            pr2_is_number(in->br_l.steer) &&
-            pr2_is_number(in->br_l.steer_rate) &&
-            pr2_is_number(in->br_r.spin) &&
-            pr2_is_number(in->br_r.steer) &&
-            pr2_is_number(in->br_r.steer_rate)
+            pr2_is_number(wheels->fl_l.spin) &&
+            pr2_is_number(wheels->fl_l.steer) &&
+            pr2_is_number(wheels->fl_l.steer_rate) &&
+            pr2_is_number(wheels->fl_r.spin) &&
+            pr2_is_number(wheels->fl_r.steer) &&
+            pr2_is_number(wheels->fl_r.steer_rate) &&
+            pr2_is_number(wheels->fr_l.spin) &&
+            pr2_is_number(wheels->fr_l.steer) &&
+            pr2_is_number(wheels->fr_l.steer_rate) &&
+            pr2_is_number(wheels->fr_r.spin) &&
+            pr2_is_number(wheels->fr_r.steer) &&
+            pr2_is_number(wheels->fr_r.steer_rate) &&
+            pr2_is_number(wheels->bl_l.spin) &&
+            pr2_is_number(wheels->bl_l.steer) &&
+            pr2_is_number(wheels->bl_l.steer_rate) &&
+            pr2_is_number(wheels->bl_r.spin) &&
+            pr2_is_number(wheels->bl_r.steer) &&
+            pr2_is_number(wheels->bl_r.steer_rate) &&
+            pr2_is_number(wheels->br_l.spin) &&
+            pr2_is_number(wheels->br_l.steer) &&
+            pr2_is_number(wheels->br_l.steer_rate) &&
+            pr2_is_number(wheels->br_r.spin) &&
+            pr2_is_number(wheels->br_r.steer) &&
+            pr2_is_number(wheels->br_r.steer_rate)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            pr2_is_within(in->fl_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fl_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->fl_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fl_r.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->fr_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->fr_r.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->bl_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->bl_r.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_l.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_l.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_l.steer_rate, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_r.spin, -1e9f, 1e9f) &&
-            pr2_is_within(in->br_r.steer, -1e4f, 1e4f) &&
-            pr2_is_within(in->br_r.steer_rate, -1e9f, 1e9f)
+            pr2_is_within(wheels->fl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fr_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->fr_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->fr_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->bl_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->bl_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->bl_r.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_l.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_l.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->br_l.steer_rate, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_r.spin, -1e9f, 1e9f) &&
+            pr2_is_within(wheels->br_r.steer, -1e4f, 1e4f) &&
+            pr2_is_within(wheels->br_r.steer_rate, -1e9f, 1e9f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
-        pr2_forward_slip(in, out);
+        pr2_forward_slip(wheels, twist, slip);
     }
     if (status != PR2_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-pr2_status pr2_odometry_checked(const pr2_odometry_in *in, pr2_odometry_out *out)
+pr2_status pr2_odometry_checked(pr2_pose *pose, const pr2_twist *twist, float dt)
 {
     pr2_status status = PR2_OK;
 
     if (!(
-            pr2_is_number(in->x) &&
-            pr2_is_number(in->y) &&
-            pr2_is_number(in->theta) &&
-            pr2_is_number(in->vx) &&
-            pr2_is_number(in->vy) &&
-            pr2_is_number(in->omega) &&
-            pr2_is_number(in->dt)
+            pr2_is_number(pose->x) &&
+            pr2_is_number(pose->y) &&
+            pr2_is_number(pose->theta) &&
+            pr2_is_number(twist->vx) &&
+            pr2_is_number(twist->vy) &&
+            pr2_is_number(twist->omega) &&
+            pr2_is_number(dt)
         )) {
         status = PR2_NOT_A_NUMBER;
     } else if (!(
-            pr2_is_within(in->x, -1e9f, 1e9f) &&
-            pr2_is_within(in->y, -1e9f, 1e9f) &&
-            pr2_is_within(in->theta, -1e4f, 1e4f) &&
-            pr2_is_within(in->vx, -1e9f, 1e9f) &&
-            pr2_is_within(in->vy, -1e9f, 1e9f) &&
-            pr2_is_within(in->omega, -200.0f, 200.0f) &&
-            pr2_is_within(in->dt, -10.0f, 10.0f)
+            pr2_is_within(pose->x, -1e9f, 1e9f) &&
+            pr2_is_within(pose->y, -1e9f, 1e9f) &&
+            pr2_is_within(pose->theta, -1e4f, 1e4f) &&
+            pr2_is_within(twist->vx, -1e9f, 1e9f) &&
+            pr2_is_within(twist->vy, -1e9f, 1e9f) &&
+            pr2_is_within(twist->omega, -200.0f, 200.0f) &&
+            pr2_is_within(dt, -10.0f, 10.0f)
         )) {
         status = PR2_OUT_OF_RANGE;
     } else {
-        pr2_odometry(in, out);
+        pr2_odometry(pose, twist, dt);
     }
     if (status != PR2_OK) {
-        out->x = pr2_held(in->x);
-        out->y = pr2_held(in->y);
-        out->theta = pr2_held(in->theta);
+        pose->x = pr2_held(pose->x);
+        pose->y = pr2_held(pose->y);
+        pose->theta = pr2_held(pose->theta);
     }
     return status;
 }

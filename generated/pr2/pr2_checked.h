@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_ad6b9d0af01d31ac)
+#if !defined(PR2_PAIR_fc550e08d70d6ced)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 
@@ -37,30 +37,30 @@ typedef enum {
 /* pr2_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
  * rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer, bl_r.steer, br_l.steer,
  * br_r.steer -1e4 to 1e4 rad. */
-pr2_status pr2_inverse_checked(const pr2_inverse_in *in, pr2_inverse_out *out);
+pr2_status pr2_inverse_checked(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out);
 
 /* pr2_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer, bl_r.steer, br_l.steer,
  * br_r.steer -1e4 to 1e4 rad. */
-pr2_status pr2_inverse_slip_checked(const pr2_inverse_slip_in *in, pr2_inverse_slip_out *out);
+pr2_status pr2_inverse_slip_checked(const pr2_twist *twist, const pr2_wheels *wheels, float *slip);
 
 /* pr2_forward() with its inputs checked. Accepted: fl_l.spin, fl_l.steer_rate, fl_r.spin,
  * fl_r.steer_rate, fr_l.spin, fr_l.steer_rate, fr_r.spin, fr_r.steer_rate, bl_l.spin,
  * bl_l.steer_rate, bl_r.spin, bl_r.steer_rate, br_l.spin, br_l.steer_rate, br_r.spin,
  * br_r.steer_rate -1e9 to 1e9 rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer,
  * bl_r.steer, br_l.steer, br_r.steer -1e4 to 1e4 rad. */
-pr2_status pr2_forward_checked(const pr2_forward_in *in, pr2_forward_out *out);
+pr2_status pr2_forward_checked(const pr2_wheels *wheels, pr2_twist *twist);
 
 /* pr2_forward_slip() with its inputs checked. Accepted: fl_l.spin, fl_l.steer_rate, fl_r.spin,
  * fl_r.steer_rate, fr_l.spin, fr_l.steer_rate, fr_r.spin, fr_r.steer_rate, bl_l.spin,
  * bl_l.steer_rate, bl_r.spin, bl_r.steer_rate, br_l.spin, br_l.steer_rate, br_r.spin,
  * br_r.steer_rate -1e9 to 1e9 rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer,
  * bl_r.steer, br_l.steer, br_r.steer -1e4 to 1e4 rad. */
-pr2_status pr2_forward_slip_checked(const pr2_forward_slip_in *in, pr2_forward_slip_out *out);
+pr2_status pr2_forward_slip_checked(const pr2_wheels *wheels, pr2_twist *twist, float *slip);
 
 /* pr2_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4 rad;
  * vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
-pr2_status pr2_odometry_checked(const pr2_odometry_in *in, pr2_odometry_out *out);
+pr2_status pr2_odometry_checked(pr2_pose *pose, const pr2_twist *twist, float dt);
 
 #ifdef __cplusplus
 }

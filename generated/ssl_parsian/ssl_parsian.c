@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SSL_PARSIAN_PAIR_219d12c4cae5e2da)
+#if !defined(SSL_PARSIAN_PAIR_ec58a5d26e897c51)
 #error "ssl_parsian.c and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,13 +146,22 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void ssl_parsian_inverse(const ssl_parsian_inverse_in *in, ssl_parsian_inverse_out *out)
+/* The members of ssl_parsian_wheels lie as an array does. */
+typedef char ssl_parsian_wheels_are_joints[
+    ((sizeof(ssl_parsian_wheels) / sizeof(float)) == (unsigned int)SSL_PARSIAN_JOINTS) ? 1 : -1];
+
+float *ssl_parsian_joint(ssl_parsian_wheels *wheels, int joint)
 {
-    const float t0 = (-3.3333333f) * in->omega;
-    const float t1 = fmaf((-18.518518f), in->vy, t0);
-    const float t2 = (-32.075016f) * in->vx;
-    const float t3 = fmaf(26.18914f, in->vy, t0);
-    const float t4 = (-26.18914f) * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)SSL_PARSIAN_JOINTS)) ? joint : 0];
+}
+
+void ssl_parsian_inverse(const ssl_parsian_twist *twist, ssl_parsian_wheels *out)
+{
+    const float t0 = (-3.3333333f) * twist->omega;
+    const float t1 = fmaf((-18.518518f), twist->vy, t0);
+    const float t2 = (-32.075016f) * twist->vx;
+    const float t3 = fmaf(26.18914f, twist->vy, t0);
+    const float t4 = (-26.18914f) * twist->vx;
 
     out->wheel1.spin = t1 - t2;
     out->wheel2.spin = t3 - t4;
@@ -160,55 +169,54 @@ void ssl_parsian_inverse(const ssl_parsian_inverse_in *in, ssl_parsian_inverse_o
     out->wheel4.spin = t1 + t2;
 }
 
-void ssl_parsian_inverse_slip(
-    const ssl_parsian_inverse_slip_in *in,
-    ssl_parsian_inverse_slip_out *out)
+void ssl_parsian_inverse_slip(const ssl_parsian_twist *twist, float *slip)
 {
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void ssl_parsian_forward(const ssl_parsian_forward_in *in, ssl_parsian_forward_out *out)
+void ssl_parsian_forward(const ssl_parsian_wheels *wheels, ssl_parsian_twist *twist)
 {
-    const float t0 = 0.009353074f * (in->wheel1.spin - in->wheel4.spin);
-    const float t1 = fmaf(0.0076367534f, in->wheel2.spin - in->wheel3.spin, t0);
-    const float t2 = in->wheel1.spin + in->wheel4.spin;
-    const float t3 = in->wheel2.spin + in->wheel3.spin;
+    const float t0 = 0.009353074f * (wheels->wheel1.spin - wheels->wheel4.spin);
+    const float t1 = fmaf(0.0076367534f, wheels->wheel2.spin - wheels->wheel3.spin, t0);
+    const float t2 = wheels->wheel1.spin + wheels->wheel4.spin;
+    const float t3 = wheels->wheel2.spin + wheels->wheel3.spin;
     const float t4 = fmaf((-0.062132034f), t3, -(0.08786797f * t2));
 
-    out->vx = t1;
-    out->vy = (-0.011183767f) * (t2 - t3);
-    out->omega = t4;
+    twist->vx = t1;
+    twist->vy = (-0.011183767f) * (t2 - t3);
+    twist->omega = t4;
 }
 
 void ssl_parsian_forward_slip(
-    const ssl_parsian_forward_slip_in *in,
-    ssl_parsian_forward_slip_out *out)
+    const ssl_parsian_wheels *wheels,
+    ssl_parsian_twist *twist,
+    float *slip)
 {
-    const float t0 = in->wheel2.spin - in->wheel3.spin;
-    const float t1 = in->wheel1.spin - in->wheel4.spin;
-    const float t2 = in->wheel1.spin + in->wheel4.spin;
-    const float t3 = in->wheel2.spin + in->wheel3.spin;
+    const float t0 = wheels->wheel2.spin - wheels->wheel3.spin;
+    const float t1 = wheels->wheel1.spin - wheels->wheel4.spin;
+    const float t2 = wheels->wheel1.spin + wheels->wheel4.spin;
+    const float t3 = wheels->wheel2.spin + wheels->wheel3.spin;
     const float t4 = fmaf((-0.062132034f), t3, -(0.08786797f * t2));
     const float t5 = fabsf(fmaf(0.012074767f, t1, -(0.014788509f * t0)));
 
-    out->vx = fmaf(0.0076367534f, t0, 0.009353074f * t1);
-    out->vy = (-0.011183767f) * (t2 - t3);
-    out->omega = t4;
-    out->slip = t5;
+    twist->vx = fmaf(0.0076367534f, t0, 0.009353074f * t1);
+    twist->vy = (-0.011183767f) * (t2 - t3);
+    twist->omega = t4;
+    *slip = t5;
 }
 
-void ssl_parsian_odometry(const ssl_parsian_odometry_in *in, ssl_parsian_odometry_out *out)
+void ssl_parsian_odometry(ssl_parsian_pose *pose, const ssl_parsian_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

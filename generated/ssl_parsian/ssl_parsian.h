@@ -6,7 +6,114 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   wheel1: swedish, x 0.045 m, y 0.0779423 m, heading -30 deg, r 0.027 m, gamma 0 deg
+ *   wheel2: swedish, x -0.0636396 m, y 0.0636396 m, heading 45 deg, r 0.027 m, gamma 0 deg
+ *   wheel3: swedish, x -0.0636396 m, y -0.0636396 m, heading 135 deg, r 0.027 m, gamma 0 deg
+ *   wheel4: swedish, x 0.045 m, y -0.0779423 m, heading 210 deg, r 0.027 m, gamma 0 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     ssl_parsian_twist twist = {0.5f, 0.0f, 0.2f};
+ *     ssl_parsian_wheels wheels = {{0.0f}};
+ *     ssl_parsian_pose pose = {0.0f, 0.0f, 0.0f};
+ *     ssl_parsian_inverse(&twist, &wheels);
+ *     ssl_parsian_forward(&wheels, &twist);
+ *     ssl_parsian_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_SSL_PARSIAN_H
+#define WMRGEN_SSL_PARSIAN_H
+
+#define SSL_PARSIAN_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define SSL_PARSIAN_MODEL_HASH "a020ee1500a9ae1be61841f7bb2b3204" /**< digest of the model */
+#define SSL_PARSIAN_PAIR_ec58a5d26e897c51 1 /**< header and source that were written together have the same */
+#define SSL_PARSIAN_WHEEL1_X 0.045f /**< [m] pivot, forward of P */
+#define SSL_PARSIAN_WHEEL1_Y 0.07794229f /**< [m] pivot, to the left of P */
+#define SSL_PARSIAN_WHEEL1_RADIUS 0.027f /**< [m] radius */
+#define SSL_PARSIAN_WHEEL2_X (-0.06363961f) /**< [m] pivot, forward of P */
+#define SSL_PARSIAN_WHEEL2_Y 0.06363961f /**< [m] pivot, to the left of P */
+#define SSL_PARSIAN_WHEEL2_RADIUS 0.027f /**< [m] radius */
+#define SSL_PARSIAN_WHEEL3_X (-0.06363961f) /**< [m] pivot, forward of P */
+#define SSL_PARSIAN_WHEEL3_Y (-0.06363961f) /**< [m] pivot, to the left of P */
+#define SSL_PARSIAN_WHEEL3_RADIUS 0.027f /**< [m] radius */
+#define SSL_PARSIAN_WHEEL4_X 0.045f /**< [m] pivot, forward of P */
+#define SSL_PARSIAN_WHEEL4_Y (-0.07794229f) /**< [m] pivot, to the left of P */
+#define SSL_PARSIAN_WHEEL4_RADIUS 0.027f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} ssl_parsian_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} ssl_parsian_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } wheel1; /**< [rad/s] */
+    struct { float spin; } wheel2; /**< [rad/s] */
+    struct { float spin; } wheel3; /**< [rad/s] */
+    struct { float spin; } wheel4; /**< [rad/s] */
+} ssl_parsian_wheels;
+
+/** Joints in the order of ssl_parsian_wheels. */
+enum ssl_parsian_joint {
+    SSL_PARSIAN_WHEEL1_SPIN, /**< [rad/s] wheel1.spin */
+    SSL_PARSIAN_WHEEL2_SPIN, /**< [rad/s] wheel2.spin */
+    SSL_PARSIAN_WHEEL3_SPIN, /**< [rad/s] wheel3.spin */
+    SSL_PARSIAN_WHEEL4_SPIN, /**< [rad/s] wheel4.spin */
+    SSL_PARSIAN_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum ssl_parsian_joint, for loops over all; of the first where there is none. */
+float *ssl_parsian_joint(ssl_parsian_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 6 additions, 5 multiplications. */
+void ssl_parsian_inverse(const ssl_parsian_twist *twist, ssl_parsian_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void ssl_parsian_inverse_slip(const ssl_parsian_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 7 additions, 5 multiplications. */
+void ssl_parsian_forward(const ssl_parsian_wheels *wheels, ssl_parsian_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 8 additions, 7 multiplications, 1 sign operation. */
+void ssl_parsian_forward_slip(
+    const ssl_parsian_wheels *wheels,
+    ssl_parsian_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void ssl_parsian_odometry(ssl_parsian_pose *pose, const ssl_parsian_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,121 +129,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   wheel1: swedish, x 0.045 m, y 0.0779423 m, heading -30 deg, r 0.027 m, gamma 0 deg
- *   wheel2: swedish, x -0.0636396 m, y 0.0636396 m, heading 45 deg, r 0.027 m, gamma 0 deg
- *   wheel3: swedish, x -0.0636396 m, y -0.0636396 m, heading 135 deg, r 0.027 m, gamma 0 deg
- *   wheel4: swedish, x 0.045 m, y -0.0779423 m, heading 210 deg, r 0.027 m, gamma 0 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  */
-#ifndef WMRGEN_SSL_PARSIAN_H
-#define WMRGEN_SSL_PARSIAN_H
-
-#define SSL_PARSIAN_MODEL_HASH "a020ee1500a9ae1be61841f7bb2b3204"
-#define SSL_PARSIAN_PAIR_219d12c4cae5e2da 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of ssl_parsian_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} ssl_parsian_inverse_in;
-
-/* Output of ssl_parsian_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } wheel1; /* [rad/s] */
-    struct { float spin; } wheel2; /* [rad/s] */
-    struct { float spin; } wheel3; /* [rad/s] */
-    struct { float spin; } wheel4; /* [rad/s] */
-} ssl_parsian_inverse_out;
-
-typedef ssl_parsian_inverse_in ssl_parsian_inverse_slip_in;
-
-/* Output of ssl_parsian_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} ssl_parsian_inverse_slip_out;
-
-/* Input of ssl_parsian_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } wheel1; /* [rad/s] */
-    struct { float spin; } wheel2; /* [rad/s] */
-    struct { float spin; } wheel3; /* [rad/s] */
-    struct { float spin; } wheel4; /* [rad/s] */
-} ssl_parsian_forward_in;
-
-/* Output of ssl_parsian_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} ssl_parsian_forward_out;
-
-typedef ssl_parsian_forward_in ssl_parsian_forward_slip_in;
-
-/* Output of ssl_parsian_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} ssl_parsian_forward_slip_out;
-
-/* Input of ssl_parsian_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} ssl_parsian_odometry_in;
-
-/* Output of ssl_parsian_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} ssl_parsian_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 6 additions, 5 multiplications. */
-void ssl_parsian_inverse(const ssl_parsian_inverse_in *in, ssl_parsian_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void ssl_parsian_inverse_slip(
-    const ssl_parsian_inverse_slip_in *in,
-    ssl_parsian_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 7 additions, 5 multiplications. */
-void ssl_parsian_forward(const ssl_parsian_forward_in *in, ssl_parsian_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 8 additions, 7 multiplications, 1 sign operation. */
-void ssl_parsian_forward_slip(
-    const ssl_parsian_forward_slip_in *in,
-    ssl_parsian_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void ssl_parsian_odometry(const ssl_parsian_odometry_in *in, ssl_parsian_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_SSL_PARSIAN_H */

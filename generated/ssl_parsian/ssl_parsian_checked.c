@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SSL_PARSIAN_PAIR_219d12c4cae5e2da)
+#if !defined(SSL_PARSIAN_PAIR_ec58a5d26e897c51)
 #error "ssl_parsian_checked.c and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,25 +33,25 @@ static float ssl_parsian_held(const float x)
 }
 
 ssl_parsian_status ssl_parsian_inverse_checked(
-    const ssl_parsian_inverse_in *in,
-    ssl_parsian_inverse_out *out)
+    const ssl_parsian_twist *twist,
+    ssl_parsian_wheels *out)
 {
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            ssl_parsian_is_number(in->vx) &&
-            ssl_parsian_is_number(in->vy) &&
-            ssl_parsian_is_number(in->omega)
+            ssl_parsian_is_number(twist->vx) &&
+            ssl_parsian_is_number(twist->vy) &&
+            ssl_parsian_is_number(twist->omega)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            ssl_parsian_is_within(in->vx, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->vy, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->omega, -200.0f, 200.0f)
+            ssl_parsian_is_within(twist->vx, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(twist->vy, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
-        ssl_parsian_inverse(in, out);
+        ssl_parsian_inverse(twist, out);
     }
     if (status != SSL_PARSIAN_OK) {
         out->wheel1.spin = 0.0f;
@@ -62,129 +62,129 @@ ssl_parsian_status ssl_parsian_inverse_checked(
     return status;
 }
 
-ssl_parsian_status ssl_parsian_inverse_slip_checked(
-    const ssl_parsian_inverse_slip_in *in,
-    ssl_parsian_inverse_slip_out *out)
+ssl_parsian_status ssl_parsian_inverse_slip_checked(const ssl_parsian_twist *twist, float *slip)
 {
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            ssl_parsian_is_number(in->vx) &&
-            ssl_parsian_is_number(in->vy) &&
-            ssl_parsian_is_number(in->omega)
+            ssl_parsian_is_number(twist->vx) &&
+            ssl_parsian_is_number(twist->vy) &&
+            ssl_parsian_is_number(twist->omega)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            ssl_parsian_is_within(in->vx, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->vy, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->omega, -200.0f, 200.0f)
+            ssl_parsian_is_within(twist->vx, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(twist->vy, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
-        ssl_parsian_inverse_slip(in, out);
+        ssl_parsian_inverse_slip(twist, slip);
     }
     if (status != SSL_PARSIAN_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 ssl_parsian_status ssl_parsian_forward_checked(
-    const ssl_parsian_forward_in *in,
-    ssl_parsian_forward_out *out)
+    const ssl_parsian_wheels *wheels,
+    ssl_parsian_twist *twist)
 {
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            ssl_parsian_is_number(in->wheel1.spin) &&
-            ssl_parsian_is_number(in->wheel2.spin) &&
-            ssl_parsian_is_number(in->wheel3.spin) &&
-            ssl_parsian_is_number(in->wheel4.spin)
+            ssl_parsian_is_number(wheels->wheel1.spin) &&
+            ssl_parsian_is_number(wheels->wheel2.spin) &&
+            ssl_parsian_is_number(wheels->wheel3.spin) &&
+            ssl_parsian_is_number(wheels->wheel4.spin)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            ssl_parsian_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->wheel2.spin, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->wheel3.spin, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->wheel4.spin, -1e9f, 1e9f)
+            ssl_parsian_is_within(wheels->wheel1.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(wheels->wheel2.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(wheels->wheel3.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(wheels->wheel4.spin, -1e9f, 1e9f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
-        ssl_parsian_forward(in, out);
+        ssl_parsian_forward(wheels, twist);
     }
     if (status != SSL_PARSIAN_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 ssl_parsian_status ssl_parsian_forward_slip_checked(
-    const ssl_parsian_forward_slip_in *in,
-    ssl_parsian_forward_slip_out *out)
+    const ssl_parsian_wheels *wheels,
+    ssl_parsian_twist *twist,
+    float *slip)
 {
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            ssl_parsian_is_number(in->wheel1.spin) &&
-            ssl_parsian_is_number(in->wheel2.spin) &&
-            ssl_parsian_is_number(in->wheel3.spin) &&
-            ssl_parsian_is_number(in->wheel4.spin)
+            ssl_parsian_is_number(wheels->wheel1.spin) &&
+            ssl_parsian_is_number(wheels->wheel2.spin) &&
+            ssl_parsian_is_number(wheels->wheel3.spin) &&
+            ssl_parsian_is_number(wheels->wheel4.spin)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            ssl_parsian_is_within(in->wheel1.spin, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->wheel2.spin, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->wheel3.spin, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->wheel4.spin, -1e9f, 1e9f)
+            ssl_parsian_is_within(wheels->wheel1.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(wheels->wheel2.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(wheels->wheel3.spin, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(wheels->wheel4.spin, -1e9f, 1e9f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
-        ssl_parsian_forward_slip(in, out);
+        ssl_parsian_forward_slip(wheels, twist, slip);
     }
     if (status != SSL_PARSIAN_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 ssl_parsian_status ssl_parsian_odometry_checked(
-    const ssl_parsian_odometry_in *in,
-    ssl_parsian_odometry_out *out)
+    ssl_parsian_pose *pose,
+    const ssl_parsian_twist *twist,
+    float dt)
 {
     ssl_parsian_status status = SSL_PARSIAN_OK;
 
     if (!(
-            ssl_parsian_is_number(in->x) &&
-            ssl_parsian_is_number(in->y) &&
-            ssl_parsian_is_number(in->theta) &&
-            ssl_parsian_is_number(in->vx) &&
-            ssl_parsian_is_number(in->vy) &&
-            ssl_parsian_is_number(in->omega) &&
-            ssl_parsian_is_number(in->dt)
+            ssl_parsian_is_number(pose->x) &&
+            ssl_parsian_is_number(pose->y) &&
+            ssl_parsian_is_number(pose->theta) &&
+            ssl_parsian_is_number(twist->vx) &&
+            ssl_parsian_is_number(twist->vy) &&
+            ssl_parsian_is_number(twist->omega) &&
+            ssl_parsian_is_number(dt)
         )) {
         status = SSL_PARSIAN_NOT_A_NUMBER;
     } else if (!(
-            ssl_parsian_is_within(in->x, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->y, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->theta, -1e4f, 1e4f) &&
-            ssl_parsian_is_within(in->vx, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->vy, -1e9f, 1e9f) &&
-            ssl_parsian_is_within(in->omega, -200.0f, 200.0f) &&
-            ssl_parsian_is_within(in->dt, -10.0f, 10.0f)
+            ssl_parsian_is_within(pose->x, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(pose->y, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(pose->theta, -1e4f, 1e4f) &&
+            ssl_parsian_is_within(twist->vx, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(twist->vy, -1e9f, 1e9f) &&
+            ssl_parsian_is_within(twist->omega, -200.0f, 200.0f) &&
+            ssl_parsian_is_within(dt, -10.0f, 10.0f)
         )) {
         status = SSL_PARSIAN_OUT_OF_RANGE;
     } else {
-        ssl_parsian_odometry(in, out);
+        ssl_parsian_odometry(pose, twist, dt);
     }
     if (status != SSL_PARSIAN_OK) {
-        out->x = ssl_parsian_held(in->x);
-        out->y = ssl_parsian_held(in->y);
-        out->theta = ssl_parsian_held(in->theta);
+        pose->x = ssl_parsian_held(pose->x);
+        pose->y = ssl_parsian_held(pose->y);
+        pose->theta = ssl_parsian_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_219d12c4cae5e2da)
+#if !defined(SSL_PARSIAN_PAIR_ec58a5d26e897c51)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,32 @@ typedef enum {
 /* ssl_parsian_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
 ssl_parsian_status ssl_parsian_inverse_checked(
-    const ssl_parsian_inverse_in *in,
-    ssl_parsian_inverse_out *out);
+    const ssl_parsian_twist *twist,
+    ssl_parsian_wheels *out);
 
 /* ssl_parsian_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
-ssl_parsian_status ssl_parsian_inverse_slip_checked(
-    const ssl_parsian_inverse_slip_in *in,
-    ssl_parsian_inverse_slip_out *out);
+ssl_parsian_status ssl_parsian_inverse_slip_checked(const ssl_parsian_twist *twist, float *slip);
 
 /* ssl_parsian_forward() with its inputs checked. Accepted: wheel1.spin, wheel2.spin,
  * wheel3.spin, wheel4.spin -1e9 to 1e9 rad/s. */
 ssl_parsian_status ssl_parsian_forward_checked(
-    const ssl_parsian_forward_in *in,
-    ssl_parsian_forward_out *out);
+    const ssl_parsian_wheels *wheels,
+    ssl_parsian_twist *twist);
 
 /* ssl_parsian_forward_slip() with its inputs checked. Accepted: wheel1.spin, wheel2.spin,
  * wheel3.spin, wheel4.spin -1e9 to 1e9 rad/s. */
 ssl_parsian_status ssl_parsian_forward_slip_checked(
-    const ssl_parsian_forward_slip_in *in,
-    ssl_parsian_forward_slip_out *out);
+    const ssl_parsian_wheels *wheels,
+    ssl_parsian_twist *twist,
+    float *slip);
 
 /* ssl_parsian_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 ssl_parsian_status ssl_parsian_odometry_checked(
-    const ssl_parsian_odometry_in *in,
-    ssl_parsian_odometry_out *out);
+    ssl_parsian_pose *pose,
+    const ssl_parsian_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_93558c98c6a22660)
+#if !defined(SYNCHRO_DRIVE_PAIR_5fe2eda22ae4b17e)
 #error "synchro_drive.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -211,9 +211,21 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void synchro_drive_inverse(const synchro_drive_inverse_in *in, synchro_drive_inverse_out *out)
+/* The members of synchro_drive_wheels lie as an array does. */
+typedef char synchro_drive_wheels_are_joints[
+    ((sizeof(synchro_drive_wheels) / sizeof(float)) == (unsigned int)SYNCHRO_DRIVE_JOINTS) ? 1 : -1];
+
+float *synchro_drive_joint(synchro_drive_wheels *wheels, int joint)
 {
-    const wmrgen_wheel w1 = wmrgen_steer_along(in->vx, in->vy, in->w1.steer, 1.0f);
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)SYNCHRO_DRIVE_JOINTS)) ? joint : 0];
+}
+
+void synchro_drive_inverse(
+    const synchro_drive_twist *twist,
+    const synchro_drive_wheels *now,
+    synchro_drive_wheels *out)
+{
+    const wmrgen_wheel w1 = wmrgen_steer_along(twist->vx, twist->vy, now->w1.steer, 1.0f);
     const float t0 = 10.0f * w1.spin;
 
     out->w1.spin = t0;
@@ -225,32 +237,36 @@ void synchro_drive_inverse(const synchro_drive_inverse_in *in, synchro_drive_inv
 }
 
 void synchro_drive_inverse_slip(
-    const synchro_drive_inverse_slip_in *in,
-    synchro_drive_inverse_slip_out *out)
+    const synchro_drive_twist *twist,
+    const synchro_drive_wheels *wheels,
+    float *slip)
 {
-    out->slip = fabsf(0.3f * in->omega);
+    (void)wheels;
+
+    *slip = fabsf(0.3f * twist->omega);
 }
 
-void synchro_drive_forward(const synchro_drive_forward_in *in, synchro_drive_forward_out *out)
+void synchro_drive_forward(const synchro_drive_wheels *wheels, synchro_drive_twist *twist)
 {
-    const wmrgen_vector w1 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
-    const wmrgen_vector w2 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
-    const wmrgen_vector w3 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
+    const wmrgen_vector w1 = wmrgen_vector_at(wheels->w1.spin, wheels->w1.steer);
+    const wmrgen_vector w2 = wmrgen_vector_at(wheels->w2.spin, wheels->w2.steer);
+    const wmrgen_vector w3 = wmrgen_vector_at(wheels->w3.spin, wheels->w3.steer);
     const float t0 = w2.y + w3.y;
     const float t1 = fmaf(0.11111111f, w1.y, 0.096225046f * (w3.x - w2.x));
 
-    out->vx = 0.033333335f * (w3.x + (w1.x + w2.x));
-    out->vy = 0.033333335f * (w1.y + t0);
-    out->omega = fmaf((-0.055555556f), t0, t1);
+    twist->vx = 0.033333335f * (w3.x + (w1.x + w2.x));
+    twist->vy = 0.033333335f * (w1.y + t0);
+    twist->omega = fmaf((-0.055555556f), t0, t1);
 }
 
 void synchro_drive_forward_slip(
-    const synchro_drive_forward_slip_in *in,
-    synchro_drive_forward_slip_out *out)
+    const synchro_drive_wheels *wheels,
+    synchro_drive_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector w1 = wmrgen_vector_at(in->w1.spin, in->w1.steer);
-    const wmrgen_vector w2 = wmrgen_vector_at(in->w2.spin, in->w2.steer);
-    const wmrgen_vector w3 = wmrgen_vector_at(in->w3.spin, in->w3.steer);
+    const wmrgen_vector w1 = wmrgen_vector_at(wheels->w1.spin, wheels->w1.steer);
+    const wmrgen_vector w2 = wmrgen_vector_at(wheels->w2.spin, wheels->w2.steer);
+    const wmrgen_vector w3 = wmrgen_vector_at(wheels->w3.spin, wheels->w3.steer);
     const float vx_fit = 0.033333335f * (w3.x + (w1.x + w2.x)); /* vx */
     const float t0 = w2.y + w3.y;
     const float vy_fit = 0.033333335f * (w1.y + t0); /* vy */
@@ -267,22 +283,22 @@ void synchro_drive_forward_slip(
     const float t10 = fmaf(0.1f, w3.x, t2 - vx_fit);
     const float t11 = fmaf(0.1f, w3.y, t7);
 
-    out->vx = vx_fit;
-    out->vy = vy_fit;
-    out->omega = omega_fit;
-    out->slip = sqrtf(fmaf(t11, t11, fmaf(t10, t10, t9)));
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = omega_fit;
+    *slip = sqrtf(fmaf(t11, t11, fmaf(t10, t10, t9)));
 }
 
-void synchro_drive_odometry(const synchro_drive_odometry_in *in, synchro_drive_odometry_out *out)
+void synchro_drive_odometry(synchro_drive_pose *pose, const synchro_drive_twist *twist, float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

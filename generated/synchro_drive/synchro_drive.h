@@ -6,7 +6,128 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   w1: steered, x 0.3 m, y 0 m, heading 0 deg, r 0.1 m
+ *   w2: steered, x -0.15 m, y 0.259808 m, heading 0 deg, r 0.1 m
+ *   w3: steered, x -0.15 m, y -0.259808 m, heading 0 deg, r 0.1 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     synchro_drive_twist twist = {0.5f, 0.0f, 0.2f};
+ *     synchro_drive_wheels wheels = {{0.0f}};
+ *     synchro_drive_pose pose = {0.0f, 0.0f, 0.0f};
+ *     synchro_drive_inverse(&twist, &wheels, &wheels);
+ *     synchro_drive_forward(&wheels, &twist);
+ *     synchro_drive_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_SYNCHRO_DRIVE_H
+#define WMRGEN_SYNCHRO_DRIVE_H
+
+#define SYNCHRO_DRIVE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define SYNCHRO_DRIVE_MODEL_HASH "ab49bf8c09b6e7abf530225cb461af34" /**< digest of the model */
+#define SYNCHRO_DRIVE_PAIR_5fe2eda22ae4b17e 1 /**< header and source that were written together have the same */
+#define SYNCHRO_DRIVE_W1_X 0.3f /**< [m] pivot, forward of P */
+#define SYNCHRO_DRIVE_W1_Y 0.0f /**< [m] pivot, to the left of P */
+#define SYNCHRO_DRIVE_W1_RADIUS 0.1f /**< [m] radius */
+#define SYNCHRO_DRIVE_W2_X (-0.15f) /**< [m] pivot, forward of P */
+#define SYNCHRO_DRIVE_W2_Y 0.25980762f /**< [m] pivot, to the left of P */
+#define SYNCHRO_DRIVE_W2_RADIUS 0.1f /**< [m] radius */
+#define SYNCHRO_DRIVE_W3_X (-0.15f) /**< [m] pivot, forward of P */
+#define SYNCHRO_DRIVE_W3_Y (-0.25980762f) /**< [m] pivot, to the left of P */
+#define SYNCHRO_DRIVE_W3_RADIUS 0.1f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} synchro_drive_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} synchro_drive_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file. */
+typedef struct {
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } w1;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } w2;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } w3;
+} synchro_drive_wheels;
+
+/** Joints in the order of synchro_drive_wheels. */
+enum synchro_drive_joint {
+    SYNCHRO_DRIVE_W1_SPIN, /**< [rad/s] w1.spin */
+    SYNCHRO_DRIVE_W1_STEER, /**< [rad] w1.steer */
+    SYNCHRO_DRIVE_W2_SPIN, /**< [rad/s] w2.spin */
+    SYNCHRO_DRIVE_W2_STEER, /**< [rad] w2.steer */
+    SYNCHRO_DRIVE_W3_SPIN, /**< [rad/s] w3.spin */
+    SYNCHRO_DRIVE_W3_STEER, /**< [rad] w3.steer */
+    SYNCHRO_DRIVE_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum synchro_drive_joint, for loops over all; of the first where there is none. */
+float *synchro_drive_joint(synchro_drive_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 4 additions, 6 multiplications, 1 division, 1 square root, 1
+ * arctangent, 2 comparisons, 4 sign operations, 1 rounding. */
+void synchro_drive_inverse(
+    const synchro_drive_twist *twist,
+    const synchro_drive_wheels *now,
+    synchro_drive_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 1 multiplication, 1 sign operation. */
+void synchro_drive_inverse_slip(
+    const synchro_drive_twist *twist,
+    const synchro_drive_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 7 additions, 11 multiplications, 6 sines and cosines. */
+void synchro_drive_forward(const synchro_drive_wheels *wheels, synchro_drive_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 22 additions, 26 multiplications, 1 square root, 6 sines and
+ * cosines. */
+void synchro_drive_forward_slip(
+    const synchro_drive_wheels *wheels,
+    synchro_drive_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void synchro_drive_odometry(synchro_drive_pose *pose, const synchro_drive_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,143 +143,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   w1: steered, x 0.3 m, y 0 m, heading 0 deg, r 0.1 m
- *   w2: steered, x -0.15 m, y 0.259808 m, heading 0 deg, r 0.1 m
- *   w3: steered, x -0.15 m, y -0.259808 m, heading 0 deg, r 0.1 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_SYNCHRO_DRIVE_H
-#define WMRGEN_SYNCHRO_DRIVE_H
-
-#define SYNCHRO_DRIVE_MODEL_HASH "ab49bf8c09b6e7abf530225cb461af34"
-#define SYNCHRO_DRIVE_PAIR_93558c98c6a22660 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of synchro_drive_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                   /* [m/s] velocity of P forward, robot frame */
-    float vy;                   /* [m/s] velocity of P to the left, robot frame */
-    float omega;                /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } w1; /* [rad] */
-    struct { float steer; } w2; /* [rad] */
-    struct { float steer; } w3; /* [rad] */
-} synchro_drive_inverse_in;
-
-/* Output of synchro_drive_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w1;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w2;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w3;
-} synchro_drive_inverse_out;
-
-typedef synchro_drive_inverse_in synchro_drive_inverse_slip_in;
-
-/* Output of synchro_drive_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} synchro_drive_inverse_slip_out;
-
-/* Input of synchro_drive_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w1;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w2;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } w3;
-} synchro_drive_forward_in;
-
-/* Output of synchro_drive_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} synchro_drive_forward_out;
-
-typedef synchro_drive_forward_in synchro_drive_forward_slip_in;
-
-/* Output of synchro_drive_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} synchro_drive_forward_slip_out;
-
-/* Input of synchro_drive_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} synchro_drive_odometry_in;
-
-/* Output of synchro_drive_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} synchro_drive_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill.
- * Operations of the formula: 4 additions, 6 multiplications, 1 division, 1 square root, 1
- * arctangent, 2 comparisons, 4 sign operations, 1 rounding. */
-void synchro_drive_inverse(const synchro_drive_inverse_in *in, synchro_drive_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 1 multiplication, 1 sign operation. */
-void synchro_drive_inverse_slip(
-    const synchro_drive_inverse_slip_in *in,
-    synchro_drive_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 7 additions, 11 multiplications, 6 sines and cosines. */
-void synchro_drive_forward(const synchro_drive_forward_in *in, synchro_drive_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 22 additions, 26 multiplications, 1 square root, 6 sines and
- * cosines. */
-void synchro_drive_forward_slip(
-    const synchro_drive_forward_slip_in *in,
-    synchro_drive_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void synchro_drive_odometry(const synchro_drive_odometry_in *in, synchro_drive_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_SYNCHRO_DRIVE_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(SYNCHRO_DRIVE_PAIR_93558c98c6a22660)
+#if !defined(SYNCHRO_DRIVE_PAIR_5fe2eda22ae4b17e)
 #error "synchro_drive_checked.c and synchro_drive.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,180 +33,184 @@ static float synchro_drive_held(const float x)
 }
 
 synchro_drive_status synchro_drive_inverse_checked(
-    const synchro_drive_inverse_in *in,
-    synchro_drive_inverse_out *out)
+    const synchro_drive_twist *twist,
+    const synchro_drive_wheels *now,
+    synchro_drive_wheels *out)
 {
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            synchro_drive_is_number(in->vx) &&
-            synchro_drive_is_number(in->vy) &&
-            synchro_drive_is_number(in->omega) &&
-            synchro_drive_is_number(in->w1.steer) &&
-            synchro_drive_is_number(in->w2.steer) &&
-            synchro_drive_is_number(in->w3.steer)
+            synchro_drive_is_number(twist->vx) &&
+            synchro_drive_is_number(twist->vy) &&
+            synchro_drive_is_number(twist->omega) &&
+            synchro_drive_is_number(now->w1.steer) &&
+            synchro_drive_is_number(now->w2.steer) &&
+            synchro_drive_is_number(now->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            synchro_drive_is_within(in->vx, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->vy, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->omega, -200.0f, 200.0f) &&
-            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(twist->vx, -1e9f, 1e9f) &&
+            synchro_drive_is_within(twist->vy, -1e9f, 1e9f) &&
+            synchro_drive_is_within(twist->omega, -200.0f, 200.0f) &&
+            synchro_drive_is_within(now->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(now->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(now->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
-        synchro_drive_inverse(in, out);
+        synchro_drive_inverse(twist, now, out);
     }
     if (status != SYNCHRO_DRIVE_OK) {
         out->w1.spin = 0.0f;
-        out->w1.steer = synchro_drive_held(in->w1.steer);
+        out->w1.steer = synchro_drive_held(now->w1.steer);
         out->w2.spin = 0.0f;
-        out->w2.steer = synchro_drive_held(in->w2.steer);
+        out->w2.steer = synchro_drive_held(now->w2.steer);
         out->w3.spin = 0.0f;
-        out->w3.steer = synchro_drive_held(in->w3.steer);
+        out->w3.steer = synchro_drive_held(now->w3.steer);
     }
     return status;
 }
 
 synchro_drive_status synchro_drive_inverse_slip_checked(
-    const synchro_drive_inverse_slip_in *in,
-    synchro_drive_inverse_slip_out *out)
+    const synchro_drive_twist *twist,
+    const synchro_drive_wheels *wheels,
+    float *slip)
 {
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            synchro_drive_is_number(in->vx) &&
-            synchro_drive_is_number(in->vy) &&
-            synchro_drive_is_number(in->omega) &&
-            synchro_drive_is_number(in->w1.steer) &&
-            synchro_drive_is_number(in->w2.steer) &&
-            synchro_drive_is_number(in->w3.steer)
+            synchro_drive_is_number(twist->vx) &&
+            synchro_drive_is_number(twist->vy) &&
+            synchro_drive_is_number(twist->omega) &&
+            synchro_drive_is_number(wheels->w1.steer) &&
+            synchro_drive_is_number(wheels->w2.steer) &&
+            synchro_drive_is_number(wheels->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            synchro_drive_is_within(in->vx, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->vy, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->omega, -200.0f, 200.0f) &&
-            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(twist->vx, -1e9f, 1e9f) &&
+            synchro_drive_is_within(twist->vy, -1e9f, 1e9f) &&
+            synchro_drive_is_within(twist->omega, -200.0f, 200.0f) &&
+            synchro_drive_is_within(wheels->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(wheels->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(wheels->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
-        synchro_drive_inverse_slip(in, out);
+        synchro_drive_inverse_slip(twist, wheels, slip);
     }
     if (status != SYNCHRO_DRIVE_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 synchro_drive_status synchro_drive_forward_checked(
-    const synchro_drive_forward_in *in,
-    synchro_drive_forward_out *out)
+    const synchro_drive_wheels *wheels,
+    synchro_drive_twist *twist)
 {
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            synchro_drive_is_number(in->w1.spin) &&
-            synchro_drive_is_number(in->w1.steer) &&
-            synchro_drive_is_number(in->w2.spin) &&
-            synchro_drive_is_number(in->w2.steer) &&
-            synchro_drive_is_number(in->w3.spin) &&
-            synchro_drive_is_number(in->w3.steer)
+            synchro_drive_is_number(wheels->w1.spin) &&
+            synchro_drive_is_number(wheels->w1.steer) &&
+            synchro_drive_is_number(wheels->w2.spin) &&
+            synchro_drive_is_number(wheels->w2.steer) &&
+            synchro_drive_is_number(wheels->w3.spin) &&
+            synchro_drive_is_number(wheels->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            synchro_drive_is_within(in->w1.spin, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w2.spin, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w3.spin, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(wheels->w1.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(wheels->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(wheels->w2.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(wheels->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(wheels->w3.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(wheels->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
-        synchro_drive_forward(in, out);
+        synchro_drive_forward(wheels, twist);
     }
     if (status != SYNCHRO_DRIVE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 synchro_drive_status synchro_drive_forward_slip_checked(
-    const synchro_drive_forward_slip_in *in,
-    synchro_drive_forward_slip_out *out)
+    const synchro_drive_wheels *wheels,
+    synchro_drive_twist *twist,
+    float *slip)
 {
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            synchro_drive_is_number(in->w1.spin) &&
-            synchro_drive_is_number(in->w1.steer) &&
-            synchro_drive_is_number(in->w2.spin) &&
-            synchro_drive_is_number(in->w2.steer) &&
-            synchro_drive_is_number(in->w3.spin) &&
-            synchro_drive_is_number(in->w3.steer)
+            synchro_drive_is_number(wheels->w1.spin) &&
+            synchro_drive_is_number(wheels->w1.steer) &&
+            synchro_drive_is_number(wheels->w2.spin) &&
+            synchro_drive_is_number(wheels->w2.steer) &&
+            synchro_drive_is_number(wheels->w3.spin) &&
+            synchro_drive_is_number(wheels->w3.steer)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            synchro_drive_is_within(in->w1.spin, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->w1.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w2.spin, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->w2.steer, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->w3.spin, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->w3.steer, -1e4f, 1e4f)
+            synchro_drive_is_within(wheels->w1.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(wheels->w1.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(wheels->w2.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(wheels->w2.steer, -1e4f, 1e4f) &&
+            synchro_drive_is_within(wheels->w3.spin, -1e9f, 1e9f) &&
+            synchro_drive_is_within(wheels->w3.steer, -1e4f, 1e4f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
-        synchro_drive_forward_slip(in, out);
+        synchro_drive_forward_slip(wheels, twist, slip);
     }
     if (status != SYNCHRO_DRIVE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 synchro_drive_status synchro_drive_odometry_checked(
-    const synchro_drive_odometry_in *in,
-    synchro_drive_odometry_out *out)
+    synchro_drive_pose *pose,
+    const synchro_drive_twist *twist,
+    float dt)
 {
     synchro_drive_status status = SYNCHRO_DRIVE_OK;
 
     if (!(
-            synchro_drive_is_number(in->x) &&
-            synchro_drive_is_number(in->y) &&
-            synchro_drive_is_number(in->theta) &&
-            synchro_drive_is_number(in->vx) &&
-            synchro_drive_is_number(in->vy) &&
-            synchro_drive_is_number(in->omega) &&
-            synchro_drive_is_number(in->dt)
+            synchro_drive_is_number(pose->x) &&
+            synchro_drive_is_number(pose->y) &&
+            synchro_drive_is_number(pose->theta) &&
+            synchro_drive_is_number(twist->vx) &&
+            synchro_drive_is_number(twist->vy) &&
+            synchro_drive_is_number(twist->omega) &&
+            synchro_drive_is_number(dt)
         )) {
         status = SYNCHRO_DRIVE_NOT_A_NUMBER;
     } else if (!(
-            synchro_drive_is_within(in->x, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->y, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->theta, -1e4f, 1e4f) &&
-            synchro_drive_is_within(in->vx, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->vy, -1e9f, 1e9f) &&
-            synchro_drive_is_within(in->omega, -200.0f, 200.0f) &&
-            synchro_drive_is_within(in->dt, -10.0f, 10.0f)
+            synchro_drive_is_within(pose->x, -1e9f, 1e9f) &&
+            synchro_drive_is_within(pose->y, -1e9f, 1e9f) &&
+            synchro_drive_is_within(pose->theta, -1e4f, 1e4f) &&
+            synchro_drive_is_within(twist->vx, -1e9f, 1e9f) &&
+            synchro_drive_is_within(twist->vy, -1e9f, 1e9f) &&
+            synchro_drive_is_within(twist->omega, -200.0f, 200.0f) &&
+            synchro_drive_is_within(dt, -10.0f, 10.0f)
         )) {
         status = SYNCHRO_DRIVE_OUT_OF_RANGE;
     } else {
-        synchro_drive_odometry(in, out);
+        synchro_drive_odometry(pose, twist, dt);
     }
     if (status != SYNCHRO_DRIVE_OK) {
-        out->x = synchro_drive_held(in->x);
-        out->y = synchro_drive_held(in->y);
-        out->theta = synchro_drive_held(in->theta);
+        pose->x = synchro_drive_held(pose->x);
+        pose->y = synchro_drive_held(pose->y);
+        pose->theta = synchro_drive_held(pose->theta);
     }
     return status;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2)
 #error "textbook_differential.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,59 +146,70 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void textbook_differential_inverse(
-    const textbook_differential_inverse_in *in,
-    textbook_differential_inverse_out *out)
+/* The members of textbook_differential_wheels lie as an array does. */
+typedef char textbook_differential_wheels_are_joints[
+    ((sizeof(textbook_differential_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_DIFFERENTIAL_JOINTS) ? 1 : -1];
+
+float *textbook_differential_joint(textbook_differential_wheels *wheels, int joint)
 {
-    const float t0 = 6.0f * in->omega;
-    const float t1 = 10.0f * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)TEXTBOOK_DIFFERENTIAL_JOINTS)) ? joint : 0];
+}
+
+void textbook_differential_inverse(
+    const textbook_differential_twist *twist,
+    textbook_differential_wheels *out)
+{
+    const float t0 = 6.0f * twist->omega;
+    const float t1 = 10.0f * twist->vx;
 
     out->right.spin = t0 + t1;
     out->left.spin = t1 - t0;
 }
 
-void textbook_differential_inverse_slip(
-    const textbook_differential_inverse_slip_in *in,
-    textbook_differential_inverse_slip_out *out)
+void textbook_differential_inverse_slip(const textbook_differential_twist *twist, float *slip)
 {
-    out->slip = fabsf(in->vy);
+    *slip = fabsf(twist->vy);
 }
 
 void textbook_differential_forward(
-    const textbook_differential_forward_in *in,
-    textbook_differential_forward_out *out)
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist)
 {
-    const float t0 = 0.083333336f * (in->right.spin - in->left.spin);
+    const float t0 = 0.05f * (wheels->right.spin + wheels->left.spin);
+    const float t1 = 0.083333336f * (wheels->right.spin - wheels->left.spin);
 
-    out->vx = 0.05f * (in->right.spin + in->left.spin);
-    out->vy = 0.0f;
-    out->omega = t0;
+    twist->vx = t0;
+    twist->vy = 0.0f;
+    twist->omega = t1;
 }
 
 void textbook_differential_forward_slip(
-    const textbook_differential_forward_slip_in *in,
-    textbook_differential_forward_slip_out *out)
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist,
+    float *slip)
 {
-    const float t0 = 0.083333336f * (in->right.spin - in->left.spin);
+    const float t0 = 0.05f * (wheels->right.spin + wheels->left.spin);
+    const float t1 = 0.083333336f * (wheels->right.spin - wheels->left.spin);
 
-    out->vx = 0.05f * (in->right.spin + in->left.spin);
-    out->vy = 0.0f;
-    out->omega = t0;
-    out->slip = 0.0f;
+    twist->vx = t0;
+    twist->vy = 0.0f;
+    twist->omega = t1;
+    *slip = 0.0f;
 }
 
 void textbook_differential_odometry(
-    const textbook_differential_odometry_in *in,
-    textbook_differential_odometry_out *out)
+    textbook_differential_pose *pose,
+    const textbook_differential_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,111 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   right: fixed, x 0 m, y -0.6 m, heading 0 deg, r 0.1 m
+ *   left: fixed, x 0 m, y 0.6 m, heading 0 deg, r 0.1 m
+ *   ball: spherical, x 0.4 m, y 0 m, r 0.05 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     textbook_differential_twist twist = {0.5f, 0.0f, 0.2f};
+ *     textbook_differential_wheels wheels = {{0.0f}};
+ *     textbook_differential_pose pose = {0.0f, 0.0f, 0.0f};
+ *     textbook_differential_inverse(&twist, &wheels);
+ *     textbook_differential_forward(&wheels, &twist);
+ *     textbook_differential_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_TEXTBOOK_DIFFERENTIAL_H
+#define WMRGEN_TEXTBOOK_DIFFERENTIAL_H
+
+#define TEXTBOOK_DIFFERENTIAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "8547782c5885db632f7cb36396c10209" /**< digest of the model */
+#define TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_DIFFERENTIAL_RIGHT_X 0.0f /**< [m] pivot, forward of P */
+#define TEXTBOOK_DIFFERENTIAL_RIGHT_Y (-0.6f) /**< [m] pivot, to the left of P */
+#define TEXTBOOK_DIFFERENTIAL_RIGHT_RADIUS 0.1f /**< [m] radius */
+#define TEXTBOOK_DIFFERENTIAL_LEFT_X 0.0f /**< [m] pivot, forward of P */
+#define TEXTBOOK_DIFFERENTIAL_LEFT_Y 0.6f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_DIFFERENTIAL_LEFT_RADIUS 0.1f /**< [m] radius */
+#define TEXTBOOK_DIFFERENTIAL_BALL_X 0.4f /**< [m] pivot, forward of P */
+#define TEXTBOOK_DIFFERENTIAL_BALL_Y 0.0f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_DIFFERENTIAL_BALL_RADIUS 0.05f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} textbook_differential_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} textbook_differential_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } right; /**< [rad/s] */
+    struct { float spin; } left;  /**< [rad/s] */
+} textbook_differential_wheels;
+
+/** Joints in the order of textbook_differential_wheels. */
+enum textbook_differential_joint {
+    TEXTBOOK_DIFFERENTIAL_RIGHT_SPIN, /**< [rad/s] right.spin */
+    TEXTBOOK_DIFFERENTIAL_LEFT_SPIN, /**< [rad/s] left.spin */
+    TEXTBOOK_DIFFERENTIAL_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum textbook_differential_joint, for loops over all; of the first where there is none. */
+float *textbook_differential_joint(textbook_differential_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 2 additions, 2 multiplications. */
+void textbook_differential_inverse(
+    const textbook_differential_twist *twist,
+    textbook_differential_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 1 sign operation. */
+void textbook_differential_inverse_slip(const textbook_differential_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 2 additions, 2 multiplications. */
+void textbook_differential_forward(
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 2 additions, 2 multiplications. */
+void textbook_differential_forward_slip(
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void textbook_differential_odometry(
+    textbook_differential_pose *pose,
+    const textbook_differential_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,120 +126,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   right: fixed, x 0 m, y -0.6 m, heading 0 deg, r 0.1 m
- *   left: fixed, x 0 m, y 0.6 m, heading 0 deg, r 0.1 m
- *   ball: spherical, x 0.4 m, y 0 m, r 0.05 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_TEXTBOOK_DIFFERENTIAL_H
-#define WMRGEN_TEXTBOOK_DIFFERENTIAL_H
-
-#define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "8547782c5885db632f7cb36396c10209"
-#define TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of textbook_differential_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} textbook_differential_inverse_in;
-
-/* Output of textbook_differential_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } right; /* [rad/s] */
-    struct { float spin; } left;  /* [rad/s] */
-} textbook_differential_inverse_out;
-
-typedef textbook_differential_inverse_in textbook_differential_inverse_slip_in;
-
-/* Output of textbook_differential_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} textbook_differential_inverse_slip_out;
-
-/* Input of textbook_differential_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } right; /* [rad/s] */
-    struct { float spin; } left;  /* [rad/s] */
-} textbook_differential_forward_in;
-
-/* Output of textbook_differential_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} textbook_differential_forward_out;
-
-typedef textbook_differential_forward_in textbook_differential_forward_slip_in;
-
-/* Output of textbook_differential_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} textbook_differential_forward_slip_out;
-
-/* Input of textbook_differential_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} textbook_differential_odometry_in;
-
-/* Output of textbook_differential_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} textbook_differential_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 2 additions, 2 multiplications. */
-void textbook_differential_inverse(
-    const textbook_differential_inverse_in *in,
-    textbook_differential_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 1 sign operation. */
-void textbook_differential_inverse_slip(
-    const textbook_differential_inverse_slip_in *in,
-    textbook_differential_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 2 additions, 2 multiplications. */
-void textbook_differential_forward(
-    const textbook_differential_forward_in *in,
-    textbook_differential_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 2 additions, 2 multiplications. */
-void textbook_differential_forward_slip(
-    const textbook_differential_forward_slip_in *in,
-    textbook_differential_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void textbook_differential_odometry(
-    const textbook_differential_odometry_in *in,
-    textbook_differential_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_TEXTBOOK_DIFFERENTIAL_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2)
 #error "textbook_differential_checked.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,25 +33,25 @@ static float textbook_differential_held(const float x)
 }
 
 textbook_differential_status textbook_differential_inverse_checked(
-    const textbook_differential_inverse_in *in,
-    textbook_differential_inverse_out *out)
+    const textbook_differential_twist *twist,
+    textbook_differential_wheels *out)
 {
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            textbook_differential_is_number(in->vx) &&
-            textbook_differential_is_number(in->vy) &&
-            textbook_differential_is_number(in->omega)
+            textbook_differential_is_number(twist->vx) &&
+            textbook_differential_is_number(twist->vy) &&
+            textbook_differential_is_number(twist->omega)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_differential_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->omega, -200.0f, 200.0f)
+            textbook_differential_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_differential_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_differential_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
-        textbook_differential_inverse(in, out);
+        textbook_differential_inverse(twist, out);
     }
     if (status != TEXTBOOK_DIFFERENTIAL_OK) {
         out->right.spin = 0.0f;
@@ -61,120 +61,122 @@ textbook_differential_status textbook_differential_inverse_checked(
 }
 
 textbook_differential_status textbook_differential_inverse_slip_checked(
-    const textbook_differential_inverse_slip_in *in,
-    textbook_differential_inverse_slip_out *out)
+    const textbook_differential_twist *twist,
+    float *slip)
 {
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            textbook_differential_is_number(in->vx) &&
-            textbook_differential_is_number(in->vy) &&
-            textbook_differential_is_number(in->omega)
+            textbook_differential_is_number(twist->vx) &&
+            textbook_differential_is_number(twist->vy) &&
+            textbook_differential_is_number(twist->omega)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_differential_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->omega, -200.0f, 200.0f)
+            textbook_differential_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_differential_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_differential_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
-        textbook_differential_inverse_slip(in, out);
+        textbook_differential_inverse_slip(twist, slip);
     }
     if (status != TEXTBOOK_DIFFERENTIAL_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_differential_status textbook_differential_forward_checked(
-    const textbook_differential_forward_in *in,
-    textbook_differential_forward_out *out)
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist)
 {
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            textbook_differential_is_number(in->right.spin) &&
-            textbook_differential_is_number(in->left.spin)
+            textbook_differential_is_number(wheels->right.spin) &&
+            textbook_differential_is_number(wheels->left.spin)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_differential_is_within(in->right.spin, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->left.spin, -1e9f, 1e9f)
+            textbook_differential_is_within(wheels->right.spin, -1e9f, 1e9f) &&
+            textbook_differential_is_within(wheels->left.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
-        textbook_differential_forward(in, out);
+        textbook_differential_forward(wheels, twist);
     }
     if (status != TEXTBOOK_DIFFERENTIAL_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 textbook_differential_status textbook_differential_forward_slip_checked(
-    const textbook_differential_forward_slip_in *in,
-    textbook_differential_forward_slip_out *out)
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist,
+    float *slip)
 {
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            textbook_differential_is_number(in->right.spin) &&
-            textbook_differential_is_number(in->left.spin)
+            textbook_differential_is_number(wheels->right.spin) &&
+            textbook_differential_is_number(wheels->left.spin)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_differential_is_within(in->right.spin, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->left.spin, -1e9f, 1e9f)
+            textbook_differential_is_within(wheels->right.spin, -1e9f, 1e9f) &&
+            textbook_differential_is_within(wheels->left.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
-        textbook_differential_forward_slip(in, out);
+        textbook_differential_forward_slip(wheels, twist, slip);
     }
     if (status != TEXTBOOK_DIFFERENTIAL_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_differential_status textbook_differential_odometry_checked(
-    const textbook_differential_odometry_in *in,
-    textbook_differential_odometry_out *out)
+    textbook_differential_pose *pose,
+    const textbook_differential_twist *twist,
+    float dt)
 {
     textbook_differential_status status = TEXTBOOK_DIFFERENTIAL_OK;
 
     if (!(
-            textbook_differential_is_number(in->x) &&
-            textbook_differential_is_number(in->y) &&
-            textbook_differential_is_number(in->theta) &&
-            textbook_differential_is_number(in->vx) &&
-            textbook_differential_is_number(in->vy) &&
-            textbook_differential_is_number(in->omega) &&
-            textbook_differential_is_number(in->dt)
+            textbook_differential_is_number(pose->x) &&
+            textbook_differential_is_number(pose->y) &&
+            textbook_differential_is_number(pose->theta) &&
+            textbook_differential_is_number(twist->vx) &&
+            textbook_differential_is_number(twist->vy) &&
+            textbook_differential_is_number(twist->omega) &&
+            textbook_differential_is_number(dt)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_differential_is_within(in->x, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->y, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->theta, -1e4f, 1e4f) &&
-            textbook_differential_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_differential_is_within(in->omega, -200.0f, 200.0f) &&
-            textbook_differential_is_within(in->dt, -10.0f, 10.0f)
+            textbook_differential_is_within(pose->x, -1e9f, 1e9f) &&
+            textbook_differential_is_within(pose->y, -1e9f, 1e9f) &&
+            textbook_differential_is_within(pose->theta, -1e4f, 1e4f) &&
+            textbook_differential_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_differential_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_differential_is_within(twist->omega, -200.0f, 200.0f) &&
+            textbook_differential_is_within(dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE;
     } else {
-        textbook_differential_odometry(in, out);
+        textbook_differential_odometry(pose, twist, dt);
     }
     if (status != TEXTBOOK_DIFFERENTIAL_OK) {
-        out->x = textbook_differential_held(in->x);
-        out->y = textbook_differential_held(in->y);
-        out->theta = textbook_differential_held(in->theta);
+        pose->x = textbook_differential_held(pose->x);
+        pose->y = textbook_differential_held(pose->y);
+        pose->theta = textbook_differential_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,34 @@ typedef enum {
 /* textbook_differential_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s. */
 textbook_differential_status textbook_differential_inverse_checked(
-    const textbook_differential_inverse_in *in,
-    textbook_differential_inverse_out *out);
+    const textbook_differential_twist *twist,
+    textbook_differential_wheels *out);
 
 /* textbook_differential_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9
  * m/s; omega -200 to 200 rad/s. */
 textbook_differential_status textbook_differential_inverse_slip_checked(
-    const textbook_differential_inverse_slip_in *in,
-    textbook_differential_inverse_slip_out *out);
+    const textbook_differential_twist *twist,
+    float *slip);
 
 /* textbook_differential_forward() with its inputs checked. Accepted: right.spin, left.spin -1e9
  * to 1e9 rad/s. */
 textbook_differential_status textbook_differential_forward_checked(
-    const textbook_differential_forward_in *in,
-    textbook_differential_forward_out *out);
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist);
 
 /* textbook_differential_forward_slip() with its inputs checked. Accepted: right.spin, left.spin
  * -1e9 to 1e9 rad/s. */
 textbook_differential_status textbook_differential_forward_slip_checked(
-    const textbook_differential_forward_slip_in *in,
-    textbook_differential_forward_slip_out *out);
+    const textbook_differential_wheels *wheels,
+    textbook_differential_twist *twist,
+    float *slip);
 
 /* textbook_differential_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
  * -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_differential_status textbook_differential_odometry_checked(
-    const textbook_differential_odometry_in *in,
-    textbook_differential_odometry_out *out);
+    textbook_differential_pose *pose,
+    const textbook_differential_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e1fbd8f8eef2bc2)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_50f97a211e4dac5f)
 #error "textbook_omni_steer_checked.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,152 +33,156 @@ static float textbook_omni_steer_held(const float x)
 }
 
 textbook_omni_steer_status textbook_omni_steer_inverse_checked(
-    const textbook_omni_steer_inverse_in *in,
-    textbook_omni_steer_inverse_out *out)
+    const textbook_omni_steer_twist *twist,
+    const textbook_omni_steer_wheels *now,
+    textbook_omni_steer_wheels *out)
 {
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            textbook_omni_steer_is_number(in->vx) &&
-            textbook_omni_steer_is_number(in->vy) &&
-            textbook_omni_steer_is_number(in->omega) &&
-            textbook_omni_steer_is_number(in->front.steer)
+            textbook_omni_steer_is_number(twist->vx) &&
+            textbook_omni_steer_is_number(twist->vy) &&
+            textbook_omni_steer_is_number(twist->omega) &&
+            textbook_omni_steer_is_number(now->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            textbook_omni_steer_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->omega, -200.0f, 200.0f) &&
-            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(twist->omega, -200.0f, 200.0f) &&
+            textbook_omni_steer_is_within(now->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
-        textbook_omni_steer_inverse(in, out);
+        textbook_omni_steer_inverse(twist, now, out);
     }
     if (status != TEXTBOOK_OMNI_STEER_OK) {
         out->front.spin = 0.0f;
-        out->front.steer = textbook_omni_steer_held(in->front.steer);
+        out->front.steer = textbook_omni_steer_held(now->front.steer);
     }
     return status;
 }
 
 textbook_omni_steer_status textbook_omni_steer_inverse_slip_checked(
-    const textbook_omni_steer_inverse_slip_in *in,
-    textbook_omni_steer_inverse_slip_out *out)
+    const textbook_omni_steer_twist *twist,
+    const textbook_omni_steer_wheels *wheels,
+    float *slip)
 {
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            textbook_omni_steer_is_number(in->vx) &&
-            textbook_omni_steer_is_number(in->vy) &&
-            textbook_omni_steer_is_number(in->omega) &&
-            textbook_omni_steer_is_number(in->front.steer)
+            textbook_omni_steer_is_number(twist->vx) &&
+            textbook_omni_steer_is_number(twist->vy) &&
+            textbook_omni_steer_is_number(twist->omega) &&
+            textbook_omni_steer_is_number(wheels->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            textbook_omni_steer_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->omega, -200.0f, 200.0f) &&
-            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(twist->omega, -200.0f, 200.0f) &&
+            textbook_omni_steer_is_within(wheels->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
-        textbook_omni_steer_inverse_slip(in, out);
+        textbook_omni_steer_inverse_slip(twist, wheels, slip);
     }
     if (status != TEXTBOOK_OMNI_STEER_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_omni_steer_status textbook_omni_steer_forward_checked(
-    const textbook_omni_steer_forward_in *in,
-    textbook_omni_steer_forward_out *out)
+    const textbook_omni_steer_wheels *wheels,
+    textbook_omni_steer_twist *twist)
 {
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            textbook_omni_steer_is_number(in->front.spin) &&
-            textbook_omni_steer_is_number(in->front.steer)
+            textbook_omni_steer_is_number(wheels->front.spin) &&
+            textbook_omni_steer_is_number(wheels->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            textbook_omni_steer_is_within(in->front.spin, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(wheels->front.spin, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(wheels->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
-        textbook_omni_steer_forward(in, out);
+        textbook_omni_steer_forward(wheels, twist);
     }
     if (status != TEXTBOOK_OMNI_STEER_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 textbook_omni_steer_status textbook_omni_steer_forward_slip_checked(
-    const textbook_omni_steer_forward_slip_in *in,
-    textbook_omni_steer_forward_slip_out *out)
+    const textbook_omni_steer_wheels *wheels,
+    textbook_omni_steer_twist *twist,
+    float *slip)
 {
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            textbook_omni_steer_is_number(in->front.spin) &&
-            textbook_omni_steer_is_number(in->front.steer)
+            textbook_omni_steer_is_number(wheels->front.spin) &&
+            textbook_omni_steer_is_number(wheels->front.steer)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            textbook_omni_steer_is_within(in->front.spin, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->front.steer, -1e4f, 1e4f)
+            textbook_omni_steer_is_within(wheels->front.spin, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(wheels->front.steer, -1e4f, 1e4f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
-        textbook_omni_steer_forward_slip(in, out);
+        textbook_omni_steer_forward_slip(wheels, twist, slip);
     }
     if (status != TEXTBOOK_OMNI_STEER_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_omni_steer_status textbook_omni_steer_odometry_checked(
-    const textbook_omni_steer_odometry_in *in,
-    textbook_omni_steer_odometry_out *out)
+    textbook_omni_steer_pose *pose,
+    const textbook_omni_steer_twist *twist,
+    float dt)
 {
     textbook_omni_steer_status status = TEXTBOOK_OMNI_STEER_OK;
 
     if (!(
-            textbook_omni_steer_is_number(in->x) &&
-            textbook_omni_steer_is_number(in->y) &&
-            textbook_omni_steer_is_number(in->theta) &&
-            textbook_omni_steer_is_number(in->vx) &&
-            textbook_omni_steer_is_number(in->vy) &&
-            textbook_omni_steer_is_number(in->omega) &&
-            textbook_omni_steer_is_number(in->dt)
+            textbook_omni_steer_is_number(pose->x) &&
+            textbook_omni_steer_is_number(pose->y) &&
+            textbook_omni_steer_is_number(pose->theta) &&
+            textbook_omni_steer_is_number(twist->vx) &&
+            textbook_omni_steer_is_number(twist->vy) &&
+            textbook_omni_steer_is_number(twist->omega) &&
+            textbook_omni_steer_is_number(dt)
         )) {
         status = TEXTBOOK_OMNI_STEER_NOT_A_NUMBER;
     } else if (!(
-            textbook_omni_steer_is_within(in->x, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->y, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->theta, -1e4f, 1e4f) &&
-            textbook_omni_steer_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_omni_steer_is_within(in->omega, -200.0f, 200.0f) &&
-            textbook_omni_steer_is_within(in->dt, -10.0f, 10.0f)
+            textbook_omni_steer_is_within(pose->x, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(pose->y, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(pose->theta, -1e4f, 1e4f) &&
+            textbook_omni_steer_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_omni_steer_is_within(twist->omega, -200.0f, 200.0f) &&
+            textbook_omni_steer_is_within(dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_OMNI_STEER_OUT_OF_RANGE;
     } else {
-        textbook_omni_steer_odometry(in, out);
+        textbook_omni_steer_odometry(pose, twist, dt);
     }
     if (status != TEXTBOOK_OMNI_STEER_OK) {
-        out->x = textbook_omni_steer_held(in->x);
-        out->y = textbook_omni_steer_held(in->y);
-        out->theta = textbook_omni_steer_held(in->theta);
+        pose->x = textbook_omni_steer_held(pose->x);
+        pose->y = textbook_omni_steer_held(pose->y);
+        pose->theta = textbook_omni_steer_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e1fbd8f8eef2bc2)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_50f97a211e4dac5f)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,36 @@ typedef enum {
 /* textbook_omni_steer_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_inverse_checked(
-    const textbook_omni_steer_inverse_in *in,
-    textbook_omni_steer_inverse_out *out);
+    const textbook_omni_steer_twist *twist,
+    const textbook_omni_steer_wheels *now,
+    textbook_omni_steer_wheels *out);
 
 /* textbook_omni_steer_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s; front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_inverse_slip_checked(
-    const textbook_omni_steer_inverse_slip_in *in,
-    textbook_omni_steer_inverse_slip_out *out);
+    const textbook_omni_steer_twist *twist,
+    const textbook_omni_steer_wheels *wheels,
+    float *slip);
 
 /* textbook_omni_steer_forward() with its inputs checked. Accepted: front.spin -1e9 to 1e9 rad/s;
  * front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_forward_checked(
-    const textbook_omni_steer_forward_in *in,
-    textbook_omni_steer_forward_out *out);
+    const textbook_omni_steer_wheels *wheels,
+    textbook_omni_steer_twist *twist);
 
 /* textbook_omni_steer_forward_slip() with its inputs checked. Accepted: front.spin -1e9 to 1e9
  * rad/s; front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_forward_slip_checked(
-    const textbook_omni_steer_forward_slip_in *in,
-    textbook_omni_steer_forward_slip_out *out);
+    const textbook_omni_steer_wheels *wheels,
+    textbook_omni_steer_twist *twist,
+    float *slip);
 
 /* textbook_omni_steer_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
  * -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_omni_steer_status textbook_omni_steer_odometry_checked(
-    const textbook_omni_steer_odometry_in *in,
-    textbook_omni_steer_odometry_out *out);
+    textbook_omni_steer_pose *pose,
+    const textbook_omni_steer_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

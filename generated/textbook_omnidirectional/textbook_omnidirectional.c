@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5d3722e357707ae3)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fdfa3f819aa0a290)
 #error "textbook_omnidirectional.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,63 +146,78 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void textbook_omnidirectional_inverse(
-    const textbook_omnidirectional_inverse_in *in,
-    textbook_omnidirectional_inverse_out *out)
+/* The members of textbook_omnidirectional_wheels lie as an array does. */
+typedef char textbook_omnidirectional_wheels_are_joints[
+    ((sizeof(textbook_omnidirectional_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_OMNIDIRECTIONAL_JOINTS) ? 1 : -1];
+
+float *textbook_omnidirectional_joint(textbook_omnidirectional_wheels *wheels, int joint)
 {
-    const float t0 = (-4.375f) * in->omega;
-    const float t1 = fmaf((-6.25f), in->vy, t0);
-    const float t2 = (-10.825317f) * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)TEXTBOOK_OMNIDIRECTIONAL_JOINTS)) ? joint : 0];
+}
+
+void textbook_omnidirectional_inverse(
+    const textbook_omnidirectional_twist *twist,
+    textbook_omnidirectional_wheels *out)
+{
+    const float t0 = (-4.375f) * twist->omega;
+    const float t1 = fmaf((-6.25f), twist->vy, t0);
+    const float t2 = (-10.825317f) * twist->vx;
 
     out->w1.spin = t1 - t2;
-    out->w2.spin = fmaf(12.5f, in->vy, t0);
+    out->w2.spin = fmaf(12.5f, twist->vy, t0);
     out->w3.spin = t1 + t2;
 }
 
 void textbook_omnidirectional_inverse_slip(
-    const textbook_omnidirectional_inverse_slip_in *in,
-    textbook_omnidirectional_inverse_slip_out *out)
+    const textbook_omnidirectional_twist *twist,
+    float *slip)
 {
-    (void)in;
+    (void)twist;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
 void textbook_omnidirectional_forward(
-    const textbook_omnidirectional_forward_in *in,
-    textbook_omnidirectional_forward_out *out)
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist)
 {
-    const float t0 = in->w1.spin + in->w3.spin;
+    const float t0 = 0.046188023f * (wheels->w1.spin - wheels->w3.spin);
+    const float t1 = wheels->w1.spin + wheels->w3.spin;
+    const float t2 = 0.026666667f * ((2.0f * wheels->w2.spin) - t1);
 
-    out->vx = 0.046188023f * (in->w1.spin - in->w3.spin);
-    out->vy = 0.026666667f * ((2.0f * in->w2.spin) - t0);
-    out->omega = (-0.07619048f) * (in->w2.spin + t0);
+    twist->vx = t0;
+    twist->vy = t2;
+    twist->omega = (-0.07619048f) * (wheels->w2.spin + t1);
 }
 
 void textbook_omnidirectional_forward_slip(
-    const textbook_omnidirectional_forward_slip_in *in,
-    textbook_omnidirectional_forward_slip_out *out)
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist,
+    float *slip)
 {
-    const float t0 = in->w1.spin + in->w3.spin;
+    const float t0 = 0.046188023f * (wheels->w1.spin - wheels->w3.spin);
+    const float t1 = wheels->w1.spin + wheels->w3.spin;
+    const float t2 = 0.026666667f * ((2.0f * wheels->w2.spin) - t1);
 
-    out->vx = 0.046188023f * (in->w1.spin - in->w3.spin);
-    out->vy = 0.026666667f * ((2.0f * in->w2.spin) - t0);
-    out->omega = (-0.07619048f) * (in->w2.spin + t0);
-    out->slip = 0.0f;
+    twist->vx = t0;
+    twist->vy = t2;
+    twist->omega = (-0.07619048f) * (wheels->w2.spin + t1);
+    *slip = 0.0f;
 }
 
 void textbook_omnidirectional_odometry(
-    const textbook_omnidirectional_odometry_in *in,
-    textbook_omnidirectional_odometry_out *out)
+    textbook_omnidirectional_pose *pose,
+    const textbook_omnidirectional_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

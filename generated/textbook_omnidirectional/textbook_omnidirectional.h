@@ -6,7 +6,117 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   w1: swedish, x 0.175 m, y 0.303109 m, heading -30 deg, r 0.08 m, gamma 0 deg
+ *   w2: swedish, x -0.35 m, y 0 m, heading 90 deg, r 0.08 m, gamma 0 deg
+ *   w3: swedish, x 0.175 m, y -0.303109 m, heading -150 deg, r 0.08 m, gamma 0 deg
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
+ *   lean the other way.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     textbook_omnidirectional_twist twist = {0.5f, 0.0f, 0.2f};
+ *     textbook_omnidirectional_wheels wheels = {{0.0f}};
+ *     textbook_omnidirectional_pose pose = {0.0f, 0.0f, 0.0f};
+ *     textbook_omnidirectional_inverse(&twist, &wheels);
+ *     textbook_omnidirectional_forward(&wheels, &twist);
+ *     textbook_omnidirectional_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_TEXTBOOK_OMNIDIRECTIONAL_H
+#define WMRGEN_TEXTBOOK_OMNIDIRECTIONAL_H
+
+#define TEXTBOOK_OMNIDIRECTIONAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define TEXTBOOK_OMNIDIRECTIONAL_MODEL_HASH "7b8e8a758822c6bf2abc060a1cb41302" /**< digest of the model */
+#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_fdfa3f819aa0a290 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNIDIRECTIONAL_W1_X 0.175f /**< [m] pivot, forward of P */
+#define TEXTBOOK_OMNIDIRECTIONAL_W1_Y 0.3031089f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_OMNIDIRECTIONAL_W1_RADIUS 0.08f /**< [m] radius */
+#define TEXTBOOK_OMNIDIRECTIONAL_W2_X (-0.35f) /**< [m] pivot, forward of P */
+#define TEXTBOOK_OMNIDIRECTIONAL_W2_Y 0.0f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_OMNIDIRECTIONAL_W2_RADIUS 0.08f /**< [m] radius */
+#define TEXTBOOK_OMNIDIRECTIONAL_W3_X 0.175f /**< [m] pivot, forward of P */
+#define TEXTBOOK_OMNIDIRECTIONAL_W3_Y (-0.3031089f) /**< [m] pivot, to the left of P */
+#define TEXTBOOK_OMNIDIRECTIONAL_W3_RADIUS 0.08f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} textbook_omnidirectional_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} textbook_omnidirectional_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } w1; /**< [rad/s] */
+    struct { float spin; } w2; /**< [rad/s] */
+    struct { float spin; } w3; /**< [rad/s] */
+} textbook_omnidirectional_wheels;
+
+/** Joints in the order of textbook_omnidirectional_wheels. */
+enum textbook_omnidirectional_joint {
+    TEXTBOOK_OMNIDIRECTIONAL_W1_SPIN, /**< [rad/s] w1.spin */
+    TEXTBOOK_OMNIDIRECTIONAL_W2_SPIN, /**< [rad/s] w2.spin */
+    TEXTBOOK_OMNIDIRECTIONAL_W3_SPIN, /**< [rad/s] w3.spin */
+    TEXTBOOK_OMNIDIRECTIONAL_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum textbook_omnidirectional_joint, for loops over all; of the first where there is none. */
+float *textbook_omnidirectional_joint(textbook_omnidirectional_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void textbook_omnidirectional_inverse(
+    const textbook_omnidirectional_twist *twist,
+    textbook_omnidirectional_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void textbook_omnidirectional_inverse_slip(
+    const textbook_omnidirectional_twist *twist,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void textbook_omnidirectional_forward(
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 4 additions, 4 multiplications. */
+void textbook_omnidirectional_forward_slip(
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void textbook_omnidirectional_odometry(
+    textbook_omnidirectional_pose *pose,
+    const textbook_omnidirectional_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,124 +132,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   w1: swedish, x 0.175 m, y 0.303109 m, heading -30 deg, r 0.08 m, gamma 0 deg
- *   w2: swedish, x -0.35 m, y 0 m, heading 90 deg, r 0.08 m, gamma 0 deg
- *   w3: swedish, x 0.175 m, y -0.303109 m, heading -150 deg, r 0.08 m, gamma 0 deg
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   gamma: from the wheel plane to the axis of the roller at the ground; the rollers seen on top
- *   lean the other way.
  */
-#ifndef WMRGEN_TEXTBOOK_OMNIDIRECTIONAL_H
-#define WMRGEN_TEXTBOOK_OMNIDIRECTIONAL_H
-
-#define TEXTBOOK_OMNIDIRECTIONAL_MODEL_HASH "7b8e8a758822c6bf2abc060a1cb41302"
-#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_5d3722e357707ae3 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of textbook_omnidirectional_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} textbook_omnidirectional_inverse_in;
-
-/* Output of textbook_omnidirectional_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } w1; /* [rad/s] */
-    struct { float spin; } w2; /* [rad/s] */
-    struct { float spin; } w3; /* [rad/s] */
-} textbook_omnidirectional_inverse_out;
-
-typedef textbook_omnidirectional_inverse_in textbook_omnidirectional_inverse_slip_in;
-
-/* Output of textbook_omnidirectional_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} textbook_omnidirectional_inverse_slip_out;
-
-/* Input of textbook_omnidirectional_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } w1; /* [rad/s] */
-    struct { float spin; } w2; /* [rad/s] */
-    struct { float spin; } w3; /* [rad/s] */
-} textbook_omnidirectional_forward_in;
-
-/* Output of textbook_omnidirectional_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} textbook_omnidirectional_forward_out;
-
-typedef textbook_omnidirectional_forward_in textbook_omnidirectional_forward_slip_in;
-
-/* Output of textbook_omnidirectional_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} textbook_omnidirectional_forward_slip_out;
-
-/* Input of textbook_omnidirectional_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} textbook_omnidirectional_odometry_in;
-
-/* Output of textbook_omnidirectional_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} textbook_omnidirectional_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void textbook_omnidirectional_inverse(
-    const textbook_omnidirectional_inverse_in *in,
-    textbook_omnidirectional_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void textbook_omnidirectional_inverse_slip(
-    const textbook_omnidirectional_inverse_slip_in *in,
-    textbook_omnidirectional_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void textbook_omnidirectional_forward(
-    const textbook_omnidirectional_forward_in *in,
-    textbook_omnidirectional_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 4 additions, 4 multiplications. */
-void textbook_omnidirectional_forward_slip(
-    const textbook_omnidirectional_forward_slip_in *in,
-    textbook_omnidirectional_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void textbook_omnidirectional_odometry(
-    const textbook_omnidirectional_odometry_in *in,
-    textbook_omnidirectional_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_TEXTBOOK_OMNIDIRECTIONAL_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5d3722e357707ae3)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fdfa3f819aa0a290)
 #error "textbook_omnidirectional_checked.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,25 +33,25 @@ static float textbook_omnidirectional_held(const float x)
 }
 
 textbook_omnidirectional_status textbook_omnidirectional_inverse_checked(
-    const textbook_omnidirectional_inverse_in *in,
-    textbook_omnidirectional_inverse_out *out)
+    const textbook_omnidirectional_twist *twist,
+    textbook_omnidirectional_wheels *out)
 {
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            textbook_omnidirectional_is_number(in->vx) &&
-            textbook_omnidirectional_is_number(in->vy) &&
-            textbook_omnidirectional_is_number(in->omega)
+            textbook_omnidirectional_is_number(twist->vx) &&
+            textbook_omnidirectional_is_number(twist->vy) &&
+            textbook_omnidirectional_is_number(twist->omega)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_omnidirectional_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->omega, -200.0f, 200.0f)
+            textbook_omnidirectional_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
-        textbook_omnidirectional_inverse(in, out);
+        textbook_omnidirectional_inverse(twist, out);
     }
     if (status != TEXTBOOK_OMNIDIRECTIONAL_OK) {
         out->w1.spin = 0.0f;
@@ -62,124 +62,126 @@ textbook_omnidirectional_status textbook_omnidirectional_inverse_checked(
 }
 
 textbook_omnidirectional_status textbook_omnidirectional_inverse_slip_checked(
-    const textbook_omnidirectional_inverse_slip_in *in,
-    textbook_omnidirectional_inverse_slip_out *out)
+    const textbook_omnidirectional_twist *twist,
+    float *slip)
 {
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            textbook_omnidirectional_is_number(in->vx) &&
-            textbook_omnidirectional_is_number(in->vy) &&
-            textbook_omnidirectional_is_number(in->omega)
+            textbook_omnidirectional_is_number(twist->vx) &&
+            textbook_omnidirectional_is_number(twist->vy) &&
+            textbook_omnidirectional_is_number(twist->omega)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_omnidirectional_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->omega, -200.0f, 200.0f)
+            textbook_omnidirectional_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
-        textbook_omnidirectional_inverse_slip(in, out);
+        textbook_omnidirectional_inverse_slip(twist, slip);
     }
     if (status != TEXTBOOK_OMNIDIRECTIONAL_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_omnidirectional_status textbook_omnidirectional_forward_checked(
-    const textbook_omnidirectional_forward_in *in,
-    textbook_omnidirectional_forward_out *out)
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist)
 {
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            textbook_omnidirectional_is_number(in->w1.spin) &&
-            textbook_omnidirectional_is_number(in->w2.spin) &&
-            textbook_omnidirectional_is_number(in->w3.spin)
+            textbook_omnidirectional_is_number(wheels->w1.spin) &&
+            textbook_omnidirectional_is_number(wheels->w2.spin) &&
+            textbook_omnidirectional_is_number(wheels->w3.spin)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_omnidirectional_is_within(in->w1.spin, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->w2.spin, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->w3.spin, -1e9f, 1e9f)
+            textbook_omnidirectional_is_within(wheels->w1.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(wheels->w2.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(wheels->w3.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
-        textbook_omnidirectional_forward(in, out);
+        textbook_omnidirectional_forward(wheels, twist);
     }
     if (status != TEXTBOOK_OMNIDIRECTIONAL_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 textbook_omnidirectional_status textbook_omnidirectional_forward_slip_checked(
-    const textbook_omnidirectional_forward_slip_in *in,
-    textbook_omnidirectional_forward_slip_out *out)
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist,
+    float *slip)
 {
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            textbook_omnidirectional_is_number(in->w1.spin) &&
-            textbook_omnidirectional_is_number(in->w2.spin) &&
-            textbook_omnidirectional_is_number(in->w3.spin)
+            textbook_omnidirectional_is_number(wheels->w1.spin) &&
+            textbook_omnidirectional_is_number(wheels->w2.spin) &&
+            textbook_omnidirectional_is_number(wheels->w3.spin)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_omnidirectional_is_within(in->w1.spin, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->w2.spin, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->w3.spin, -1e9f, 1e9f)
+            textbook_omnidirectional_is_within(wheels->w1.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(wheels->w2.spin, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(wheels->w3.spin, -1e9f, 1e9f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
-        textbook_omnidirectional_forward_slip(in, out);
+        textbook_omnidirectional_forward_slip(wheels, twist, slip);
     }
     if (status != TEXTBOOK_OMNIDIRECTIONAL_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_omnidirectional_status textbook_omnidirectional_odometry_checked(
-    const textbook_omnidirectional_odometry_in *in,
-    textbook_omnidirectional_odometry_out *out)
+    textbook_omnidirectional_pose *pose,
+    const textbook_omnidirectional_twist *twist,
+    float dt)
 {
     textbook_omnidirectional_status status = TEXTBOOK_OMNIDIRECTIONAL_OK;
 
     if (!(
-            textbook_omnidirectional_is_number(in->x) &&
-            textbook_omnidirectional_is_number(in->y) &&
-            textbook_omnidirectional_is_number(in->theta) &&
-            textbook_omnidirectional_is_number(in->vx) &&
-            textbook_omnidirectional_is_number(in->vy) &&
-            textbook_omnidirectional_is_number(in->omega) &&
-            textbook_omnidirectional_is_number(in->dt)
+            textbook_omnidirectional_is_number(pose->x) &&
+            textbook_omnidirectional_is_number(pose->y) &&
+            textbook_omnidirectional_is_number(pose->theta) &&
+            textbook_omnidirectional_is_number(twist->vx) &&
+            textbook_omnidirectional_is_number(twist->vy) &&
+            textbook_omnidirectional_is_number(twist->omega) &&
+            textbook_omnidirectional_is_number(dt)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER;
     } else if (!(
-            textbook_omnidirectional_is_within(in->x, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->y, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->theta, -1e4f, 1e4f) &&
-            textbook_omnidirectional_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_omnidirectional_is_within(in->omega, -200.0f, 200.0f) &&
-            textbook_omnidirectional_is_within(in->dt, -10.0f, 10.0f)
+            textbook_omnidirectional_is_within(pose->x, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(pose->y, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(pose->theta, -1e4f, 1e4f) &&
+            textbook_omnidirectional_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_omnidirectional_is_within(twist->omega, -200.0f, 200.0f) &&
+            textbook_omnidirectional_is_within(dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE;
     } else {
-        textbook_omnidirectional_odometry(in, out);
+        textbook_omnidirectional_odometry(pose, twist, dt);
     }
     if (status != TEXTBOOK_OMNIDIRECTIONAL_OK) {
-        out->x = textbook_omnidirectional_held(in->x);
-        out->y = textbook_omnidirectional_held(in->y);
-        out->theta = textbook_omnidirectional_held(in->theta);
+        pose->x = textbook_omnidirectional_held(pose->x);
+        pose->y = textbook_omnidirectional_held(pose->y);
+        pose->theta = textbook_omnidirectional_held(pose->theta);
     }
     return status;
 }

@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5d3722e357707ae3)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fdfa3f819aa0a290)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,34 @@ typedef enum {
 /* textbook_omnidirectional_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_inverse_checked(
-    const textbook_omnidirectional_inverse_in *in,
-    textbook_omnidirectional_inverse_out *out);
+    const textbook_omnidirectional_twist *twist,
+    textbook_omnidirectional_wheels *out);
 
 /* textbook_omnidirectional_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9
  * m/s; omega -200 to 200 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_inverse_slip_checked(
-    const textbook_omnidirectional_inverse_slip_in *in,
-    textbook_omnidirectional_inverse_slip_out *out);
+    const textbook_omnidirectional_twist *twist,
+    float *slip);
 
 /* textbook_omnidirectional_forward() with its inputs checked. Accepted: w1.spin, w2.spin,
  * w3.spin -1e9 to 1e9 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_forward_checked(
-    const textbook_omnidirectional_forward_in *in,
-    textbook_omnidirectional_forward_out *out);
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist);
 
 /* textbook_omnidirectional_forward_slip() with its inputs checked. Accepted: w1.spin, w2.spin,
  * w3.spin -1e9 to 1e9 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_forward_slip_checked(
-    const textbook_omnidirectional_forward_slip_in *in,
-    textbook_omnidirectional_forward_slip_out *out);
+    const textbook_omnidirectional_wheels *wheels,
+    textbook_omnidirectional_twist *twist,
+    float *slip);
 
 /* textbook_omnidirectional_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
  * theta -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_omnidirectional_status textbook_omnidirectional_odometry_checked(
-    const textbook_omnidirectional_odometry_in *in,
-    textbook_omnidirectional_odometry_out *out);
+    textbook_omnidirectional_pose *pose,
+    const textbook_omnidirectional_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

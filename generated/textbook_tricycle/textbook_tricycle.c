@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_df80af91b6c4e9dc)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_7d1449fd0a013bc8)
 #error "textbook_tricycle.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -222,13 +222,23 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void textbook_tricycle_inverse(
-    const textbook_tricycle_inverse_in *in,
-    textbook_tricycle_inverse_out *out)
+/* The members of textbook_tricycle_wheels lie as an array does. */
+typedef char textbook_tricycle_wheels_are_joints[
+    ((sizeof(textbook_tricycle_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_TRICYCLE_JOINTS) ? 1 : -1];
+
+float *textbook_tricycle_joint(textbook_tricycle_wheels *wheels, int joint)
 {
-    const float t0 = 9.090909f * in->vx;
-    const float t1 = 3.6363637f * in->omega;
-    const wmrgen_wheel t2 = wmrgen_steer_along(in->vx, 1.4f * in->omega, wmrgen_clamp(in->front.steer, 1.3089969f), 1.0f);
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)TEXTBOOK_TRICYCLE_JOINTS)) ? joint : 0];
+}
+
+void textbook_tricycle_inverse(
+    const textbook_tricycle_twist *twist,
+    const textbook_tricycle_wheels *now,
+    textbook_tricycle_wheels *out)
+{
+    const float t0 = 9.090909f * twist->vx;
+    const float t1 = 3.6363637f * twist->omega;
+    const wmrgen_wheel t2 = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, wmrgen_clamp(now->front.steer, 1.3089969f), 1.0f);
     const float t3 = (1.6144296f < t2.steer) ? (t2.steer - 3.1415927f) : t2.steer;
     const float front_heading = (t2.steer < (-1.6144296f)) ? (t2.steer + 3.1415927f) : t3; /* front: heading */
     const float front_target = wmrgen_clamp(front_heading, 1.3089969f); /* front: angle inside the limits */
@@ -241,69 +251,73 @@ void textbook_tricycle_inverse(
 }
 
 void textbook_tricycle_inverse_slip(
-    const textbook_tricycle_inverse_slip_in *in,
-    textbook_tricycle_inverse_slip_out *out)
+    const textbook_tricycle_twist *twist,
+    const textbook_tricycle_wheels *wheels,
+    float *slip)
 {
-    const wmrgen_wheel t0 = wmrgen_steer_along(in->vx, 1.4f * in->omega, wmrgen_clamp(in->front.steer, 1.3089969f), 1.0f);
-    const float t1 = (1.6144296f < t0.steer) ? (t0.steer - 3.1415927f) : t0.steer;
-    const float front_heading = (t0.steer < (-1.6144296f)) ? (t0.steer + 3.1415927f) : t1; /* front: heading */
-    const float front_excess = wmrgen_clamp(front_heading, 1.3089969f) - t0.steer; /* front excess */
-    const wmrgen_vector t2 = wmrgen_vector_at(1.0f, front_excess);
-    const float t3 = t0.spin * t2.y;
-    const float t4 = fabsf(in->vy);
+    const float t0 = wmrgen_clamp(wheels->front.steer, 1.3089969f);
+    const wmrgen_wheel t1 = wmrgen_steer_along(twist->vx, 1.4f * twist->omega, t0, 1.0f);
+    const float t2 = (1.6144296f < t1.steer) ? (t1.steer - 3.1415927f) : t1.steer;
+    const float front_heading = (t1.steer < (-1.6144296f)) ? (t1.steer + 3.1415927f) : t2; /* front: heading */
+    const float front_excess = wmrgen_clamp(front_heading, 1.3089969f) - t1.steer; /* front excess */
+    const wmrgen_vector t3 = wmrgen_vector_at(1.0f, front_excess);
+    const float t4 = t1.spin * t3.y;
+    const float t5 = fabsf(twist->vy);
 
-    out->slip = sqrtf(fmaf(t4, t4, t3 * t3));
+    *slip = sqrtf(fmaf(t5, t5, t4 * t4));
 }
 
 void textbook_tricycle_forward(
-    const textbook_tricycle_forward_in *in,
-    textbook_tricycle_forward_out *out)
+    const textbook_tricycle_wheels *wheels,
+    textbook_tricycle_twist *twist)
 {
-    const wmrgen_vector front = wmrgen_vector_at(in->front.spin, in->front.steer);
-    const float t0 = front.x + (in->rear_left.spin + in->rear_right.spin);
-    const float t1 = in->rear_left.spin - in->rear_right.spin;
+    const wmrgen_vector front = wmrgen_vector_at(wheels->front.spin, wheels->front.steer);
+    const float t0 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float t1 = wheels->rear_left.spin - wheels->rear_right.spin;
 
-    out->vx = 0.036666665f * t0;
-    out->vy = 0.012622951f * fmaf(0.5714286f, front.y, t1);
-    out->omega = 0.02704918f * fmaf(2.3333333f, front.y, -t1);
+    twist->vx = 0.036666665f * (front.x + t0);
+    twist->vy = 0.012622951f * fmaf(0.5714286f, front.y, t1);
+    twist->omega = 0.02704918f * fmaf(2.3333333f, front.y, -t1);
 }
 
 void textbook_tricycle_forward_slip(
-    const textbook_tricycle_forward_slip_in *in,
-    textbook_tricycle_forward_slip_out *out)
+    const textbook_tricycle_wheels *wheels,
+    textbook_tricycle_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector front = wmrgen_vector_at(in->front.spin, in->front.steer);
-    const float t0 = front.x + (in->rear_left.spin + in->rear_right.spin);
-    const float vx_fit = 0.036666665f * t0; /* vx */
-    const float t1 = in->rear_left.spin - in->rear_right.spin;
+    const wmrgen_vector front = wmrgen_vector_at(wheels->front.spin, wheels->front.steer);
+    const float t0 = wheels->rear_left.spin + wheels->rear_right.spin;
+    const float vx_fit = 0.036666665f * (front.x + t0); /* vx */
+    const float t1 = wheels->rear_left.spin - wheels->rear_right.spin;
     const float vy_fit = 0.012622951f * fmaf(0.5714286f, front.y, t1); /* vy */
     const float t2 = fmaf(2.3333333f, front.y, -t1);
     const float t3 = -vx_fit;
     const float t4 = (-0.010819672f) * t2;
-    const float t5 = fmaf(0.11f, in->rear_left.spin, t3) - t4;
-    const float t6 = fmaf(0.11f, in->rear_right.spin, t4 - vx_fit);
+    const float t5 = fmaf(0.11f, wheels->rear_left.spin, t3) - t4;
+    const float t6 = fmaf(0.11f, wheels->rear_right.spin, t4 - vx_fit);
     const float t7 = fmaf(0.11f, front.x, t3);
     const float t8 = fmaf((-0.037868854f), t2, fmaf(0.11f, front.y, -vy_fit));
     const float t9 = fmaf(t8, t8, fmaf(t7, t7, fmaf(t5, t5, t6 * t6)));
 
-    out->vx = vx_fit;
-    out->vy = vy_fit;
-    out->omega = 0.02704918f * t2;
-    out->slip = sqrtf((2.0f * (vy_fit * vy_fit)) + t9);
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = 0.02704918f * t2;
+    *slip = sqrtf((2.0f * (vy_fit * vy_fit)) + t9);
 }
 
 void textbook_tricycle_odometry(
-    const textbook_tricycle_odometry_in *in,
-    textbook_tricycle_odometry_out *out)
+    textbook_tricycle_pose *pose,
+    const textbook_tricycle_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,136 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   rear_left: fixed, x 0 m, y 0.4 m, heading 0 deg, r 0.11 m
+ *   rear_right: fixed, x 0 m, y -0.4 m, heading 0 deg, r 0.11 m
+ *   front: steered, x 1.4 m, y 0 m, heading 0 deg, r 0.11 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     textbook_tricycle_twist twist = {0.5f, 0.0f, 0.2f};
+ *     textbook_tricycle_wheels wheels = {{0.0f}};
+ *     textbook_tricycle_pose pose = {0.0f, 0.0f, 0.0f};
+ *     textbook_tricycle_inverse(&twist, &wheels, &wheels);
+ *     textbook_tricycle_forward(&wheels, &twist);
+ *     textbook_tricycle_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_TEXTBOOK_TRICYCLE_H
+#define WMRGEN_TEXTBOOK_TRICYCLE_H
+
+#define TEXTBOOK_TRICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define TEXTBOOK_TRICYCLE_MODEL_HASH "65153ce14c02648c8cd74ccdd57f0c67" /**< digest of the model */
+#define TEXTBOOK_TRICYCLE_PAIR_7d1449fd0a013bc8 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TRICYCLE_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
+#define TEXTBOOK_TRICYCLE_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_TRICYCLE_REAR_LEFT_RADIUS 0.11f /**< [m] radius */
+#define TEXTBOOK_TRICYCLE_REAR_RIGHT_X 0.0f /**< [m] pivot, forward of P */
+#define TEXTBOOK_TRICYCLE_REAR_RIGHT_Y (-0.4f) /**< [m] pivot, to the left of P */
+#define TEXTBOOK_TRICYCLE_REAR_RIGHT_RADIUS 0.11f /**< [m] radius */
+#define TEXTBOOK_TRICYCLE_FRONT_X 1.4f /**< [m] pivot, forward of P */
+#define TEXTBOOK_TRICYCLE_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_TRICYCLE_FRONT_RADIUS 0.11f /**< [m] radius */
+#define TEXTBOOK_TRICYCLE_VX_MIN (-2.0f) /**< [m/s] least that the robot file allows */
+#define TEXTBOOK_TRICYCLE_VX_MAX 2.0f /**< [m/s] most that the robot file allows */
+#define TEXTBOOK_TRICYCLE_OMEGA_MIN (-2.0f) /**< [rad/s] least that the robot file allows */
+#define TEXTBOOK_TRICYCLE_OMEGA_MAX 2.0f /**< [rad/s] most that the robot file allows */
+#define TEXTBOOK_TRICYCLE_FRONT_STEER_MIN (-1.3089969f) /**< [rad] least that the robot file allows */
+#define TEXTBOOK_TRICYCLE_FRONT_STEER_MAX 1.3089969f /**< [rad] most that the robot file allows */
+#define TEXTBOOK_TRICYCLE_FRONT_STEER_RATE_MIN (-1.5f) /**< [rad/s] least that the robot file allows */
+#define TEXTBOOK_TRICYCLE_FRONT_STEER_RATE_MAX 1.5f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} textbook_tricycle_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} textbook_tricycle_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } rear_left;  /**< [rad/s] */
+    struct { float spin; } rear_right; /**< [rad/s] */
+    struct {
+        float spin;                    /**< [rad/s] */
+        /** [rad] steering angle, counter-clockwise from the zero of the robot file */
+        float steer;
+    } front;
+} textbook_tricycle_wheels;
+
+/** Joints in the order of textbook_tricycle_wheels. */
+enum textbook_tricycle_joint {
+    TEXTBOOK_TRICYCLE_REAR_LEFT_SPIN, /**< [rad/s] rear_left.spin */
+    TEXTBOOK_TRICYCLE_REAR_RIGHT_SPIN, /**< [rad/s] rear_right.spin */
+    TEXTBOOK_TRICYCLE_FRONT_SPIN, /**< [rad/s] front.spin */
+    TEXTBOOK_TRICYCLE_FRONT_STEER, /**< [rad] front.steer */
+    TEXTBOOK_TRICYCLE_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum textbook_tricycle_joint, for loops over all; of the first where there is none. */
+float *textbook_tricycle_joint(textbook_tricycle_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill. At a stop it keeps that heading,
+ * cut there, while the opposite one lies less than 5 degrees less outside: noise does not swing
+ * it to and fro.
+ * Operations of the formula: 9 additions, 10 multiplications, 1 division, 1 square root, 1 sine
+ * or cosine, 1 arctangent, 6 comparisons, 4 sign operations, 1 rounding. */
+void textbook_tricycle_inverse(
+    const textbook_tricycle_twist *twist,
+    const textbook_tricycle_wheels *now,
+    textbook_tricycle_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 8 additions, 9 multiplications, 1 division, 2 square roots, 1 sine
+ * or cosine, 1 arctangent, 6 comparisons, 5 sign operations, 1 rounding. */
+void textbook_tricycle_inverse_slip(
+    const textbook_tricycle_twist *twist,
+    const textbook_tricycle_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 5 additions, 7 multiplications, 2 sines and cosines. */
+void textbook_tricycle_forward(
+    const textbook_tricycle_wheels *wheels,
+    textbook_tricycle_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 16 additions, 19 multiplications, 1 square root, 2 sines and
+ * cosines. */
+void textbook_tricycle_forward_slip(
+    const textbook_tricycle_wheels *wheels,
+    textbook_tricycle_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void textbook_tricycle_odometry(
+    textbook_tricycle_pose *pose,
+    const textbook_tricycle_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,13 +151,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   rear_left: fixed, x 0 m, y 0.4 m, heading 0 deg, r 0.11 m
- *   rear_right: fixed, x 0 m, y -0.4 m, heading 0 deg, r 0.11 m
- *   front: steered, x 1.4 m, y 0 m, heading 0 deg, r 0.11 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  *
  * Proved for |vx| <= 2, |omega| <= 2, |front.steer| <= 1.309, |front.steer_rate| <= 1.5, and with
  * these ranges of inputs that have no limits: |vy| <= 2, |rear_left.spin, rear_right.spin| <=
@@ -54,132 +176,5 @@
  *   odometry: y in [-100.852, 100.852] m, off by 5.9e-06
  *   odometry: theta in [-12.7664, 12.7664] rad, off by 4.9e-07
  */
-#ifndef WMRGEN_TEXTBOOK_TRICYCLE_H
-#define WMRGEN_TEXTBOOK_TRICYCLE_H
-
-#define TEXTBOOK_TRICYCLE_MODEL_HASH "65153ce14c02648c8cd74ccdd57f0c67"
-#define TEXTBOOK_TRICYCLE_PAIR_df80af91b6c4e9dc 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of textbook_tricycle_inverse(). */
-typedef struct {
-    float vx;                      /* [m/s] velocity of P forward, robot frame */
-    float vy;                      /* [m/s] velocity of P to the left, robot frame */
-    float omega;                   /* [rad/s] yaw rate, counter-clockwise */
-    /* [rad] steering angle, counter-clockwise from the zero of the robot file */
-    struct { float steer; } front;
-} textbook_tricycle_inverse_in;
-
-/* Output of textbook_tricycle_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } rear_left;  /* [rad/s] */
-    struct { float spin; } rear_right; /* [rad/s] */
-    struct {
-        float spin;                    /* [rad/s] */
-        /* [rad] steering angle, counter-clockwise from the zero of the robot file */
-        float steer;
-    } front;
-} textbook_tricycle_inverse_out;
-
-typedef textbook_tricycle_inverse_in textbook_tricycle_inverse_slip_in;
-
-/* Output of textbook_tricycle_inverse_slip(). */
-typedef struct {
-    /* [m/s] sliding that the ground must give: RMS over the constraining wheels, plus that over
-     * held steering */
-    float slip;
-} textbook_tricycle_inverse_slip_out;
-
-/* Input of textbook_tricycle_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } rear_left;  /* [rad/s] */
-    struct { float spin; } rear_right; /* [rad/s] */
-    struct {
-        float spin;                    /* [rad/s] */
-        /* [rad] steering angle, counter-clockwise from the zero of the robot file */
-        float steer;
-    } front;
-} textbook_tricycle_forward_in;
-
-/* Output of textbook_tricycle_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} textbook_tricycle_forward_out;
-
-typedef textbook_tricycle_forward_in textbook_tricycle_forward_slip_in;
-
-/* Output of textbook_tricycle_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} textbook_tricycle_forward_slip_out;
-
-/* Input of textbook_tricycle_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} textbook_tricycle_odometry_in;
-
-/* Output of textbook_tricycle_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} textbook_tricycle_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill. At a stop it keeps that heading,
- * cut there, while the opposite one lies less than 5 degrees less outside: noise does not swing
- * it to and fro.
- * Operations of the formula: 9 additions, 10 multiplications, 1 division, 1 square root, 1 sine
- * or cosine, 1 arctangent, 6 comparisons, 4 sign operations, 1 rounding. */
-void textbook_tricycle_inverse(
-    const textbook_tricycle_inverse_in *in,
-    textbook_tricycle_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 8 additions, 9 multiplications, 1 division, 2 square roots, 1 sine
- * or cosine, 1 arctangent, 6 comparisons, 5 sign operations, 1 rounding. */
-void textbook_tricycle_inverse_slip(
-    const textbook_tricycle_inverse_slip_in *in,
-    textbook_tricycle_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 5 additions, 7 multiplications, 2 sines and cosines. */
-void textbook_tricycle_forward(
-    const textbook_tricycle_forward_in *in,
-    textbook_tricycle_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 16 additions, 19 multiplications, 1 square root, 2 sines and
- * cosines. */
-void textbook_tricycle_forward_slip(
-    const textbook_tricycle_forward_slip_in *in,
-    textbook_tricycle_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void textbook_tricycle_odometry(
-    const textbook_tricycle_odometry_in *in,
-    textbook_tricycle_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_TEXTBOOK_TRICYCLE_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_df80af91b6c4e9dc)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_7d1449fd0a013bc8)
 #error "textbook_tricycle_checked.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -40,162 +40,166 @@ static float textbook_tricycle_between(const float x, const float low, const flo
 }
 
 textbook_tricycle_status textbook_tricycle_inverse_checked(
-    const textbook_tricycle_inverse_in *in,
-    textbook_tricycle_inverse_out *out)
+    const textbook_tricycle_twist *twist,
+    const textbook_tricycle_wheels *now,
+    textbook_tricycle_wheels *out)
 {
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            textbook_tricycle_is_number(in->vx) &&
-            textbook_tricycle_is_number(in->vy) &&
-            textbook_tricycle_is_number(in->omega) &&
-            textbook_tricycle_is_number(in->front.steer)
+            textbook_tricycle_is_number(twist->vx) &&
+            textbook_tricycle_is_number(twist->vy) &&
+            textbook_tricycle_is_number(twist->omega) &&
+            textbook_tricycle_is_number(now->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            textbook_tricycle_is_within(in->vx, -2.0f, 2.0f) &&
-            textbook_tricycle_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->omega, -2.0f, 2.0f) &&
-            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(twist->vx, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(twist->omega, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(now->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
-        textbook_tricycle_inverse(in, out);
+        textbook_tricycle_inverse(twist, now, out);
     }
     if (status != TEXTBOOK_TRICYCLE_OK) {
         out->rear_left.spin = 0.0f;
         out->rear_right.spin = 0.0f;
         out->front.spin = 0.0f;
-        out->front.steer = textbook_tricycle_between(textbook_tricycle_held(in->front.steer), -1.3089969f, 1.3089969f);
+        out->front.steer = textbook_tricycle_between(textbook_tricycle_held(now->front.steer), -1.3089969f, 1.3089969f);
     }
     return status;
 }
 
 textbook_tricycle_status textbook_tricycle_inverse_slip_checked(
-    const textbook_tricycle_inverse_slip_in *in,
-    textbook_tricycle_inverse_slip_out *out)
+    const textbook_tricycle_twist *twist,
+    const textbook_tricycle_wheels *wheels,
+    float *slip)
 {
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            textbook_tricycle_is_number(in->vx) &&
-            textbook_tricycle_is_number(in->vy) &&
-            textbook_tricycle_is_number(in->omega) &&
-            textbook_tricycle_is_number(in->front.steer)
+            textbook_tricycle_is_number(twist->vx) &&
+            textbook_tricycle_is_number(twist->vy) &&
+            textbook_tricycle_is_number(twist->omega) &&
+            textbook_tricycle_is_number(wheels->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            textbook_tricycle_is_within(in->vx, -2.0f, 2.0f) &&
-            textbook_tricycle_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->omega, -2.0f, 2.0f) &&
-            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(twist->vx, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(twist->omega, -2.0f, 2.0f) &&
+            textbook_tricycle_is_within(wheels->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
-        textbook_tricycle_inverse_slip(in, out);
+        textbook_tricycle_inverse_slip(twist, wheels, slip);
     }
     if (status != TEXTBOOK_TRICYCLE_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_tricycle_status textbook_tricycle_forward_checked(
-    const textbook_tricycle_forward_in *in,
-    textbook_tricycle_forward_out *out)
+    const textbook_tricycle_wheels *wheels,
+    textbook_tricycle_twist *twist)
 {
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            textbook_tricycle_is_number(in->rear_left.spin) &&
-            textbook_tricycle_is_number(in->rear_right.spin) &&
-            textbook_tricycle_is_number(in->front.spin) &&
-            textbook_tricycle_is_number(in->front.steer)
+            textbook_tricycle_is_number(wheels->rear_left.spin) &&
+            textbook_tricycle_is_number(wheels->rear_right.spin) &&
+            textbook_tricycle_is_number(wheels->front.spin) &&
+            textbook_tricycle_is_number(wheels->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            textbook_tricycle_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->front.spin, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(wheels->rear_right.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(wheels->front.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(wheels->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
-        textbook_tricycle_forward(in, out);
+        textbook_tricycle_forward(wheels, twist);
     }
     if (status != TEXTBOOK_TRICYCLE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 textbook_tricycle_status textbook_tricycle_forward_slip_checked(
-    const textbook_tricycle_forward_slip_in *in,
-    textbook_tricycle_forward_slip_out *out)
+    const textbook_tricycle_wheels *wheels,
+    textbook_tricycle_twist *twist,
+    float *slip)
 {
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            textbook_tricycle_is_number(in->rear_left.spin) &&
-            textbook_tricycle_is_number(in->rear_right.spin) &&
-            textbook_tricycle_is_number(in->front.spin) &&
-            textbook_tricycle_is_number(in->front.steer)
+            textbook_tricycle_is_number(wheels->rear_left.spin) &&
+            textbook_tricycle_is_number(wheels->rear_right.spin) &&
+            textbook_tricycle_is_number(wheels->front.spin) &&
+            textbook_tricycle_is_number(wheels->front.steer)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            textbook_tricycle_is_within(in->rear_left.spin, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->rear_right.spin, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->front.spin, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->front.steer, -1.6362462f, 1.6362462f)
+            textbook_tricycle_is_within(wheels->rear_left.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(wheels->rear_right.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(wheels->front.spin, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(wheels->front.steer, -1.6362462f, 1.6362462f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
-        textbook_tricycle_forward_slip(in, out);
+        textbook_tricycle_forward_slip(wheels, twist, slip);
     }
     if (status != TEXTBOOK_TRICYCLE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 textbook_tricycle_status textbook_tricycle_odometry_checked(
-    const textbook_tricycle_odometry_in *in,
-    textbook_tricycle_odometry_out *out)
+    textbook_tricycle_pose *pose,
+    const textbook_tricycle_twist *twist,
+    float dt)
 {
     textbook_tricycle_status status = TEXTBOOK_TRICYCLE_OK;
 
     if (!(
-            textbook_tricycle_is_number(in->x) &&
-            textbook_tricycle_is_number(in->y) &&
-            textbook_tricycle_is_number(in->theta) &&
-            textbook_tricycle_is_number(in->vx) &&
-            textbook_tricycle_is_number(in->vy) &&
-            textbook_tricycle_is_number(in->omega) &&
-            textbook_tricycle_is_number(in->dt)
+            textbook_tricycle_is_number(pose->x) &&
+            textbook_tricycle_is_number(pose->y) &&
+            textbook_tricycle_is_number(pose->theta) &&
+            textbook_tricycle_is_number(twist->vx) &&
+            textbook_tricycle_is_number(twist->vy) &&
+            textbook_tricycle_is_number(twist->omega) &&
+            textbook_tricycle_is_number(dt)
         )) {
         status = TEXTBOOK_TRICYCLE_NOT_A_NUMBER;
     } else if (!(
-            textbook_tricycle_is_within(in->x, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->y, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->theta, -1e4f, 1e4f) &&
-            textbook_tricycle_is_within(in->vx, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->vy, -1e9f, 1e9f) &&
-            textbook_tricycle_is_within(in->omega, -200.0f, 200.0f) &&
-            textbook_tricycle_is_within(in->dt, -10.0f, 10.0f)
+            textbook_tricycle_is_within(pose->x, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(pose->y, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(pose->theta, -1e4f, 1e4f) &&
+            textbook_tricycle_is_within(twist->vx, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            textbook_tricycle_is_within(twist->omega, -200.0f, 200.0f) &&
+            textbook_tricycle_is_within(dt, -10.0f, 10.0f)
         )) {
         status = TEXTBOOK_TRICYCLE_OUT_OF_RANGE;
     } else {
-        textbook_tricycle_odometry(in, out);
+        textbook_tricycle_odometry(pose, twist, dt);
     }
     if (status != TEXTBOOK_TRICYCLE_OK) {
-        out->x = textbook_tricycle_held(in->x);
-        out->y = textbook_tricycle_held(in->y);
-        out->theta = textbook_tricycle_held(in->theta);
+        pose->x = textbook_tricycle_held(pose->x);
+        pose->y = textbook_tricycle_held(pose->y);
+        pose->theta = textbook_tricycle_held(pose->theta);
     }
     return status;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_18b03574c811a80a)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_d6a10978c98b105f)
 #error "textbook_two_steer.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -211,15 +211,25 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void textbook_two_steer_inverse(
-    const textbook_two_steer_inverse_in *in,
-    textbook_two_steer_inverse_out *out)
+/* The members of textbook_two_steer_wheels lie as an array does. */
+typedef char textbook_two_steer_wheels_are_joints[
+    ((sizeof(textbook_two_steer_wheels) / sizeof(float)) == (unsigned int)TEXTBOOK_TWO_STEER_JOINTS) ? 1 : -1];
+
+float *textbook_two_steer_joint(textbook_two_steer_wheels *wheels, int joint)
 {
-    const float front_x = fmaf(1.4901161e-09f, in->omega, fmaf((-0.1f), in->omega, in->vx)); /* front: a, rear: a */
-    const float t0 = fmaf((-1.1920929e-08f), in->omega, fmaf(0.3f, in->omega, in->vy));
-    const wmrgen_wheel front = wmrgen_steer_along(front_x, t0, in->front.steer, 10.0f);
-    const float t1 = fmaf(1.1920929e-08f, in->omega, fmaf((-0.3f), in->omega, in->vy));
-    const wmrgen_wheel rear = wmrgen_steer_along(front_x, t1, in->rear.steer, 10.0f);
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)TEXTBOOK_TWO_STEER_JOINTS)) ? joint : 0];
+}
+
+void textbook_two_steer_inverse(
+    const textbook_two_steer_twist *twist,
+    const textbook_two_steer_wheels *now,
+    textbook_two_steer_wheels *out)
+{
+    const float front_x = fmaf(1.4901161e-09f, twist->omega, fmaf((-0.1f), twist->omega, twist->vx)); /* front: a, rear: a */
+    const float t0 = fmaf((-1.1920929e-08f), twist->omega, fmaf(0.3f, twist->omega, twist->vy));
+    const wmrgen_wheel front = wmrgen_steer_along(front_x, t0, now->front.steer, 10.0f);
+    const float t1 = fmaf(1.1920929e-08f, twist->omega, fmaf((-0.3f), twist->omega, twist->vy));
+    const wmrgen_wheel rear = wmrgen_steer_along(front_x, t1, now->rear.steer, 10.0f);
 
     out->front.spin = front.spin;
     out->front.steer = front.steer;
@@ -228,55 +238,59 @@ void textbook_two_steer_inverse(
 }
 
 void textbook_two_steer_inverse_slip(
-    const textbook_two_steer_inverse_slip_in *in,
-    textbook_two_steer_inverse_slip_out *out)
+    const textbook_two_steer_twist *twist,
+    const textbook_two_steer_wheels *wheels,
+    float *slip)
 {
-    (void)in;
+    (void)twist;
+    (void)wheels;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
 void textbook_two_steer_forward(
-    const textbook_two_steer_forward_in *in,
-    textbook_two_steer_forward_out *out)
+    const textbook_two_steer_wheels *wheels,
+    textbook_two_steer_twist *twist)
 {
-    const wmrgen_vector front = wmrgen_vector_at(in->front.spin, in->front.steer);
-    const wmrgen_vector rear = wmrgen_vector_at(in->rear.spin, in->rear.steer);
+    const wmrgen_vector front = wmrgen_vector_at(wheels->front.spin, wheels->front.steer);
+    const wmrgen_vector rear = wmrgen_vector_at(wheels->rear.spin, wheels->rear.steer);
     const float t0 = front.y - rear.y;
     const float t1 = fmaf(0.016666668f, t0, 0.05f * (front.x + rear.x));
 
-    out->vx = t1;
-    out->vy = 0.05f * (front.y + rear.y);
-    out->omega = 0.16666667f * t0;
+    twist->vx = t1;
+    twist->vy = 0.05f * (front.y + rear.y);
+    twist->omega = 0.16666667f * t0;
 }
 
 void textbook_two_steer_forward_slip(
-    const textbook_two_steer_forward_slip_in *in,
-    textbook_two_steer_forward_slip_out *out)
+    const textbook_two_steer_wheels *wheels,
+    textbook_two_steer_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector front = wmrgen_vector_at(in->front.spin, in->front.steer);
-    const wmrgen_vector rear = wmrgen_vector_at(in->rear.spin, in->rear.steer);
+    const wmrgen_vector front = wmrgen_vector_at(wheels->front.spin, wheels->front.steer);
+    const wmrgen_vector rear = wmrgen_vector_at(wheels->rear.spin, wheels->rear.steer);
     const float t0 = front.y - rear.y;
     const float t1 = fmaf(0.016666668f, t0, 0.05f * (front.x + rear.x));
 
-    out->vx = t1;
-    out->vy = 0.05f * (front.y + rear.y);
-    out->omega = 0.16666667f * t0;
-    out->slip = fabsf(0.07071068f * (front.x - rear.x));
+    twist->vx = t1;
+    twist->vy = 0.05f * (front.y + rear.y);
+    twist->omega = 0.16666667f * t0;
+    *slip = fabsf(0.07071068f * (front.x - rear.x));
 }
 
 void textbook_two_steer_odometry(
-    const textbook_two_steer_odometry_in *in,
-    textbook_two_steer_odometry_out *out)
+    textbook_two_steer_pose *pose,
+    const textbook_two_steer_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

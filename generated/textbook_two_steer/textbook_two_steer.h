@@ -6,7 +6,127 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   front: steered, x 0.3 m, y 0.1 m, heading 0 deg, r 0.1 m
+ *   rear: steered, x -0.3 m, y 0.1 m, heading 0 deg, r 0.1 m
+ *   ball: spherical, x 0 m, y -0.3 m, r 0.05 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     textbook_two_steer_twist twist = {0.5f, 0.0f, 0.2f};
+ *     textbook_two_steer_wheels wheels = {{0.0f}};
+ *     textbook_two_steer_pose pose = {0.0f, 0.0f, 0.0f};
+ *     textbook_two_steer_inverse(&twist, &wheels, &wheels);
+ *     textbook_two_steer_forward(&wheels, &twist);
+ *     textbook_two_steer_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_TEXTBOOK_TWO_STEER_H
+#define WMRGEN_TEXTBOOK_TWO_STEER_H
+
+#define TEXTBOOK_TWO_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define TEXTBOOK_TWO_STEER_MODEL_HASH "c9c3fd5367949eb8837aa8f3f75a1679" /**< digest of the model */
+#define TEXTBOOK_TWO_STEER_PAIR_d6a10978c98b105f 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TWO_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
+#define TEXTBOOK_TWO_STEER_FRONT_Y 0.1f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_TWO_STEER_FRONT_RADIUS 0.1f /**< [m] radius */
+#define TEXTBOOK_TWO_STEER_REAR_X (-0.3f) /**< [m] pivot, forward of P */
+#define TEXTBOOK_TWO_STEER_REAR_Y 0.1f /**< [m] pivot, to the left of P */
+#define TEXTBOOK_TWO_STEER_REAR_RADIUS 0.1f /**< [m] radius */
+#define TEXTBOOK_TWO_STEER_BALL_X 0.0f /**< [m] pivot, forward of P */
+#define TEXTBOOK_TWO_STEER_BALL_Y (-0.3f) /**< [m] pivot, to the left of P */
+#define TEXTBOOK_TWO_STEER_BALL_RADIUS 0.05f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} textbook_two_steer_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} textbook_two_steer_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file. */
+typedef struct {
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } front;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } rear;
+} textbook_two_steer_wheels;
+
+/** Joints in the order of textbook_two_steer_wheels. */
+enum textbook_two_steer_joint {
+    TEXTBOOK_TWO_STEER_FRONT_SPIN, /**< [rad/s] front.spin */
+    TEXTBOOK_TWO_STEER_FRONT_STEER, /**< [rad] front.steer */
+    TEXTBOOK_TWO_STEER_REAR_SPIN, /**< [rad/s] rear.spin */
+    TEXTBOOK_TWO_STEER_REAR_STEER, /**< [rad] rear.steer */
+    TEXTBOOK_TWO_STEER_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum textbook_two_steer_joint, for loops over all; of the first where there is none. */
+float *textbook_two_steer_joint(textbook_two_steer_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 11 additions, 14 multiplications, 2 divisions, 2 square roots, 2
+ * arctangents, 4 comparisons, 6 sign operations, 2 roundings. */
+void textbook_two_steer_inverse(
+    const textbook_two_steer_twist *twist,
+    const textbook_two_steer_wheels *now,
+    textbook_two_steer_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void textbook_two_steer_inverse_slip(
+    const textbook_two_steer_twist *twist,
+    const textbook_two_steer_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 4 additions, 8 multiplications, 4 sines and cosines. */
+void textbook_two_steer_forward(
+    const textbook_two_steer_wheels *wheels,
+    textbook_two_steer_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 5 additions, 9 multiplications, 4 sines and cosines, 1 sign
+ * operation. */
+void textbook_two_steer_forward_slip(
+    const textbook_two_steer_wheels *wheels,
+    textbook_two_steer_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void textbook_two_steer_odometry(
+    textbook_two_steer_pose *pose,
+    const textbook_two_steer_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,140 +142,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   front: steered, x 0.3 m, y 0.1 m, heading 0 deg, r 0.1 m
- *   rear: steered, x -0.3 m, y 0.1 m, heading 0 deg, r 0.1 m
- *   ball: spherical, x 0 m, y -0.3 m, r 0.05 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_TEXTBOOK_TWO_STEER_H
-#define WMRGEN_TEXTBOOK_TWO_STEER_H
-
-#define TEXTBOOK_TWO_STEER_MODEL_HASH "c9c3fd5367949eb8837aa8f3f75a1679"
-#define TEXTBOOK_TWO_STEER_PAIR_18b03574c811a80a 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of textbook_two_steer_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                      /* [m/s] velocity of P forward, robot frame */
-    float vy;                      /* [m/s] velocity of P to the left, robot frame */
-    float omega;                   /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } front; /* [rad] */
-    struct { float steer; } rear;  /* [rad] */
-} textbook_two_steer_inverse_in;
-
-/* Output of textbook_two_steer_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } rear;
-} textbook_two_steer_inverse_out;
-
-typedef textbook_two_steer_inverse_in textbook_two_steer_inverse_slip_in;
-
-/* Output of textbook_two_steer_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} textbook_two_steer_inverse_slip_out;
-
-/* Input of textbook_two_steer_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } rear;
-} textbook_two_steer_forward_in;
-
-/* Output of textbook_two_steer_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} textbook_two_steer_forward_out;
-
-typedef textbook_two_steer_forward_in textbook_two_steer_forward_slip_in;
-
-/* Output of textbook_two_steer_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} textbook_two_steer_forward_slip_out;
-
-/* Input of textbook_two_steer_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} textbook_two_steer_odometry_in;
-
-/* Output of textbook_two_steer_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} textbook_two_steer_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill.
- * Operations of the formula: 11 additions, 14 multiplications, 2 divisions, 2 square roots, 2
- * arctangents, 4 comparisons, 6 sign operations, 2 roundings. */
-void textbook_two_steer_inverse(
-    const textbook_two_steer_inverse_in *in,
-    textbook_two_steer_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void textbook_two_steer_inverse_slip(
-    const textbook_two_steer_inverse_slip_in *in,
-    textbook_two_steer_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 4 additions, 8 multiplications, 4 sines and cosines. */
-void textbook_two_steer_forward(
-    const textbook_two_steer_forward_in *in,
-    textbook_two_steer_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 5 additions, 9 multiplications, 4 sines and cosines, 1 sign
- * operation. */
-void textbook_two_steer_forward_slip(
-    const textbook_two_steer_forward_slip_in *in,
-    textbook_two_steer_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void textbook_two_steer_odometry(
-    const textbook_two_steer_odometry_in *in,
-    textbook_two_steer_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_TEXTBOOK_TWO_STEER_H */

@@ -21,7 +21,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_18b03574c811a80a)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_d6a10978c98b105f)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,36 @@ typedef enum {
 /* textbook_two_steer_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_inverse_checked(
-    const textbook_two_steer_inverse_in *in,
-    textbook_two_steer_inverse_out *out);
+    const textbook_two_steer_twist *twist,
+    const textbook_two_steer_wheels *now,
+    textbook_two_steer_wheels *out);
 
 /* textbook_two_steer_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_inverse_slip_checked(
-    const textbook_two_steer_inverse_slip_in *in,
-    textbook_two_steer_inverse_slip_out *out);
+    const textbook_two_steer_twist *twist,
+    const textbook_two_steer_wheels *wheels,
+    float *slip);
 
 /* textbook_two_steer_forward() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to
  * 1e9 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_forward_checked(
-    const textbook_two_steer_forward_in *in,
-    textbook_two_steer_forward_out *out);
+    const textbook_two_steer_wheels *wheels,
+    textbook_two_steer_twist *twist);
 
 /* textbook_two_steer_forward_slip() with its inputs checked. Accepted: front.spin, rear.spin
  * -1e9 to 1e9 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_forward_slip_checked(
-    const textbook_two_steer_forward_slip_in *in,
-    textbook_two_steer_forward_slip_out *out);
+    const textbook_two_steer_wheels *wheels,
+    textbook_two_steer_twist *twist,
+    float *slip);
 
 /* textbook_two_steer_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
  * -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_two_steer_status textbook_two_steer_odometry_checked(
-    const textbook_two_steer_odometry_in *in,
-    textbook_two_steer_odometry_out *out);
+    textbook_two_steer_pose *pose,
+    const textbook_two_steer_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

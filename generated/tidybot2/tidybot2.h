@@ -6,7 +6,144 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   caster_1: castor, x 0.19015 m, y -0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m, offset_y
+ *   -0.003753 m
+ *   caster_2: castor, x 0.19015 m, y 0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m, offset_y
+ *   -0.003753 m
+ *   caster_3: castor, x -0.19015 m, y 0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m, offset_y
+ *   -0.003753 m
+ *   caster_4: castor, x -0.19015 m, y -0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m,
+ *   offset_y -0.003753 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *   d: contact point minus pivot, along the rolling direction.
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     tidybot2_twist twist = {0.5f, 0.0f, 0.2f};
+ *     tidybot2_wheels wheels = {{0.0f}};
+ *     tidybot2_pose pose = {0.0f, 0.0f, 0.0f};
+ *     tidybot2_inverse(&twist, &wheels, &wheels);
+ *     tidybot2_forward(&wheels, &twist);
+ *     tidybot2_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_TIDYBOT2_H
+#define WMRGEN_TIDYBOT2_H
+
+#define TIDYBOT2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define TIDYBOT2_MODEL_HASH "d4f8958843919ec8b5949f16520b2622" /**< digest of the model */
+#define TIDYBOT2_PAIR_3fd5743d3ea72278 1 /**< header and source that were written together have the same */
+#define TIDYBOT2_CASTER_1_X 0.19015f /**< [m] pivot, forward of P */
+#define TIDYBOT2_CASTER_1_Y (-0.17015f) /**< [m] pivot, to the left of P */
+#define TIDYBOT2_CASTER_1_RADIUS 0.0508f /**< [m] radius */
+#define TIDYBOT2_CASTER_2_X 0.19015f /**< [m] pivot, forward of P */
+#define TIDYBOT2_CASTER_2_Y 0.17015f /**< [m] pivot, to the left of P */
+#define TIDYBOT2_CASTER_2_RADIUS 0.0508f /**< [m] radius */
+#define TIDYBOT2_CASTER_3_X (-0.19015f) /**< [m] pivot, forward of P */
+#define TIDYBOT2_CASTER_3_Y 0.17015f /**< [m] pivot, to the left of P */
+#define TIDYBOT2_CASTER_3_RADIUS 0.0508f /**< [m] radius */
+#define TIDYBOT2_CASTER_4_X (-0.19015f) /**< [m] pivot, forward of P */
+#define TIDYBOT2_CASTER_4_Y (-0.17015f) /**< [m] pivot, to the left of P */
+#define TIDYBOT2_CASTER_4_RADIUS 0.0508f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} tidybot2_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} tidybot2_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file.
+ * steer_rate: steering rate, counter-clockwise. */
+typedef struct {
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } caster_1;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } caster_2;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } caster_3;
+    struct {
+        float spin;       /**< [rad/s] */
+        float steer;      /**< [rad] */
+        float steer_rate; /**< [rad/s] */
+    } caster_4;
+} tidybot2_wheels;
+
+/** Joints in the order of tidybot2_wheels. */
+enum tidybot2_joint {
+    TIDYBOT2_CASTER_1_SPIN, /**< [rad/s] caster_1.spin */
+    TIDYBOT2_CASTER_1_STEER, /**< [rad] caster_1.steer */
+    TIDYBOT2_CASTER_1_STEER_RATE, /**< [rad/s] caster_1.steer_rate */
+    TIDYBOT2_CASTER_2_SPIN, /**< [rad/s] caster_2.spin */
+    TIDYBOT2_CASTER_2_STEER, /**< [rad] caster_2.steer */
+    TIDYBOT2_CASTER_2_STEER_RATE, /**< [rad/s] caster_2.steer_rate */
+    TIDYBOT2_CASTER_3_SPIN, /**< [rad/s] caster_3.spin */
+    TIDYBOT2_CASTER_3_STEER, /**< [rad] caster_3.steer */
+    TIDYBOT2_CASTER_3_STEER_RATE, /**< [rad/s] caster_3.steer_rate */
+    TIDYBOT2_CASTER_4_SPIN, /**< [rad/s] caster_4.spin */
+    TIDYBOT2_CASTER_4_STEER, /**< [rad] caster_4.steer */
+    TIDYBOT2_CASTER_4_STEER_RATE, /**< [rad/s] caster_4.steer_rate */
+    TIDYBOT2_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum tidybot2_joint, for loops over all; of the first where there is none. */
+float *tidybot2_joint(tidybot2_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 20 additions, 28 multiplications, 8 sines and cosines. */
+void tidybot2_inverse(
+    const tidybot2_twist *twist,
+    const tidybot2_wheels *now,
+    tidybot2_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void tidybot2_inverse_slip(const tidybot2_twist *twist, const tidybot2_wheels *wheels, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 55 additions, 46 multiplications, 1 division, 8 sines and cosines. */
+void tidybot2_forward(const tidybot2_wheels *wheels, tidybot2_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 90 additions, 80 multiplications, 1 division, 1 square root, 8
+ * sines and cosines. */
+void tidybot2_forward_slip(const tidybot2_wheels *wheels, tidybot2_twist *twist, float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void tidybot2_odometry(tidybot2_pose *pose, const tidybot2_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,157 +159,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   caster_1: castor, x 0.19015 m, y -0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m, offset_y
- *   -0.003753 m
- *   caster_2: castor, x 0.19015 m, y 0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m, offset_y
- *   -0.003753 m
- *   caster_3: castor, x -0.19015 m, y 0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m, offset_y
- *   -0.003753 m
- *   caster_4: castor, x -0.19015 m, y -0.17015 m, heading 0 deg, r 0.0508 m, d -0.014008 m,
- *   offset_y -0.003753 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
- *   d: contact point minus pivot, along the rolling direction.
  */
-#ifndef WMRGEN_TIDYBOT2_H
-#define WMRGEN_TIDYBOT2_H
-
-#define TIDYBOT2_MODEL_HASH "d4f8958843919ec8b5949f16520b2622"
-#define TIDYBOT2_PAIR_d382199278f8a365 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of tidybot2_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                         /* [m/s] velocity of P forward, robot frame */
-    float vy;                         /* [m/s] velocity of P to the left, robot frame */
-    float omega;                      /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } caster_1; /* [rad] */
-    struct { float steer; } caster_2; /* [rad] */
-    struct { float steer; } caster_3; /* [rad] */
-    struct { float steer; } caster_4; /* [rad] */
-} tidybot2_inverse_in;
-
-/* Output of tidybot2_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } caster_1;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } caster_2;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } caster_3;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer_rate; /* [rad/s] */
-    } caster_4;
-} tidybot2_inverse_out;
-
-typedef tidybot2_inverse_in tidybot2_inverse_slip_in;
-
-/* Output of tidybot2_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} tidybot2_inverse_slip_out;
-
-/* Input of tidybot2_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file.
- * steer_rate: steering rate, counter-clockwise. */
-typedef struct {
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } caster_1;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } caster_2;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } caster_3;
-    struct {
-        float spin;       /* [rad/s] */
-        float steer;      /* [rad] */
-        float steer_rate; /* [rad/s] */
-    } caster_4;
-} tidybot2_forward_in;
-
-/* Output of tidybot2_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} tidybot2_forward_out;
-
-typedef tidybot2_forward_in tidybot2_forward_slip_in;
-
-/* Output of tidybot2_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} tidybot2_forward_slip_out;
-
-/* Input of tidybot2_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} tidybot2_odometry_in;
-
-/* Output of tidybot2_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} tidybot2_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 20 additions, 28 multiplications, 8 sines and cosines. */
-void tidybot2_inverse(const tidybot2_inverse_in *in, tidybot2_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void tidybot2_inverse_slip(const tidybot2_inverse_slip_in *in, tidybot2_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 55 additions, 46 multiplications, 1 division, 8 sines and cosines. */
-void tidybot2_forward(const tidybot2_forward_in *in, tidybot2_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 90 additions, 80 multiplications, 1 division, 1 square root, 8
- * sines and cosines. */
-void tidybot2_forward_slip(const tidybot2_forward_slip_in *in, tidybot2_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void tidybot2_odometry(const tidybot2_odometry_in *in, tidybot2_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_TIDYBOT2_H */

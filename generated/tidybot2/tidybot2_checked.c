@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TIDYBOT2_PAIR_d382199278f8a365)
+#if !defined(TIDYBOT2_PAIR_3fd5743d3ea72278)
 #error "tidybot2_checked.c and tidybot2.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -32,32 +32,35 @@ static float tidybot2_held(const float x)
     return tidybot2_is_number(x) ? x : 0.0f;
 }
 
-tidybot2_status tidybot2_inverse_checked(const tidybot2_inverse_in *in, tidybot2_inverse_out *out)
+tidybot2_status tidybot2_inverse_checked(
+    const tidybot2_twist *twist,
+    const tidybot2_wheels *now,
+    tidybot2_wheels *out)
 {
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            tidybot2_is_number(in->vx) &&
-            tidybot2_is_number(in->vy) &&
-            tidybot2_is_number(in->omega) &&
-            tidybot2_is_number(in->caster_1.steer) &&
-            tidybot2_is_number(in->caster_2.steer) &&
-            tidybot2_is_number(in->caster_3.steer) &&
-            tidybot2_is_number(in->caster_4.steer)
+            tidybot2_is_number(twist->vx) &&
+            tidybot2_is_number(twist->vy) &&
+            tidybot2_is_number(twist->omega) &&
+            tidybot2_is_number(now->caster_1.steer) &&
+            tidybot2_is_number(now->caster_2.steer) &&
+            tidybot2_is_number(now->caster_3.steer) &&
+            tidybot2_is_number(now->caster_4.steer)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            tidybot2_is_within(in->vx, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->vy, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->omega, -200.0f, 200.0f) &&
-            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f)
+            tidybot2_is_within(twist->vx, -1e9f, 1e9f) &&
+            tidybot2_is_within(twist->vy, -1e9f, 1e9f) &&
+            tidybot2_is_within(twist->omega, -200.0f, 200.0f) &&
+            tidybot2_is_within(now->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(now->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(now->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(now->caster_4.steer, -1e4f, 1e4f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
-        tidybot2_inverse(in, out);
+        tidybot2_inverse(twist, now, out);
     }
     if (status != TIDYBOT2_OK) {
         out->caster_1.spin = 0.0f;
@@ -73,166 +76,169 @@ tidybot2_status tidybot2_inverse_checked(const tidybot2_inverse_in *in, tidybot2
 }
 
 tidybot2_status tidybot2_inverse_slip_checked(
-    const tidybot2_inverse_slip_in *in,
-    tidybot2_inverse_slip_out *out)
+    const tidybot2_twist *twist,
+    const tidybot2_wheels *wheels,
+    float *slip)
 {
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            tidybot2_is_number(in->vx) &&
-            tidybot2_is_number(in->vy) &&
-            tidybot2_is_number(in->omega) &&
-            tidybot2_is_number(in->caster_1.steer) &&
-            tidybot2_is_number(in->caster_2.steer) &&
-            tidybot2_is_number(in->caster_3.steer) &&
-            tidybot2_is_number(in->caster_4.steer)
+            tidybot2_is_number(twist->vx) &&
+            tidybot2_is_number(twist->vy) &&
+            tidybot2_is_number(twist->omega) &&
+            tidybot2_is_number(wheels->caster_1.steer) &&
+            tidybot2_is_number(wheels->caster_2.steer) &&
+            tidybot2_is_number(wheels->caster_3.steer) &&
+            tidybot2_is_number(wheels->caster_4.steer)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            tidybot2_is_within(in->vx, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->vy, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->omega, -200.0f, 200.0f) &&
-            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f)
+            tidybot2_is_within(twist->vx, -1e9f, 1e9f) &&
+            tidybot2_is_within(twist->vy, -1e9f, 1e9f) &&
+            tidybot2_is_within(twist->omega, -200.0f, 200.0f) &&
+            tidybot2_is_within(wheels->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_4.steer, -1e4f, 1e4f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
-        tidybot2_inverse_slip(in, out);
+        tidybot2_inverse_slip(twist, wheels, slip);
     }
     if (status != TIDYBOT2_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-tidybot2_status tidybot2_forward_checked(const tidybot2_forward_in *in, tidybot2_forward_out *out)
+tidybot2_status tidybot2_forward_checked(const tidybot2_wheels *wheels, tidybot2_twist *twist)
 {
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            tidybot2_is_number(in->caster_1.spin) &&
-            tidybot2_is_number(in->caster_1.steer) &&
-            tidybot2_is_number(in->caster_1.steer_rate) &&
-            tidybot2_is_number(in->caster_2.spin) &&
-            tidybot2_is_number(in->caster_2.steer) &&
-            tidybot2_is_number(in->caster_2.steer_rate) &&
-            tidybot2_is_number(in->caster_3.spin) &&
-            tidybot2_is_number(in->caster_3.steer) &&
-            tidybot2_is_number(in->caster_3.steer_rate) &&
-            tidybot2_is_number(in->caster_4.spin) &&
-            tidybot2_is_number(in->caster_4.steer) &&
-            tidybot2_is_number(in->caster_4.steer_rate)
+            tidybot2_is_number(wheels->caster_1.spin) &&
+            tidybot2_is_number(wheels->caster_1.steer) &&
+            tidybot2_is_number(wheels->caster_1.steer_rate) &&
+            tidybot2_is_number(wheels->caster_2.spin) &&
+            tidybot2_is_number(wheels->caster_2.steer) &&
+            tidybot2_is_number(wheels->caster_2.steer_rate) &&
+            tidybot2_is_number(wheels->caster_3.spin) &&
+            tidybot2_is_number(wheels->caster_3.steer) &&
+            tidybot2_is_number(wheels->caster_3.steer_rate) &&
+            tidybot2_is_number(wheels->caster_4.spin) &&
+            tidybot2_is_number(wheels->caster_4.steer) &&
+            tidybot2_is_number(wheels->caster_4.steer_rate)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            tidybot2_is_within(in->caster_1.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_1.steer_rate, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_2.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_2.steer_rate, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_3.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_3.steer_rate, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_4.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_4.steer_rate, -1e9f, 1e9f)
+            tidybot2_is_within(wheels->caster_1.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_1.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_2.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_2.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_3.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_3.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_4.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_4.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_4.steer_rate, -1e9f, 1e9f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
-        tidybot2_forward(in, out);
+        tidybot2_forward(wheels, twist);
     }
     if (status != TIDYBOT2_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 tidybot2_status tidybot2_forward_slip_checked(
-    const tidybot2_forward_slip_in *in,
-    tidybot2_forward_slip_out *out)
+    const tidybot2_wheels *wheels,
+    tidybot2_twist *twist,
+    float *slip)
 {
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            tidybot2_is_number(in->caster_1.spin) &&
-            tidybot2_is_number(in->caster_1.steer) &&
-            tidybot2_is_number(in->caster_1.steer_rate) &&
-            tidybot2_is_number(in->caster_2.spin) &&
-            tidybot2_is_number(in->caster_2.steer) &&
-            tidybot2_is_number(in->caster_2.steer_rate) &&
-            tidybot2_is_number(in->caster_3.spin) &&
-            tidybot2_is_number(in->caster_3.steer) &&
-            tidybot2_is_number(in->caster_3.steer_rate) &&
-            tidybot2_is_number(in->caster_4.spin) &&
-            tidybot2_is_number(in->caster_4.steer) &&
-            tidybot2_is_number(in->caster_4.steer_rate)
+            tidybot2_is_number(wheels->caster_1.spin) &&
+            tidybot2_is_number(wheels->caster_1.steer) &&
+            tidybot2_is_number(wheels->caster_1.steer_rate) &&
+            tidybot2_is_number(wheels->caster_2.spin) &&
+            tidybot2_is_number(wheels->caster_2.steer) &&
+            tidybot2_is_number(wheels->caster_2.steer_rate) &&
+            tidybot2_is_number(wheels->caster_3.spin) &&
+            tidybot2_is_number(wheels->caster_3.steer) &&
+            tidybot2_is_number(wheels->caster_3.steer_rate) &&
+            tidybot2_is_number(wheels->caster_4.spin) &&
+            tidybot2_is_number(wheels->caster_4.steer) &&
+            tidybot2_is_number(wheels->caster_4.steer_rate)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            tidybot2_is_within(in->caster_1.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_1.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_1.steer_rate, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_2.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_2.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_2.steer_rate, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_3.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_3.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_3.steer_rate, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_4.spin, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->caster_4.steer, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->caster_4.steer_rate, -1e9f, 1e9f)
+            tidybot2_is_within(wheels->caster_1.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_1.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_1.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_2.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_2.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_2.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_3.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_3.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_3.steer_rate, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_4.spin, -1e9f, 1e9f) &&
+            tidybot2_is_within(wheels->caster_4.steer, -1e4f, 1e4f) &&
+            tidybot2_is_within(wheels->caster_4.steer_rate, -1e9f, 1e9f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
-        tidybot2_forward_slip(in, out);
+        tidybot2_forward_slip(wheels, twist, slip);
     }
     if (status != TIDYBOT2_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 tidybot2_status tidybot2_odometry_checked(
-    const tidybot2_odometry_in *in,
-    tidybot2_odometry_out *out)
+    tidybot2_pose *pose,
+    const tidybot2_twist *twist,
+    float dt)
 {
     tidybot2_status status = TIDYBOT2_OK;
 
     if (!(
-            tidybot2_is_number(in->x) &&
-            tidybot2_is_number(in->y) &&
-            tidybot2_is_number(in->theta) &&
-            tidybot2_is_number(in->vx) &&
-            tidybot2_is_number(in->vy) &&
-            tidybot2_is_number(in->omega) &&
-            tidybot2_is_number(in->dt)
+            tidybot2_is_number(pose->x) &&
+            tidybot2_is_number(pose->y) &&
+            tidybot2_is_number(pose->theta) &&
+            tidybot2_is_number(twist->vx) &&
+            tidybot2_is_number(twist->vy) &&
+            tidybot2_is_number(twist->omega) &&
+            tidybot2_is_number(dt)
         )) {
         status = TIDYBOT2_NOT_A_NUMBER;
     } else if (!(
-            tidybot2_is_within(in->x, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->y, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->theta, -1e4f, 1e4f) &&
-            tidybot2_is_within(in->vx, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->vy, -1e9f, 1e9f) &&
-            tidybot2_is_within(in->omega, -200.0f, 200.0f) &&
-            tidybot2_is_within(in->dt, -10.0f, 10.0f)
+            tidybot2_is_within(pose->x, -1e9f, 1e9f) &&
+            tidybot2_is_within(pose->y, -1e9f, 1e9f) &&
+            tidybot2_is_within(pose->theta, -1e4f, 1e4f) &&
+            tidybot2_is_within(twist->vx, -1e9f, 1e9f) &&
+            tidybot2_is_within(twist->vy, -1e9f, 1e9f) &&
+            tidybot2_is_within(twist->omega, -200.0f, 200.0f) &&
+            tidybot2_is_within(dt, -10.0f, 10.0f)
         )) {
         status = TIDYBOT2_OUT_OF_RANGE;
     } else {
-        tidybot2_odometry(in, out);
+        tidybot2_odometry(pose, twist, dt);
     }
     if (status != TIDYBOT2_OK) {
-        out->x = tidybot2_held(in->x);
-        out->y = tidybot2_held(in->y);
-        out->theta = tidybot2_held(in->theta);
+        pose->x = tidybot2_held(pose->x);
+        pose->y = tidybot2_held(pose->y);
+        pose->theta = tidybot2_held(pose->theta);
     }
     return status;
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_82a373176c9b08e0)
+#if !defined(TURTLEBOT3_BURGER_PAIR_5012d4f34132c375)
 #error "turtlebot3_burger.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,55 +146,68 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void turtlebot3_burger_inverse(
-    const turtlebot3_burger_inverse_in *in,
-    turtlebot3_burger_inverse_out *out)
+/* The members of turtlebot3_burger_wheels lie as an array does. */
+typedef char turtlebot3_burger_wheels_are_joints[
+    ((sizeof(turtlebot3_burger_wheels) / sizeof(float)) == (unsigned int)TURTLEBOT3_BURGER_JOINTS) ? 1 : -1];
+
+float *turtlebot3_burger_joint(turtlebot3_burger_wheels *wheels, int joint)
 {
-    const float t0 = 30.30303f * in->vx;
-    const float t1 = 2.4242425f * in->omega;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)TURTLEBOT3_BURGER_JOINTS)) ? joint : 0];
+}
+
+void turtlebot3_burger_inverse(const turtlebot3_burger_twist *twist, turtlebot3_burger_wheels *out)
+{
+    const float t0 = 30.30303f * twist->vx;
+    const float t1 = 2.4242425f * twist->omega;
 
     out->left.spin = t0 - t1;
     out->right.spin = t1 + t0;
 }
 
-void turtlebot3_burger_inverse_slip(
-    const turtlebot3_burger_inverse_slip_in *in,
-    turtlebot3_burger_inverse_slip_out *out)
+void turtlebot3_burger_inverse_slip(const turtlebot3_burger_twist *twist, float *slip)
 {
-    out->slip = fabsf(in->vy);
+    *slip = fabsf(twist->vy);
 }
 
 void turtlebot3_burger_forward(
-    const turtlebot3_burger_forward_in *in,
-    turtlebot3_burger_forward_out *out)
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist)
 {
-    out->vx = 0.0165f * (in->left.spin + in->right.spin);
-    out->vy = 0.0f;
-    out->omega = 0.20625f * (in->right.spin - in->left.spin);
+    const float t0 = 0.0165f * (wheels->left.spin + wheels->right.spin);
+    const float t1 = 0.20625f * (wheels->right.spin - wheels->left.spin);
+
+    twist->vx = t0;
+    twist->vy = 0.0f;
+    twist->omega = t1;
 }
 
 void turtlebot3_burger_forward_slip(
-    const turtlebot3_burger_forward_slip_in *in,
-    turtlebot3_burger_forward_slip_out *out)
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist,
+    float *slip)
 {
-    out->vx = 0.0165f * (in->left.spin + in->right.spin);
-    out->vy = 0.0f;
-    out->omega = 0.20625f * (in->right.spin - in->left.spin);
-    out->slip = 0.0f;
+    const float t0 = 0.0165f * (wheels->left.spin + wheels->right.spin);
+    const float t1 = 0.20625f * (wheels->right.spin - wheels->left.spin);
+
+    twist->vx = t0;
+    twist->vy = 0.0f;
+    twist->omega = t1;
+    *slip = 0.0f;
 }
 
 void turtlebot3_burger_odometry(
-    const turtlebot3_burger_odometry_in *in,
-    turtlebot3_burger_odometry_out *out)
+    turtlebot3_burger_pose *pose,
+    const turtlebot3_burger_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,113 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   left: fixed, x 0 m, y 0.08 m, heading 0 deg, r 0.033 m
+ *   right: fixed, x 0 m, y -0.08 m, heading 0 deg, r 0.033 m
+ *   ball: spherical, x -0.081 m, y 0 m, r 0.01 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     turtlebot3_burger_twist twist = {0.5f, 0.0f, 0.2f};
+ *     turtlebot3_burger_wheels wheels = {{0.0f}};
+ *     turtlebot3_burger_pose pose = {0.0f, 0.0f, 0.0f};
+ *     turtlebot3_burger_inverse(&twist, &wheels);
+ *     turtlebot3_burger_forward(&wheels, &twist);
+ *     turtlebot3_burger_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_TURTLEBOT3_BURGER_H
+#define WMRGEN_TURTLEBOT3_BURGER_H
+
+#define TURTLEBOT3_BURGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define TURTLEBOT3_BURGER_MODEL_HASH "36e9454ba987f697af29b5a2285b861d" /**< digest of the model */
+#define TURTLEBOT3_BURGER_PAIR_5012d4f34132c375 1 /**< header and source that were written together have the same */
+#define TURTLEBOT3_BURGER_LEFT_X 0.0f /**< [m] pivot, forward of P */
+#define TURTLEBOT3_BURGER_LEFT_Y 0.08f /**< [m] pivot, to the left of P */
+#define TURTLEBOT3_BURGER_LEFT_RADIUS 0.033f /**< [m] radius */
+#define TURTLEBOT3_BURGER_RIGHT_X 0.0f /**< [m] pivot, forward of P */
+#define TURTLEBOT3_BURGER_RIGHT_Y (-0.08f) /**< [m] pivot, to the left of P */
+#define TURTLEBOT3_BURGER_RIGHT_RADIUS 0.033f /**< [m] radius */
+#define TURTLEBOT3_BURGER_BALL_X (-0.081f) /**< [m] pivot, forward of P */
+#define TURTLEBOT3_BURGER_BALL_Y 0.0f /**< [m] pivot, to the left of P */
+#define TURTLEBOT3_BURGER_BALL_RADIUS 0.01f /**< [m] radius */
+#define TURTLEBOT3_BURGER_VX_MIN (-0.22f) /**< [m/s] least that the robot file allows */
+#define TURTLEBOT3_BURGER_VX_MAX 0.22f /**< [m/s] most that the robot file allows */
+#define TURTLEBOT3_BURGER_OMEGA_MIN (-2.84f) /**< [rad/s] least that the robot file allows */
+#define TURTLEBOT3_BURGER_OMEGA_MAX 2.84f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} turtlebot3_burger_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} turtlebot3_burger_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction. */
+typedef struct {
+    struct { float spin; } left;  /**< [rad/s] */
+    struct { float spin; } right; /**< [rad/s] */
+} turtlebot3_burger_wheels;
+
+/** Joints in the order of turtlebot3_burger_wheels. */
+enum turtlebot3_burger_joint {
+    TURTLEBOT3_BURGER_LEFT_SPIN, /**< [rad/s] left.spin */
+    TURTLEBOT3_BURGER_RIGHT_SPIN, /**< [rad/s] right.spin */
+    TURTLEBOT3_BURGER_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum turtlebot3_burger_joint, for loops over all; of the first where there is none. */
+float *turtlebot3_burger_joint(turtlebot3_burger_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 2 additions, 2 multiplications. */
+void turtlebot3_burger_inverse(const turtlebot3_burger_twist *twist, turtlebot3_burger_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 1 sign operation. */
+void turtlebot3_burger_inverse_slip(const turtlebot3_burger_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 2 additions, 2 multiplications. */
+void turtlebot3_burger_forward(
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 2 additions, 2 multiplications. */
+void turtlebot3_burger_forward_slip(
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void turtlebot3_burger_odometry(
+    turtlebot3_burger_pose *pose,
+    const turtlebot3_burger_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,13 +128,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   left: fixed, x 0 m, y 0.08 m, heading 0 deg, r 0.033 m
- *   right: fixed, x 0 m, y -0.08 m, heading 0 deg, r 0.033 m
- *   ball: spherical, x -0.081 m, y 0 m, r 0.01 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  *
  * Proved for |vx| <= 0.22, |omega| <= 2.84, and with these ranges of inputs that have no limits:
  * |vy| <= 0.22, |left.spin, right.spin| <= 13.5516, |x| <= 100, |y| <= 100, |theta| <= 12.5664, 0
@@ -48,112 +147,5 @@
  *   odometry: y in [-100.133, 100.133] m, off by 4.1e-06
  *   odometry: theta in [-12.8504, 12.8504] rad, off by 5.0e-07
  */
-#ifndef WMRGEN_TURTLEBOT3_BURGER_H
-#define WMRGEN_TURTLEBOT3_BURGER_H
-
-#define TURTLEBOT3_BURGER_MODEL_HASH "36e9454ba987f697af29b5a2285b861d"
-#define TURTLEBOT3_BURGER_PAIR_82a373176c9b08e0 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of turtlebot3_burger_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} turtlebot3_burger_inverse_in;
-
-/* Output of turtlebot3_burger_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } left;  /* [rad/s] */
-    struct { float spin; } right; /* [rad/s] */
-} turtlebot3_burger_inverse_out;
-
-typedef turtlebot3_burger_inverse_in turtlebot3_burger_inverse_slip_in;
-
-/* Output of turtlebot3_burger_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} turtlebot3_burger_inverse_slip_out;
-
-/* Input of turtlebot3_burger_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction. */
-typedef struct {
-    struct { float spin; } left;  /* [rad/s] */
-    struct { float spin; } right; /* [rad/s] */
-} turtlebot3_burger_forward_in;
-
-/* Output of turtlebot3_burger_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} turtlebot3_burger_forward_out;
-
-typedef turtlebot3_burger_forward_in turtlebot3_burger_forward_slip_in;
-
-/* Output of turtlebot3_burger_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} turtlebot3_burger_forward_slip_out;
-
-/* Input of turtlebot3_burger_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} turtlebot3_burger_odometry_in;
-
-/* Output of turtlebot3_burger_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} turtlebot3_burger_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 2 additions, 2 multiplications. */
-void turtlebot3_burger_inverse(
-    const turtlebot3_burger_inverse_in *in,
-    turtlebot3_burger_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 1 sign operation. */
-void turtlebot3_burger_inverse_slip(
-    const turtlebot3_burger_inverse_slip_in *in,
-    turtlebot3_burger_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 2 additions, 2 multiplications. */
-void turtlebot3_burger_forward(
-    const turtlebot3_burger_forward_in *in,
-    turtlebot3_burger_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 2 additions, 2 multiplications. */
-void turtlebot3_burger_forward_slip(
-    const turtlebot3_burger_forward_slip_in *in,
-    turtlebot3_burger_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void turtlebot3_burger_odometry(
-    const turtlebot3_burger_odometry_in *in,
-    turtlebot3_burger_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_TURTLEBOT3_BURGER_H */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_82a373176c9b08e0)
+#if !defined(TURTLEBOT3_BURGER_PAIR_5012d4f34132c375)
 #error "turtlebot3_burger_checked.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,25 +33,25 @@ static float turtlebot3_burger_held(const float x)
 }
 
 turtlebot3_burger_status turtlebot3_burger_inverse_checked(
-    const turtlebot3_burger_inverse_in *in,
-    turtlebot3_burger_inverse_out *out)
+    const turtlebot3_burger_twist *twist,
+    turtlebot3_burger_wheels *out)
 {
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            turtlebot3_burger_is_number(in->vx) &&
-            turtlebot3_burger_is_number(in->vy) &&
-            turtlebot3_burger_is_number(in->omega)
+            turtlebot3_burger_is_number(twist->vx) &&
+            turtlebot3_burger_is_number(twist->vy) &&
+            turtlebot3_burger_is_number(twist->omega)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            turtlebot3_burger_is_within(in->vx, -0.22f, 0.22f) &&
-            turtlebot3_burger_is_within(in->vy, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->omega, -2.84f, 2.84f)
+            turtlebot3_burger_is_within(twist->vx, -0.22f, 0.22f) &&
+            turtlebot3_burger_is_within(twist->vy, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(twist->omega, -2.84f, 2.84f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
-        turtlebot3_burger_inverse(in, out);
+        turtlebot3_burger_inverse(twist, out);
     }
     if (status != TURTLEBOT3_BURGER_OK) {
         out->left.spin = 0.0f;
@@ -61,120 +61,122 @@ turtlebot3_burger_status turtlebot3_burger_inverse_checked(
 }
 
 turtlebot3_burger_status turtlebot3_burger_inverse_slip_checked(
-    const turtlebot3_burger_inverse_slip_in *in,
-    turtlebot3_burger_inverse_slip_out *out)
+    const turtlebot3_burger_twist *twist,
+    float *slip)
 {
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            turtlebot3_burger_is_number(in->vx) &&
-            turtlebot3_burger_is_number(in->vy) &&
-            turtlebot3_burger_is_number(in->omega)
+            turtlebot3_burger_is_number(twist->vx) &&
+            turtlebot3_burger_is_number(twist->vy) &&
+            turtlebot3_burger_is_number(twist->omega)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            turtlebot3_burger_is_within(in->vx, -0.22f, 0.22f) &&
-            turtlebot3_burger_is_within(in->vy, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->omega, -2.84f, 2.84f)
+            turtlebot3_burger_is_within(twist->vx, -0.22f, 0.22f) &&
+            turtlebot3_burger_is_within(twist->vy, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(twist->omega, -2.84f, 2.84f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
-        turtlebot3_burger_inverse_slip(in, out);
+        turtlebot3_burger_inverse_slip(twist, slip);
     }
     if (status != TURTLEBOT3_BURGER_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 turtlebot3_burger_status turtlebot3_burger_forward_checked(
-    const turtlebot3_burger_forward_in *in,
-    turtlebot3_burger_forward_out *out)
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist)
 {
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            turtlebot3_burger_is_number(in->left.spin) &&
-            turtlebot3_burger_is_number(in->right.spin)
+            turtlebot3_burger_is_number(wheels->left.spin) &&
+            turtlebot3_burger_is_number(wheels->right.spin)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            turtlebot3_burger_is_within(in->left.spin, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->right.spin, -1e9f, 1e9f)
+            turtlebot3_burger_is_within(wheels->left.spin, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(wheels->right.spin, -1e9f, 1e9f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
-        turtlebot3_burger_forward(in, out);
+        turtlebot3_burger_forward(wheels, twist);
     }
     if (status != TURTLEBOT3_BURGER_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 turtlebot3_burger_status turtlebot3_burger_forward_slip_checked(
-    const turtlebot3_burger_forward_slip_in *in,
-    turtlebot3_burger_forward_slip_out *out)
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist,
+    float *slip)
 {
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            turtlebot3_burger_is_number(in->left.spin) &&
-            turtlebot3_burger_is_number(in->right.spin)
+            turtlebot3_burger_is_number(wheels->left.spin) &&
+            turtlebot3_burger_is_number(wheels->right.spin)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            turtlebot3_burger_is_within(in->left.spin, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->right.spin, -1e9f, 1e9f)
+            turtlebot3_burger_is_within(wheels->left.spin, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(wheels->right.spin, -1e9f, 1e9f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
-        turtlebot3_burger_forward_slip(in, out);
+        turtlebot3_burger_forward_slip(wheels, twist, slip);
     }
     if (status != TURTLEBOT3_BURGER_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 turtlebot3_burger_status turtlebot3_burger_odometry_checked(
-    const turtlebot3_burger_odometry_in *in,
-    turtlebot3_burger_odometry_out *out)
+    turtlebot3_burger_pose *pose,
+    const turtlebot3_burger_twist *twist,
+    float dt)
 {
     turtlebot3_burger_status status = TURTLEBOT3_BURGER_OK;
 
     if (!(
-            turtlebot3_burger_is_number(in->x) &&
-            turtlebot3_burger_is_number(in->y) &&
-            turtlebot3_burger_is_number(in->theta) &&
-            turtlebot3_burger_is_number(in->vx) &&
-            turtlebot3_burger_is_number(in->vy) &&
-            turtlebot3_burger_is_number(in->omega) &&
-            turtlebot3_burger_is_number(in->dt)
+            turtlebot3_burger_is_number(pose->x) &&
+            turtlebot3_burger_is_number(pose->y) &&
+            turtlebot3_burger_is_number(pose->theta) &&
+            turtlebot3_burger_is_number(twist->vx) &&
+            turtlebot3_burger_is_number(twist->vy) &&
+            turtlebot3_burger_is_number(twist->omega) &&
+            turtlebot3_burger_is_number(dt)
         )) {
         status = TURTLEBOT3_BURGER_NOT_A_NUMBER;
     } else if (!(
-            turtlebot3_burger_is_within(in->x, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->y, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->theta, -1e4f, 1e4f) &&
-            turtlebot3_burger_is_within(in->vx, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->vy, -1e9f, 1e9f) &&
-            turtlebot3_burger_is_within(in->omega, -200.0f, 200.0f) &&
-            turtlebot3_burger_is_within(in->dt, -10.0f, 10.0f)
+            turtlebot3_burger_is_within(pose->x, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(pose->y, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(pose->theta, -1e4f, 1e4f) &&
+            turtlebot3_burger_is_within(twist->vx, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(twist->vy, -1e9f, 1e9f) &&
+            turtlebot3_burger_is_within(twist->omega, -200.0f, 200.0f) &&
+            turtlebot3_burger_is_within(dt, -10.0f, 10.0f)
         )) {
         status = TURTLEBOT3_BURGER_OUT_OF_RANGE;
     } else {
-        turtlebot3_burger_odometry(in, out);
+        turtlebot3_burger_odometry(pose, twist, dt);
     }
     if (status != TURTLEBOT3_BURGER_OK) {
-        out->x = turtlebot3_burger_held(in->x);
-        out->y = turtlebot3_burger_held(in->y);
-        out->theta = turtlebot3_burger_held(in->theta);
+        pose->x = turtlebot3_burger_held(pose->x);
+        pose->y = turtlebot3_burger_held(pose->y);
+        pose->theta = turtlebot3_burger_held(pose->theta);
     }
     return status;
 }

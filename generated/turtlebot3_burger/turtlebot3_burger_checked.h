@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_82a373176c9b08e0)
+#if !defined(TURTLEBOT3_BURGER_PAIR_5012d4f34132c375)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 
@@ -38,32 +38,34 @@ typedef enum {
 /* turtlebot3_burger_inverse() with its inputs checked. Accepted: vx -0.22 to 0.22 m/s; vy -1e9
  * to 1e9 m/s; omega -2.84 to 2.84 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_inverse_checked(
-    const turtlebot3_burger_inverse_in *in,
-    turtlebot3_burger_inverse_out *out);
+    const turtlebot3_burger_twist *twist,
+    turtlebot3_burger_wheels *out);
 
 /* turtlebot3_burger_inverse_slip() with its inputs checked. Accepted: vx -0.22 to 0.22 m/s; vy
  * -1e9 to 1e9 m/s; omega -2.84 to 2.84 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_inverse_slip_checked(
-    const turtlebot3_burger_inverse_slip_in *in,
-    turtlebot3_burger_inverse_slip_out *out);
+    const turtlebot3_burger_twist *twist,
+    float *slip);
 
 /* turtlebot3_burger_forward() with its inputs checked. Accepted: left.spin, right.spin -1e9 to
  * 1e9 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_forward_checked(
-    const turtlebot3_burger_forward_in *in,
-    turtlebot3_burger_forward_out *out);
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist);
 
 /* turtlebot3_burger_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -1e9
  * to 1e9 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_forward_slip_checked(
-    const turtlebot3_burger_forward_slip_in *in,
-    turtlebot3_burger_forward_slip_out *out);
+    const turtlebot3_burger_wheels *wheels,
+    turtlebot3_burger_twist *twist,
+    float *slip);
 
 /* turtlebot3_burger_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 turtlebot3_burger_status turtlebot3_burger_odometry_checked(
-    const turtlebot3_burger_odometry_in *in,
-    turtlebot3_burger_odometry_out *out);
+    turtlebot3_burger_pose *pose,
+    const turtlebot3_burger_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

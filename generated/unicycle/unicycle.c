@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(UNICYCLE_PAIR_3ee371c08c6f3a7f)
+#if !defined(UNICYCLE_PAIR_e9fd7d76edc06845)
 #error "unicycle.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -146,41 +146,50 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void unicycle_inverse(const unicycle_inverse_in *in, unicycle_inverse_out *out)
+/* The members of unicycle_wheels lie as an array does. */
+typedef char unicycle_wheels_are_joints[
+    ((sizeof(unicycle_wheels) / sizeof(float)) == (unsigned int)UNICYCLE_JOINTS) ? 1 : -1];
+
+float *unicycle_joint(unicycle_wheels *wheels, int joint)
 {
-    out->wheel.spin = 10.0f * in->vx;
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)UNICYCLE_JOINTS)) ? joint : 0];
 }
 
-void unicycle_inverse_slip(const unicycle_inverse_slip_in *in, unicycle_inverse_slip_out *out)
+void unicycle_inverse(const unicycle_twist *twist, unicycle_wheels *out)
 {
-    out->slip = fabsf(in->vy);
+    out->wheel.spin = 10.0f * twist->vx;
 }
 
-void unicycle_forward(const unicycle_forward_in *in, unicycle_forward_out *out)
+void unicycle_inverse_slip(const unicycle_twist *twist, float *slip)
 {
-    out->vx = 0.1f * in->wheel.spin;
-    out->vy = 0.0f;
-    out->omega = 0.0f;
+    *slip = fabsf(twist->vy);
 }
 
-void unicycle_forward_slip(const unicycle_forward_slip_in *in, unicycle_forward_slip_out *out)
+void unicycle_forward(const unicycle_wheels *wheels, unicycle_twist *twist)
 {
-    out->vx = 0.1f * in->wheel.spin;
-    out->vy = 0.0f;
-    out->omega = 0.0f;
-    out->slip = 0.0f;
+    twist->vx = 0.1f * wheels->wheel.spin;
+    twist->vy = 0.0f;
+    twist->omega = 0.0f;
 }
 
-void unicycle_odometry(const unicycle_odometry_in *in, unicycle_odometry_out *out)
+void unicycle_forward_slip(const unicycle_wheels *wheels, unicycle_twist *twist, float *slip)
 {
-    const float t0 = in->dt * in->omega;
+    twist->vx = 0.1f * wheels->wheel.spin;
+    twist->vy = 0.0f;
+    twist->omega = 0.0f;
+    *slip = 0.0f;
+}
+
+void unicycle_odometry(unicycle_pose *pose, const unicycle_twist *twist, float dt)
+{
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_direction(in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_direction(pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

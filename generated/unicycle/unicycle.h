@@ -6,7 +6,91 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   wheel: fixed, x 0 m, y 0 m, heading 0 deg, r 0.1 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     unicycle_twist twist = {0.5f, 0.0f, 0.2f};
+ *     unicycle_wheels wheels = {{0.0f}};
+ *     unicycle_pose pose = {0.0f, 0.0f, 0.0f};
+ *     unicycle_inverse(&twist, &wheels);
+ *     unicycle_forward(&wheels, &twist);
+ *     unicycle_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_UNICYCLE_H
+#define WMRGEN_UNICYCLE_H
+
+#define UNICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define UNICYCLE_MODEL_HASH "5e795311d9d926060f0b993d5e246301" /**< digest of the model */
+#define UNICYCLE_PAIR_e9fd7d76edc06845 1 /**< header and source that were written together have the same */
+#define UNICYCLE_WHEEL_X 0.0f /**< [m] pivot, forward of P */
+#define UNICYCLE_WHEEL_Y 0.0f /**< [m] pivot, to the left of P */
+#define UNICYCLE_WHEEL_RADIUS 0.1f /**< [m] radius */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} unicycle_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} unicycle_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike. */
+typedef struct {
+    /** [rad/s] wheel speed about its axle, positive rolls along the rolling direction */
+    struct { float spin; } wheel;
+} unicycle_wheels;
+
+/** Joints in the order of unicycle_wheels. */
+enum unicycle_joint {
+    UNICYCLE_WHEEL_SPIN, /**< [rad/s] wheel.spin */
+    UNICYCLE_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum unicycle_joint, for loops over all; of the first where there is none. */
+float *unicycle_joint(unicycle_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands.
+ * Operations of the formula: 1 multiplication. */
+void unicycle_inverse(const unicycle_twist *twist, unicycle_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: 1 sign operation. */
+void unicycle_inverse_slip(const unicycle_twist *twist, float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 1 multiplication. */
+void unicycle_forward(const unicycle_wheels *wheels, unicycle_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 1 multiplication. */
+void unicycle_forward_slip(const unicycle_wheels *wheels, unicycle_twist *twist, float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void unicycle_odometry(unicycle_pose *pose, const unicycle_twist *twist, float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,106 +106,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   wheel: fixed, x 0 m, y 0 m, heading 0 deg, r 0.1 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  */
-#ifndef WMRGEN_UNICYCLE_H
-#define WMRGEN_UNICYCLE_H
-
-#define UNICYCLE_MODEL_HASH "5e795311d9d926060f0b993d5e246301"
-#define UNICYCLE_PAIR_3ee371c08c6f3a7f 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of unicycle_inverse(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} unicycle_inverse_in;
-
-/* Output of unicycle_inverse(). */
-typedef struct {
-    /* [rad/s] wheel speed about its axle, positive rolls along the rolling direction */
-    struct { float spin; } wheel;
-} unicycle_inverse_out;
-
-typedef unicycle_inverse_in unicycle_inverse_slip_in;
-
-/* Output of unicycle_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} unicycle_inverse_slip_out;
-
-/* Input of unicycle_forward(). */
-typedef struct {
-    /* [rad/s] wheel speed about its axle, positive rolls along the rolling direction */
-    struct { float spin; } wheel;
-} unicycle_forward_in;
-
-/* Output of unicycle_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} unicycle_forward_out;
-
-typedef unicycle_forward_in unicycle_forward_slip_in;
-
-/* Output of unicycle_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} unicycle_forward_slip_out;
-
-/* Input of unicycle_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} unicycle_odometry_in;
-
-/* Output of unicycle_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} unicycle_odometry_out;
-
-/* Twist of P in the robot frame to joint commands.
- * Operations of the formula: 1 multiplication. */
-void unicycle_inverse(const unicycle_inverse_in *in, unicycle_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: 1 sign operation. */
-void unicycle_inverse_slip(const unicycle_inverse_slip_in *in, unicycle_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 1 multiplication. */
-void unicycle_forward(const unicycle_forward_in *in, unicycle_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 1 multiplication. */
-void unicycle_forward_slip(const unicycle_forward_slip_in *in, unicycle_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void unicycle_odometry(const unicycle_odometry_in *in, unicycle_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_UNICYCLE_H */

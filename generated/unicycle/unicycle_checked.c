@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(UNICYCLE_PAIR_3ee371c08c6f3a7f)
+#if !defined(UNICYCLE_PAIR_e9fd7d76edc06845)
 #error "unicycle_checked.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -32,24 +32,24 @@ static float unicycle_held(const float x)
     return unicycle_is_number(x) ? x : 0.0f;
 }
 
-unicycle_status unicycle_inverse_checked(const unicycle_inverse_in *in, unicycle_inverse_out *out)
+unicycle_status unicycle_inverse_checked(const unicycle_twist *twist, unicycle_wheels *out)
 {
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            unicycle_is_number(in->vx) &&
-            unicycle_is_number(in->vy) &&
-            unicycle_is_number(in->omega)
+            unicycle_is_number(twist->vx) &&
+            unicycle_is_number(twist->vy) &&
+            unicycle_is_number(twist->omega)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            unicycle_is_within(in->vx, -1e9f, 1e9f) &&
-            unicycle_is_within(in->vy, -1e9f, 1e9f) &&
-            unicycle_is_within(in->omega, -200.0f, 200.0f)
+            unicycle_is_within(twist->vx, -1e9f, 1e9f) &&
+            unicycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            unicycle_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
-        unicycle_inverse(in, out);
+        unicycle_inverse(twist, out);
     }
     if (status != UNICYCLE_OK) {
         out->wheel.spin = 0.0f;
@@ -57,115 +57,115 @@ unicycle_status unicycle_inverse_checked(const unicycle_inverse_in *in, unicycle
     return status;
 }
 
-unicycle_status unicycle_inverse_slip_checked(
-    const unicycle_inverse_slip_in *in,
-    unicycle_inverse_slip_out *out)
+unicycle_status unicycle_inverse_slip_checked(const unicycle_twist *twist, float *slip)
 {
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            unicycle_is_number(in->vx) &&
-            unicycle_is_number(in->vy) &&
-            unicycle_is_number(in->omega)
+            unicycle_is_number(twist->vx) &&
+            unicycle_is_number(twist->vy) &&
+            unicycle_is_number(twist->omega)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            unicycle_is_within(in->vx, -1e9f, 1e9f) &&
-            unicycle_is_within(in->vy, -1e9f, 1e9f) &&
-            unicycle_is_within(in->omega, -200.0f, 200.0f)
+            unicycle_is_within(twist->vx, -1e9f, 1e9f) &&
+            unicycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            unicycle_is_within(twist->omega, -200.0f, 200.0f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
-        unicycle_inverse_slip(in, out);
+        unicycle_inverse_slip(twist, slip);
     }
     if (status != UNICYCLE_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
-unicycle_status unicycle_forward_checked(const unicycle_forward_in *in, unicycle_forward_out *out)
+unicycle_status unicycle_forward_checked(const unicycle_wheels *wheels, unicycle_twist *twist)
 {
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            unicycle_is_number(in->wheel.spin)
+            unicycle_is_number(wheels->wheel.spin)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            unicycle_is_within(in->wheel.spin, -1e9f, 1e9f)
+            unicycle_is_within(wheels->wheel.spin, -1e9f, 1e9f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
-        unicycle_forward(in, out);
+        unicycle_forward(wheels, twist);
     }
     if (status != UNICYCLE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 unicycle_status unicycle_forward_slip_checked(
-    const unicycle_forward_slip_in *in,
-    unicycle_forward_slip_out *out)
+    const unicycle_wheels *wheels,
+    unicycle_twist *twist,
+    float *slip)
 {
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            unicycle_is_number(in->wheel.spin)
+            unicycle_is_number(wheels->wheel.spin)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            unicycle_is_within(in->wheel.spin, -1e9f, 1e9f)
+            unicycle_is_within(wheels->wheel.spin, -1e9f, 1e9f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
-        unicycle_forward_slip(in, out);
+        unicycle_forward_slip(wheels, twist, slip);
     }
     if (status != UNICYCLE_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 unicycle_status unicycle_odometry_checked(
-    const unicycle_odometry_in *in,
-    unicycle_odometry_out *out)
+    unicycle_pose *pose,
+    const unicycle_twist *twist,
+    float dt)
 {
     unicycle_status status = UNICYCLE_OK;
 
     if (!(
-            unicycle_is_number(in->x) &&
-            unicycle_is_number(in->y) &&
-            unicycle_is_number(in->theta) &&
-            unicycle_is_number(in->vx) &&
-            unicycle_is_number(in->vy) &&
-            unicycle_is_number(in->omega) &&
-            unicycle_is_number(in->dt)
+            unicycle_is_number(pose->x) &&
+            unicycle_is_number(pose->y) &&
+            unicycle_is_number(pose->theta) &&
+            unicycle_is_number(twist->vx) &&
+            unicycle_is_number(twist->vy) &&
+            unicycle_is_number(twist->omega) &&
+            unicycle_is_number(dt)
         )) {
         status = UNICYCLE_NOT_A_NUMBER;
     } else if (!(
-            unicycle_is_within(in->x, -1e9f, 1e9f) &&
-            unicycle_is_within(in->y, -1e9f, 1e9f) &&
-            unicycle_is_within(in->theta, -1e4f, 1e4f) &&
-            unicycle_is_within(in->vx, -1e9f, 1e9f) &&
-            unicycle_is_within(in->vy, -1e9f, 1e9f) &&
-            unicycle_is_within(in->omega, -200.0f, 200.0f) &&
-            unicycle_is_within(in->dt, -10.0f, 10.0f)
+            unicycle_is_within(pose->x, -1e9f, 1e9f) &&
+            unicycle_is_within(pose->y, -1e9f, 1e9f) &&
+            unicycle_is_within(pose->theta, -1e4f, 1e4f) &&
+            unicycle_is_within(twist->vx, -1e9f, 1e9f) &&
+            unicycle_is_within(twist->vy, -1e9f, 1e9f) &&
+            unicycle_is_within(twist->omega, -200.0f, 200.0f) &&
+            unicycle_is_within(dt, -10.0f, 10.0f)
         )) {
         status = UNICYCLE_OUT_OF_RANGE;
     } else {
-        unicycle_odometry(in, out);
+        unicycle_odometry(pose, twist, dt);
     }
     if (status != UNICYCLE_OK) {
-        out->x = unicycle_held(in->x);
-        out->y = unicycle_held(in->y);
-        out->theta = unicycle_held(in->theta);
+        pose->x = unicycle_held(pose->x);
+        pose->y = unicycle_held(pose->y);
+        pose->theta = unicycle_held(pose->theta);
     }
     return status;
 }

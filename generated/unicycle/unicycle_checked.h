@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_3ee371c08c6f3a7f)
+#if !defined(UNICYCLE_PAIR_e9fd7d76edc06845)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 
@@ -37,27 +37,27 @@ typedef enum {
 
 /* unicycle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
-unicycle_status unicycle_inverse_checked(const unicycle_inverse_in *in, unicycle_inverse_out *out);
+unicycle_status unicycle_inverse_checked(const unicycle_twist *twist, unicycle_wheels *out);
 
 /* unicycle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s. */
-unicycle_status unicycle_inverse_slip_checked(
-    const unicycle_inverse_slip_in *in,
-    unicycle_inverse_slip_out *out);
+unicycle_status unicycle_inverse_slip_checked(const unicycle_twist *twist, float *slip);
 
 /* unicycle_forward() with its inputs checked. Accepted: wheel.spin -1e9 to 1e9 rad/s. */
-unicycle_status unicycle_forward_checked(const unicycle_forward_in *in, unicycle_forward_out *out);
+unicycle_status unicycle_forward_checked(const unicycle_wheels *wheels, unicycle_twist *twist);
 
 /* unicycle_forward_slip() with its inputs checked. Accepted: wheel.spin -1e9 to 1e9 rad/s. */
 unicycle_status unicycle_forward_slip_checked(
-    const unicycle_forward_slip_in *in,
-    unicycle_forward_slip_out *out);
+    const unicycle_wheels *wheels,
+    unicycle_twist *twist,
+    float *slip);
 
 /* unicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 unicycle_status unicycle_odometry_checked(
-    const unicycle_odometry_in *in,
-    unicycle_odometry_out *out);
+    unicycle_pose *pose,
+    const unicycle_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

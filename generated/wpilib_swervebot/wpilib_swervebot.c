@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_67713c046a502390)
+#if !defined(WPILIB_SWERVEBOT_PAIR_89a2f3432304a395)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -211,18 +211,28 @@ WMRGEN_ONCE float wmrgen_sinc(float h)
 }
 #endif
 
-void wpilib_swervebot_inverse(
-    const wpilib_swervebot_inverse_in *in,
-    wpilib_swervebot_inverse_out *out)
+/* The members of wpilib_swervebot_wheels lie as an array does. */
+typedef char wpilib_swervebot_wheels_are_joints[
+    ((sizeof(wpilib_swervebot_wheels) / sizeof(float)) == (unsigned int)WPILIB_SWERVEBOT_JOINTS) ? 1 : -1];
+
+float *wpilib_swervebot_joint(wpilib_swervebot_wheels *wheels, int joint)
 {
-    const float front_left_x = fmaf(1.2159347e-08f, in->omega, fmaf((-0.381f), in->omega, in->vx)); /* front_left: a, back_left: a */
-    const float front_left_y = fmaf((-1.2159347e-08f), in->omega, fmaf(0.381f, in->omega, in->vy)); /* front_left: b, front_right: b */
-    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, in->front_left.steer, 19.68504f);
-    const float front_right_x = fmaf((-1.2159347e-08f), in->omega, fmaf(0.381f, in->omega, in->vx)); /* front_right: a, back_right: a */
-    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, in->front_right.steer, 19.68504f);
-    const float back_left_y = fmaf(1.2159347e-08f, in->omega, fmaf((-0.381f), in->omega, in->vy)); /* back_left: b, back_right: b */
-    const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, in->back_left.steer, 19.68504f);
-    const wmrgen_wheel back_right = wmrgen_steer_along(front_right_x, back_left_y, in->back_right.steer, 19.68504f);
+    return &((float *)wheels)[((joint >= 0) && (joint < (int)WPILIB_SWERVEBOT_JOINTS)) ? joint : 0];
+}
+
+void wpilib_swervebot_inverse(
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *now,
+    wpilib_swervebot_wheels *out)
+{
+    const float front_left_x = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vx)); /* front_left: a, back_left: a */
+    const float front_left_y = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vy)); /* front_left: b, front_right: b */
+    const wmrgen_wheel front_left = wmrgen_steer_along(front_left_x, front_left_y, now->front_left.steer, 19.68504f);
+    const float front_right_x = fmaf((-1.2159347e-08f), twist->omega, fmaf(0.381f, twist->omega, twist->vx)); /* front_right: a, back_right: a */
+    const wmrgen_wheel front_right = wmrgen_steer_along(front_right_x, front_left_y, now->front_right.steer, 19.68504f);
+    const float back_left_y = fmaf(1.2159347e-08f, twist->omega, fmaf((-0.381f), twist->omega, twist->vy)); /* back_left: b, back_right: b */
+    const wmrgen_wheel back_left = wmrgen_steer_along(front_left_x, back_left_y, now->back_left.steer, 19.68504f);
+    const wmrgen_wheel back_right = wmrgen_steer_along(front_right_x, back_left_y, now->back_right.steer, 19.68504f);
 
     out->front_left.spin = front_left.spin;
     out->front_left.steer = front_left.steer;
@@ -235,41 +245,42 @@ void wpilib_swervebot_inverse(
 }
 
 void wpilib_swervebot_inverse_slip(
-    const wpilib_swervebot_inverse_slip_in *in,
-    wpilib_swervebot_inverse_slip_out *out)
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *wheels,
+    float *slip)
 {
-    (void)in;
+    (void)twist;
+    (void)wheels;
 
-    out->slip = 0.0f;
+    *slip = 0.0f;
 }
 
-void wpilib_swervebot_forward(
-    const wpilib_swervebot_forward_in *in,
-    wpilib_swervebot_forward_out *out)
+void wpilib_swervebot_forward(const wpilib_swervebot_wheels *wheels, wpilib_swervebot_twist *twist)
 {
-    const wmrgen_vector front_right = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
-    const wmrgen_vector back_right = wmrgen_vector_at(in->back_right.spin, in->back_right.steer);
+    const wmrgen_vector front_right = wmrgen_vector_at(wheels->front_right.spin, wheels->front_right.steer);
+    const wmrgen_vector back_right = wmrgen_vector_at(wheels->back_right.spin, wheels->back_right.steer);
     const float t0 = front_right.x + back_right.x;
-    const wmrgen_vector front_left = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
-    const wmrgen_vector back_left = wmrgen_vector_at(in->back_left.spin, in->back_left.steer);
+    const wmrgen_vector front_left = wmrgen_vector_at(wheels->front_left.spin, wheels->front_left.steer);
+    const wmrgen_vector back_left = wmrgen_vector_at(wheels->back_left.spin, wheels->back_left.steer);
     const float t1 = front_left.x + back_left.x;
     const float t2 = back_left.y + back_right.y;
     const float t3 = front_left.y + front_right.y;
 
-    out->vx = 0.0127f * (t0 + t1);
-    out->vy = 0.0127f * (t2 + t3);
-    out->omega = 0.016666668f * (t3 + (t0 - t1) - t2);
+    twist->vx = 0.0127f * (t0 + t1);
+    twist->vy = 0.0127f * (t2 + t3);
+    twist->omega = 0.016666668f * (t3 + (t0 - t1) - t2);
 }
 
 void wpilib_swervebot_forward_slip(
-    const wpilib_swervebot_forward_slip_in *in,
-    wpilib_swervebot_forward_slip_out *out)
+    const wpilib_swervebot_wheels *wheels,
+    wpilib_swervebot_twist *twist,
+    float *slip)
 {
-    const wmrgen_vector front_right = wmrgen_vector_at(in->front_right.spin, in->front_right.steer);
-    const wmrgen_vector back_right = wmrgen_vector_at(in->back_right.spin, in->back_right.steer);
+    const wmrgen_vector front_right = wmrgen_vector_at(wheels->front_right.spin, wheels->front_right.steer);
+    const wmrgen_vector back_right = wmrgen_vector_at(wheels->back_right.spin, wheels->back_right.steer);
     const float t0 = front_right.x + back_right.x;
-    const wmrgen_vector front_left = wmrgen_vector_at(in->front_left.spin, in->front_left.steer);
-    const wmrgen_vector back_left = wmrgen_vector_at(in->back_left.spin, in->back_left.steer);
+    const wmrgen_vector front_left = wmrgen_vector_at(wheels->front_left.spin, wheels->front_left.steer);
+    const wmrgen_vector back_left = wmrgen_vector_at(wheels->back_left.spin, wheels->back_left.steer);
     const float t1 = front_left.x + back_left.x;
     const float vx_fit = 0.0127f * (t0 + t1); /* vx */
     const float t2 = back_left.y + back_right.y;
@@ -292,24 +303,25 @@ void wpilib_swervebot_forward_slip(
     const float t18 = fmaf(t17, t17, fmaf(t16, t16, fmaf(t14, t14, t13)));
     const float t19 = fmaf(0.0508f, back_right.y, t15);
 
-    out->vx = vx_fit;
-    out->vy = vy_fit;
-    out->omega = 0.016666668f * t4;
-    out->slip = sqrtf(fmaf(t19, t19, t18));
+    twist->vx = vx_fit;
+    twist->vy = vy_fit;
+    twist->omega = 0.016666668f * t4;
+    *slip = sqrtf(fmaf(t19, t19, t18));
 }
 
 void wpilib_swervebot_odometry(
-    const wpilib_swervebot_odometry_in *in,
-    wpilib_swervebot_odometry_out *out)
+    wpilib_swervebot_pose *pose,
+    const wpilib_swervebot_twist *twist,
+    float dt)
 {
-    const float t0 = in->dt * in->omega;
+    const float t0 = dt * twist->omega;
     const float half_turn = 0.5f * t0; /* h */
-    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, in->theta + half_turn);
-    const float chord = in->dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
-    const float t2 = fmaf(fmaf(in->vx, t1.x, -(in->vy * t1.y)), chord, in->x);
-    const float t3 = fmaf(chord, fmaf(in->vx, t1.y, t1.x * in->vy), in->y);
+    const wmrgen_vector t1 = wmrgen_vector_at(1.0f, pose->theta + half_turn);
+    const float chord = dt * wmrgen_sinc(half_turn); /* dt sinc(h) */
+    const float t2 = fmaf(fmaf(twist->vx, t1.x, -(twist->vy * t1.y)), chord, pose->x);
+    const float t3 = fmaf(chord, fmaf(twist->vx, t1.y, t1.x * twist->vy), pose->y);
 
-    out->x = t2;
-    out->y = t3;
-    out->theta = in->theta + t0;
+    pose->x = t2;
+    pose->y = t3;
+    pose->theta = pose->theta + t0;
 }

@@ -6,7 +6,147 @@
  * This file is yours: use, change and sell it as you like. Licence MIT-0, no warranty.
  *
  * Robot frame: origin P, x forward, y left, angles counter-clockwise (REP 103). SI units, radians.
- * Scalars are float. No loops, recursion, heap or globals: every function may be called from
+ *
+ * Wheels, in the order of the robot file:
+ *   front_left: steered, x 0.381 m, y 0.381 m, heading 0 deg, r 0.0508 m
+ *   front_right: steered, x 0.381 m, y -0.381 m, heading 0 deg, r 0.0508 m
+ *   back_left: steered, x -0.381 m, y 0.381 m, heading 0 deg, r 0.0508 m
+ *   back_right: steered, x -0.381 m, y -0.381 m, heading 0 deg, r 0.0508 m
+ *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
+ *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
+ *
+ * In use, for a command of 0.5 m/s and 0.2 rad/s and a step of 10 ms:
+ *     wpilib_swervebot_twist twist = {0.5f, 0.0f, 0.2f};
+ *     wpilib_swervebot_wheels wheels = {{0.0f}};
+ *     wpilib_swervebot_pose pose = {0.0f, 0.0f, 0.0f};
+ *     wpilib_swervebot_inverse(&twist, &wheels, &wheels);
+ *     wpilib_swervebot_forward(&wheels, &twist);
+ *     wpilib_swervebot_odometry(&pose, &twist, 0.01f);
+ *
+ * What the arithmetic needs, and what is proved of it, stands at the end of this file.
+ */
+#ifndef WMRGEN_WPILIB_SWERVEBOT_H
+#define WMRGEN_WPILIB_SWERVEBOT_H
+
+#define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
+#define WPILIB_SWERVEBOT_MODEL_HASH "c966202569bb283011d63986133bb8da" /**< digest of the model */
+#define WPILIB_SWERVEBOT_PAIR_89a2f3432304a395 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
+#define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
+#define WPILIB_SWERVEBOT_FRONT_LEFT_RADIUS 0.0508f /**< [m] radius */
+#define WPILIB_SWERVEBOT_FRONT_RIGHT_X 0.381f /**< [m] pivot, forward of P */
+#define WPILIB_SWERVEBOT_FRONT_RIGHT_Y (-0.381f) /**< [m] pivot, to the left of P */
+#define WPILIB_SWERVEBOT_FRONT_RIGHT_RADIUS 0.0508f /**< [m] radius */
+#define WPILIB_SWERVEBOT_BACK_LEFT_X (-0.381f) /**< [m] pivot, forward of P */
+#define WPILIB_SWERVEBOT_BACK_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
+#define WPILIB_SWERVEBOT_BACK_LEFT_RADIUS 0.0508f /**< [m] radius */
+#define WPILIB_SWERVEBOT_BACK_RIGHT_X (-0.381f) /**< [m] pivot, forward of P */
+#define WPILIB_SWERVEBOT_BACK_RIGHT_Y (-0.381f) /**< [m] pivot, to the left of P */
+#define WPILIB_SWERVEBOT_BACK_RIGHT_RADIUS 0.0508f /**< [m] radius */
+#define WPILIB_SWERVEBOT_VX_MIN (-3.0f) /**< [m/s] least that the robot file allows */
+#define WPILIB_SWERVEBOT_VX_MAX 3.0f /**< [m/s] most that the robot file allows */
+#define WPILIB_SWERVEBOT_VY_MIN (-3.0f) /**< [m/s] least that the robot file allows */
+#define WPILIB_SWERVEBOT_VY_MAX 3.0f /**< [m/s] most that the robot file allows */
+#define WPILIB_SWERVEBOT_OMEGA_MIN (-3.1415927f) /**< [rad/s] least that the robot file allows */
+#define WPILIB_SWERVEBOT_OMEGA_MAX 3.1415927f /**< [rad/s] most that the robot file allows */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Where P is and where the robot heads, in the world frame. */
+typedef struct {
+    float x;     /**< [m] position of P in the world frame */
+    float y;     /**< [m] position of P in the world frame */
+    float theta; /**< [rad] heading of the robot, counter-clockwise from world x */
+} wpilib_swervebot_pose;
+
+/** How the robot moves: the velocity of P in the robot frame. */
+typedef struct {
+    float vx;    /**< [m/s] velocity of P forward, robot frame */
+    float vy;    /**< [m/s] velocity of P to the left, robot frame */
+    float omega; /**< [rad/s] yaw rate, counter-clockwise */
+} wpilib_swervebot_twist;
+
+/** The joints that are driven or sensed: commands, measurements and present state alike.
+ * spin: wheel speed about its axle, positive rolls along the rolling direction.
+ * steer: steering angle, counter-clockwise from the zero of the robot file. */
+typedef struct {
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } front_left;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } front_right;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } back_left;
+    struct {
+        float spin;  /**< [rad/s] */
+        float steer; /**< [rad] */
+    } back_right;
+} wpilib_swervebot_wheels;
+
+/** Joints in the order of wpilib_swervebot_wheels. */
+enum wpilib_swervebot_joint {
+    WPILIB_SWERVEBOT_FRONT_LEFT_SPIN, /**< [rad/s] front_left.spin */
+    WPILIB_SWERVEBOT_FRONT_LEFT_STEER, /**< [rad] front_left.steer */
+    WPILIB_SWERVEBOT_FRONT_RIGHT_SPIN, /**< [rad/s] front_right.spin */
+    WPILIB_SWERVEBOT_FRONT_RIGHT_STEER, /**< [rad] front_right.steer */
+    WPILIB_SWERVEBOT_BACK_LEFT_SPIN, /**< [rad/s] back_left.spin */
+    WPILIB_SWERVEBOT_BACK_LEFT_STEER, /**< [rad] back_left.steer */
+    WPILIB_SWERVEBOT_BACK_RIGHT_SPIN, /**< [rad/s] back_right.spin */
+    WPILIB_SWERVEBOT_BACK_RIGHT_STEER, /**< [rad] back_right.steer */
+    WPILIB_SWERVEBOT_JOINTS /**< how many they are */
+};
+
+/** The place of a joint of enum wpilib_swervebot_joint, for loops over all; of the first where there is none. */
+float *wpilib_swervebot_joint(wpilib_swervebot_wheels *wheels, int joint);
+
+/** Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
+ * nearest heading in its limits, and holds it at standstill.
+ * Operations of the formula: 20 additions, 22 multiplications, 4 divisions, 4 square roots, 4
+ * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
+void wpilib_swervebot_inverse(
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *now,
+    wpilib_swervebot_wheels *out);
+
+/** Sliding that the ground must give when this twist is driven.
+ * Operations of the formula: none. */
+void wpilib_swervebot_inverse_slip(
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *wheels,
+    float *slip);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares.
+ * Operations of the formula: 9 additions, 11 multiplications, 8 sines and cosines. */
+void wpilib_swervebot_forward(const wpilib_swervebot_wheels *wheels, wpilib_swervebot_twist *twist);
+
+/** Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
+ * Operations of the formula: 28 additions, 28 multiplications, 1 square root, 8 sines and
+ * cosines. */
+void wpilib_swervebot_forward_slip(
+    const wpilib_swervebot_wheels *wheels,
+    wpilib_swervebot_twist *twist,
+    float *slip);
+
+/** Pose after driving a constant twist for dt.
+ * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
+ * comparisons, 1 sign operation. */
+void wpilib_swervebot_odometry(
+    wpilib_swervebot_pose *pose,
+    const wpilib_swervebot_twist *twist,
+    float dt);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Scalars are float. No loops, recursion, heap or globals: every function may be called from
  * anywhere. Results are bit for bit those of the printed operations where the compiler contracts
  * nothing (-ffp-contract=off) and evaluates in the declared type (FLT_EVAL_METHOD 0). Inputs up to
  * 1e9 in magnitude and angles (and omega dt) up to 12000 rad give finite results; beyond, squares
@@ -22,14 +162,6 @@
  * calls are called: the least flash, the same results to the bit; calls cost time and stack.
  * Written for processors with a fused multiply-add (Cortex-M4F, M7, M33 and the like), where fmaf
  * is one instruction; for others there are --target host, m0 and avr.
- *
- * Wheels, in the order of the robot file:
- *   front_left: steered, x 0.381 m, y 0.381 m, heading 0 deg, r 0.0508 m
- *   front_right: steered, x 0.381 m, y -0.381 m, heading 0 deg, r 0.0508 m
- *   back_left: steered, x -0.381 m, y 0.381 m, heading 0 deg, r 0.0508 m
- *   back_right: steered, x -0.381 m, y -0.381 m, heading 0 deg, r 0.0508 m
- *   x, y: wheel pivot seen from P. For a wheel beside P, |y| is the half-track, not the track.
- *   heading: rolling direction at spin > 0, from the x axis (steered: at steer 0).
  *
  * Proved for |vx| <= 3, |vy| <= 3, |omega| <= 3.14159, and with these ranges of inputs that have no
  * limits: |front_left.steer, front_right.steer, back_left.steer, back_right.steer| <= 12.5664,
@@ -56,150 +188,5 @@
  *   odometry: y in [-102.003, 102.003] m, off by 7.6e-06
  *   odometry: theta in [-12.8806, 12.8806] rad, off by 5.0e-07
  */
-#ifndef WMRGEN_WPILIB_SWERVEBOT_H
-#define WMRGEN_WPILIB_SWERVEBOT_H
-
-#define WPILIB_SWERVEBOT_MODEL_HASH "c966202569bb283011d63986133bb8da"
-#define WPILIB_SWERVEBOT_PAIR_67713c046a502390 1
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* Input of wpilib_swervebot_inverse().
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    float vx;                            /* [m/s] velocity of P forward, robot frame */
-    float vy;                            /* [m/s] velocity of P to the left, robot frame */
-    float omega;                         /* [rad/s] yaw rate, counter-clockwise */
-    struct { float steer; } front_left;  /* [rad] */
-    struct { float steer; } front_right; /* [rad] */
-    struct { float steer; } back_left;   /* [rad] */
-    struct { float steer; } back_right;  /* [rad] */
-} wpilib_swervebot_inverse_in;
-
-/* Output of wpilib_swervebot_inverse().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_right;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } back_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } back_right;
-} wpilib_swervebot_inverse_out;
-
-typedef wpilib_swervebot_inverse_in wpilib_swervebot_inverse_slip_in;
-
-/* Output of wpilib_swervebot_inverse_slip(). */
-typedef struct {
-    float slip; /* [m/s] sliding that the ground must give: RMS over the constraining wheels */
-} wpilib_swervebot_inverse_slip_out;
-
-/* Input of wpilib_swervebot_forward().
- * spin: wheel speed about its axle, positive rolls along the rolling direction.
- * steer: steering angle, counter-clockwise from the zero of the robot file. */
-typedef struct {
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } front_right;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } back_left;
-    struct {
-        float spin;  /* [rad/s] */
-        float steer; /* [rad] */
-    } back_right;
-} wpilib_swervebot_forward_in;
-
-/* Output of wpilib_swervebot_forward(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-} wpilib_swervebot_forward_out;
-
-typedef wpilib_swervebot_forward_in wpilib_swervebot_forward_slip_in;
-
-/* Output of wpilib_swervebot_forward_slip(). */
-typedef struct {
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float slip;  /* [m/s] norm of the least-squares residual over all known rows */
-} wpilib_swervebot_forward_slip_out;
-
-/* Input of wpilib_swervebot_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-    float vx;    /* [m/s] velocity of P forward, robot frame */
-    float vy;    /* [m/s] velocity of P to the left, robot frame */
-    float omega; /* [rad/s] yaw rate, counter-clockwise */
-    float dt;    /* [s] duration of the step */
-} wpilib_swervebot_odometry_in;
-
-/* Output of wpilib_swervebot_odometry(). */
-typedef struct {
-    float x;     /* [m] position of P in the world frame */
-    float y;     /* [m] position of P in the world frame */
-    float theta; /* [rad] heading of the robot, counter-clockwise from world x */
-} wpilib_swervebot_odometry_out;
-
-/* Twist of P in the robot frame to joint commands; a wheel steers from the angle given to the
- * nearest heading in its limits, and holds it at standstill.
- * Operations of the formula: 20 additions, 22 multiplications, 4 divisions, 4 square roots, 4
- * arctangents, 8 comparisons, 12 sign operations, 4 roundings. */
-void wpilib_swervebot_inverse(
-    const wpilib_swervebot_inverse_in *in,
-    wpilib_swervebot_inverse_out *out);
-
-/* Sliding that the ground must give when this twist is driven.
- * Operations of the formula: none. */
-void wpilib_swervebot_inverse_slip(
-    const wpilib_swervebot_inverse_slip_in *in,
-    wpilib_swervebot_inverse_slip_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares.
- * Operations of the formula: 9 additions, 11 multiplications, 8 sines and cosines. */
-void wpilib_swervebot_forward(
-    const wpilib_swervebot_forward_in *in,
-    wpilib_swervebot_forward_out *out);
-
-/* Sensed joint rates to the twist of P in the robot frame, least squares, with its residual.
- * Operations of the formula: 28 additions, 28 multiplications, 1 square root, 8 sines and
- * cosines. */
-void wpilib_swervebot_forward_slip(
-    const wpilib_swervebot_forward_slip_in *in,
-    wpilib_swervebot_forward_slip_out *out);
-
-/* Pose after driving a constant twist for dt.
- * Operations of the formula: 9 additions, 13 multiplications, 1 division, 3 sines and cosines, 2
- * comparisons, 1 sign operation. */
-void wpilib_swervebot_odometry(
-    const wpilib_swervebot_odometry_in *in,
-    wpilib_swervebot_odometry_out *out);
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif /* WMRGEN_WPILIB_SWERVEBOT_H */

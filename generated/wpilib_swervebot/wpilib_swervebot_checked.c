@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_67713c046a502390)
+#if !defined(WPILIB_SWERVEBOT_PAIR_89a2f3432304a395)
 #error "wpilib_swervebot_checked.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -33,194 +33,198 @@ static float wpilib_swervebot_held(const float x)
 }
 
 wpilib_swervebot_status wpilib_swervebot_inverse_checked(
-    const wpilib_swervebot_inverse_in *in,
-    wpilib_swervebot_inverse_out *out)
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *now,
+    wpilib_swervebot_wheels *out)
 {
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            wpilib_swervebot_is_number(in->vx) &&
-            wpilib_swervebot_is_number(in->vy) &&
-            wpilib_swervebot_is_number(in->omega) &&
-            wpilib_swervebot_is_number(in->front_left.steer) &&
-            wpilib_swervebot_is_number(in->front_right.steer) &&
-            wpilib_swervebot_is_number(in->back_left.steer) &&
-            wpilib_swervebot_is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(twist->vx) &&
+            wpilib_swervebot_is_number(twist->vy) &&
+            wpilib_swervebot_is_number(twist->omega) &&
+            wpilib_swervebot_is_number(now->front_left.steer) &&
+            wpilib_swervebot_is_number(now->front_right.steer) &&
+            wpilib_swervebot_is_number(now->back_left.steer) &&
+            wpilib_swervebot_is_number(now->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            wpilib_swervebot_is_within(in->vx, -3.0f, 3.0f) &&
-            wpilib_swervebot_is_within(in->vy, -3.0f, 3.0f) &&
-            wpilib_swervebot_is_within(in->omega, -3.1415927f, 3.1415927f) &&
-            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(twist->vx, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(twist->vy, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(twist->omega, -3.1415927f, 3.1415927f) &&
+            wpilib_swervebot_is_within(now->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(now->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(now->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(now->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
-        wpilib_swervebot_inverse(in, out);
+        wpilib_swervebot_inverse(twist, now, out);
     }
     if (status != WPILIB_SWERVEBOT_OK) {
         out->front_left.spin = 0.0f;
-        out->front_left.steer = wpilib_swervebot_held(in->front_left.steer);
+        out->front_left.steer = wpilib_swervebot_held(now->front_left.steer);
         out->front_right.spin = 0.0f;
-        out->front_right.steer = wpilib_swervebot_held(in->front_right.steer);
+        out->front_right.steer = wpilib_swervebot_held(now->front_right.steer);
         out->back_left.spin = 0.0f;
-        out->back_left.steer = wpilib_swervebot_held(in->back_left.steer);
+        out->back_left.steer = wpilib_swervebot_held(now->back_left.steer);
         out->back_right.spin = 0.0f;
-        out->back_right.steer = wpilib_swervebot_held(in->back_right.steer);
+        out->back_right.steer = wpilib_swervebot_held(now->back_right.steer);
     }
     return status;
 }
 
 wpilib_swervebot_status wpilib_swervebot_inverse_slip_checked(
-    const wpilib_swervebot_inverse_slip_in *in,
-    wpilib_swervebot_inverse_slip_out *out)
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *wheels,
+    float *slip)
 {
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            wpilib_swervebot_is_number(in->vx) &&
-            wpilib_swervebot_is_number(in->vy) &&
-            wpilib_swervebot_is_number(in->omega) &&
-            wpilib_swervebot_is_number(in->front_left.steer) &&
-            wpilib_swervebot_is_number(in->front_right.steer) &&
-            wpilib_swervebot_is_number(in->back_left.steer) &&
-            wpilib_swervebot_is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(twist->vx) &&
+            wpilib_swervebot_is_number(twist->vy) &&
+            wpilib_swervebot_is_number(twist->omega) &&
+            wpilib_swervebot_is_number(wheels->front_left.steer) &&
+            wpilib_swervebot_is_number(wheels->front_right.steer) &&
+            wpilib_swervebot_is_number(wheels->back_left.steer) &&
+            wpilib_swervebot_is_number(wheels->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            wpilib_swervebot_is_within(in->vx, -3.0f, 3.0f) &&
-            wpilib_swervebot_is_within(in->vy, -3.0f, 3.0f) &&
-            wpilib_swervebot_is_within(in->omega, -3.1415927f, 3.1415927f) &&
-            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(twist->vx, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(twist->vy, -3.0f, 3.0f) &&
+            wpilib_swervebot_is_within(twist->omega, -3.1415927f, 3.1415927f) &&
+            wpilib_swervebot_is_within(wheels->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
-        wpilib_swervebot_inverse_slip(in, out);
+        wpilib_swervebot_inverse_slip(twist, wheels, slip);
     }
     if (status != WPILIB_SWERVEBOT_OK) {
-        out->slip = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 wpilib_swervebot_status wpilib_swervebot_forward_checked(
-    const wpilib_swervebot_forward_in *in,
-    wpilib_swervebot_forward_out *out)
+    const wpilib_swervebot_wheels *wheels,
+    wpilib_swervebot_twist *twist)
 {
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            wpilib_swervebot_is_number(in->front_left.spin) &&
-            wpilib_swervebot_is_number(in->front_left.steer) &&
-            wpilib_swervebot_is_number(in->front_right.spin) &&
-            wpilib_swervebot_is_number(in->front_right.steer) &&
-            wpilib_swervebot_is_number(in->back_left.spin) &&
-            wpilib_swervebot_is_number(in->back_left.steer) &&
-            wpilib_swervebot_is_number(in->back_right.spin) &&
-            wpilib_swervebot_is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(wheels->front_left.spin) &&
+            wpilib_swervebot_is_number(wheels->front_left.steer) &&
+            wpilib_swervebot_is_number(wheels->front_right.spin) &&
+            wpilib_swervebot_is_number(wheels->front_right.steer) &&
+            wpilib_swervebot_is_number(wheels->back_left.spin) &&
+            wpilib_swervebot_is_number(wheels->back_left.steer) &&
+            wpilib_swervebot_is_number(wheels->back_right.spin) &&
+            wpilib_swervebot_is_number(wheels->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            wpilib_swervebot_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->back_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->back_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
-        wpilib_swervebot_forward(in, out);
+        wpilib_swervebot_forward(wheels, twist);
     }
     if (status != WPILIB_SWERVEBOT_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }
 
 wpilib_swervebot_status wpilib_swervebot_forward_slip_checked(
-    const wpilib_swervebot_forward_slip_in *in,
-    wpilib_swervebot_forward_slip_out *out)
+    const wpilib_swervebot_wheels *wheels,
+    wpilib_swervebot_twist *twist,
+    float *slip)
 {
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            wpilib_swervebot_is_number(in->front_left.spin) &&
-            wpilib_swervebot_is_number(in->front_left.steer) &&
-            wpilib_swervebot_is_number(in->front_right.spin) &&
-            wpilib_swervebot_is_number(in->front_right.steer) &&
-            wpilib_swervebot_is_number(in->back_left.spin) &&
-            wpilib_swervebot_is_number(in->back_left.steer) &&
-            wpilib_swervebot_is_number(in->back_right.spin) &&
-            wpilib_swervebot_is_number(in->back_right.steer)
+            wpilib_swervebot_is_number(wheels->front_left.spin) &&
+            wpilib_swervebot_is_number(wheels->front_left.steer) &&
+            wpilib_swervebot_is_number(wheels->front_right.spin) &&
+            wpilib_swervebot_is_number(wheels->front_right.steer) &&
+            wpilib_swervebot_is_number(wheels->back_left.spin) &&
+            wpilib_swervebot_is_number(wheels->back_left.steer) &&
+            wpilib_swervebot_is_number(wheels->back_right.spin) &&
+            wpilib_swervebot_is_number(wheels->back_right.steer)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            wpilib_swervebot_is_within(in->front_left.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->front_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->front_right.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->front_right.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_left.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->back_left.steer, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->back_right.spin, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->back_right.steer, -1e4f, 1e4f)
+            wpilib_swervebot_is_within(wheels->front_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->front_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->front_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->front_right.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->back_left.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->back_left.steer, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(wheels->back_right.spin, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(wheels->back_right.steer, -1e4f, 1e4f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
-        wpilib_swervebot_forward_slip(in, out);
+        wpilib_swervebot_forward_slip(wheels, twist, slip);
     }
     if (status != WPILIB_SWERVEBOT_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
-        out->slip = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
+        *slip = 0.0f;
     }
     return status;
 }
 
 wpilib_swervebot_status wpilib_swervebot_odometry_checked(
-    const wpilib_swervebot_odometry_in *in,
-    wpilib_swervebot_odometry_out *out)
+    wpilib_swervebot_pose *pose,
+    const wpilib_swervebot_twist *twist,
+    float dt)
 {
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
     if (!(
-            wpilib_swervebot_is_number(in->x) &&
-            wpilib_swervebot_is_number(in->y) &&
-            wpilib_swervebot_is_number(in->theta) &&
-            wpilib_swervebot_is_number(in->vx) &&
-            wpilib_swervebot_is_number(in->vy) &&
-            wpilib_swervebot_is_number(in->omega) &&
-            wpilib_swervebot_is_number(in->dt)
+            wpilib_swervebot_is_number(pose->x) &&
+            wpilib_swervebot_is_number(pose->y) &&
+            wpilib_swervebot_is_number(pose->theta) &&
+            wpilib_swervebot_is_number(twist->vx) &&
+            wpilib_swervebot_is_number(twist->vy) &&
+            wpilib_swervebot_is_number(twist->omega) &&
+            wpilib_swervebot_is_number(dt)
         )) {
         status = WPILIB_SWERVEBOT_NOT_A_NUMBER;
     } else if (!(
-            wpilib_swervebot_is_within(in->x, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->y, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->theta, -1e4f, 1e4f) &&
-            wpilib_swervebot_is_within(in->vx, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->vy, -1e9f, 1e9f) &&
-            wpilib_swervebot_is_within(in->omega, -200.0f, 200.0f) &&
-            wpilib_swervebot_is_within(in->dt, -10.0f, 10.0f)
+            wpilib_swervebot_is_within(pose->x, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(pose->y, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(pose->theta, -1e4f, 1e4f) &&
+            wpilib_swervebot_is_within(twist->vx, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(twist->vy, -1e9f, 1e9f) &&
+            wpilib_swervebot_is_within(twist->omega, -200.0f, 200.0f) &&
+            wpilib_swervebot_is_within(dt, -10.0f, 10.0f)
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
-        wpilib_swervebot_odometry(in, out);
+        wpilib_swervebot_odometry(pose, twist, dt);
     }
     if (status != WPILIB_SWERVEBOT_OK) {
-        out->x = wpilib_swervebot_held(in->x);
-        out->y = wpilib_swervebot_held(in->y);
-        out->theta = wpilib_swervebot_held(in->theta);
+        pose->x = wpilib_swervebot_held(pose->x);
+        pose->y = wpilib_swervebot_held(pose->y);
+        pose->theta = wpilib_swervebot_held(pose->theta);
     }
     return status;
 }

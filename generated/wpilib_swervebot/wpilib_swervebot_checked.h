@@ -21,7 +21,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_67713c046a502390)
+#if !defined(WPILIB_SWERVEBOT_PAIR_89a2f3432304a395)
 #error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
@@ -39,35 +39,39 @@ typedef enum {
  * -3.1415927 to 3.1415927 rad/s; front_left.steer, front_right.steer, back_left.steer,
  * back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_inverse_checked(
-    const wpilib_swervebot_inverse_in *in,
-    wpilib_swervebot_inverse_out *out);
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *now,
+    wpilib_swervebot_wheels *out);
 
 /* wpilib_swervebot_inverse_slip() with its inputs checked. Accepted: vx, vy -3 to 3 m/s; omega
  * -3.1415927 to 3.1415927 rad/s; front_left.steer, front_right.steer, back_left.steer,
  * back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_inverse_slip_checked(
-    const wpilib_swervebot_inverse_slip_in *in,
-    wpilib_swervebot_inverse_slip_out *out);
+    const wpilib_swervebot_twist *twist,
+    const wpilib_swervebot_wheels *wheels,
+    float *slip);
 
 /* wpilib_swervebot_forward() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -1e9 to 1e9 rad/s; front_left.steer,
  * front_right.steer, back_left.steer, back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_forward_checked(
-    const wpilib_swervebot_forward_in *in,
-    wpilib_swervebot_forward_out *out);
+    const wpilib_swervebot_wheels *wheels,
+    wpilib_swervebot_twist *twist);
 
 /* wpilib_swervebot_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -1e9 to 1e9 rad/s; front_left.steer,
  * front_right.steer, back_left.steer, back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_forward_slip_checked(
-    const wpilib_swervebot_forward_slip_in *in,
-    wpilib_swervebot_forward_slip_out *out);
+    const wpilib_swervebot_wheels *wheels,
+    wpilib_swervebot_twist *twist,
+    float *slip);
 
 /* wpilib_swervebot_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 wpilib_swervebot_status wpilib_swervebot_odometry_checked(
-    const wpilib_swervebot_odometry_in *in,
-    wpilib_swervebot_odometry_out *out);
+    wpilib_swervebot_pose *pose,
+    const wpilib_swervebot_twist *twist,
+    float dt);
 
 #ifdef __cplusplus
 }

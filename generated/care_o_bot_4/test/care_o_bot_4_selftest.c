@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CARE_O_BOT_4_PAIR_9f01014fc52cf07a)
+#if !defined(CARE_O_BOT_4_PAIR_f56a6e2b206bd324)
 #error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 
@@ -209,33 +209,35 @@ static const float inverse_rows[][20] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    care_o_bot_4_inverse_in in0;
-    care_o_bot_4_inverse_out out0;
-    care_o_bot_4_inverse_slip_in in1;
-    care_o_bot_4_inverse_slip_out out1;
+    care_o_bot_4_twist twist0;
+    care_o_bot_4_wheels now0;
+    care_o_bot_4_wheels out0;
+    care_o_bot_4_twist twist1;
+    care_o_bot_4_wheels wheels1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.fl.steer = row[3];
-    in0.b.steer = row[4];
-    in0.fr.steer = row[5];
-    care_o_bot_4_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.fl.steer = row[3];
+    now0.b.steer = row[4];
+    now0.fr.steer = row[5];
+    care_o_bot_4_inverse(&twist0, &now0, &out0);
     misses += miss(out0.fl.spin, &row[6]);
     misses += miss(out0.fl.steer, &row[8]);
     misses += miss(out0.b.spin, &row[10]);
     misses += miss(out0.b.steer, &row[12]);
     misses += miss(out0.fr.spin, &row[14]);
     misses += miss(out0.fr.steer, &row[16]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    in1.fl.steer = row[3];
-    in1.b.steer = row[4];
-    in1.fr.steer = row[5];
-    care_o_bot_4_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[18]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    wheels1.fl.steer = row[3];
+    wheels1.b.steer = row[4];
+    wheels1.fr.steer = row[5];
+    care_o_bot_4_inverse_slip(&twist1, &wheels1, &slip1);
+    misses += miss(slip1, &row[18]);
     return misses;
 }
 
@@ -329,33 +331,34 @@ static const float forward_rows[][14] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    care_o_bot_4_forward_in in0;
-    care_o_bot_4_forward_out out0;
-    care_o_bot_4_forward_slip_in in1;
-    care_o_bot_4_forward_slip_out out1;
+    care_o_bot_4_wheels wheels0;
+    care_o_bot_4_twist twist0;
+    care_o_bot_4_wheels wheels1;
+    care_o_bot_4_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.fl.spin = row[0];
-    in0.fl.steer = row[1];
-    in0.b.spin = row[2];
-    in0.b.steer = row[3];
-    in0.fr.spin = row[4];
-    in0.fr.steer = row[5];
-    care_o_bot_4_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[6]);
-    misses += miss(out0.vy, &row[8]);
-    misses += miss(out0.omega, &row[10]);
-    in1.fl.spin = row[0];
-    in1.fl.steer = row[1];
-    in1.b.spin = row[2];
-    in1.b.steer = row[3];
-    in1.fr.spin = row[4];
-    in1.fr.steer = row[5];
-    care_o_bot_4_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[6]);
-    misses += miss(out1.vy, &row[8]);
-    misses += miss(out1.omega, &row[10]);
-    misses += miss(out1.slip, &row[12]);
+    wheels0.fl.spin = row[0];
+    wheels0.fl.steer = row[1];
+    wheels0.b.spin = row[2];
+    wheels0.b.steer = row[3];
+    wheels0.fr.spin = row[4];
+    wheels0.fr.steer = row[5];
+    care_o_bot_4_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[6]);
+    misses += miss(twist0.vy, &row[8]);
+    misses += miss(twist0.omega, &row[10]);
+    wheels1.fl.spin = row[0];
+    wheels1.fl.steer = row[1];
+    wheels1.b.spin = row[2];
+    wheels1.b.steer = row[3];
+    wheels1.fr.spin = row[4];
+    wheels1.fr.steer = row[5];
+    care_o_bot_4_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[6]);
+    misses += miss(twist1.vy, &row[8]);
+    misses += miss(twist1.omega, &row[10]);
+    misses += miss(slip1, &row[12]);
     return misses;
 }
 
@@ -484,21 +487,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    care_o_bot_4_odometry_in in0;
-    care_o_bot_4_odometry_out out0;
+    care_o_bot_4_pose pose0;
+    care_o_bot_4_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    care_o_bot_4_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    care_o_bot_4_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -532,29 +536,30 @@ static const float law_of_inverse_rows[][12] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    care_o_bot_4_inverse_in in0;
-    care_o_bot_4_inverse_out out0;
-    care_o_bot_4_forward_in in1;
-    care_o_bot_4_forward_out out1;
+    care_o_bot_4_twist twist0;
+    care_o_bot_4_wheels now0;
+    care_o_bot_4_wheels out0;
+    care_o_bot_4_wheels wheels1;
+    care_o_bot_4_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.fl.steer = row[3];
-    in0.b.steer = row[4];
-    in0.fr.steer = row[5];
-    care_o_bot_4_inverse(&in0, &out0);
-    in1.fl.spin = out0.fl.spin;
-    in1.fl.steer = out0.fl.steer;
-    in1.b.spin = out0.b.spin;
-    in1.b.steer = out0.b.steer;
-    in1.fr.spin = out0.fr.spin;
-    in1.fr.steer = out0.fr.steer;
-    care_o_bot_4_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[6]);
-    misses += miss(out1.vy, &row[8]);
-    misses += miss(out1.omega, &row[10]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.fl.steer = row[3];
+    now0.b.steer = row[4];
+    now0.fr.steer = row[5];
+    care_o_bot_4_inverse(&twist0, &now0, &out0);
+    wheels1.fl.spin = out0.fl.spin;
+    wheels1.fl.steer = out0.fl.steer;
+    wheels1.b.spin = out0.b.spin;
+    wheels1.b.steer = out0.b.steer;
+    wheels1.fr.spin = out0.fr.spin;
+    wheels1.fr.steer = out0.fr.steer;
+    care_o_bot_4_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[6]);
+    misses += miss(twist1.vy, &row[8]);
+    misses += miss(twist1.omega, &row[10]);
     return misses;
 }
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_R100_PAIR_48f7ac12e76e81b1)
+#if !defined(CLEARPATH_R100_PAIR_f616022cbad17dfb)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 
@@ -163,27 +163,27 @@ static int inverse_misses(const float *row)
 {
     clearpath_r100_params params;
     clearpath_r100_prepared prepared;
-    clearpath_r100_inverse_in in0;
-    clearpath_r100_inverse_out out0;
-    clearpath_r100_inverse_slip_in in1;
-    clearpath_r100_inverse_slip_out out1;
+    clearpath_r100_twist twist0;
+    clearpath_r100_wheels out0;
+    clearpath_r100_twist twist1;
+    float slip1;
     int misses = 0;
 
     clearpath_r100_params_default(&params);
     clearpath_r100_prepare(&params, &prepared);
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    clearpath_r100_inverse(&prepared, &in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    clearpath_r100_inverse(&prepared, &twist0, &out0);
     misses += miss(out0.front_left.spin, &row[3]);
     misses += miss(out0.front_right.spin, &row[5]);
     misses += miss(out0.rear_left.spin, &row[7]);
     misses += miss(out0.rear_right.spin, &row[9]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    clearpath_r100_inverse_slip(&prepared, &in1, &out1);
-    misses += miss(out1.slip, &row[11]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    clearpath_r100_inverse_slip(&prepared, &twist1, &slip1);
+    misses += miss(slip1, &row[11]);
     return misses;
 }
 
@@ -268,31 +268,32 @@ static int forward_misses(const float *row)
 {
     clearpath_r100_params params;
     clearpath_r100_prepared prepared;
-    clearpath_r100_forward_in in0;
-    clearpath_r100_forward_out out0;
-    clearpath_r100_forward_slip_in in1;
-    clearpath_r100_forward_slip_out out1;
+    clearpath_r100_wheels wheels0;
+    clearpath_r100_twist twist0;
+    clearpath_r100_wheels wheels1;
+    clearpath_r100_twist twist1;
+    float slip1;
     int misses = 0;
 
     clearpath_r100_params_default(&params);
     clearpath_r100_prepare(&params, &prepared);
-    in0.front_left.spin = row[0];
-    in0.front_right.spin = row[1];
-    in0.rear_left.spin = row[2];
-    in0.rear_right.spin = row[3];
-    clearpath_r100_forward(&prepared, &in0, &out0);
-    misses += miss(out0.vx, &row[4]);
-    misses += miss(out0.vy, &row[6]);
-    misses += miss(out0.omega, &row[8]);
-    in1.front_left.spin = row[0];
-    in1.front_right.spin = row[1];
-    in1.rear_left.spin = row[2];
-    in1.rear_right.spin = row[3];
-    clearpath_r100_forward_slip(&prepared, &in1, &out1);
-    misses += miss(out1.vx, &row[4]);
-    misses += miss(out1.vy, &row[6]);
-    misses += miss(out1.omega, &row[8]);
-    misses += miss(out1.slip, &row[10]);
+    wheels0.front_left.spin = row[0];
+    wheels0.front_right.spin = row[1];
+    wheels0.rear_left.spin = row[2];
+    wheels0.rear_right.spin = row[3];
+    clearpath_r100_forward(&prepared, &wheels0, &twist0);
+    misses += miss(twist0.vx, &row[4]);
+    misses += miss(twist0.vy, &row[6]);
+    misses += miss(twist0.omega, &row[8]);
+    wheels1.front_left.spin = row[0];
+    wheels1.front_right.spin = row[1];
+    wheels1.rear_left.spin = row[2];
+    wheels1.rear_right.spin = row[3];
+    clearpath_r100_forward_slip(&prepared, &wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[4]);
+    misses += miss(twist1.vy, &row[6]);
+    misses += miss(twist1.omega, &row[8]);
+    misses += miss(slip1, &row[10]);
     return misses;
 }
 
@@ -433,21 +434,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    clearpath_r100_odometry_in in0;
-    clearpath_r100_odometry_out out0;
+    clearpath_r100_pose pose0;
+    clearpath_r100_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    clearpath_r100_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    clearpath_r100_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -475,26 +477,26 @@ static int law_of_inverse_misses(const float *row)
 {
     clearpath_r100_params params;
     clearpath_r100_prepared prepared;
-    clearpath_r100_inverse_in in0;
-    clearpath_r100_inverse_out out0;
-    clearpath_r100_forward_in in1;
-    clearpath_r100_forward_out out1;
+    clearpath_r100_twist twist0;
+    clearpath_r100_wheels out0;
+    clearpath_r100_wheels wheels1;
+    clearpath_r100_twist twist1;
     int misses = 0;
 
     clearpath_r100_params_default(&params);
     clearpath_r100_prepare(&params, &prepared);
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    clearpath_r100_inverse(&prepared, &in0, &out0);
-    in1.front_left.spin = out0.front_left.spin;
-    in1.front_right.spin = out0.front_right.spin;
-    in1.rear_left.spin = out0.rear_left.spin;
-    in1.rear_right.spin = out0.rear_right.spin;
-    clearpath_r100_forward(&prepared, &in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    clearpath_r100_inverse(&prepared, &twist0, &out0);
+    wheels1.front_left.spin = out0.front_left.spin;
+    wheels1.front_right.spin = out0.front_right.spin;
+    wheels1.rear_left.spin = out0.rear_left.spin;
+    wheels1.rear_right.spin = out0.rear_right.spin;
+    clearpath_r100_forward(&prepared, &wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

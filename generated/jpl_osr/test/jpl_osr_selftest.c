@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(JPL_OSR_PAIR_0e5a63536da6b0a5)
+#if !defined(JPL_OSR_PAIR_66e88eba2b612eed)
 #error "jpl_osr_selftest.c and jpl_osr.h were not generated together: copy both"
 #endif
 
@@ -296,20 +296,22 @@ static const float inverse_rows[][29] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    jpl_osr_inverse_in in0;
-    jpl_osr_inverse_out out0;
-    jpl_osr_inverse_slip_in in1;
-    jpl_osr_inverse_slip_out out1;
+    jpl_osr_twist twist0;
+    jpl_osr_wheels now0;
+    jpl_osr_wheels out0;
+    jpl_osr_twist twist1;
+    jpl_osr_wheels wheels1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.left_front.steer = row[3];
-    in0.right_front.steer = row[4];
-    in0.left_back.steer = row[5];
-    in0.right_back.steer = row[6];
-    jpl_osr_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.left_front.steer = row[3];
+    now0.right_front.steer = row[4];
+    now0.left_back.steer = row[5];
+    now0.right_back.steer = row[6];
+    jpl_osr_inverse(&twist0, &now0, &out0);
     misses += miss(out0.left_front.spin, &row[7]);
     misses += miss(out0.left_front.steer, &row[9]);
     misses += miss(out0.right_front.spin, &row[11]);
@@ -320,15 +322,15 @@ static int inverse_misses(const float *row)
     misses += miss(out0.right_back.steer, &row[21]);
     misses += miss(out0.left_middle.spin, &row[23]);
     misses += miss(out0.right_middle.spin, &row[25]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    in1.left_front.steer = row[3];
-    in1.right_front.steer = row[4];
-    in1.left_back.steer = row[5];
-    in1.right_back.steer = row[6];
-    jpl_osr_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[27]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    wheels1.left_front.steer = row[3];
+    wheels1.right_front.steer = row[4];
+    wheels1.left_back.steer = row[5];
+    wheels1.right_back.steer = row[6];
+    jpl_osr_inverse_slip(&twist1, &wheels1, &slip1);
+    misses += miss(slip1, &row[27]);
     return misses;
 }
 
@@ -427,41 +429,42 @@ static const float forward_rows[][18] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    jpl_osr_forward_in in0;
-    jpl_osr_forward_out out0;
-    jpl_osr_forward_slip_in in1;
-    jpl_osr_forward_slip_out out1;
+    jpl_osr_wheels wheels0;
+    jpl_osr_twist twist0;
+    jpl_osr_wheels wheels1;
+    jpl_osr_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.left_front.spin = row[0];
-    in0.left_front.steer = row[1];
-    in0.right_front.spin = row[2];
-    in0.right_front.steer = row[3];
-    in0.left_back.spin = row[4];
-    in0.left_back.steer = row[5];
-    in0.right_back.spin = row[6];
-    in0.right_back.steer = row[7];
-    in0.left_middle.spin = row[8];
-    in0.right_middle.spin = row[9];
-    jpl_osr_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[10]);
-    misses += miss(out0.vy, &row[12]);
-    misses += miss(out0.omega, &row[14]);
-    in1.left_front.spin = row[0];
-    in1.left_front.steer = row[1];
-    in1.right_front.spin = row[2];
-    in1.right_front.steer = row[3];
-    in1.left_back.spin = row[4];
-    in1.left_back.steer = row[5];
-    in1.right_back.spin = row[6];
-    in1.right_back.steer = row[7];
-    in1.left_middle.spin = row[8];
-    in1.right_middle.spin = row[9];
-    jpl_osr_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[10]);
-    misses += miss(out1.vy, &row[12]);
-    misses += miss(out1.omega, &row[14]);
-    misses += miss(out1.slip, &row[16]);
+    wheels0.left_front.spin = row[0];
+    wheels0.left_front.steer = row[1];
+    wheels0.right_front.spin = row[2];
+    wheels0.right_front.steer = row[3];
+    wheels0.left_back.spin = row[4];
+    wheels0.left_back.steer = row[5];
+    wheels0.right_back.spin = row[6];
+    wheels0.right_back.steer = row[7];
+    wheels0.left_middle.spin = row[8];
+    wheels0.right_middle.spin = row[9];
+    jpl_osr_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[10]);
+    misses += miss(twist0.vy, &row[12]);
+    misses += miss(twist0.omega, &row[14]);
+    wheels1.left_front.spin = row[0];
+    wheels1.left_front.steer = row[1];
+    wheels1.right_front.spin = row[2];
+    wheels1.right_front.steer = row[3];
+    wheels1.left_back.spin = row[4];
+    wheels1.left_back.steer = row[5];
+    wheels1.right_back.spin = row[6];
+    wheels1.right_back.steer = row[7];
+    wheels1.left_middle.spin = row[8];
+    wheels1.right_middle.spin = row[9];
+    jpl_osr_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[10]);
+    misses += miss(twist1.vy, &row[12]);
+    misses += miss(twist1.omega, &row[14]);
+    misses += miss(slip1, &row[16]);
     return misses;
 }
 
@@ -609,21 +612,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    jpl_osr_odometry_in in0;
-    jpl_osr_odometry_out out0;
+    jpl_osr_pose pose0;
+    jpl_osr_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    jpl_osr_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    jpl_osr_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -656,34 +660,35 @@ static const float law_of_inverse_rows[][13] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    jpl_osr_inverse_in in0;
-    jpl_osr_inverse_out out0;
-    jpl_osr_forward_in in1;
-    jpl_osr_forward_out out1;
+    jpl_osr_twist twist0;
+    jpl_osr_wheels now0;
+    jpl_osr_wheels out0;
+    jpl_osr_wheels wheels1;
+    jpl_osr_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.left_front.steer = row[3];
-    in0.right_front.steer = row[4];
-    in0.left_back.steer = row[5];
-    in0.right_back.steer = row[6];
-    jpl_osr_inverse(&in0, &out0);
-    in1.left_front.spin = out0.left_front.spin;
-    in1.left_front.steer = out0.left_front.steer;
-    in1.right_front.spin = out0.right_front.spin;
-    in1.right_front.steer = out0.right_front.steer;
-    in1.left_back.spin = out0.left_back.spin;
-    in1.left_back.steer = out0.left_back.steer;
-    in1.right_back.spin = out0.right_back.spin;
-    in1.right_back.steer = out0.right_back.steer;
-    in1.left_middle.spin = out0.left_middle.spin;
-    in1.right_middle.spin = out0.right_middle.spin;
-    jpl_osr_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[7]);
-    misses += miss(out1.vy, &row[9]);
-    misses += miss(out1.omega, &row[11]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.left_front.steer = row[3];
+    now0.right_front.steer = row[4];
+    now0.left_back.steer = row[5];
+    now0.right_back.steer = row[6];
+    jpl_osr_inverse(&twist0, &now0, &out0);
+    wheels1.left_front.spin = out0.left_front.spin;
+    wheels1.left_front.steer = out0.left_front.steer;
+    wheels1.right_front.spin = out0.right_front.spin;
+    wheels1.right_front.steer = out0.right_front.steer;
+    wheels1.left_back.spin = out0.left_back.spin;
+    wheels1.left_back.steer = out0.left_back.steer;
+    wheels1.right_back.spin = out0.right_back.spin;
+    wheels1.right_back.steer = out0.right_back.steer;
+    wheels1.left_middle.spin = out0.left_middle.spin;
+    wheels1.right_middle.spin = out0.right_middle.spin;
+    jpl_osr_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[7]);
+    misses += miss(twist1.vy, &row[9]);
+    misses += miss(twist1.omega, &row[11]);
     return misses;
 }
 

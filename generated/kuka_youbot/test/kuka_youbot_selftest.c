@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_2f40bc3145ce25bd)
+#if !defined(KUKA_YOUBOT_PAIR_e7fa81de668a93ba)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 
@@ -163,27 +163,27 @@ static int inverse_misses(const float *row)
 {
     kuka_youbot_params params;
     kuka_youbot_prepared prepared;
-    kuka_youbot_inverse_in in0;
-    kuka_youbot_inverse_out out0;
-    kuka_youbot_inverse_slip_in in1;
-    kuka_youbot_inverse_slip_out out1;
+    kuka_youbot_twist twist0;
+    kuka_youbot_wheels out0;
+    kuka_youbot_twist twist1;
+    float slip1;
     int misses = 0;
 
     kuka_youbot_params_default(&params);
     kuka_youbot_prepare(&params, &prepared);
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    kuka_youbot_inverse(&prepared, &in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    kuka_youbot_inverse(&prepared, &twist0, &out0);
     misses += miss(out0.fl.spin, &row[3]);
     misses += miss(out0.fr.spin, &row[5]);
     misses += miss(out0.bl.spin, &row[7]);
     misses += miss(out0.br.spin, &row[9]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    kuka_youbot_inverse_slip(&prepared, &in1, &out1);
-    misses += miss(out1.slip, &row[11]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    kuka_youbot_inverse_slip(&prepared, &twist1, &slip1);
+    misses += miss(slip1, &row[11]);
     return misses;
 }
 
@@ -267,31 +267,32 @@ static int forward_misses(const float *row)
 {
     kuka_youbot_params params;
     kuka_youbot_prepared prepared;
-    kuka_youbot_forward_in in0;
-    kuka_youbot_forward_out out0;
-    kuka_youbot_forward_slip_in in1;
-    kuka_youbot_forward_slip_out out1;
+    kuka_youbot_wheels wheels0;
+    kuka_youbot_twist twist0;
+    kuka_youbot_wheels wheels1;
+    kuka_youbot_twist twist1;
+    float slip1;
     int misses = 0;
 
     kuka_youbot_params_default(&params);
     kuka_youbot_prepare(&params, &prepared);
-    in0.fl.spin = row[0];
-    in0.fr.spin = row[1];
-    in0.bl.spin = row[2];
-    in0.br.spin = row[3];
-    kuka_youbot_forward(&prepared, &in0, &out0);
-    misses += miss(out0.vx, &row[4]);
-    misses += miss(out0.vy, &row[6]);
-    misses += miss(out0.omega, &row[8]);
-    in1.fl.spin = row[0];
-    in1.fr.spin = row[1];
-    in1.bl.spin = row[2];
-    in1.br.spin = row[3];
-    kuka_youbot_forward_slip(&prepared, &in1, &out1);
-    misses += miss(out1.vx, &row[4]);
-    misses += miss(out1.vy, &row[6]);
-    misses += miss(out1.omega, &row[8]);
-    misses += miss(out1.slip, &row[10]);
+    wheels0.fl.spin = row[0];
+    wheels0.fr.spin = row[1];
+    wheels0.bl.spin = row[2];
+    wheels0.br.spin = row[3];
+    kuka_youbot_forward(&prepared, &wheels0, &twist0);
+    misses += miss(twist0.vx, &row[4]);
+    misses += miss(twist0.vy, &row[6]);
+    misses += miss(twist0.omega, &row[8]);
+    wheels1.fl.spin = row[0];
+    wheels1.fr.spin = row[1];
+    wheels1.bl.spin = row[2];
+    wheels1.br.spin = row[3];
+    kuka_youbot_forward_slip(&prepared, &wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[4]);
+    misses += miss(twist1.vy, &row[6]);
+    misses += miss(twist1.omega, &row[8]);
+    misses += miss(slip1, &row[10]);
     return misses;
 }
 
@@ -432,21 +433,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    kuka_youbot_odometry_in in0;
-    kuka_youbot_odometry_out out0;
+    kuka_youbot_pose pose0;
+    kuka_youbot_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    kuka_youbot_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    kuka_youbot_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -476,26 +478,26 @@ static int law_of_inverse_misses(const float *row)
 {
     kuka_youbot_params params;
     kuka_youbot_prepared prepared;
-    kuka_youbot_inverse_in in0;
-    kuka_youbot_inverse_out out0;
-    kuka_youbot_forward_in in1;
-    kuka_youbot_forward_out out1;
+    kuka_youbot_twist twist0;
+    kuka_youbot_wheels out0;
+    kuka_youbot_wheels wheels1;
+    kuka_youbot_twist twist1;
     int misses = 0;
 
     kuka_youbot_params_default(&params);
     kuka_youbot_prepare(&params, &prepared);
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    kuka_youbot_inverse(&prepared, &in0, &out0);
-    in1.fl.spin = out0.fl.spin;
-    in1.fr.spin = out0.fr.spin;
-    in1.bl.spin = out0.bl.spin;
-    in1.br.spin = out0.br.spin;
-    kuka_youbot_forward(&prepared, &in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    kuka_youbot_inverse(&prepared, &twist0, &out0);
+    wheels1.fl.spin = out0.fl.spin;
+    wheels1.fr.spin = out0.fr.spin;
+    wheels1.bl.spin = out0.bl.spin;
+    wheels1.br.spin = out0.br.spin;
+    kuka_youbot_forward(&prepared, &wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LOCKED_BICYCLE_PAIR_73df83beeec3cd1b)
+#if !defined(LOCKED_BICYCLE_PAIR_1e24a7e6164c88d6)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 
@@ -116,23 +116,23 @@ static const float inverse_rows[][9] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    locked_bicycle_inverse_in in0;
-    locked_bicycle_inverse_out out0;
-    locked_bicycle_inverse_slip_in in1;
-    locked_bicycle_inverse_slip_out out1;
+    locked_bicycle_twist twist0;
+    locked_bicycle_wheels out0;
+    locked_bicycle_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    locked_bicycle_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    locked_bicycle_inverse(&twist0, &out0);
     misses += miss(out0.front.spin, &row[3]);
     misses += miss(out0.rear.spin, &row[5]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    locked_bicycle_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[7]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    locked_bicycle_inverse_slip(&twist1, &slip1);
+    misses += miss(slip1, &row[7]);
     return misses;
 }
 
@@ -184,25 +184,26 @@ static const float forward_rows[][10] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    locked_bicycle_forward_in in0;
-    locked_bicycle_forward_out out0;
-    locked_bicycle_forward_slip_in in1;
-    locked_bicycle_forward_slip_out out1;
+    locked_bicycle_wheels wheels0;
+    locked_bicycle_twist twist0;
+    locked_bicycle_wheels wheels1;
+    locked_bicycle_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.front.spin = row[0];
-    in0.rear.spin = row[1];
-    locked_bicycle_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[2]);
-    misses += miss(out0.vy, &row[4]);
-    misses += miss(out0.omega, &row[6]);
-    in1.front.spin = row[0];
-    in1.rear.spin = row[1];
-    locked_bicycle_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[2]);
-    misses += miss(out1.vy, &row[4]);
-    misses += miss(out1.omega, &row[6]);
-    misses += miss(out1.slip, &row[8]);
+    wheels0.front.spin = row[0];
+    wheels0.rear.spin = row[1];
+    locked_bicycle_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[2]);
+    misses += miss(twist0.vy, &row[4]);
+    misses += miss(twist0.omega, &row[6]);
+    wheels1.front.spin = row[0];
+    wheels1.rear.spin = row[1];
+    locked_bicycle_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[2]);
+    misses += miss(twist1.vy, &row[4]);
+    misses += miss(twist1.omega, &row[6]);
+    misses += miss(slip1, &row[8]);
     return misses;
 }
 
@@ -326,21 +327,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    locked_bicycle_odometry_in in0;
-    locked_bicycle_odometry_out out0;
+    locked_bicycle_pose pose0;
+    locked_bicycle_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    locked_bicycle_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    locked_bicycle_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -353,22 +355,22 @@ static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    locked_bicycle_inverse_in in0;
-    locked_bicycle_inverse_out out0;
-    locked_bicycle_forward_in in1;
-    locked_bicycle_forward_out out1;
+    locked_bicycle_twist twist0;
+    locked_bicycle_wheels out0;
+    locked_bicycle_wheels wheels1;
+    locked_bicycle_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    locked_bicycle_inverse(&in0, &out0);
-    in1.front.spin = out0.front.spin;
-    in1.rear.spin = out0.rear.spin;
-    locked_bicycle_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    locked_bicycle_inverse(&twist0, &out0);
+    wheels1.front.spin = out0.front.spin;
+    wheels1.rear.spin = out0.rear.spin;
+    locked_bicycle_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

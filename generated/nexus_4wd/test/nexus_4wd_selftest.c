@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEXUS_4WD_PAIR_0a6253a51fb50892)
+#if !defined(NEXUS_4WD_PAIR_c50cf62b3623c601)
 #error "nexus_4wd_selftest.c and nexus_4wd.h were not generated together: copy both"
 #endif
 
@@ -152,25 +152,25 @@ static const float inverse_rows[][13] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    nexus_4wd_inverse_in in0;
-    nexus_4wd_inverse_out out0;
-    nexus_4wd_inverse_slip_in in1;
-    nexus_4wd_inverse_slip_out out1;
+    nexus_4wd_twist twist0;
+    nexus_4wd_wheels out0;
+    nexus_4wd_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    nexus_4wd_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    nexus_4wd_inverse(&twist0, &out0);
     misses += miss(out0.upper_left.spin, &row[3]);
     misses += miss(out0.lower_left.spin, &row[5]);
     misses += miss(out0.upper_right.spin, &row[7]);
     misses += miss(out0.lower_right.spin, &row[9]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    nexus_4wd_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[11]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    nexus_4wd_inverse_slip(&twist1, &slip1);
+    misses += miss(slip1, &row[11]);
     return misses;
 }
 
@@ -252,29 +252,30 @@ static const float forward_rows[][12] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    nexus_4wd_forward_in in0;
-    nexus_4wd_forward_out out0;
-    nexus_4wd_forward_slip_in in1;
-    nexus_4wd_forward_slip_out out1;
+    nexus_4wd_wheels wheels0;
+    nexus_4wd_twist twist0;
+    nexus_4wd_wheels wheels1;
+    nexus_4wd_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.upper_left.spin = row[0];
-    in0.lower_left.spin = row[1];
-    in0.upper_right.spin = row[2];
-    in0.lower_right.spin = row[3];
-    nexus_4wd_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[4]);
-    misses += miss(out0.vy, &row[6]);
-    misses += miss(out0.omega, &row[8]);
-    in1.upper_left.spin = row[0];
-    in1.lower_left.spin = row[1];
-    in1.upper_right.spin = row[2];
-    in1.lower_right.spin = row[3];
-    nexus_4wd_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[4]);
-    misses += miss(out1.vy, &row[6]);
-    misses += miss(out1.omega, &row[8]);
-    misses += miss(out1.slip, &row[10]);
+    wheels0.upper_left.spin = row[0];
+    wheels0.lower_left.spin = row[1];
+    wheels0.upper_right.spin = row[2];
+    wheels0.lower_right.spin = row[3];
+    nexus_4wd_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[4]);
+    misses += miss(twist0.vy, &row[6]);
+    misses += miss(twist0.omega, &row[8]);
+    wheels1.upper_left.spin = row[0];
+    wheels1.lower_left.spin = row[1];
+    wheels1.upper_right.spin = row[2];
+    wheels1.lower_right.spin = row[3];
+    nexus_4wd_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[4]);
+    misses += miss(twist1.vy, &row[6]);
+    misses += miss(twist1.omega, &row[8]);
+    misses += miss(slip1, &row[10]);
     return misses;
 }
 
@@ -410,21 +411,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    nexus_4wd_odometry_in in0;
-    nexus_4wd_odometry_out out0;
+    nexus_4wd_pose pose0;
+    nexus_4wd_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    nexus_4wd_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    nexus_4wd_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -450,24 +452,24 @@ static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    nexus_4wd_inverse_in in0;
-    nexus_4wd_inverse_out out0;
-    nexus_4wd_forward_in in1;
-    nexus_4wd_forward_out out1;
+    nexus_4wd_twist twist0;
+    nexus_4wd_wheels out0;
+    nexus_4wd_wheels wheels1;
+    nexus_4wd_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    nexus_4wd_inverse(&in0, &out0);
-    in1.upper_left.spin = out0.upper_left.spin;
-    in1.lower_left.spin = out0.lower_left.spin;
-    in1.upper_right.spin = out0.upper_right.spin;
-    in1.lower_right.spin = out0.lower_right.spin;
-    nexus_4wd_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    nexus_4wd_inverse(&twist0, &out0);
+    wheels1.upper_left.spin = out0.upper_left.spin;
+    wheels1.lower_left.spin = out0.lower_left.spin;
+    wheels1.upper_right.spin = out0.upper_right.spin;
+    wheels1.lower_right.spin = out0.lower_right.spin;
+    nexus_4wd_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NOMAD_XR4000_PAIR_d199f7ed0d4d9802)
+#if !defined(NOMAD_XR4000_PAIR_f5bbca712ab59dbc)
 #error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 
@@ -225,20 +225,22 @@ static const float inverse_rows[][25] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    nomad_xr4000_inverse_in in0;
-    nomad_xr4000_inverse_out out0;
-    nomad_xr4000_inverse_slip_in in1;
-    nomad_xr4000_inverse_slip_out out1;
+    nomad_xr4000_twist twist0;
+    nomad_xr4000_wheels now0;
+    nomad_xr4000_wheels out0;
+    nomad_xr4000_twist twist1;
+    nomad_xr4000_wheels wheels1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.castor1.steer = row[3];
-    in0.castor2.steer = row[4];
-    in0.castor3.steer = row[5];
-    in0.castor4.steer = row[6];
-    nomad_xr4000_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.castor1.steer = row[3];
+    now0.castor2.steer = row[4];
+    now0.castor3.steer = row[5];
+    now0.castor4.steer = row[6];
+    nomad_xr4000_inverse(&twist0, &now0, &out0);
     misses += miss(out0.castor1.spin, &row[7]);
     misses += miss(out0.castor1.steer_rate, &row[9]);
     misses += miss(out0.castor2.spin, &row[11]);
@@ -247,15 +249,15 @@ static int inverse_misses(const float *row)
     misses += miss(out0.castor3.steer_rate, &row[17]);
     misses += miss(out0.castor4.spin, &row[19]);
     misses += miss(out0.castor4.steer_rate, &row[21]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    in1.castor1.steer = row[3];
-    in1.castor2.steer = row[4];
-    in1.castor3.steer = row[5];
-    in1.castor4.steer = row[6];
-    nomad_xr4000_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[23]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    wheels1.castor1.steer = row[3];
+    wheels1.castor2.steer = row[4];
+    wheels1.castor3.steer = row[5];
+    wheels1.castor4.steer = row[6];
+    nomad_xr4000_inverse_slip(&twist1, &wheels1, &slip1);
+    misses += miss(slip1, &row[23]);
     return misses;
 }
 
@@ -369,45 +371,46 @@ static const float forward_rows[][20] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    nomad_xr4000_forward_in in0;
-    nomad_xr4000_forward_out out0;
-    nomad_xr4000_forward_slip_in in1;
-    nomad_xr4000_forward_slip_out out1;
+    nomad_xr4000_wheels wheels0;
+    nomad_xr4000_twist twist0;
+    nomad_xr4000_wheels wheels1;
+    nomad_xr4000_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.castor1.spin = row[0];
-    in0.castor1.steer = row[1];
-    in0.castor1.steer_rate = row[2];
-    in0.castor2.spin = row[3];
-    in0.castor2.steer = row[4];
-    in0.castor2.steer_rate = row[5];
-    in0.castor3.spin = row[6];
-    in0.castor3.steer = row[7];
-    in0.castor3.steer_rate = row[8];
-    in0.castor4.spin = row[9];
-    in0.castor4.steer = row[10];
-    in0.castor4.steer_rate = row[11];
-    nomad_xr4000_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[12]);
-    misses += miss(out0.vy, &row[14]);
-    misses += miss(out0.omega, &row[16]);
-    in1.castor1.spin = row[0];
-    in1.castor1.steer = row[1];
-    in1.castor1.steer_rate = row[2];
-    in1.castor2.spin = row[3];
-    in1.castor2.steer = row[4];
-    in1.castor2.steer_rate = row[5];
-    in1.castor3.spin = row[6];
-    in1.castor3.steer = row[7];
-    in1.castor3.steer_rate = row[8];
-    in1.castor4.spin = row[9];
-    in1.castor4.steer = row[10];
-    in1.castor4.steer_rate = row[11];
-    nomad_xr4000_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[12]);
-    misses += miss(out1.vy, &row[14]);
-    misses += miss(out1.omega, &row[16]);
-    misses += miss(out1.slip, &row[18]);
+    wheels0.castor1.spin = row[0];
+    wheels0.castor1.steer = row[1];
+    wheels0.castor1.steer_rate = row[2];
+    wheels0.castor2.spin = row[3];
+    wheels0.castor2.steer = row[4];
+    wheels0.castor2.steer_rate = row[5];
+    wheels0.castor3.spin = row[6];
+    wheels0.castor3.steer = row[7];
+    wheels0.castor3.steer_rate = row[8];
+    wheels0.castor4.spin = row[9];
+    wheels0.castor4.steer = row[10];
+    wheels0.castor4.steer_rate = row[11];
+    nomad_xr4000_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[12]);
+    misses += miss(twist0.vy, &row[14]);
+    misses += miss(twist0.omega, &row[16]);
+    wheels1.castor1.spin = row[0];
+    wheels1.castor1.steer = row[1];
+    wheels1.castor1.steer_rate = row[2];
+    wheels1.castor2.spin = row[3];
+    wheels1.castor2.steer = row[4];
+    wheels1.castor2.steer_rate = row[5];
+    wheels1.castor3.spin = row[6];
+    wheels1.castor3.steer = row[7];
+    wheels1.castor3.steer_rate = row[8];
+    wheels1.castor4.spin = row[9];
+    wheels1.castor4.steer = row[10];
+    wheels1.castor4.steer_rate = row[11];
+    nomad_xr4000_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[12]);
+    misses += miss(twist1.vy, &row[14]);
+    misses += miss(twist1.omega, &row[16]);
+    misses += miss(slip1, &row[18]);
     return misses;
 }
 
@@ -548,21 +551,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    nomad_xr4000_odometry_in in0;
-    nomad_xr4000_odometry_out out0;
+    nomad_xr4000_pose pose0;
+    nomad_xr4000_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    nomad_xr4000_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    nomad_xr4000_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -600,36 +604,37 @@ static const float law_of_inverse_rows[][13] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    nomad_xr4000_inverse_in in0;
-    nomad_xr4000_inverse_out out0;
-    nomad_xr4000_forward_in in1;
-    nomad_xr4000_forward_out out1;
+    nomad_xr4000_twist twist0;
+    nomad_xr4000_wheels now0;
+    nomad_xr4000_wheels out0;
+    nomad_xr4000_wheels wheels1;
+    nomad_xr4000_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.castor1.steer = row[3];
-    in0.castor2.steer = row[4];
-    in0.castor3.steer = row[5];
-    in0.castor4.steer = row[6];
-    nomad_xr4000_inverse(&in0, &out0);
-    in1.castor1.spin = out0.castor1.spin;
-    in1.castor1.steer = row[3];
-    in1.castor1.steer_rate = out0.castor1.steer_rate;
-    in1.castor2.spin = out0.castor2.spin;
-    in1.castor2.steer = row[4];
-    in1.castor2.steer_rate = out0.castor2.steer_rate;
-    in1.castor3.spin = out0.castor3.spin;
-    in1.castor3.steer = row[5];
-    in1.castor3.steer_rate = out0.castor3.steer_rate;
-    in1.castor4.spin = out0.castor4.spin;
-    in1.castor4.steer = row[6];
-    in1.castor4.steer_rate = out0.castor4.steer_rate;
-    nomad_xr4000_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[7]);
-    misses += miss(out1.vy, &row[9]);
-    misses += miss(out1.omega, &row[11]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.castor1.steer = row[3];
+    now0.castor2.steer = row[4];
+    now0.castor3.steer = row[5];
+    now0.castor4.steer = row[6];
+    nomad_xr4000_inverse(&twist0, &now0, &out0);
+    wheels1.castor1.spin = out0.castor1.spin;
+    wheels1.castor1.steer = row[3];
+    wheels1.castor1.steer_rate = out0.castor1.steer_rate;
+    wheels1.castor2.spin = out0.castor2.spin;
+    wheels1.castor2.steer = row[4];
+    wheels1.castor2.steer_rate = out0.castor2.steer_rate;
+    wheels1.castor3.spin = out0.castor3.spin;
+    wheels1.castor3.steer = row[5];
+    wheels1.castor3.steer_rate = out0.castor3.steer_rate;
+    wheels1.castor4.spin = out0.castor4.spin;
+    wheels1.castor4.steer = row[6];
+    wheels1.castor4.steer_rate = out0.castor4.steer_rate;
+    nomad_xr4000_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[7]);
+    misses += miss(twist1.vy, &row[9]);
+    misses += miss(twist1.omega, &row[11]);
     return misses;
 }
 

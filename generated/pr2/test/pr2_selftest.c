@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_ad6b9d0af01d31ac)
+#if !defined(PR2_PAIR_fc550e08d70d6ced)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 
@@ -337,24 +337,26 @@ static const float inverse_rows[][45] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    pr2_inverse_in in0;
-    pr2_inverse_out out0;
-    pr2_inverse_slip_in in1;
-    pr2_inverse_slip_out out1;
+    pr2_twist twist0;
+    pr2_wheels now0;
+    pr2_wheels out0;
+    pr2_twist twist1;
+    pr2_wheels wheels1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.fl_l.steer = row[3];
-    in0.fl_r.steer = row[4];
-    in0.fr_l.steer = row[5];
-    in0.fr_r.steer = row[6];
-    in0.bl_l.steer = row[7];
-    in0.bl_r.steer = row[8];
-    in0.br_l.steer = row[9];
-    in0.br_r.steer = row[10];
-    pr2_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.fl_l.steer = row[3];
+    now0.fl_r.steer = row[4];
+    now0.fr_l.steer = row[5];
+    now0.fr_r.steer = row[6];
+    now0.bl_l.steer = row[7];
+    now0.bl_r.steer = row[8];
+    now0.br_l.steer = row[9];
+    now0.br_r.steer = row[10];
+    pr2_inverse(&twist0, &now0, &out0);
     misses += miss(out0.fl_l.spin, &row[11]);
     misses += miss(out0.fl_l.steer, &row[13]);
     misses += miss(out0.fl_r.spin, &row[15]);
@@ -371,19 +373,19 @@ static int inverse_misses(const float *row)
     misses += miss(out0.br_l.steer, &row[37]);
     misses += miss(out0.br_r.spin, &row[39]);
     misses += miss(out0.br_r.steer, &row[41]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    in1.fl_l.steer = row[3];
-    in1.fl_r.steer = row[4];
-    in1.fr_l.steer = row[5];
-    in1.fr_r.steer = row[6];
-    in1.bl_l.steer = row[7];
-    in1.bl_r.steer = row[8];
-    in1.br_l.steer = row[9];
-    in1.br_r.steer = row[10];
-    pr2_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[43]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    wheels1.fl_l.steer = row[3];
+    wheels1.fl_r.steer = row[4];
+    wheels1.fr_l.steer = row[5];
+    wheels1.fr_r.steer = row[6];
+    wheels1.bl_l.steer = row[7];
+    wheels1.bl_r.steer = row[8];
+    wheels1.br_l.steer = row[9];
+    wheels1.br_r.steer = row[10];
+    pr2_inverse_slip(&twist1, &wheels1, &slip1);
+    misses += miss(slip1, &row[43]);
     return misses;
 }
 
@@ -536,69 +538,70 @@ static const float forward_rows[][32] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    pr2_forward_in in0;
-    pr2_forward_out out0;
-    pr2_forward_slip_in in1;
-    pr2_forward_slip_out out1;
+    pr2_wheels wheels0;
+    pr2_twist twist0;
+    pr2_wheels wheels1;
+    pr2_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.fl_l.spin = row[0];
-    in0.fl_l.steer = row[1];
-    in0.fl_l.steer_rate = row[2];
-    in0.fl_r.spin = row[3];
-    in0.fl_r.steer = row[4];
-    in0.fl_r.steer_rate = row[5];
-    in0.fr_l.spin = row[6];
-    in0.fr_l.steer = row[7];
-    in0.fr_l.steer_rate = row[8];
-    in0.fr_r.spin = row[9];
-    in0.fr_r.steer = row[10];
-    in0.fr_r.steer_rate = row[11];
-    in0.bl_l.spin = row[12];
-    in0.bl_l.steer = row[13];
-    in0.bl_l.steer_rate = row[14];
-    in0.bl_r.spin = row[15];
-    in0.bl_r.steer = row[16];
-    in0.bl_r.steer_rate = row[17];
-    in0.br_l.spin = row[18];
-    in0.br_l.steer = row[19];
-    in0.br_l.steer_rate = row[20];
-    in0.br_r.spin = row[21];
-    in0.br_r.steer = row[22];
-    in0.br_r.steer_rate = row[23];
-    pr2_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[24]);
-    misses += miss(out0.vy, &row[26]);
-    misses += miss(out0.omega, &row[28]);
-    in1.fl_l.spin = row[0];
-    in1.fl_l.steer = row[1];
-    in1.fl_l.steer_rate = row[2];
-    in1.fl_r.spin = row[3];
-    in1.fl_r.steer = row[4];
-    in1.fl_r.steer_rate = row[5];
-    in1.fr_l.spin = row[6];
-    in1.fr_l.steer = row[7];
-    in1.fr_l.steer_rate = row[8];
-    in1.fr_r.spin = row[9];
-    in1.fr_r.steer = row[10];
-    in1.fr_r.steer_rate = row[11];
-    in1.bl_l.spin = row[12];
-    in1.bl_l.steer = row[13];
-    in1.bl_l.steer_rate = row[14];
-    in1.bl_r.spin = row[15];
-    in1.bl_r.steer = row[16];
-    in1.bl_r.steer_rate = row[17];
-    in1.br_l.spin = row[18];
-    in1.br_l.steer = row[19];
-    in1.br_l.steer_rate = row[20];
-    in1.br_r.spin = row[21];
-    in1.br_r.steer = row[22];
-    in1.br_r.steer_rate = row[23];
-    pr2_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[24]);
-    misses += miss(out1.vy, &row[26]);
-    misses += miss(out1.omega, &row[28]);
-    misses += miss(out1.slip, &row[30]);
+    wheels0.fl_l.spin = row[0];
+    wheels0.fl_l.steer = row[1];
+    wheels0.fl_l.steer_rate = row[2];
+    wheels0.fl_r.spin = row[3];
+    wheels0.fl_r.steer = row[4];
+    wheels0.fl_r.steer_rate = row[5];
+    wheels0.fr_l.spin = row[6];
+    wheels0.fr_l.steer = row[7];
+    wheels0.fr_l.steer_rate = row[8];
+    wheels0.fr_r.spin = row[9];
+    wheels0.fr_r.steer = row[10];
+    wheels0.fr_r.steer_rate = row[11];
+    wheels0.bl_l.spin = row[12];
+    wheels0.bl_l.steer = row[13];
+    wheels0.bl_l.steer_rate = row[14];
+    wheels0.bl_r.spin = row[15];
+    wheels0.bl_r.steer = row[16];
+    wheels0.bl_r.steer_rate = row[17];
+    wheels0.br_l.spin = row[18];
+    wheels0.br_l.steer = row[19];
+    wheels0.br_l.steer_rate = row[20];
+    wheels0.br_r.spin = row[21];
+    wheels0.br_r.steer = row[22];
+    wheels0.br_r.steer_rate = row[23];
+    pr2_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[24]);
+    misses += miss(twist0.vy, &row[26]);
+    misses += miss(twist0.omega, &row[28]);
+    wheels1.fl_l.spin = row[0];
+    wheels1.fl_l.steer = row[1];
+    wheels1.fl_l.steer_rate = row[2];
+    wheels1.fl_r.spin = row[3];
+    wheels1.fl_r.steer = row[4];
+    wheels1.fl_r.steer_rate = row[5];
+    wheels1.fr_l.spin = row[6];
+    wheels1.fr_l.steer = row[7];
+    wheels1.fr_l.steer_rate = row[8];
+    wheels1.fr_r.spin = row[9];
+    wheels1.fr_r.steer = row[10];
+    wheels1.fr_r.steer_rate = row[11];
+    wheels1.bl_l.spin = row[12];
+    wheels1.bl_l.steer = row[13];
+    wheels1.bl_l.steer_rate = row[14];
+    wheels1.bl_r.spin = row[15];
+    wheels1.bl_r.steer = row[16];
+    wheels1.bl_r.steer_rate = row[17];
+    wheels1.br_l.spin = row[18];
+    wheels1.br_l.steer = row[19];
+    wheels1.br_l.steer_rate = row[20];
+    wheels1.br_r.spin = row[21];
+    wheels1.br_r.steer = row[22];
+    wheels1.br_r.steer_rate = row[23];
+    pr2_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[24]);
+    misses += miss(twist1.vy, &row[26]);
+    misses += miss(twist1.omega, &row[28]);
+    misses += miss(slip1, &row[30]);
     return misses;
 }
 
@@ -758,21 +761,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    pr2_odometry_in in0;
-    pr2_odometry_out out0;
+    pr2_pose pose0;
+    pr2_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    pr2_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    pr2_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 

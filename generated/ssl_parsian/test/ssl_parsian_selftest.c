@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_219d12c4cae5e2da)
+#if !defined(SSL_PARSIAN_PAIR_ec58a5d26e897c51)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 
@@ -152,25 +152,25 @@ static const float inverse_rows[][13] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    ssl_parsian_inverse_in in0;
-    ssl_parsian_inverse_out out0;
-    ssl_parsian_inverse_slip_in in1;
-    ssl_parsian_inverse_slip_out out1;
+    ssl_parsian_twist twist0;
+    ssl_parsian_wheels out0;
+    ssl_parsian_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    ssl_parsian_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    ssl_parsian_inverse(&twist0, &out0);
     misses += miss(out0.wheel1.spin, &row[3]);
     misses += miss(out0.wheel2.spin, &row[5]);
     misses += miss(out0.wheel3.spin, &row[7]);
     misses += miss(out0.wheel4.spin, &row[9]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    ssl_parsian_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[11]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    ssl_parsian_inverse_slip(&twist1, &slip1);
+    misses += miss(slip1, &row[11]);
     return misses;
 }
 
@@ -252,29 +252,30 @@ static const float forward_rows[][12] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    ssl_parsian_forward_in in0;
-    ssl_parsian_forward_out out0;
-    ssl_parsian_forward_slip_in in1;
-    ssl_parsian_forward_slip_out out1;
+    ssl_parsian_wheels wheels0;
+    ssl_parsian_twist twist0;
+    ssl_parsian_wheels wheels1;
+    ssl_parsian_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.wheel1.spin = row[0];
-    in0.wheel2.spin = row[1];
-    in0.wheel3.spin = row[2];
-    in0.wheel4.spin = row[3];
-    ssl_parsian_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[4]);
-    misses += miss(out0.vy, &row[6]);
-    misses += miss(out0.omega, &row[8]);
-    in1.wheel1.spin = row[0];
-    in1.wheel2.spin = row[1];
-    in1.wheel3.spin = row[2];
-    in1.wheel4.spin = row[3];
-    ssl_parsian_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[4]);
-    misses += miss(out1.vy, &row[6]);
-    misses += miss(out1.omega, &row[8]);
-    misses += miss(out1.slip, &row[10]);
+    wheels0.wheel1.spin = row[0];
+    wheels0.wheel2.spin = row[1];
+    wheels0.wheel3.spin = row[2];
+    wheels0.wheel4.spin = row[3];
+    ssl_parsian_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[4]);
+    misses += miss(twist0.vy, &row[6]);
+    misses += miss(twist0.omega, &row[8]);
+    wheels1.wheel1.spin = row[0];
+    wheels1.wheel2.spin = row[1];
+    wheels1.wheel3.spin = row[2];
+    wheels1.wheel4.spin = row[3];
+    ssl_parsian_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[4]);
+    misses += miss(twist1.vy, &row[6]);
+    misses += miss(twist1.omega, &row[8]);
+    misses += miss(slip1, &row[10]);
     return misses;
 }
 
@@ -410,21 +411,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    ssl_parsian_odometry_in in0;
-    ssl_parsian_odometry_out out0;
+    ssl_parsian_pose pose0;
+    ssl_parsian_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    ssl_parsian_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    ssl_parsian_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -450,24 +452,24 @@ static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    ssl_parsian_inverse_in in0;
-    ssl_parsian_inverse_out out0;
-    ssl_parsian_forward_in in1;
-    ssl_parsian_forward_out out1;
+    ssl_parsian_twist twist0;
+    ssl_parsian_wheels out0;
+    ssl_parsian_wheels wheels1;
+    ssl_parsian_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    ssl_parsian_inverse(&in0, &out0);
-    in1.wheel1.spin = out0.wheel1.spin;
-    in1.wheel2.spin = out0.wheel2.spin;
-    in1.wheel3.spin = out0.wheel3.spin;
-    in1.wheel4.spin = out0.wheel4.spin;
-    ssl_parsian_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    ssl_parsian_inverse(&twist0, &out0);
+    wheels1.wheel1.spin = out0.wheel1.spin;
+    wheels1.wheel2.spin = out0.wheel2.spin;
+    wheels1.wheel3.spin = out0.wheel3.spin;
+    wheels1.wheel4.spin = out0.wheel4.spin;
+    ssl_parsian_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

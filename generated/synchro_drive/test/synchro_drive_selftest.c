@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SYNCHRO_DRIVE_PAIR_93558c98c6a22660)
+#if !defined(SYNCHRO_DRIVE_PAIR_5fe2eda22ae4b17e)
 #error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
 #endif
 
@@ -205,33 +205,35 @@ static const float inverse_rows[][20] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    synchro_drive_inverse_in in0;
-    synchro_drive_inverse_out out0;
-    synchro_drive_inverse_slip_in in1;
-    synchro_drive_inverse_slip_out out1;
+    synchro_drive_twist twist0;
+    synchro_drive_wheels now0;
+    synchro_drive_wheels out0;
+    synchro_drive_twist twist1;
+    synchro_drive_wheels wheels1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.w1.steer = row[3];
-    in0.w2.steer = row[4];
-    in0.w3.steer = row[5];
-    synchro_drive_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.w1.steer = row[3];
+    now0.w2.steer = row[4];
+    now0.w3.steer = row[5];
+    synchro_drive_inverse(&twist0, &now0, &out0);
     misses += miss(out0.w1.spin, &row[6]);
     misses += miss(out0.w1.steer, &row[8]);
     misses += miss(out0.w2.spin, &row[10]);
     misses += miss(out0.w2.steer, &row[12]);
     misses += miss(out0.w3.spin, &row[14]);
     misses += miss(out0.w3.steer, &row[16]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    in1.w1.steer = row[3];
-    in1.w2.steer = row[4];
-    in1.w3.steer = row[5];
-    synchro_drive_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[18]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    wheels1.w1.steer = row[3];
+    wheels1.w2.steer = row[4];
+    wheels1.w3.steer = row[5];
+    synchro_drive_inverse_slip(&twist1, &wheels1, &slip1);
+    misses += miss(slip1, &row[18]);
     return misses;
 }
 
@@ -325,33 +327,34 @@ static const float forward_rows[][14] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    synchro_drive_forward_in in0;
-    synchro_drive_forward_out out0;
-    synchro_drive_forward_slip_in in1;
-    synchro_drive_forward_slip_out out1;
+    synchro_drive_wheels wheels0;
+    synchro_drive_twist twist0;
+    synchro_drive_wheels wheels1;
+    synchro_drive_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.w1.spin = row[0];
-    in0.w1.steer = row[1];
-    in0.w2.spin = row[2];
-    in0.w2.steer = row[3];
-    in0.w3.spin = row[4];
-    in0.w3.steer = row[5];
-    synchro_drive_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[6]);
-    misses += miss(out0.vy, &row[8]);
-    misses += miss(out0.omega, &row[10]);
-    in1.w1.spin = row[0];
-    in1.w1.steer = row[1];
-    in1.w2.spin = row[2];
-    in1.w2.steer = row[3];
-    in1.w3.spin = row[4];
-    in1.w3.steer = row[5];
-    synchro_drive_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[6]);
-    misses += miss(out1.vy, &row[8]);
-    misses += miss(out1.omega, &row[10]);
-    misses += miss(out1.slip, &row[12]);
+    wheels0.w1.spin = row[0];
+    wheels0.w1.steer = row[1];
+    wheels0.w2.spin = row[2];
+    wheels0.w2.steer = row[3];
+    wheels0.w3.spin = row[4];
+    wheels0.w3.steer = row[5];
+    synchro_drive_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[6]);
+    misses += miss(twist0.vy, &row[8]);
+    misses += miss(twist0.omega, &row[10]);
+    wheels1.w1.spin = row[0];
+    wheels1.w1.steer = row[1];
+    wheels1.w2.spin = row[2];
+    wheels1.w2.steer = row[3];
+    wheels1.w3.spin = row[4];
+    wheels1.w3.steer = row[5];
+    synchro_drive_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[6]);
+    misses += miss(twist1.vy, &row[8]);
+    misses += miss(twist1.omega, &row[10]);
+    misses += miss(slip1, &row[12]);
     return misses;
 }
 
@@ -480,21 +483,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    synchro_drive_odometry_in in0;
-    synchro_drive_odometry_out out0;
+    synchro_drive_pose pose0;
+    synchro_drive_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    synchro_drive_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    synchro_drive_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -512,29 +516,30 @@ static const float law_of_inverse_rows[][12] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    synchro_drive_inverse_in in0;
-    synchro_drive_inverse_out out0;
-    synchro_drive_forward_in in1;
-    synchro_drive_forward_out out1;
+    synchro_drive_twist twist0;
+    synchro_drive_wheels now0;
+    synchro_drive_wheels out0;
+    synchro_drive_wheels wheels1;
+    synchro_drive_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.w1.steer = row[3];
-    in0.w2.steer = row[4];
-    in0.w3.steer = row[5];
-    synchro_drive_inverse(&in0, &out0);
-    in1.w1.spin = out0.w1.spin;
-    in1.w1.steer = out0.w1.steer;
-    in1.w2.spin = out0.w2.spin;
-    in1.w2.steer = out0.w2.steer;
-    in1.w3.spin = out0.w3.spin;
-    in1.w3.steer = out0.w3.steer;
-    synchro_drive_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[6]);
-    misses += miss(out1.vy, &row[8]);
-    misses += miss(out1.omega, &row[10]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.w1.steer = row[3];
+    now0.w2.steer = row[4];
+    now0.w3.steer = row[5];
+    synchro_drive_inverse(&twist0, &now0, &out0);
+    wheels1.w1.spin = out0.w1.spin;
+    wheels1.w1.steer = out0.w1.steer;
+    wheels1.w2.spin = out0.w2.spin;
+    wheels1.w2.steer = out0.w2.steer;
+    wheels1.w3.spin = out0.w3.spin;
+    wheels1.w3.steer = out0.w3.steer;
+    synchro_drive_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[6]);
+    misses += miss(twist1.vy, &row[8]);
+    misses += miss(twist1.omega, &row[10]);
     return misses;
 }
 

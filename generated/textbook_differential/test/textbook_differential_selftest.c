@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_efd722c02310fbc8)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 
@@ -120,23 +120,23 @@ static const float inverse_rows[][9] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    textbook_differential_inverse_in in0;
-    textbook_differential_inverse_out out0;
-    textbook_differential_inverse_slip_in in1;
-    textbook_differential_inverse_slip_out out1;
+    textbook_differential_twist twist0;
+    textbook_differential_wheels out0;
+    textbook_differential_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    textbook_differential_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    textbook_differential_inverse(&twist0, &out0);
     misses += miss(out0.right.spin, &row[3]);
     misses += miss(out0.left.spin, &row[5]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    textbook_differential_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[7]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    textbook_differential_inverse_slip(&twist1, &slip1);
+    misses += miss(slip1, &row[7]);
     return misses;
 }
 
@@ -188,25 +188,26 @@ static const float forward_rows[][10] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    textbook_differential_forward_in in0;
-    textbook_differential_forward_out out0;
-    textbook_differential_forward_slip_in in1;
-    textbook_differential_forward_slip_out out1;
+    textbook_differential_wheels wheels0;
+    textbook_differential_twist twist0;
+    textbook_differential_wheels wheels1;
+    textbook_differential_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.right.spin = row[0];
-    in0.left.spin = row[1];
-    textbook_differential_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[2]);
-    misses += miss(out0.vy, &row[4]);
-    misses += miss(out0.omega, &row[6]);
-    in1.right.spin = row[0];
-    in1.left.spin = row[1];
-    textbook_differential_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[2]);
-    misses += miss(out1.vy, &row[4]);
-    misses += miss(out1.omega, &row[6]);
-    misses += miss(out1.slip, &row[8]);
+    wheels0.right.spin = row[0];
+    wheels0.left.spin = row[1];
+    textbook_differential_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[2]);
+    misses += miss(twist0.vy, &row[4]);
+    misses += miss(twist0.omega, &row[6]);
+    wheels1.right.spin = row[0];
+    wheels1.left.spin = row[1];
+    textbook_differential_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[2]);
+    misses += miss(twist1.vy, &row[4]);
+    misses += miss(twist1.omega, &row[6]);
+    misses += miss(slip1, &row[8]);
     return misses;
 }
 
@@ -335,21 +336,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    textbook_differential_odometry_in in0;
-    textbook_differential_odometry_out out0;
+    textbook_differential_pose pose0;
+    textbook_differential_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    textbook_differential_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    textbook_differential_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -373,22 +375,22 @@ static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    textbook_differential_inverse_in in0;
-    textbook_differential_inverse_out out0;
-    textbook_differential_forward_in in1;
-    textbook_differential_forward_out out1;
+    textbook_differential_twist twist0;
+    textbook_differential_wheels out0;
+    textbook_differential_wheels wheels1;
+    textbook_differential_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    textbook_differential_inverse(&in0, &out0);
-    in1.right.spin = out0.right.spin;
-    in1.left.spin = out0.left.spin;
-    textbook_differential_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    textbook_differential_inverse(&twist0, &out0);
+    wheels1.right.spin = out0.right.spin;
+    wheels1.left.spin = out0.left.spin;
+    textbook_differential_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

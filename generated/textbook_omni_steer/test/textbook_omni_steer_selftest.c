@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_7e1fbd8f8eef2bc2)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_50f97a211e4dac5f)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 
@@ -140,25 +140,27 @@ static const float inverse_rows[][10] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    textbook_omni_steer_inverse_in in0;
-    textbook_omni_steer_inverse_out out0;
-    textbook_omni_steer_inverse_slip_in in1;
-    textbook_omni_steer_inverse_slip_out out1;
+    textbook_omni_steer_twist twist0;
+    textbook_omni_steer_wheels now0;
+    textbook_omni_steer_wheels out0;
+    textbook_omni_steer_twist twist1;
+    textbook_omni_steer_wheels wheels1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.front.steer = row[3];
-    textbook_omni_steer_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.front.steer = row[3];
+    textbook_omni_steer_inverse(&twist0, &now0, &out0);
     misses += miss(out0.front.spin, &row[4]);
     misses += miss(out0.front.steer, &row[6]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    in1.front.steer = row[3];
-    textbook_omni_steer_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[8]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    wheels1.front.steer = row[3];
+    textbook_omni_steer_inverse_slip(&twist1, &wheels1, &slip1);
+    misses += miss(slip1, &row[8]);
     return misses;
 }
 
@@ -222,25 +224,26 @@ static const float forward_rows[][10] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    textbook_omni_steer_forward_in in0;
-    textbook_omni_steer_forward_out out0;
-    textbook_omni_steer_forward_slip_in in1;
-    textbook_omni_steer_forward_slip_out out1;
+    textbook_omni_steer_wheels wheels0;
+    textbook_omni_steer_twist twist0;
+    textbook_omni_steer_wheels wheels1;
+    textbook_omni_steer_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.front.spin = row[0];
-    in0.front.steer = row[1];
-    textbook_omni_steer_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[2]);
-    misses += miss(out0.vy, &row[4]);
-    misses += miss(out0.omega, &row[6]);
-    in1.front.spin = row[0];
-    in1.front.steer = row[1];
-    textbook_omni_steer_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[2]);
-    misses += miss(out1.vy, &row[4]);
-    misses += miss(out1.omega, &row[6]);
-    misses += miss(out1.slip, &row[8]);
+    wheels0.front.spin = row[0];
+    wheels0.front.steer = row[1];
+    textbook_omni_steer_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[2]);
+    misses += miss(twist0.vy, &row[4]);
+    misses += miss(twist0.omega, &row[6]);
+    wheels1.front.spin = row[0];
+    wheels1.front.steer = row[1];
+    textbook_omni_steer_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[2]);
+    misses += miss(twist1.vy, &row[4]);
+    misses += miss(twist1.omega, &row[6]);
+    misses += miss(slip1, &row[8]);
     return misses;
 }
 
@@ -369,21 +372,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    textbook_omni_steer_odometry_in in0;
-    textbook_omni_steer_odometry_out out0;
+    textbook_omni_steer_pose pose0;
+    textbook_omni_steer_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    textbook_omni_steer_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    textbook_omni_steer_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -396,23 +400,24 @@ static const float law_of_inverse_rows[][10] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    textbook_omni_steer_inverse_in in0;
-    textbook_omni_steer_inverse_out out0;
-    textbook_omni_steer_forward_in in1;
-    textbook_omni_steer_forward_out out1;
+    textbook_omni_steer_twist twist0;
+    textbook_omni_steer_wheels now0;
+    textbook_omni_steer_wheels out0;
+    textbook_omni_steer_wheels wheels1;
+    textbook_omni_steer_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.front.steer = row[3];
-    textbook_omni_steer_inverse(&in0, &out0);
-    in1.front.spin = out0.front.spin;
-    in1.front.steer = out0.front.steer;
-    textbook_omni_steer_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[4]);
-    misses += miss(out1.vy, &row[6]);
-    misses += miss(out1.omega, &row[8]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.front.steer = row[3];
+    textbook_omni_steer_inverse(&twist0, &now0, &out0);
+    wheels1.front.spin = out0.front.spin;
+    wheels1.front.steer = out0.front.steer;
+    textbook_omni_steer_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[4]);
+    misses += miss(twist1.vy, &row[6]);
+    misses += miss(twist1.omega, &row[8]);
     return misses;
 }
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_5d3722e357707ae3)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fdfa3f819aa0a290)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 
@@ -138,24 +138,24 @@ static const float inverse_rows[][11] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    textbook_omnidirectional_inverse_in in0;
-    textbook_omnidirectional_inverse_out out0;
-    textbook_omnidirectional_inverse_slip_in in1;
-    textbook_omnidirectional_inverse_slip_out out1;
+    textbook_omnidirectional_twist twist0;
+    textbook_omnidirectional_wheels out0;
+    textbook_omnidirectional_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    textbook_omnidirectional_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    textbook_omnidirectional_inverse(&twist0, &out0);
     misses += miss(out0.w1.spin, &row[3]);
     misses += miss(out0.w2.spin, &row[5]);
     misses += miss(out0.w3.spin, &row[7]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    textbook_omnidirectional_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[9]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    textbook_omnidirectional_inverse_slip(&twist1, &slip1);
+    misses += miss(slip1, &row[9]);
     return misses;
 }
 
@@ -223,27 +223,28 @@ static const float forward_rows[][11] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    textbook_omnidirectional_forward_in in0;
-    textbook_omnidirectional_forward_out out0;
-    textbook_omnidirectional_forward_slip_in in1;
-    textbook_omnidirectional_forward_slip_out out1;
+    textbook_omnidirectional_wheels wheels0;
+    textbook_omnidirectional_twist twist0;
+    textbook_omnidirectional_wheels wheels1;
+    textbook_omnidirectional_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.w1.spin = row[0];
-    in0.w2.spin = row[1];
-    in0.w3.spin = row[2];
-    textbook_omnidirectional_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[3]);
-    misses += miss(out0.vy, &row[5]);
-    misses += miss(out0.omega, &row[7]);
-    in1.w1.spin = row[0];
-    in1.w2.spin = row[1];
-    in1.w3.spin = row[2];
-    textbook_omnidirectional_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
-    misses += miss(out1.slip, &row[9]);
+    wheels0.w1.spin = row[0];
+    wheels0.w2.spin = row[1];
+    wheels0.w3.spin = row[2];
+    textbook_omnidirectional_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[3]);
+    misses += miss(twist0.vy, &row[5]);
+    misses += miss(twist0.omega, &row[7]);
+    wheels1.w1.spin = row[0];
+    wheels1.w2.spin = row[1];
+    wheels1.w3.spin = row[2];
+    textbook_omnidirectional_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
+    misses += miss(slip1, &row[9]);
     return misses;
 }
 
@@ -372,21 +373,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    textbook_omnidirectional_odometry_in in0;
-    textbook_omnidirectional_odometry_out out0;
+    textbook_omnidirectional_pose pose0;
+    textbook_omnidirectional_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    textbook_omnidirectional_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    textbook_omnidirectional_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -412,23 +414,23 @@ static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    textbook_omnidirectional_inverse_in in0;
-    textbook_omnidirectional_inverse_out out0;
-    textbook_omnidirectional_forward_in in1;
-    textbook_omnidirectional_forward_out out1;
+    textbook_omnidirectional_twist twist0;
+    textbook_omnidirectional_wheels out0;
+    textbook_omnidirectional_wheels wheels1;
+    textbook_omnidirectional_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    textbook_omnidirectional_inverse(&in0, &out0);
-    in1.w1.spin = out0.w1.spin;
-    in1.w2.spin = out0.w2.spin;
-    in1.w3.spin = out0.w3.spin;
-    textbook_omnidirectional_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    textbook_omnidirectional_inverse(&twist0, &out0);
+    wheels1.w1.spin = out0.w1.spin;
+    wheels1.w2.spin = out0.w2.spin;
+    wheels1.w3.spin = out0.w3.spin;
+    textbook_omnidirectional_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

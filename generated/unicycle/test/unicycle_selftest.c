@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_3ee371c08c6f3a7f)
+#if !defined(UNICYCLE_PAIR_e9fd7d76edc06845)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 
@@ -112,22 +112,22 @@ static const float inverse_rows[][7] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    unicycle_inverse_in in0;
-    unicycle_inverse_out out0;
-    unicycle_inverse_slip_in in1;
-    unicycle_inverse_slip_out out1;
+    unicycle_twist twist0;
+    unicycle_wheels out0;
+    unicycle_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    unicycle_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    unicycle_inverse(&twist0, &out0);
     misses += miss(out0.wheel.spin, &row[3]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    unicycle_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[5]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    unicycle_inverse_slip(&twist1, &slip1);
+    misses += miss(slip1, &row[5]);
     return misses;
 }
 
@@ -173,23 +173,24 @@ static const float forward_rows[][9] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    unicycle_forward_in in0;
-    unicycle_forward_out out0;
-    unicycle_forward_slip_in in1;
-    unicycle_forward_slip_out out1;
+    unicycle_wheels wheels0;
+    unicycle_twist twist0;
+    unicycle_wheels wheels1;
+    unicycle_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.wheel.spin = row[0];
-    unicycle_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[1]);
-    misses += miss(out0.vy, &row[3]);
-    misses += miss(out0.omega, &row[5]);
-    in1.wheel.spin = row[0];
-    unicycle_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[1]);
-    misses += miss(out1.vy, &row[3]);
-    misses += miss(out1.omega, &row[5]);
-    misses += miss(out1.slip, &row[7]);
+    wheels0.wheel.spin = row[0];
+    unicycle_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[1]);
+    misses += miss(twist0.vy, &row[3]);
+    misses += miss(twist0.omega, &row[5]);
+    wheels1.wheel.spin = row[0];
+    unicycle_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[1]);
+    misses += miss(twist1.vy, &row[3]);
+    misses += miss(twist1.omega, &row[5]);
+    misses += miss(slip1, &row[7]);
     return misses;
 }
 
@@ -306,21 +307,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    unicycle_odometry_in in0;
-    unicycle_odometry_out out0;
+    unicycle_pose pose0;
+    unicycle_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    unicycle_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    unicycle_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -333,21 +335,21 @@ static const float law_of_inverse_rows[][9] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    unicycle_inverse_in in0;
-    unicycle_inverse_out out0;
-    unicycle_forward_in in1;
-    unicycle_forward_out out1;
+    unicycle_twist twist0;
+    unicycle_wheels out0;
+    unicycle_wheels wheels1;
+    unicycle_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    unicycle_inverse(&in0, &out0);
-    in1.wheel.spin = out0.wheel.spin;
-    unicycle_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[3]);
-    misses += miss(out1.vy, &row[5]);
-    misses += miss(out1.omega, &row[7]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    unicycle_inverse(&twist0, &out0);
+    wheels1.wheel.spin = out0.wheel.spin;
+    unicycle_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[3]);
+    misses += miss(twist1.vy, &row[5]);
+    misses += miss(twist1.omega, &row[7]);
     return misses;
 }
 

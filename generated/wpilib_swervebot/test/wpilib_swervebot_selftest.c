@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_67713c046a502390)
+#if !defined(WPILIB_SWERVEBOT_PAIR_89a2f3432304a395)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
@@ -239,20 +239,22 @@ static const float inverse_rows[][25] WMRGEN_FLASH = {
 
 static int inverse_misses(const float *row)
 {
-    wpilib_swervebot_inverse_in in0;
-    wpilib_swervebot_inverse_out out0;
-    wpilib_swervebot_inverse_slip_in in1;
-    wpilib_swervebot_inverse_slip_out out1;
+    wpilib_swervebot_twist twist0;
+    wpilib_swervebot_wheels now0;
+    wpilib_swervebot_wheels out0;
+    wpilib_swervebot_twist twist1;
+    wpilib_swervebot_wheels wheels1;
+    float slip1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.front_left.steer = row[3];
-    in0.front_right.steer = row[4];
-    in0.back_left.steer = row[5];
-    in0.back_right.steer = row[6];
-    wpilib_swervebot_inverse(&in0, &out0);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.front_left.steer = row[3];
+    now0.front_right.steer = row[4];
+    now0.back_left.steer = row[5];
+    now0.back_right.steer = row[6];
+    wpilib_swervebot_inverse(&twist0, &now0, &out0);
     misses += miss(out0.front_left.spin, &row[7]);
     misses += miss(out0.front_left.steer, &row[9]);
     misses += miss(out0.front_right.spin, &row[11]);
@@ -261,15 +263,15 @@ static int inverse_misses(const float *row)
     misses += miss(out0.back_left.steer, &row[17]);
     misses += miss(out0.back_right.spin, &row[19]);
     misses += miss(out0.back_right.steer, &row[21]);
-    in1.vx = row[0];
-    in1.vy = row[1];
-    in1.omega = row[2];
-    in1.front_left.steer = row[3];
-    in1.front_right.steer = row[4];
-    in1.back_left.steer = row[5];
-    in1.back_right.steer = row[6];
-    wpilib_swervebot_inverse_slip(&in1, &out1);
-    misses += miss(out1.slip, &row[23]);
+    twist1.vx = row[0];
+    twist1.vy = row[1];
+    twist1.omega = row[2];
+    wheels1.front_left.steer = row[3];
+    wheels1.front_right.steer = row[4];
+    wheels1.back_left.steer = row[5];
+    wheels1.back_right.steer = row[6];
+    wpilib_swervebot_inverse_slip(&twist1, &wheels1, &slip1);
+    misses += miss(slip1, &row[23]);
     return misses;
 }
 
@@ -373,37 +375,38 @@ static const float forward_rows[][16] WMRGEN_FLASH = {
 
 static int forward_misses(const float *row)
 {
-    wpilib_swervebot_forward_in in0;
-    wpilib_swervebot_forward_out out0;
-    wpilib_swervebot_forward_slip_in in1;
-    wpilib_swervebot_forward_slip_out out1;
+    wpilib_swervebot_wheels wheels0;
+    wpilib_swervebot_twist twist0;
+    wpilib_swervebot_wheels wheels1;
+    wpilib_swervebot_twist twist1;
+    float slip1;
     int misses = 0;
 
-    in0.front_left.spin = row[0];
-    in0.front_left.steer = row[1];
-    in0.front_right.spin = row[2];
-    in0.front_right.steer = row[3];
-    in0.back_left.spin = row[4];
-    in0.back_left.steer = row[5];
-    in0.back_right.spin = row[6];
-    in0.back_right.steer = row[7];
-    wpilib_swervebot_forward(&in0, &out0);
-    misses += miss(out0.vx, &row[8]);
-    misses += miss(out0.vy, &row[10]);
-    misses += miss(out0.omega, &row[12]);
-    in1.front_left.spin = row[0];
-    in1.front_left.steer = row[1];
-    in1.front_right.spin = row[2];
-    in1.front_right.steer = row[3];
-    in1.back_left.spin = row[4];
-    in1.back_left.steer = row[5];
-    in1.back_right.spin = row[6];
-    in1.back_right.steer = row[7];
-    wpilib_swervebot_forward_slip(&in1, &out1);
-    misses += miss(out1.vx, &row[8]);
-    misses += miss(out1.vy, &row[10]);
-    misses += miss(out1.omega, &row[12]);
-    misses += miss(out1.slip, &row[14]);
+    wheels0.front_left.spin = row[0];
+    wheels0.front_left.steer = row[1];
+    wheels0.front_right.spin = row[2];
+    wheels0.front_right.steer = row[3];
+    wheels0.back_left.spin = row[4];
+    wheels0.back_left.steer = row[5];
+    wheels0.back_right.spin = row[6];
+    wheels0.back_right.steer = row[7];
+    wpilib_swervebot_forward(&wheels0, &twist0);
+    misses += miss(twist0.vx, &row[8]);
+    misses += miss(twist0.vy, &row[10]);
+    misses += miss(twist0.omega, &row[12]);
+    wheels1.front_left.spin = row[0];
+    wheels1.front_left.steer = row[1];
+    wheels1.front_right.spin = row[2];
+    wheels1.front_right.steer = row[3];
+    wheels1.back_left.spin = row[4];
+    wheels1.back_left.steer = row[5];
+    wheels1.back_right.spin = row[6];
+    wheels1.back_right.steer = row[7];
+    wpilib_swervebot_forward_slip(&wheels1, &twist1, &slip1);
+    misses += miss(twist1.vx, &row[8]);
+    misses += miss(twist1.vy, &row[10]);
+    misses += miss(twist1.omega, &row[12]);
+    misses += miss(slip1, &row[14]);
     return misses;
 }
 
@@ -544,21 +547,22 @@ static const float odometry_rows[][13] WMRGEN_FLASH = {
 
 static int odometry_misses(const float *row)
 {
-    wpilib_swervebot_odometry_in in0;
-    wpilib_swervebot_odometry_out out0;
+    wpilib_swervebot_pose pose0;
+    wpilib_swervebot_twist twist0;
+    float dt0;
     int misses = 0;
 
-    in0.x = row[0];
-    in0.y = row[1];
-    in0.theta = row[2];
-    in0.vx = row[3];
-    in0.vy = row[4];
-    in0.omega = row[5];
-    in0.dt = row[6];
-    wpilib_swervebot_odometry(&in0, &out0);
-    misses += miss(out0.x, &row[7]);
-    misses += miss(out0.y, &row[9]);
-    misses += miss(out0.theta, &row[11]);
+    pose0.x = row[0];
+    pose0.y = row[1];
+    pose0.theta = row[2];
+    twist0.vx = row[3];
+    twist0.vy = row[4];
+    twist0.omega = row[5];
+    dt0 = row[6];
+    wpilib_swervebot_odometry(&pose0, &twist0, dt0);
+    misses += miss(pose0.x, &row[7]);
+    misses += miss(pose0.y, &row[9]);
+    misses += miss(pose0.theta, &row[11]);
     return misses;
 }
 
@@ -594,32 +598,33 @@ static const float law_of_inverse_rows[][13] WMRGEN_FLASH = {
 
 static int law_of_inverse_misses(const float *row)
 {
-    wpilib_swervebot_inverse_in in0;
-    wpilib_swervebot_inverse_out out0;
-    wpilib_swervebot_forward_in in1;
-    wpilib_swervebot_forward_out out1;
+    wpilib_swervebot_twist twist0;
+    wpilib_swervebot_wheels now0;
+    wpilib_swervebot_wheels out0;
+    wpilib_swervebot_wheels wheels1;
+    wpilib_swervebot_twist twist1;
     int misses = 0;
 
-    in0.vx = row[0];
-    in0.vy = row[1];
-    in0.omega = row[2];
-    in0.front_left.steer = row[3];
-    in0.front_right.steer = row[4];
-    in0.back_left.steer = row[5];
-    in0.back_right.steer = row[6];
-    wpilib_swervebot_inverse(&in0, &out0);
-    in1.front_left.spin = out0.front_left.spin;
-    in1.front_left.steer = out0.front_left.steer;
-    in1.front_right.spin = out0.front_right.spin;
-    in1.front_right.steer = out0.front_right.steer;
-    in1.back_left.spin = out0.back_left.spin;
-    in1.back_left.steer = out0.back_left.steer;
-    in1.back_right.spin = out0.back_right.spin;
-    in1.back_right.steer = out0.back_right.steer;
-    wpilib_swervebot_forward(&in1, &out1);
-    misses += miss(out1.vx, &row[7]);
-    misses += miss(out1.vy, &row[9]);
-    misses += miss(out1.omega, &row[11]);
+    twist0.vx = row[0];
+    twist0.vy = row[1];
+    twist0.omega = row[2];
+    now0.front_left.steer = row[3];
+    now0.front_right.steer = row[4];
+    now0.back_left.steer = row[5];
+    now0.back_right.steer = row[6];
+    wpilib_swervebot_inverse(&twist0, &now0, &out0);
+    wheels1.front_left.spin = out0.front_left.spin;
+    wheels1.front_left.steer = out0.front_left.steer;
+    wheels1.front_right.spin = out0.front_right.spin;
+    wheels1.front_right.steer = out0.front_right.steer;
+    wheels1.back_left.spin = out0.back_left.spin;
+    wheels1.back_left.steer = out0.back_left.steer;
+    wheels1.back_right.spin = out0.back_right.spin;
+    wheels1.back_right.steer = out0.back_right.steer;
+    wpilib_swervebot_forward(&wheels1, &twist1);
+    misses += miss(twist1.vx, &row[7]);
+    misses += miss(twist1.vy, &row[9]);
+    misses += miss(twist1.omega, &row[11]);
     return misses;
 }
 

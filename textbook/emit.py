@@ -14,7 +14,8 @@ import sympy
 from textbook.library import Textbook, textbook
 from textbook.report import report
 from wmrgen import __version__
-from wmrgen.backends.registry import BACKENDS, Facts
+from wmrgen.backends.packages import unasked
+from wmrgen.backends.registry import Facts
 from wmrgen.backends.report.markdown import page
 from wmrgen.ports import Port
 
@@ -40,7 +41,7 @@ def _artifacts(scalar: str) -> dict[str, bytes]:
         sympy_version=sympy.__version__,
     )
     files = {"functions.json": facts}
-    for entry in BACKENDS.values():
+    for entry in unasked():
         if entry.source != "itself":  # those draw and report robots
             options = {"scalar": scalar} if "scalar" in entry.options else {}
             files |= entry.load().emit(getattr(book, entry.source), replace(common, options=options))

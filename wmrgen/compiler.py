@@ -1,4 +1,4 @@
-"""The system C compiler, in one place: find it, compile in a temporary folder, run the program."""
+"""The compilers of the system, in one place: find one, compile in a temporary folder, run the program."""
 
 from __future__ import annotations
 
@@ -143,6 +143,20 @@ def compile_and_run(
     with _folder_of(files) as folder:
         program = compile_program(folder, [file for file in files if file.endswith(".c")], cc, flags)
         return run_program(program, stdin, env)
+
+
+def run_rust(crate: str, library: str, program: str, stdin: str, flags: Sequence[str]) -> str:
+    """Compile a crate and a program that uses it, both text, and run that."""
+    compiler = find_tool("rustc")
+    if compiler is None:
+        how = "Install one (Debian, Ubuntu: apt-get install rustc)."
+        raise EnvironmentFailure(f"no Rust compiler found. {how}")
+    with _folder_of({"lib.rs": library, "main.rs": program}) as folder:
+        command = [compiler, "--edition=2021", *flags, f"-L{folder}", f"--out-dir={folder}"]
+        what = f"the Rust compiler {compiler}"
+        _run([*command, "--crate-type=rlib", f"--crate-name={crate}", str(folder / "lib.rs")], what)
+        _run([*command, f"--extern={crate}", "--crate-name=program", str(folder / "main.rs")], what)
+        return run_program(folder / "program", stdin)
 
 
 def find_tool(name: str) -> str | None:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, SupportsFloat
 import sympy
 
 from wmrgen import __version__
-from wmrgen.backends.packages import Package, packaged
-from wmrgen.backends.registry import BACKENDS, Facts
+from wmrgen.backends.packages import Package, packaged, unasked
+from wmrgen.backends.registry import BACKENDS, Entry, Facts
 from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
@@ -33,13 +33,9 @@ def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = Fal
     """
     model = (json.dumps(derivation.model(), indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
     common = facts(derivation, choice, model)
-    chosen = {**asdict(choice), "fuzz": fuzz}
     files = {MODEL: model}
-    for entry in sorted(BACKENDS.values(), key=lambda entry: entry.source == "itself"):  # readers come last
-        options = {name: chosen[name] for name in (*entry.options, *entry.switches)}
-        lines = _bound_lines(derivation, choice) if entry.proved else ()
-        own = replace(common, options=options, bound_lines=lines)
-        written = entry.load().emit(getattr(derivation, entry.source), own)
+    for entry in sorted(unasked(), key=lambda entry: entry.source == "itself"):  # readers come last
+        written = _written(entry, derivation, common, choice, fuzz)
         clash = files.keys() & written.keys()
         if clash:
             raise ValueError(f"backend {entry.name} writes {sorted(clash)} again")
@@ -50,12 +46,25 @@ def artifacts(derivation: Derivation, choice: Choice = DEFAULT, fuzz: bool = Fal
     return files
 
 
+def _written(
+    entry: Entry, derivation: Derivation, common: Facts, choice: Choice, fuzz: bool = False
+) -> dict[str, bytes]:
+    """What a backend writes."""
+    chosen = {**asdict(choice), "fuzz": fuzz}
+    options = {name: chosen[name] for name in (*entry.options, *entry.switches)}
+    lines = _bound_lines(derivation, choice) if entry.proved else ()
+    own = replace(common, options=options, bound_lines=lines)
+    return entry.load().emit(getattr(derivation, entry.source), own)
+
+
 def package(
     kind: Package, derivation: Derivation, choice: Choice, files: Mapping[str, bytes]
 ) -> dict[str, bytes]:
     """File name -> content of a package of the robot; ``files``: its `artifacts`."""
-    common = replace(facts(derivation, choice, files[MODEL]), options=asdict(choice))
-    return packaged(kind, derivation.c_module, common, files)
+    common = facts(derivation, choice, files[MODEL])
+    if kind.backend:
+        return _written(BACKENDS[kind.backend], derivation, common, choice)
+    return packaged(kind, derivation.c_module, replace(common, options=asdict(choice)), files)
 
 
 def facts(derivation: Derivation, choice: Choice, model: bytes) -> Facts:

@@ -14,8 +14,12 @@ import pytest
 
 from tests.bounds.small import walked
 from tests.c.harness import COMPILERS, STRICT, Program
+from tests.tools import need
 from wmrgen.backends import casadi, numpy
 from wmrgen.backends.registry import Facts
+from wmrgen.backends.rust.driver import run
+from wmrgen.backends.rust.emit import library
+from wmrgen.backends.rust.functions import unit
 from wmrgen.bounds.assumptions import SINGLE
 from wmrgen.bounds.partition import cases
 from wmrgen.exact.number import ONE, ZERO, Exact
@@ -23,6 +27,8 @@ from wmrgen.ir import interval as iv
 from wmrgen.ir.build import Builder
 from wmrgen.ir.facts import facts, findings
 from wmrgen.ir.interpret import EXACT, FLOAT32, FLOAT64, evaluate
+from wmrgen.ir.kernels import expand
+from wmrgen.ir.kernels.choice import DEFAULT
 from wmrgen.ir.nodes import Function, Module, Op, Port, Role, count
 from wmrgen.ir.ops import OPERATIONS
 from wmrgen.ir.ops.analysis import Bounded, Fact
@@ -184,6 +190,15 @@ def test_c_has_the_bits_of_the_interpreter(excess: Op, target: str, tmp_path: Pa
         and "<math.h>" in (tmp_path / "outside.c").read_text()
     )
     assert program.mismatches(tmp_path, COMPILERS[0], (*STRICT, "-O2")) == []
+
+
+def test_rust_declares_it_and_has_the_bits_of_the_interpreter(excess: Op) -> None:
+    need("rustc")
+    module = optimise((made(excess),), "outside")
+    assert "pub fn fdimf(a: f32, b: f32) -> f32;" in library(unit(module, DEFAULT))
+    printed = expand(module, "float", "inline")
+    expectation = [evaluate(printed.functions[0], p, FLOAT32) for p in points()]
+    assert run(module, [("rates", p) for p in points()], DEFAULT) == expectation
 
 
 def test_numpy_and_casadi_compute_it(excess: Op) -> None:

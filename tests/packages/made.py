@@ -13,7 +13,7 @@ from wmrgen.emit import artifacts, package
 from wmrgen.ir.kernels.choice import Choice, choice
 from wmrgen.robot import Derivation
 
-KINDS = tuple(PACKAGES)
+KINDS = tuple(kind for kind, package in PACKAGES.items() if not package.backend)  # those around the C
 
 
 @cache

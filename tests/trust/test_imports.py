@@ -22,8 +22,8 @@ from wmrgen.backends.registry import BACKENDS
 # stages to readers stands right of the facade.
 ROOMS = (
     "errors exact ports notation artifacts compiler render"
-    " ir selftest interface backends backends/registry backends/c99 backends/casadi backends/numpy backends/packages"
-    " wheels spec layout constraints symbolic printing mobility kinematics"
+    " ir selftest interface backends backends/registry backends/c99 backends/casadi backends/numpy"
+    " backends/rust backends/packages wheels spec layout constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"
     " lower program bounds model_json robot __init__"

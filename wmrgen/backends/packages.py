@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from wmrgen.backends.registry import Facts
+from wmrgen.backends.registry import BACKENDS, Entry, Facts
 from wmrgen.errors import UsageError
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
@@ -36,11 +36,12 @@ class File:
 @dataclass(frozen=True, slots=True)
 class Package:
     """A kind of package: its word on the command line, the files that it adds, and those parts of the C that it must
-    not hold: ``without`` are folders of them."""
+    not hold: ``without`` are folders of them. ``backend``: it is what that backend writes, and has no C."""
 
     kind: str
     files: tuple[File, ...]
     without: tuple[str, ...] = ()
+    backend: str = ""
 
     @property
     def folder(self) -> str:
@@ -71,8 +72,15 @@ PACKAGES = {
             "zephyr",
             (File("zephyr/module.yml"), File("zephyr/CMakeLists.txt"), File("zephyr/Kconfig"), _README),
         ),
+        Package("rust", (), backend="rust"),
     )
 }
+
+
+def unasked() -> list[Entry]:
+    """The backends that write without being asked for a package."""
+    apart = {package.backend for package in PACKAGES.values()}
+    return [entry for entry in BACKENDS.values() if entry.name not in apart]
 
 
 def of_kinds(words: Sequence[str]) -> list[Package]:

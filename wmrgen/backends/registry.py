@@ -114,6 +114,7 @@ import in is lambda none nonlocal not or pass raise return true try while with y
 """,
     "Python keeps that word for itself.",
 )
+RUST = reserved("crate self super", "Rust keeps that word for itself.")  # other words may be names: r#box
 CASADI = reserved("null jac hess nan inf infinity", "CasADi keeps that word for itself.")
 
 
@@ -225,6 +226,10 @@ for _entry in (
             Files(("{robot}_*.casadi",), "the functions for CasADi, the posture model `dynamics` among them"),
         ),
         reserved=(CASADI,),
+    ),
+    Entry(
+        "rust", "wmrgen.backends.rust", "c_module", "rust",
+        reserved=(RUST,), options=("scalar", "math", "target"), proved=True,
     ),
     Entry("drawing", "wmrgen.backends.drawing", "itself", files=(Files(("layout.svg",)),)),
     Entry("report", "wmrgen.backends.report", "itself", files=(Files(("report.md",)),)),

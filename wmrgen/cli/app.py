@@ -111,7 +111,9 @@ def derive(
     fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
     package: Annotated[
         list[str] | None,
-        option("Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr.", "KIND"),
+        option(
+            "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, rust.", "KIND"
+        ),
     ] = None,
 ) -> None:
     """Example:  wmrgen derive robots/pioneer3dx.yaml -o build

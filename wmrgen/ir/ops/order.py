@@ -31,7 +31,7 @@ def _size(w: Walk, i: int, a: int) -> Value:
 
 Op.ABS = Op(
     "abs", 1, abs, many=np.abs, parity=1, cost="signs",
-    c="fabs{f}({0})", includes=("<math.h>",), numpy="np.abs({0})", casadi="OP_FABS",
+    c="fabs{f}({0})", rust="wmrgen_abs({0})", includes=("<math.h>",), numpy="np.abs({0})", casadi="OP_FABS",
     fact=_size_fact, interval=iv.absolute, lemma=_size,
     running=lambda unit, a: Bounded(np.abs(a.value), a.error),
 )  # fmt: skip
@@ -77,13 +77,15 @@ def _extreme_error(a: Bounded, b: Bounded, value: Array) -> Bounded:
 Op.MIN = Op(
     "min", 2, lambda a, b: a if a < b else b, many=np.minimum, commutative=True, cost="comparisons",
     # fminf would be a library call on most targets, and leaves the sign of zero open.
-    c=Conditional("({0} < {1}) ? {0} : {1}"), numpy="np.minimum({0}, {1})", casadi="OP_FMIN",
+    c=Conditional("({0} < {1}) ? {0} : {1}"), rust=Conditional("if {0} < {1} {{ {0} }} else {{ {1} }}"),
+    numpy="np.minimum({0}, {1})", casadi="OP_FMIN",
     fact=lambda a, b: -_larger_fact(-a, -b), interval=iv.smaller, lemma=_smaller,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(a.value < b.value, a.value, b.value)),
 )  # fmt: skip
 Op.MAX = Op(
     "max", 2, lambda a, b: b if a < b else a, many=np.maximum, commutative=True, cost="comparisons",
-    c=Conditional("({0} < {1}) ? {1} : {0}"), numpy="np.maximum({0}, {1})", casadi="OP_FMAX",
+    c=Conditional("({0} < {1}) ? {1} : {0}"), rust=Conditional("if {0} < {1} {{ {1} }} else {{ {0} }}"),
+    numpy="np.maximum({0}, {1})", casadi="OP_FMAX",
     fact=_larger_fact, interval=iv.larger, lemma=_larger,
     running=lambda unit, a, b: _extreme_error(a, b, np.where(b.value < a.value, a.value, b.value)),
 )  # fmt: skip
@@ -145,7 +147,8 @@ def _casadi_choice(ca: Any, a: Any, b: Any, x: Any, y: Any) -> Any:
 Op.SELECT = Op(
     "select", 4, lambda a, b, x, y: x if a < b else y, many=lambda a, b, x, y: np.where(a < b, x, y),
     cost="comparisons",
-    c=Conditional("({0} < {1}) ? {2} : {3}"), numpy=Conditional("np.where({0} < {1}, {2}, {3})"), casadi=_casadi_choice,
+    c=Conditional("({0} < {1}) ? {2} : {3}"), rust=Conditional("if {0} < {1} {{ {2} }} else {{ {3} }}"),
+    numpy=Conditional("np.where({0} < {1}, {2}, {3})"), casadi=_casadi_choice,
     fact=lambda a, b, x, y: x | y, interval=iv.chosen, lemma=_choice, running=_choice_error,
 )  # fmt: skip
 

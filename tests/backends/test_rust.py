@@ -1,0 +1,305 @@
+"""Rust has the bits of the C, compiles without a warning and is `no_std`; and what only Rust says."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from struct import pack
+
+import pytest
+
+from tests.backends.modules import MODULES, TWIST, VX, spin, steer
+from tests.c.harness import gallery, robot_module
+from tests.conftest import ROOT, Outcome, tree
+from tests.depth import everyday, examples
+from tests.tools import need, tool
+from wmrgen.backends.c99.driver import answer, calls, driver, request
+from wmrgen.backends.c99.emit import sources
+from wmrgen.backends.c99.emit import unit as c_unit
+from wmrgen.backends.registry import BACKENDS, Facts
+from wmrgen.backends.rust.driver import run
+from wmrgen.backends.rust.emit import library
+from wmrgen.backends.rust.functions import unit
+from wmrgen.compiler import compile_and_run
+from wmrgen.errors import EnvironmentFailure
+from wmrgen.ir.build import Builder
+from wmrgen.ir.calls import nominal
+from wmrgen.ir.kernels.choice import Choice
+from wmrgen.ir.kernels.trigonometry import SOFT
+from wmrgen.ir.nodes import Module, Port, Role, contract
+from wmrgen.ir.ops import OPERATIONS, Conditional
+from wmrgen.selftest.vectors import tables
+
+FLOAT, DOUBLE = Choice(), Choice("double", "libm")
+CHOICES = (
+    FLOAT,
+    DOUBLE,
+    Choice(math="libm"),
+    Choice(target="m0"),
+    Choice(target="host"),
+    Choice(target="avr"),
+)
+# Tunable parameters, rollers, steered modules, a car with limits, castors.
+ROBOTS = ("pioneer3dx", "kuka_youbot", "wpilib_swervebot", "ackermann_car", "office_chair")
+BUILDS = [(robot, choice, level) for robot in ROBOTS for choice in CHOICES for level in ("0", "3")]
+ALWAYS = [
+    ("pioneer3dx", FLOAT, "3"),
+    ("wpilib_swervebot", Choice(target="m0"), "0"),
+    ("ackermann_car", DOUBLE, "3"),
+]
+EDGES = (
+    0.0, -0.0, math.pi / 2, -math.pi / 2, math.pi, 3 * math.pi / 2, 1.0, -1.0, 3 / 64, 3 / 64 - 2**-29, 1e-6, -1e-6,
+    1e-12, 1e-12 * (1 - 2**-24), -1e-30, 100.0,
+)  # fmt: skip
+Cases = list[tuple[str, dict[str, float]]]
+
+
+def cases_of(module: Module, scalar: str, count: int) -> Cases:
+    """The rows of the self-test, then ``count`` points per function, where two inputs of five are special."""
+    source = random.Random(module.name)
+    cases: Cases = [
+        (table.functions[0], dict(zip(table.inputs, vector.inputs, strict=True)))
+        for table in tables(module, scalar)
+        for vector in table.vectors
+    ]
+    for function in (f for f in module.functions if f.outputs):
+        for _ in range(count):
+            special = (
+                source.choice(EDGES) if source.random() < 0.4 else source.uniform(-4, 4) for _ in iter(int, 1)
+            )
+            case = dict(zip((port.name for port in contract(function)), special, strict=False))
+            scaled = {name: value * source.uniform(0.9, 1.1) for name, value in nominal(module).items()}
+            cases.append((function.name, {**case, **scaled}))
+    return cases
+
+
+def by_c(module: Module, cases: Cases, choice: Choice) -> Iterator[dict[str, float]]:
+    """What the C of the same choice gives."""
+    wrappers = {call.function: (k, call) for k, call in enumerate(calls(c_unit(module, choice)))}
+    header, source = sources(module, choice)
+    files = {f"{module.name}.h": header, f"{module.name}.c": source}
+    files["driver.c"] = driver([call for _, call in wrappers.values()])
+    called = [wrappers[f"{module.name}_{name}"] for name, _ in cases]
+    lines = [
+        request(k, call, {**nominal(module), **case})
+        for (k, call), (_, case) in zip(called, cases, strict=True)
+    ]
+    printed = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
+    for (_, call), line in zip(called, printed, strict=True):
+        yield answer(call, line)
+
+
+def bits(value: float) -> str:
+    return "NaN" if math.isnan(value) else pack(">d", value).hex()
+
+
+def mismatches(
+    module: Module, cases: Cases, choice: Choice, level: str, of_c: Choice | None = None
+) -> list[str]:
+    """Outputs that are not the bits of the C of the same choice, or of ``of_c``."""
+    rust = run(module, cases, choice, (f"-Copt-level={level}", "-Dwarnings"))
+    return [
+        f"{name}({case}).{key}: {mine[key]!r}, in C {value!r}"
+        for (name, case), mine, right in zip(cases, rust, by_c(module, cases, of_c or choice), strict=True)
+        for key, value in right.items()
+        if bits(mine[key]) != bits(value)
+    ]
+
+
+def test_a_mismatch_is_found() -> None:
+    need("rustc", "cc")
+    module = MODULES[0]
+    cases: Cases = [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.25})]
+    assert len(mismatches(module, cases, FLOAT, "0", of_c=DOUBLE)) == 2
+
+
+def label(build: tuple[str, Choice, str]) -> str:
+    robot, choice, level = build
+    return "-".join((robot, *choice.words().values(), level))
+
+
+@pytest.mark.parametrize("build", everyday(BUILDS, ALWAYS), ids=label)
+def test_bits_are_those_of_the_c(build: tuple[str, Choice, str]) -> None:
+    need("rustc", "cc")
+    robot, choice, level = build
+    module = robot_module(robot)
+    assert mismatches(module, cases_of(module, choice.scalar, examples(1000)), choice, level) == []
+
+
+@pytest.mark.slow
+def test_bits_of_the_whole_gallery() -> None:
+    need("rustc", "cc")
+    for module in gallery():
+        assert mismatches(module, cases_of(module, "float", 100), FLOAT, "2") == [], module.name
+
+
+# ---- the crate as its tools see it
+
+
+@pytest.fixture
+def crate(tmp_path: Path) -> Path:
+    """The crate of a robot with tunable parameters, kernels and functions that change what they are handed."""
+    module = robot_module("pioneer3dx")
+    for name, content in BACKENDS["rust"].load().emit(module, FACTS).items():
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content)
+    return tmp_path
+
+
+FACTS = Facts(
+    'Drives "there" & [back] <b> \u00e4', ("left: fixed",), "0123456789abcdef", "0.1.0", "1.14.0",
+    options=FLOAT.words(), constants=(("left.radius", 0.0975, "[m] radius"),),
+)  # fmt: skip
+
+
+def cargo(crate: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Cargo without a network; warnings of the compiler and of its documentation are errors."""
+    env = {"PATH": str(Path(tool("cargo")).parent) + ":/usr/bin:/bin", "CARGO_HOME": str(crate / "home")}
+    env |= {"RUSTFLAGS": "-Dwarnings", "RUSTDOCFLAGS": "-Dwarnings", "CARGO_NET_OFFLINE": "true"}
+    return subprocess.run(
+        [tool("cargo"), *words], cwd=crate, env=env, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.slow
+def test_cargo_runs_the_self_test(crate: Path) -> None:
+    need("cargo", "rustc")
+    done = cargo(crate, "test")
+    assert done.returncode == 0, done.stderr
+    for name in (
+        "rows_of_odometry",
+        "law_of_rows_of_inverse",
+        "joints_keep_their_order",
+        "src/lib.rs - (line",
+    ):
+        assert re.search(rf"test {re.escape(name)}.* \.\.\. ok", done.stdout)
+    text = (crate / "src/lib.rs").read_text()
+    assert "t1 + t0" in text
+    (crate / "src/lib.rs").write_text(text.replace("t1 + t0", "t1 - t0"))
+    wrong = cargo(crate, "test")
+    assert wrong.returncode != 0
+    assert "rows_of_inverse" in wrong.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [("clippy", "--all-targets", "--", "-Dwarnings"), ("doc",)], ids=" ".join)
+def test_clippy_and_rustdoc_find_nothing(crate: Path, words: tuple[str, ...]) -> None:
+    need("cargo", "rustc", "cargo-clippy")
+    done = cargo(crate, *words)
+    assert done.returncode == 0, done.stderr
+
+
+def test_no_panic_is_compiled_and_nothing_is_unsafe_but_calls_of_the_library(crate: Path) -> None:
+    need("rustc")
+    command = [
+        tool("rustc"),
+        "--edition=2021",
+        "-Copt-level=3",
+        "-Dwarnings",
+        "--crate-type=lib",
+        "--emit=asm",
+        "src/lib.rs",
+    ]
+    subprocess.run(command, cwd=crate, check=True)
+    assert "panic" not in (crate / "lib.s").read_text()
+    text = (crate / "src/lib.rs").read_text()
+    assert "#![no_std]" in text and "#![deny(unsafe_code)]" in text
+    assert text.count("unsafe {") == text.count("unsafe { c::fmaf(a, b, c) }") == 1
+    (crate / "src/lib.rs").write_text(text.replace("#[allow(unsafe_code)]", ""))
+    assert subprocess.run(command, cwd=crate, check=False, capture_output=True).returncode != 0
+    assert "#![forbid(unsafe_code)]" in library(unit(MODULES[0], FLOAT))
+
+
+def test_it_is_a_package(wmrgen_cli: Callable[..., Outcome], robot_file: Path) -> None:
+    out = robot_file.parent / "out"
+    assert wmrgen_cli("derive", robot_file, "-o", out, "--package", "rust", "--target", "m0").code == 0
+    package = out / "package-rust" / "pair"
+    assert set(tree(package)) == {"Cargo.toml", "src/lib.rs", "tests/selftest.rs", "manifest.json"}
+    manifest, text = ((package / name).read_text() for name in ("Cargo.toml", "src/lib.rs"))
+    assert 'name = "pair-kinematics"' in manifest
+    assert "--target m0" in text and "Proved" not in text and "left: fixed, x 0 m, y 0.1655 m" in text
+    model_hash = re.search(r'MODEL_HASH: &str = "(\w+)"', text)
+    assert model_hash and f'PAIR_MODEL_HASH "{model_hash[1]}"' in (out / "pair" / "pair.h").read_text()
+    assert wmrgen_cli("check", robot_file, "-o", out).code == 0
+    (package / "src/lib.rs").write_text("mine")
+    assert "package-rust/pair/src/lib.rs" in wmrgen_cli("check", robot_file, "-o", out).out
+
+
+def test_bounds_are_those_of_the_c(wmrgen_cli: Callable[..., Outcome], tmp_path: Path) -> None:
+    robot = ROOT / "robots" / "pioneer3dx.yaml"
+    assert wmrgen_cli("derive", robot, "-o", tmp_path, "--package", "rust").code == 0
+    text = (tmp_path / "package-rust/pioneer3dx/src/lib.rs").read_text()
+    line = "odometry: theta in [-13.09, 13.09] rad, off by 5.1e-07"
+    assert f"//!   {line}" in text and line in (tmp_path / "pioneer3dx/pioneer3dx.h").read_text()
+
+
+# ---- what only Rust says
+
+
+def test_every_operation_has_a_form() -> None:
+    """Calls are written as in C; choices are not, and of what C names `wmrgen_…` the crate must have its own."""
+    bits_text = (ROOT / "templates/rust/bits.rs.j2").read_text()
+    choices = [op for op in OPERATIONS.values() if isinstance(op.c, Conditional)]
+    assert choices
+    assert all(isinstance(op.rust, Conditional) for op in choices)
+    names = {(op.rust or op.c).partition("(")[0] for op in OPERATIONS.values() if op not in SOFT.values()}
+    own = {name for name in names if name.startswith("wmrgen_")}
+    assert own
+    assert all(f"fn {name}(" in bits_text for name in own)
+
+
+def swapping() -> Module:
+    """A twist that changes places with itself, a pose beside it, wheels of which one joint is written; a scalar."""
+    b = Builder()
+    vx, vy, x, step = (b.input(name) for name in ("vx", "vy", "x", "type"))
+    x_port, type_port = Port("x", Role.STATE, "m"), Port("type", Role.COMMAND, "")
+    both = b.function("both", (VX, TWIST[1], x_port, type_port), (), ())
+    ports = (VX, TWIST[1], x_port, Port("sum", Role.COMMAND, ""))
+    results = (vy, vx, b.add(vx, x), b.add(x, step))
+    both = replace(both, nodes=tuple(b.nodes), outputs=ports, results=results, in_place=True)
+    a = Builder()
+    turned = a.function("turn", (spin("box"),), (steer("box"),), (a.neg(a.input("box.spin")),))
+    return Module("swaps", (both, turned), joints=("box.spin", "box.steer"))
+
+
+def test_what_changes_in_place_changes_at_once() -> None:
+    need("rustc")
+    case = {"vx": 1.0, "vy": 2.0, "x": 4.0, "type": 8.0}
+    (result,) = run(swapping(), [("both", case)], FLOAT)
+    assert result == {"vx": 2.0, "vy": 1.0, "x": 5.0, "sum": 12.0}
+    text = library(unit(swapping(), FLOAT))
+    assert "pub fn both(pose: &mut Pose, twist: &mut Twist, r#type: f32) -> f32 {" in text
+
+
+def test_members_that_are_not_written_stay() -> None:
+    need("rustc")
+    text = library(unit(swapping(), FLOAT))
+    assert "pub fn turn(now: &Wheels, out: &mut Wheels) {" in text
+    assert "r#box: SpinSteer { steer: -now.r#box.spin, ..out.r#box }" in " ".join(text.split())
+    assert run(swapping(), [("turn", {"box.spin": 3.0})], FLOAT) == [{"box.steer": -3.0}]
+
+
+def test_wheels_may_be_called_as_rust_calls_other_things(
+    wmrgen_cli: Callable[..., Outcome], robot_file: Path
+) -> None:
+    need("rustc")
+    robot_file.write_text(robot_file.read_text().replace("name: left", "name: loop"))
+    words = ("eval", robot_file, "inverse", "vx=0.0975", "omega=0", "--backend", "rust", "--json")
+    done = wmrgen_cli(*words)
+    assert done.code == 0, done.err
+    assert '"loop.spin": 1.0' in done.out
+    robot_file.write_text(robot_file.read_text().replace("name: loop", "name: self"))
+    assert "Rust keeps that word for itself." in wmrgen_cli(*words).err
+
+
+def test_without_a_compiler_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    with pytest.raises(EnvironmentFailure, match="apt-get install rustc"):
+        run(MODULES[0], [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.0})], FLOAT)

@@ -33,7 +33,8 @@ class Limits(StrEnum):
 class Port:
     """A named input or output: contract name (``vx``, ``left.spin``), role, unit, one line of text.
 
-    ``default`` is the nominal value of a tunable parameter, else None.
+    ``default`` is the nominal value of a tunable parameter, else None. ``bits``: how wide the counter is that a port
+    reads, a whole number; 0 of what is no counter.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Port:
     unit: str
     text: str = ""
     default: Exact | None = None
+    bits: int = 0
 
 
 def output(name: str, unit: str, text: str) -> Port:

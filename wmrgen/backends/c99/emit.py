@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from wmrgen.backends.c99.checked import checked
+from wmrgen.backends.c99.counters import counting
 from wmrgen.backends.c99.functions import printed_kernels, shared_structs, steps_of
 from wmrgen.backends.c99.fuzz import fuzz
 from wmrgen.backends.c99.records import Unit
@@ -72,12 +74,16 @@ def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] 
     shared = shared_structs(module, scalar)
     steps, kernels = steps_of(module, scalar, costs, shared), printed_kernels(module, scalar)
     joints = module.joints or ()
-    return Unit(module.name, choice, tuple(shared.values()), joints, steps, kernels, rounds(module), written)
+    plain_unit = Unit(
+        module.name, choice, tuple(shared.values()), joints, steps, kernels, rounds(module), written
+    )
+    return replace(plain_unit, counting=counting(module, plain_unit.contract, scalar))
 
 
 def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
     """Header, source, and the digest that stands in both."""
     choice, ops = unit.choice, unit.ops
+    counters, reading = ((), ()) if unit.counting is None else ((part,) for part in unit.counting)
     needs = {op.name for op in ops}
     includes = {
         "<float.h>": unit.rounds,
@@ -94,8 +100,9 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
         ],
         "version": facts.wmrgen_version,
         "model_hash": "".join(c for c in facts.model_hash if c.isalnum()),
-        "structs": [struct.lines for struct in unit.structs.values()],
-        "steps": unit.steps,
+        "structs": [struct.lines for struct in (*unit.structs.values(), *counters)],
+        "steps": (*unit.steps, *reading),
+        "counters": bool(counters),
         "kernels": unit.kernels,
         "kernels_for": "_".join((choice.target, choice.scalar, choice.math)).upper(),
         "includes": [name for name, needed in includes.items() if needed],

@@ -111,7 +111,7 @@ class Unit:
 
     ``shared``: the types that several functions take; ``joints``: contract names of those of wheels, in order.
     ``rounds``: they rely on the rounding of sums of magic numbers. ``written``: operations of the functions before
-    kernels were put in.
+    kernels were put in. ``counting``: what takes counters of encoders, and their type, which is of whole numbers.
     """
 
     robot: str
@@ -122,6 +122,7 @@ class Unit:
     kernels: tuple[Kernel, ...]
     rounds: bool
     written: frozenset[Op]
+    counting: tuple[Struct, Step] | None = None
 
     @property
     def ops(self) -> frozenset[Op]:

@@ -21,6 +21,7 @@ from wmrgen.ir.nodes import Port
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 
 WIDTH = 100  # columns of generated C
+NO_TYPES: Mapping[str, str] = {}
 
 
 def _plain(char: str) -> str:
@@ -176,14 +177,19 @@ def _group(wheel: str, members: list[_Row]) -> list[_Row]:
     return [("    ", "struct {", None), *inner, ("    ", f"}} {wheel};", None)]
 
 
-def struct(name: str, ports: tuple[Port, ...], scalar: str, note: str) -> Struct:
-    """The typedef ``name`` for ``ports``, which must not be empty (C99 has no empty struct)."""
+def struct(
+    name: str, ports: tuple[Port, ...], scalar: str, note: str, types: Mapping[str, str] = NO_TYPES
+) -> Struct:
+    """The typedef ``name`` for ``ports``, which must not be empty (C99 has no empty struct).
+
+    ``types``: of ports that are no ``scalar``.
+    """
     paths = _paths(ports)
     shared = _shared_texts(ports)
     groups: dict[str, list[_Row]] = {"": []}
     for port in ports:
         wheel, member = paths[port.name]
-        groups.setdefault(wheel, []).append(("    ", f"{scalar} {member};", port))
+        groups.setdefault(wheel, []).append(("    ", f"{types.get(port.name, scalar)} {member};", port))
     rows = groups.pop("")
     for wheel, members in groups.items():
         rows += _group(wheel, members)

@@ -54,7 +54,8 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
 
 def counter_port(w: Wheel, joint: str) -> Port:
     """``<wheel>.<joint>_counts``, a whole number."""
-    return Port(f"{w.name}.{joint}_counts", Role.COMMAND, "", _COUNTERS[joint][1])
+    encoder, text, _ = _COUNTERS[joint]
+    return Port(f"{w.name}.{joint}_counts", Role.COMMAND, "", text, bits=w.encoders[encoder].bits)
 
 
 def _counted(w: Wheel) -> Iterator[str]:

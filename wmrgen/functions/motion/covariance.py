@@ -16,15 +16,16 @@ each other none is seen. A sum of squares weighted by positive numbers, the cova
 Over a step the errors of the pose go through the derivatives of the SE(2) exponential. With d the step's displacement,
 R the turn by theta + h, h = omega dt / 2, and z x the quarter turn counter-clockwise,
 
-    position' = position + (z x d) heading + dt sinc(h) R velocity + dt/2 (z x d - h/3 d) yaw rate
+    position' = position + (z x d) (heading + dt/2 yaw rate) + dt sinc(h) R velocity
     heading'  = heading + dt yaw rate
 
-in which h/3 stands for 1/h - 1/tan h, off by h**3/45. Errors of one step are independent of those of the next.
+where the yaw rate's share is without the term -dt/2 (1/h - 1/tan h) d, some h/3 of it. Errors of one step are
+independent of those of the next.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import sympy
@@ -244,19 +245,26 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
     steps = increments(names)
     pose = zip(POSE, (add(signal(p.name), e) for p, e in zip(POSE, steps, strict=True)), strict=True)
     dx, dy = (names.define(f"{axis}_step", e) for axis, e in zip("xy", steps, strict=False))
-    before = {p.name: signal(p.name) for p in POSE_COVARIANCE}
-    turned, cross_x, cross_y = _of_rates(dx, dy, names)
-    # The errors of position and of the heading that it is driven at.
-    carried_x = names.define("carried_x", subtract(before["xtheta"], times(dy, before["thetatheta"])))
-    carried_y = names.define("carried_y", add(before["ytheta"], times(dx, before["thetatheta"])))
-    dt = signal("dt")
+    before = {p.name: signal(p.name) for p in (*POSE_COVARIANCE, *TWIST_COVARIANCE)}
+    (xx, xy, yy), by_rate = _of_velocity(before, names)
+    half = names.define("half_dt", signal("dt") / 2)
+    swing = names.define(
+        "swing", times(half, before["omegaomega"])
+    )  # covariance of half the turn and the yaw rate
+    heading = names.define("heading_variance", add(before["thetatheta"], times(half, swing)))
+    lever = (times(-1, dy), dx)
+    with_heading, turned, rates = [], [], []
+    for axis, arm, rate in zip("xy", lever, by_rate, strict=True):
+        with_heading.append(names.define(f"{axis}_heading", add(before[f"{axis}theta"], times(half, rate))))
+        turned.append(names.define(f"{axis}_turned", add(with_heading[-1], times(arm, heading))))
+        rates.append(add(turned[-1], times(half, add(rate, times(arm, swing)))))
     after = (
-        add(subtract(before["xx"], times(dy, add(before["xtheta"], carried_x))), turned[0]),
-        add(subtract(before["xy"], times(dy, before["ytheta"])), times(dx, carried_x), turned[1]),
-        add(carried_x, times(dt, cross_x)),
-        add(before["yy"], times(dx, add(before["ytheta"], carried_y)), turned[2]),
-        add(carried_y, times(dt, cross_y)),
-        add(before["thetatheta"], times(dt, dt, signal("omegaomega"))),
+        add(before["xx"], times(lever[0], add(with_heading[0], turned[0])), xx),
+        add(before["xy"], times(lever[0], with_heading[1]), times(lever[1], turned[0]), xy),
+        rates[0],
+        add(before["yy"], times(lever[1], add(with_heading[1], turned[1])), yy),
+        rates[1],
+        add(before["thetatheta"], times(4, half, swing)),
     )
     inputs = (*POSE, *POSE_COVARIANCE, *twist_ports(), *TWIST_COVARIANCE, DT)
     outputs = (*pose, *zip(POSE_COVARIANCE, after, strict=True))
@@ -264,30 +272,22 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
     return names.formula("odometry_covariance", inputs, outputs, text)
 
 
-def _of_rates(dx: Expr, dy: Expr, names: Locals) -> tuple[tuple[Expr, Expr, Expr], Expr, Expr]:
-    """What errors of the twist add to xx, xy and yy; covariances of that with the yaw rate."""
-    chord, middle, h, dt = local("chord"), local("middle"), local("half_turn"), signal("dt")
-    c, s = (
-        names.define("chord_x", chord * sympy.cos(middle)),
-        names.define("chord_y", chord * sympy.sin(middle)),
-    )
-    lean, half = names.define("lean", times(sympy.Rational(1, 3), h)), names.define("half_dt", dt / 2)
-    gx = names.define("x_by_omega", times(-1, half, add(dy, times(lean, dx))))
-    gy = names.define("y_by_omega", times(half, subtract(dx, times(lean, dy))))
-    v = {p.name: signal(p.name) for p in TWIST_COVARIANCE}
-    ax, ay = (
-        names.define(f"v{k}_omega", e)
-        for k, e in zip("xy", rotated(c, s, v["vxomega"], v["vyomega"]), strict=True)
-    )
-    bx = names.define("x_omega", add(ax, times(gx, v["omegaomega"])))
-    by = names.define("y_omega", add(ay, times(gy, v["omegaomega"])))
-    px, py = (
-        names.define(f"vx_{k}", e) for k, e in zip("xy", rotated(c, s, v["vxvx"], v["vxvy"]), strict=True)
-    )
-    qx, qy = (
-        names.define(f"vy_{k}", e) for k, e in zip("xy", rotated(c, s, v["vxvy"], v["vyvy"]), strict=True)
-    )
-    xx = add(subtract(times(c, px), times(s, qx)), times(gx, add(ax, bx)))
-    xy = add(times(s, px), times(c, qx), times(gx, ay), times(gy, bx))
-    yy = add(times(s, py), times(c, qy), times(gy, add(ay, by)))
-    return (xx, xy, yy), bx, by
+def _of_velocity(
+    given: Mapping[str, Expr], names: Locals
+) -> tuple[tuple[Expr, Expr, Expr], tuple[Expr, Expr]]:
+    """What errors of the velocity add to xx, xy and yy; covariances of that with the yaw rate."""
+    chord, middle = local("chord"), local("middle")
+    c = names.define("chord_x", chord * sympy.cos(middle))
+    s = names.define("chord_y", chord * sympy.sin(middle))
+
+    def driven(name: str, a: Expr, b: Expr) -> tuple[Expr, Expr]:
+        x, y = (names.define(f"{name}_{k}", e) for k, e in zip("xy", rotated(c, s, a, b), strict=True))
+        return x, y
+
+    by_rate = driven("by_omega", given["vxomega"], given["vyomega"])
+    px, py = driven("by_vx", given["vxvx"], given["vxvy"])
+    qx, qy = driven("by_vy", given["vxvy"], given["vyvy"])
+    xx = subtract(times(c, px), times(s, qx))
+    xy = add(times(s, px), times(c, qx))
+    yy = add(times(s, py), times(c, qy))
+    return (xx, xy, yy), by_rate

@@ -14,8 +14,11 @@ from tests.oracle import oracle, weighted
 from tests.oracle.harness import robot_text
 from tests.oracle.weighted import LAYOUTS
 from wmrgen import derive, load
+from wmrgen.backends.c99.checked import safe
 from wmrgen.errors import NotDerivableError, RobotFileError
 from wmrgen.ir.interpret import FLOAT32, evaluate_module
+from wmrgen.ports import NO_SITE, POSE_COVARIANCE
+from wmrgen.ports import POSE as PORTS
 from wmrgen.robot import Derivation
 
 Array = NDArray[np.float64]
@@ -238,6 +241,15 @@ def test_positive_semidefinite_in_float(name: str, tmp_path: Path) -> None:
         pose, carried = {n: after[n] for n in POSE}, {n: after[n] for n in carried}
         for covariance in (matrix(spread, TWIST), matrix(carried, POSE)):
             assert np.linalg.eigvalsh(covariance)[0] >= -1e-6 * np.trace(covariance)
+
+
+def test_a_refused_step_keeps_the_covariance(tmp_path: Path) -> None:
+    """0 would say that the pose is known exactly."""
+    module = derived(robot_text(LAYOUTS["differential"], extra=NOISY), tmp_path).c_module
+    outputs = safe(module.function("odometry_covariance"), "float", NO_SITE)
+    assert [output.port.name for output in outputs if output.held] == [
+        p.name for p in (*PORTS, *POSE_COVARIANCE)
+    ]
 
 
 def test_a_wheel_has_its_own_noise(tmp_path: Path) -> None:

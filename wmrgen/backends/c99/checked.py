@@ -17,7 +17,7 @@ from wmrgen.ir.calls import hand_through
 from wmrgen.ir.interval import inside
 from wmrgen.ir.nodes import Function, Limits, Module, Port, contract
 from wmrgen.ir.rounding import to_float64
-from wmrgen.ports import OVERSHOOT, SPAN, SPREAD, Site, overshot, tuned
+from wmrgen.ports import OVERSHOOT, POSE_COVARIANCE, SPAN, SPREAD, Site, overshot, tuned
 from wmrgen.render import render
 from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
 
@@ -140,8 +140,8 @@ def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
 
 
 def safe(function: Function, scalar: str, site: Site) -> tuple[Safe, ...]:
-    """What each output is when an input is refused: positions and angles are held, everything else is 0."""
-    positions = {port.name for port in function.inputs if port.unit in ("m", "rad")}
+    """What each output is when an input is refused: positions, angles, covariances are held, the rest is 0."""
+    positions = {p.name for p in function.inputs if p.unit in ("m", "rad") or p in POSE_COVARIANCE}
     outputs = []
     for port in function.outputs:
         limit = site.limits.get(port.name) if port.unit == "rad" else None

@@ -1,142 +1,32 @@
-"""Rust has the bits of the C, compiles without a warning and is `no_std`; and what only Rust says."""
+"""The crate as Rust's tools see it, and what only Rust says. Its bits: `test_rust_bits.py`."""
 
 from __future__ import annotations
 
-import math
-import random
 import re
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from struct import pack
 
 import pytest
 
 from tests.backends.modules import MODULES, TWIST, VX, spin, steer
-from tests.c.harness import gallery, robot_module
+from tests.c.harness import robot_module
 from tests.conftest import ROOT, Outcome, tree
-from tests.depth import everyday, examples
 from tests.tools import need, tool
-from wmrgen.backends.c99.driver import answer, calls, driver, request
-from wmrgen.backends.c99.emit import sources
-from wmrgen.backends.c99.emit import unit as c_unit
 from wmrgen.backends.registry import BACKENDS, Facts
 from wmrgen.backends.rust.driver import run
 from wmrgen.backends.rust.emit import library
 from wmrgen.backends.rust.functions import unit
-from wmrgen.compiler import compile_and_run
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.ir.build import Builder
-from wmrgen.ir.calls import nominal
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.kernels.trigonometry import SOFT
-from wmrgen.ir.nodes import Module, Port, Role, contract
+from wmrgen.ir.nodes import Module, Port, Role
 from wmrgen.ir.ops import OPERATIONS, Conditional
-from wmrgen.selftest.vectors import tables
 
-FLOAT, DOUBLE = Choice(), Choice("double", "libm")
-CHOICES = (
-    FLOAT,
-    DOUBLE,
-    Choice(math="libm"),
-    Choice(target="m0"),
-    Choice(target="host"),
-    Choice(target="avr"),
-)
-# Tunable parameters, rollers, steered modules, a car with limits, castors.
-ROBOTS = ("pioneer3dx", "kuka_youbot", "wpilib_swervebot", "ackermann_car", "office_chair")
-BUILDS = [(robot, choice, level) for robot in ROBOTS for choice in CHOICES for level in ("0", "3")]
-ALWAYS = [
-    ("pioneer3dx", FLOAT, "3"),
-    ("wpilib_swervebot", Choice(target="m0"), "0"),
-    ("ackermann_car", DOUBLE, "3"),
-]
-EDGES = (
-    0.0, -0.0, math.pi / 2, -math.pi / 2, math.pi, 3 * math.pi / 2, 1.0, -1.0, 3 / 64, 3 / 64 - 2**-29, 1e-6, -1e-6,
-    1e-12, 1e-12 * (1 - 2**-24), -1e-30, 100.0,
-)  # fmt: skip
-Cases = list[tuple[str, dict[str, float]]]
-
-
-def cases_of(module: Module, scalar: str, count: int) -> Cases:
-    """The rows of the self-test, then ``count`` points per function, where two inputs of five are special."""
-    source = random.Random(module.name)
-    cases: Cases = [
-        (table.functions[0], dict(zip(table.inputs, vector.inputs, strict=True)))
-        for table in tables(module, scalar)
-        for vector in table.vectors
-    ]
-    for function in (f for f in module.functions if f.outputs):
-        for _ in range(count):
-            special = (
-                source.choice(EDGES) if source.random() < 0.4 else source.uniform(-4, 4) for _ in iter(int, 1)
-            )
-            case = dict(zip((port.name for port in contract(function)), special, strict=False))
-            scaled = {name: value * source.uniform(0.9, 1.1) for name, value in nominal(module).items()}
-            cases.append((function.name, {**case, **scaled}))
-    return cases
-
-
-def by_c(module: Module, cases: Cases, choice: Choice) -> Iterator[dict[str, float]]:
-    """What the C of the same choice gives."""
-    wrappers = {call.function: (k, call) for k, call in enumerate(calls(c_unit(module, choice)))}
-    header, source = sources(module, choice)
-    files = {f"{module.name}.h": header, f"{module.name}.c": source}
-    files["driver.c"] = driver([call for _, call in wrappers.values()])
-    called = [wrappers[f"{module.name}_{name}"] for name, _ in cases]
-    lines = [
-        request(k, call, {**nominal(module), **case})
-        for (k, call), (_, case) in zip(called, cases, strict=True)
-    ]
-    printed = compile_and_run(files, "\n".join([*lines, ""])).splitlines()
-    for (_, call), line in zip(called, printed, strict=True):
-        yield answer(call, line)
-
-
-def bits(value: float) -> str:
-    return "NaN" if math.isnan(value) else pack(">d", value).hex()
-
-
-def mismatches(
-    module: Module, cases: Cases, choice: Choice, level: str, of_c: Choice | None = None
-) -> list[str]:
-    """Outputs that are not the bits of the C of the same choice, or of ``of_c``."""
-    rust = run(module, cases, choice, (f"-Copt-level={level}", "-Dwarnings"))
-    return [
-        f"{name}({case}).{key}: {mine[key]!r}, in C {value!r}"
-        for (name, case), mine, right in zip(cases, rust, by_c(module, cases, of_c or choice), strict=True)
-        for key, value in right.items()
-        if bits(mine[key]) != bits(value)
-    ]
-
-
-def test_a_mismatch_is_found() -> None:
-    need("rustc", "cc")
-    module = MODULES[0]
-    cases: Cases = [("inverse", {"vx": 1.0, "vy": 0.0, "omega": 0.25})]
-    assert len(mismatches(module, cases, FLOAT, "0", of_c=DOUBLE)) == 2
-
-
-def label(build: tuple[str, Choice, str]) -> str:
-    robot, choice, level = build
-    return "-".join((robot, *choice.words().values(), level))
-
-
-@pytest.mark.parametrize("build", everyday(BUILDS, ALWAYS), ids=label)
-def test_bits_are_those_of_the_c(build: tuple[str, Choice, str]) -> None:
-    need("rustc", "cc")
-    robot, choice, level = build
-    module = robot_module(robot)
-    assert mismatches(module, cases_of(module, choice.scalar, examples(1000)), choice, level) == []
-
-
-@pytest.mark.slow
-def test_bits_of_the_whole_gallery() -> None:
-    need("rustc", "cc")
-    for module in gallery():
-        assert mismatches(module, cases_of(module, "float", 100), FLOAT, "2") == [], module.name
+FLOAT = Choice()
 
 
 # ---- the crate as its tools see it

@@ -11,14 +11,17 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
+from xml.sax.saxutils import escape
 
+from wmrgen.backends.packages import arduino, ros2
+from wmrgen.backends.packages.cpp import header
 from wmrgen.backends.registry import BACKENDS, Entry, Facts
 from wmrgen.errors import UsageError
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
 
 SOURCES = "src"
-_C = (".c", ".h", ".hpp")
+_C = (".c", ".h")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +39,14 @@ class File:
 @dataclass(frozen=True, slots=True)
 class Package:
     """A kind of package: its word on the command line, the files that it adds, and those parts of the C that it must
-    not hold: ``without`` are folders of them. ``backend``: it is what that backend writes, and has no C."""
+    not hold: ``without`` are folders of them. ``backend``: it is what that backend writes, and has no C. ``context``:
+    what its templates print of a robot and its scalar type, beside what all kinds do."""
 
     kind: str
     files: tuple[File, ...]
     without: tuple[str, ...] = ()
     backend: str = ""
+    context: Callable[[Module, str], Mapping[str, object]] = lambda _, __: {}
 
     @property
     def folder(self) -> str:
@@ -65,12 +70,18 @@ PACKAGES = {
                 _README,
             ),
             without=("example",),
+            context=arduino.context,
         ),
         Package("platformio", (File("library.json", json.dumps), _README)),
         Package("esp-idf", (File("CMakeLists.txt"), File("idf_component.yml", json.dumps), _README)),
         Package(
             "zephyr",
             (File("zephyr/module.yml"), File("zephyr/CMakeLists.txt"), File("zephyr/Kconfig"), _README),
+        ),
+        Package(
+            "ros2",
+            (File("CMakeLists.txt"), File("package.xml", escape), File("node/{robot}_node.cpp"), _README),
+            context=ros2.context,
         ),
         Package("rust", (), backend="rust"),
     )
@@ -100,16 +111,17 @@ def packaged(package: Package, module: Module, facts: Facts, files: Mapping[str,
         if name.endswith(_C) and name.split("/")[0] not in package.without
     }
     top = [name for name in c if "/" not in name]
+    scalar = str(facts.options["scalar"])
     context = {
+        **package.context(module, scalar),
         "robot": robot,
         "upper": robot.upper(),
         "version": _version(facts.wmrgen_version),
         "generator": f"wmrgen {facts.wmrgen_version}",
         "options": facts.options,
-        "functions": [f"{robot}_{f.name}" for f in module.functions if f.outputs],
-        "types": [],  # once there are shared types
+        "scalar": scalar,
         "sources": [f"{SOURCES}/{name}" for name in top if name.endswith(".c")],
-        "headers": [f"{SOURCES}/{name}" for name in top if not name.endswith(".c")],
+        "headers": [f"{SOURCES}/{name}" for name in (*top, f"{robot}.hpp") if not name.endswith(".c")],
     }
     text = " ".join(facts.description.split()) or f"The wheeled robot {robot}"
     added = {
@@ -120,6 +132,7 @@ def packaged(package: Package, module: Module, facts: Facts, files: Mapping[str,
     }
     return {
         **{f"{SOURCES}/{name}": content for name, content in c.items()},
+        f"{SOURCES}/{robot}.hpp": header(module, scalar).encode("ascii"),
         **{name: text.encode() for name, text in added.items()},
     }
 

@@ -1,0 +1,76 @@
+"""``<robot>.hpp``: the C functions for C++17, in a namespace, by reference; it copies nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from wmrgen.interface import Argument, arguments, members
+from wmrgen.ir.nodes import Function, Module, Role
+from wmrgen.render import render
+
+PREPARED = Argument("prepared", "prepared", {}, {})
+PARAMS = Argument("params", "params", {}, {})
+_FILLED = {"x": "x"}  # of an argument that a function fills, whatever with
+
+
+def header(module: Module, scalar: str) -> str:
+    """The text of the header."""
+    shared = members(module)
+    prepare = module.prepare
+    kinds = [*shared, *(["prepared"] if prepare else []), *(["params"] if prepare and prepare.inputs else [])]
+    return render(
+        "package/robot.hpp.j2",
+        robot=module.name,
+        upper=module.name.upper(),
+        scalar=scalar,
+        types=[(_name(kind), f"{module.name}_{kind}") for kind in kinds],
+        views=[
+            (_name(kind), len(ports), ", ".join(f"&of.{port.name}" for port in ports))
+            for kind, ports in shared.items()
+        ],
+        functions=[line for name, own in _functions(module) for line in _wrapped(module.name, name, own)],
+    )
+
+
+def passed(module: Module, function: Function) -> tuple[Argument, ...]:
+    """The arguments of a function of ``module``, what `prepare` gives among them."""
+    reads = any(port.role is Role.PREPARED for port in function.inputs)
+    return (*([PREPARED] if reads else []), *arguments(function, module.joints))
+
+
+def _functions(module: Module) -> Iterator[tuple[str, tuple[Argument, ...]]]:
+    """Every C function: name and arguments."""
+    if module.prepare:
+        filled = Argument("prepared", "prepared", {}, _FILLED)
+        if module.prepare.inputs:
+            yield "params_default", (Argument("params", "params", {}, _FILLED),)
+            yield "prepare", (PARAMS, filled)
+        else:
+            yield "prepare", (filled,)
+    for function in module.functions:
+        if function.outputs:
+            yield function.name, passed(module, function)
+
+
+def _name(kind: str) -> str:
+    """``PoseCovariance`` of ``pose_covariance``."""
+    return "".join(word.capitalize() for word in kind.split("_"))
+
+
+def _wrapped(robot: str, name: str, own: tuple[Argument, ...]) -> Iterator[str]:
+    declared = ", ".join(_declared(robot, name, argument) for argument in own)
+    words = ", ".join(
+        argument.name if not argument.kind and not argument.writes else f"&{argument.name}"
+        for argument in own
+    )
+    yield from (f"inline void {name}({declared}) noexcept", "{", f"    ::{robot}_{name}({words});", "}")
+    if any(argument.reads or argument is PARAMS for argument in own):
+        head = f"[[nodiscard]] inline Status {name}_checked({declared}) noexcept"
+        yield from (head, "{", f"    return ::{robot}_{name}_checked({words});", "}")
+
+
+def _declared(robot: str, function: str, argument: Argument) -> str:
+    if not argument.kind:
+        return f"Scalar &{argument.name}" if argument.writes else f"Scalar {argument.name}"
+    kind = f"{robot}_{function}_{argument.kind}" if argument.kind in ("in", "out") else _name(argument.kind)
+    return f"{'' if argument.writes else 'const '}{kind} &{argument.name}"

@@ -79,7 +79,7 @@ def test_help_names_every_kind(wmrgen_cli: Callable[..., Outcome]) -> None:
 def test_every_template_is_a_file_of_its_kind() -> None:
     folder = ROOT / "templates" / "package"
     named = {file.template(kind) for kind, package in PACKAGES.items() for file in package.files}
-    assert {f"package/{p.relative_to(folder).as_posix()}" for p in folder.rglob("*.j2")} == named
+    assert {f"package/{p.relative_to(folder).as_posix()}" for p in folder.glob("*/*.j2")} == named
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -95,6 +95,70 @@ def test_what_is_swept_up_defines_no_main(kind: str, tmp_path: Path) -> None:
     symbols = run(tmp_path, "nm", *(path.name for path in sorted(tmp_path.glob("*.o"))))
     assert "T pioneer3dx_selftest" in symbols
     assert not re.search(r"\bT (main|setup|loop|app_main)\b", symbols)
+
+
+CPP = """
+#include "{0}.hpp"
+namespace robot = {0};
+int main()
+{{
+    robot::Twist twist{{0.5F, 0.0F, 0.25F}};
+    robot::Wheels wheels{{}};
+    robot::Pose pose{{}};
+    *robot::view(twist)[2] = 0.125F;
+    {1}
+    if (robot::odometry_checked(pose, twist, 0.25F) != {2}_OK) {{
+        return 1;
+    }}
+    const auto &constant = pose;
+    const auto members = robot::view(wheels);
+    for (std::size_t i = 0; i < members.size(); ++i) {{
+        if (members[i] != {0}_joint(&wheels, static_cast<int>(i))) {{
+            return 2;
+        }}
+    }}
+    static_assert(robot::view(wheels).size() == {2}_JOINTS);
+    return *robot::view(constant)[0] > 0.124F && twist.omega > 0.1249F ? 0 : 3;
+}}
+"""
+TUNABLE = "robot::Params params; robot::params_default(params); robot::Prepared prepared;"
+CALLS = {
+    "pioneer3dx": f"{TUNABLE} if (robot::prepare_checked(params, prepared)) return 4;"
+    "robot::inverse(prepared, twist, wheels); robot::forward(prepared, wheels, twist);",
+    "wpilib_swervebot": "robot::inverse(twist, wheels, wheels); robot::forward(wheels, twist);",
+}
+
+
+@pytest.mark.parametrize("robot", CALLS)
+@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+def test_the_header_for_cpp(robot: str, compiler: str, tmp_path: Path) -> None:
+    """Strict C++17; views are of the variables themselves, in the order of the joints."""
+    need("gcc", compiler)
+    put(tmp_path, of_gallery(robot, "cmake"))
+    (tmp_path / "main.cpp").write_text(CPP.format(robot, CALLS[robot], robot.upper()))
+    run(tmp_path, "gcc", "-O0", "-c", *(f"src/{robot}{ending}.c" for ending in ("", "_checked")))
+    strict = ("-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", "-Isrc")
+    run(tmp_path, compiler, *strict, "main.cpp", f"{robot}.o", f"{robot}_checked.o", "-lm", "-o", "main")
+    run(tmp_path, tmp_path / "main")
+
+
+def test_the_header_for_cpp_has_every_function(tmp_path: Path) -> None:
+    """Also those that take structs of their own, pass covariances or give scalars."""
+    need("g++")
+    robot = tmp_path / "pair.yaml"
+    robot.write_text(
+        DIFFERENTIAL
+        + "noise: {spin: {proportional: 0.02}}\nlimits: {vx: 1, vx_rate: 1, omega: 2, spin: 9}\nfunctions:"
+        " [forward_covariance, odometry_covariance, limit_acceleration, desaturate, circle, odometry_compensated]\n"
+    )
+    files = files_of(robot, "cmake")
+    put(tmp_path, files)
+    strict = ("-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", "-fsyntax-only")
+    run(tmp_path, "g++", *strict, "-xc++", "-include", "src/pair.hpp", "/dev/null")
+    header, text = (files[f"src/pair.{ending}"].decode() for ending in ("h", "hpp"))
+    declared = re.findall(r"^void pair_(\w+)\(", header, re.MULTILINE)
+    assert {"odometry_covariance", "circle", "desaturate"} <= set(declared)
+    assert declared == re.findall(r"^inline void (\w+)\(", text, re.MULTILINE)
 
 
 def test_a_description_is_quoted_in_every_language(told: Path) -> None:

@@ -15,9 +15,8 @@ from tests.conftest import DIFFERENTIAL, put
 from tests.packages.made import files_of, in_folder, of_gallery, run
 from tests.tools import need
 from wmrgen import derive, load
-from wmrgen.interface import POSE_COVARIANCE, TWIST_COVARIANCE
 from wmrgen.ir.interpret import FLOAT64, evaluate_module
-from wmrgen.ports import POSE
+from wmrgen.ports import POSE, POSE_COVARIANCE, TWIST_COVARIANCE
 
 STUBS = Path(__file__).parent / "stubs"
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wno-float-conversion -Werror"

@@ -61,7 +61,11 @@ def loop(module: Module, scalar: str) -> Loop:
         return Call(f"{module.name}_{name}", tuple(words), variables)
 
     covariance = all(name in functions for name in _COVARIANCE)
-    sense = ("forward_slip", *_COVARIANCE) if covariance else ("forward", "odometry")
+    if covariance:
+        takes_slip = any(argument.name == "slip" for argument in passed(module, functions[_COVARIANCE[0]]))
+        sense = ["forward_slip" if takes_slip else "forward", *_COVARIANCE]
+    else:
+        sense = ["forward", "odometry_compensated" if "odometry_compensated" in functions else "odometry"]
     limits = [name for name in ("limit_twist", "limit_acceleration") if name in functions]
     command = "command" if "limit_acceleration" in limits else "wanted"
     act = [name for name in ("inverse", "desaturate") if name in functions]

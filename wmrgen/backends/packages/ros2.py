@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from wmrgen.backends.packages.loop import loop
-from wmrgen.interface import POSE_COVARIANCE, TWIST_COVARIANCE
 from wmrgen.ir.nodes import Module
+from wmrgen.ports import POSE_COVARIANCE, TWIST_COVARIANCE
 
 _QUANTITIES = {
     "spin": ("spin", "velocity"),

@@ -112,7 +112,8 @@ def derive(
     package: Annotated[
         list[str] | None,
         option(
-            "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, ros2, rust.", "KIND"
+            "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, ros2, rust.",
+            "KIND",
         ),
     ] = None,
 ) -> None:

@@ -15,7 +15,7 @@ from wmrgen.exact.poly import Gen, Poly, dot
 from wmrgen.functions.registry import has_system, system_builder
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Module, count
-from wmrgen.layout.records import Noise, Robot, Wheel
+from wmrgen.layout.records import Encoder, Noise, Robot, Wheel
 from wmrgen.mobility.records import Mobility, Rank, Singularity
 from wmrgen.program import asked
 
@@ -75,6 +75,7 @@ def _identity(robot: Robot) -> dict[str, Any]:
         "couplings": [{"joint": joint, "wheels": list(wheels)} for joint, wheels in robot.couplings],
         "limits": {name: [float(i.low), float(i.high)] for name, i in robot.limits.items()},
         **({"noise": _noise(robot.noise)} if robot.noise else {}),
+        **({"encoder": _encoders(robot.encoders)} if robot.encoders else {}),
         **({"deadband": float(robot.deadband)} if robot.deadband else {}),
         "notes": list(robot.notes),
     }
@@ -140,8 +141,7 @@ def _wheel(w: Wheel) -> dict[str, Any]:
     if w.noise:
         entry["noise"] = _noise(w.noise)
     if w.encoders:
-        encoders = w.encoders.items()
-        entry["encoder"] = {j: {"counts_per_turn": float(e.turn), "bits": e.bits} for j, e in encoders}
+        entry["encoder"] = _encoders(w.encoders)
     if w.limits:
         entry["limits"] = {name: [float(i.low), float(i.high)] for name, i in w.limits.items()}
     return entry
@@ -150,6 +150,10 @@ def _wheel(w: Wheel) -> dict[str, Any]:
 def _noise(noise: Mapping[str, Noise]) -> dict[str, Any]:
     parts = ("proportional", "constant")
     return {joint: {part: float(getattr(n, part)) for part in parts} for joint, n in noise.items()}
+
+
+def _encoders(encoders: Mapping[str, Encoder]) -> dict[str, Any]:
+    return {j: {"counts_per_turn": float(e.turn), "bits": e.bits} for j, e in encoders.items()}
 
 
 def strings(rows: Sequence[Sequence[Poly]]) -> list[list[str]]:

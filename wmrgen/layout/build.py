@@ -13,7 +13,7 @@ from wmrgen.exact.number import ONE, ZERO, Exact
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.couplings import common_limits, groups, refuse_unmodelled
 from wmrgen.layout.expressions import PI, Scope, snap, to_poly
-from wmrgen.layout.joints import constant, encoder_of, noise_of, weight_of
+from wmrgen.layout.joints import constant, encoders_of, noise_of, weight_of
 from wmrgen.layout.records import (
     Geometry,
     Interval,
@@ -72,6 +72,7 @@ def build(spec: RobotSpec) -> Robot:
         deadband=ZERO if spec.deadband is None else _deadband(spec.deadband, scope),
         functions=tuple(f.name for f in spec.functions),
         noise=noise_of(spec.noise, scope),
+        encoders=encoders_of("the robot", spec.encoders, scope),
     )
     refuse_unmodelled(spec, robot)
     return common_limits(spec, robot)
@@ -172,7 +173,7 @@ def _wheel(index: int, w: WheelSpec, angles: _Angles) -> Wheel:
         gamma=float(scope.number(gamma)), heading=shown,
         actuated=w.actuated, sensed=w.sensed, limits=_limits(w.limits, scope),
         weight=ONE if w.weight is None else weight_of(w.name, w.weight, scope),
-        noise=noise_of(w.noise, scope), encoders={e.joint: encoder_of(w.name, e, scope) for e in w.encoders},
+        noise=noise_of(w.noise, scope), encoders=encoders_of(w.name, w.encoders, scope),
     )  # fmt: skip
 
 

@@ -58,9 +58,12 @@ def noise_of(noise: Iterable[NoiseSpec], scope: Scope) -> dict[str, Noise]:
     }
 
 
-def encoder_of(wheel: str, e: EncoderSpec, scope: Scope) -> Encoder:
-    """A counter. RobotFileError for counts or a gear that are not positive, and for another width than 16 or 32."""
-    what = f"encoder of {wheel}.{e.joint}"
+def encoders_of(whose: str, encoders: Iterable[EncoderSpec], scope: Scope) -> dict[str, Encoder]:
+    """Counters. RobotFileError for counts or a gear that are not positive, and for another width than 16 or 32."""
+    return {e.joint: _encoder(f"{e.joint} encoder of {whose}", e, scope) for e in encoders}
+
+
+def _encoder(what: str, e: EncoderSpec, scope: Scope) -> Encoder:
     counts = _positive(f"{what}: counts", e.counts, scope)
     turn = counts if e.gear is None else counts * _positive(f"{what}: gear", e.gear, scope)
     bits = Exact(32) if e.bits is None else constant(f"{what}: bits", e.bits, scope)

@@ -210,6 +210,7 @@ class Robot:
     deadband: Exact = ZERO
     functions: tuple[str, ...] = ()
     noise: Mapping[str, Noise] = field(default_factory=dict)
+    encoders: Mapping[str, Encoder] = field(default_factory=dict)
 
     @property
     def tunable(self) -> tuple[Parameter, ...]:
@@ -232,6 +233,10 @@ class Robot:
     def noise_of(self, wheel: Wheel, joint: str) -> Noise | None:
         """The wheel's own noise of ``spin``, ``steer`` or ``steer_rate``, else the robot's."""
         return wheel.noise.get(joint) or self.noise.get(joint)
+
+    def encoder_of(self, wheel: Wheel, joint: str) -> Encoder | None:
+        """The encoder of a wheel's ``spin`` or ``steer``: its own, else the robot's where the joint is sensed."""
+        return wheel.encoders.get(joint) or (self.encoders.get(joint) if joint in wheel.sensed else None)
 
     def together(self, joint: str, wheels: Iterable[Wheel]) -> list[list[Wheel]]:
         """``wheels`` in the sets whose ``joint``, spin or steer, is coupled; a wheel alone is a set of one."""

@@ -124,13 +124,12 @@ WHEEL = Section(
         Field("sensed", _JOINTS, "joints that are measured", default="those that are driven"),
         Field(
             "weight", Amount(Kind.ANY, "1"),
-            "how much the wheel counts in forward, in proportion to other wheels: one of weight 1/4 is taken for twice "
-            "as noisy",
+            "how much the wheel counts in forward beside other wheels: one of weight 1/4 is taken for twice as noisy",
             default="1",
         ),
         Field("limits", LIMITS, "limits of this wheel's joints, before those of the robot"),
         Field("noise", NOISE, "noise of this wheel's joints, before that of the robot"),
-        Field("encoder", ENCODER, "encoders of this wheel's joints, for joints_from_counts"),
+        Field("encoder", ENCODER, "encoders of this wheel's joints, before those of the robot"),
     ),
     (
         Choice(
@@ -266,6 +265,7 @@ ROBOT = Section(
             "deadband", Amount(Kind.ANY, "1"),
             "share of the limits of vx, vy and omega below which limit_twist takes a twist for standstill", default="0",
         ),
+        Field("encoder", ENCODER, "encoders of every joint that is sensed, for joints_from_counts"),
         Field("virtual", ListOf(VIRTUAL), "wheels that are not there and stand for real ones"),
         Field("trailers", ListOf(TRAILER, most=16), "trailers, from the robot backwards"),
         Field(
@@ -289,7 +289,7 @@ SECTIONS = {
     "`noise`, of the robot or of a wheel": NOISE,
     "`spin` and `steer_rate` of `noise`": RATE_NOISE,
     "`steer` of `noise`": ANGLE_NOISE,
-    "`encoder`, of a wheel": ENCODER,
+    "`encoder`, of the robot or of a wheel": ENCODER,
     "Each joint of `encoder`": COUNTER,
     "A parameter with more than a value": PARAMETER,
     "Each of `couplings`": COUPLING,

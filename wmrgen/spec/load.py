@@ -35,7 +35,7 @@ from wmrgen.spec.text import (
     read_at_most,
     suggestion,
 )
-from wmrgen.spec.wheels import read_couplings, read_limits, read_noise, read_wheels
+from wmrgen.spec.wheels import read_couplings, read_encoders, read_limits, read_noise, read_wheels
 from wmrgen.wheels import WHEEL_TYPES
 
 _DUNDER = re.compile(r"__\w+__")
@@ -86,6 +86,7 @@ def read_text(text: str, file_name: str) -> RobotSpec:
         limits=read_limits(table.get("limits"), "the robot", scope),
         mark=table.mark,
         noise=read_noise(table.get("noise"), "the robot", scope),
+        encoders=read_encoders(table.get("encoder"), "the robot", scope),
         virtual=_virtual(table, wheels, scope),
         trailers=_trailers(table, wheels, scope),
         slip=table.word("slip"),

@@ -188,6 +188,7 @@ class RobotSpec:
     limits: tuple[Limit, ...]
     mark: Mark
     noise: tuple[NoiseSpec, ...] = ()
+    encoders: tuple[EncoderSpec, ...] = ()
     virtual: tuple[VirtualSpec, ...] = ()
     trailers: tuple[TrailerSpec, ...] = ()
     slip: bool = False

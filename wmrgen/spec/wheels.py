@@ -58,7 +58,7 @@ def _wheel(table: Table, scope: Scope) -> WheelSpec:
         sensed=read_joints(table, "sensed", kind, actuated),
         limits=read_limits(table.get("limits"), what, scope, keys_of_type(LIMITS, kind)),
         noise=read_noise(table.get("noise"), what, scope, keys_of_type(NOISE, kind)),
-        encoders=_encoders(table.get("encoder"), what, scope, keys_of_type(ENCODER, kind)),
+        encoders=read_encoders(table.get("encoder"), what, scope, keys_of_type(ENCODER, kind)),
     )
 
 
@@ -165,7 +165,9 @@ def read_noise(
     return tuple(noise)
 
 
-def _encoders(node: Node | None, what: str, scope: Scope, valid: tuple[str, ...]) -> tuple[EncoderSpec, ...]:
+def read_encoders(
+    node: Node | None, what: str, scope: Scope, valid: tuple[str, ...] | None = None
+) -> tuple[EncoderSpec, ...]:
     """The encoders of joints, of those that are ``valid``."""
     if node is None:
         return ()

@@ -87,6 +87,24 @@ def test_encoders_that_make_no_sense(encoder: str, problem: str, tmp_path: Path)
     assert problem in str(caught.value)
 
 
+def test_encoders_of_the_robot(tmp_path: Path) -> None:
+    """Of every joint that is sensed, and before them the wheel's own."""
+    (tmp_path / "robot.yaml").write_text(
+        robot_text(
+            LAYOUTS["offset"], extra="encoder: {spin: {counts: 100}, steer: {counts: 200, bits: 16}}\n"
+        ).replace("weight: 1.0", "encoder: {spin: {counts: 50}}")
+    )
+    ports = derive(load(tmp_path / "robot.yaml"), [NAME]).formula(NAME).inputs
+    assert {p.name: p.bits for p in ports} == {
+        "w0.spin_counts": 32, "w0.steer_counts": 16, "w0.steer_rate_counts": 16, "w1.steer_counts": 16,
+        "w1.steer_rate_counts": 16, "w2.spin_counts": 32, "dt": 0,
+    }  # fmt: skip
+    same = dict.fromkeys(("w0.spin_counts", "w2.spin_counts"), 10.0)
+    zero = {p.name: 0.0 for p in ports} | same | {"dt": 1.0}
+    result = derive(load(tmp_path / "robot.yaml"), [NAME]).numpy().joints_from_counts(**zero)
+    assert result["w2.spin"] == pytest.approx(2 * result["w0.spin"]) == pytest.approx(math.tau / 5)
+
+
 def test_width_and_turn(tmp_path: Path) -> None:
     encoders = derived(tmp_path, fixed(SPIN)).robot.wheels[0].encoders
     assert {j: (float(e.turn), e.bits) for j, e in encoders.items()} == {"spin": (-4096 * 30.5, 16)}

@@ -17,10 +17,10 @@ from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.pose import DT
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.sensing import sensed_joints
-from wmrgen.layout.records import Robot, Wheel
+from wmrgen.layout.records import Encoder, Robot, Wheel
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import Port, Role
-from wmrgen.symbolic import Expr, maximum, number, signal, times
+from wmrgen.symbolic import maximum, number, signal, times
 
 _DIFFERENCE = "counts since the last step, the difference of a counter that may wrap"
 _COUNTERS = {  # joint -> its encoder, what is counted, whether it is a rate
@@ -33,7 +33,7 @@ _COUNTERS = {  # joint -> its encoder, what is counted, whether it is a rate
 @function("ours; the texts have none")
 def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
     """Counts of encoders to the joint rates and angles that they show."""
-    joints = [(w, joint) for w in robot.wheels for joint in _counted(w)]
+    joints = [(w, joint, encoder) for w in robot.wheels for joint, encoder in _counted(robot, w)]
     if not joints:
         raise underivable(
             robot,
@@ -43,31 +43,22 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
     names = Locals()
     rate = names.define("per_time", 1 / maximum(signal("dt"), SHORTEST))
     counters, outputs = [], []
-    for w, joint in joints:
-        counters.append(counter_port(w, joint))
-        outputs.append((joint_port(w, joint, Role.COMMAND), _angle(w, joint, rate)))
+    for w, joint, encoder in joints:
+        name = f"{w.name}.{joint}_counts"
+        counters.append(Port(name, Role.COMMAND, "", _COUNTERS[joint][1], bits=encoder.bits))
+        angle = times(2 * sympy.pi / number(encoder.turn), signal(name))
+        outputs.append(
+            (joint_port(w, joint, Role.COMMAND), times(rate, angle) if _COUNTERS[joint][2] else angle)
+        )
     timed = (replace(DT, text="duration of the step, above 0"),)
     text = "counts of encoders to the joint rates and angles that forward takes"
-    dt = timed if any(_COUNTERS[joint][2] for _, joint in joints) else ()
+    dt = timed if any(_COUNTERS[joint][2] for _, joint, _ in joints) else ()
     return names.formula("joints_from_counts", (*counters, *dt), outputs, text)
 
 
-def counter_port(w: Wheel, joint: str) -> Port:
-    """``<wheel>.<joint>_counts``, a whole number."""
-    encoder, text, _ = _COUNTERS[joint]
-    return Port(f"{w.name}.{joint}_counts", Role.COMMAND, "", text, bits=w.encoders[encoder].bits)
-
-
-def _counted(w: Wheel) -> Iterator[str]:
+def _counted(robot: Robot, w: Wheel) -> Iterator[tuple[str, Encoder]]:
     """The joints whose value an encoder shows: its own, and a steering rate where `forward` takes one."""
-    for joint, (encoder, _, _) in _COUNTERS.items():
-        if encoder in w.encoders and (joint != "steer_rate" or joint in sensed_joints(w)):
-            yield joint
-
-
-def _angle(w: Wheel, joint: str, rate: Expr) -> Expr:
-    """The angle of the counts, over the time where they are a difference."""
-    encoder, _, timed = _COUNTERS[joint]
-    count = 2 * sympy.pi / number(w.encoders[encoder].turn)
-    counts = signal(f"{w.name}.{joint}_counts")
-    return times(count, rate, counts) if timed else times(count, counts)
+    for joint, (shows, _, _) in _COUNTERS.items():
+        encoder = robot.encoder_of(w, shows)
+        if encoder is not None and (joint != "steer_rate" or joint in sensed_joints(w)):
+            yield joint, encoder

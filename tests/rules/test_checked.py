@@ -20,6 +20,7 @@ pytestmark = pytest.mark.skipif(not COMPILERS, reason="no C compiler here")
 DIFFERENTIAL = """
     textbook_differential_twist in = {0.1f, 0.0f, 1.0f}, g;
     textbook_differential_wheels out, same, f;
+    textbook_differential_pose pose = {1.0f, 2.0f, 3.0f};
     EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_OK);
     textbook_differential_inverse(&in, &same);
     EXPECT(memcmp(&out, &same, sizeof out) == 0);
@@ -33,6 +34,7 @@ DIFFERENTIAL = """
         EXPECT(g.vx == 0.0f && g.vy == 0.0f && g.omega == 0.0f);
     }
     in.vx = 1e9f; /* no limit in the robot file */
+    EXPECT(textbook_differential_odometry_checked(&pose, &in, 0.01f) == TEXTBOOK_DIFFERENTIAL_OK);
     EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_OK);
     in.vx = 1.1e9f;
     EXPECT(textbook_differential_inverse_checked(&in, &out) == TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE);
@@ -47,12 +49,14 @@ ODOMETRY = """
     EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OK);
     pioneer3dx_odometry(&same, &twist, 0.01f);
     EXPECT(memcmp(&pose, &same, sizeof pose) == 0);
-    twist.vx = 5.0f; /* measured: the limit of 1.2 is for commands, and the wheels have none */
+    twist.vx = 1.6f; /* measured: the limit of 1.2 is for commands, and wheels that overshoot go as fast */
     EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OK);
-    twist.vx = 1.1e9f;
-    pose = start;
-    EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OUT_OF_RANGE);
-    EXPECT(memcmp(&pose, &start, sizeof pose) == 0);
+    for (k = 0; k < 2; ++k) {
+        twist.vx = k ? 1.7f : 1.1e9f;
+        pose = start;
+        EXPECT(pioneer3dx_odometry_checked(&pose, &twist, 0.01f) == PIONEER3DX_OUT_OF_RANGE);
+        EXPECT(memcmp(&pose, &start, sizeof pose) == 0);
+    }
     twist.vx = 0.1f;
     for (k = 0; k < 3; ++k) {
         pose = start;
@@ -110,6 +114,39 @@ ACKERMANN = """
     EXPECT(ackermann_car_inverse_checked(&in, &now, &now) == ACKERMANN_CAR_OUT_OF_RANGE);
     EXPECT(now.front_right.steer == -0.1f && now.rear_right.spin == 0.0f);
 """
+# Whatever twist comes in, what the limits leave of it drives the robot.
+LIMITING = """
+    pioneer3dx_params params;
+    pioneer3dx_prepared prepared;
+    pioneer3dx_twist twist = {0.0f, 0.0f, 0.0f}, last = {0.0f, 0.0f, 0.0f};
+    pioneer3dx_wheels out;
+    unsigned state = 1u;
+    int reached = 0;
+    pioneer3dx_params_default(&params);
+    pioneer3dx_prepare(&params, &prepared);
+    for (k = 0; k < 3000; ++k) {
+        float *const member[3] = {&twist.vx, &twist.vy, &twist.omega};
+        const float most[3] = {k % 3 ? 2.0f : 1e9f, 1e9f, k % 5 ? 8.0f : 200.0f};
+        int j;
+        for (j = 0; j < 3; ++j) {
+            state = state * 1664525u + 1013904223u;
+            *member[j] = most[j] * ((float)(state >> 8) / 8388608.0f - 1.0f);
+        }
+        EXPECT(pioneer3dx_limit_twist_checked(&twist) == PIONEER3DX_OK);
+        EXPECT(pioneer3dx_inverse_checked(&prepared, &twist, &out) == PIONEER3DX_OK);
+        reached += fabsf(twist.vx) == 1.2f || fabsf(twist.omega) == 5.2359877f;
+        EXPECT(pioneer3dx_limit_acceleration_checked(&twist, &last, 0.5f) == PIONEER3DX_OK);
+        EXPECT(pioneer3dx_inverse_checked(&prepared, &twist, &out) == PIONEER3DX_OK);
+        last = twist;
+    }
+    EXPECT(reached > 500);
+    for (k = 0; k < 3; ++k) {
+        twist.vx = 0.5f;
+        twist.omega = bad[k];
+        EXPECT(pioneer3dx_limit_twist_checked(&twist) == PIONEER3DX_NOT_A_NUMBER);
+        EXPECT(twist.vx == 0.0f && twist.vy == 0.0f && twist.omega == 0.0f);
+    }
+"""
 CASTORS = """
     nomad_xr4000_twist in = {0.5f, 0.1f, 0.2f};
     nomad_xr4000_wheels now, out;
@@ -156,8 +193,9 @@ TUNABLE = """
         ("ackermann_car", ACKERMANN),
         ("nomad_xr4000", CASTORS),
         ("pioneer3dx", TUNABLE),
+        ("pioneer3dx", LIMITING),
     ],
-    ids=["differential", "odometry", "ackermann", "castors", "tunable"],
+    ids=["differential", "odometry", "ackermann", "castors", "tunable", "limiting"],
 )
 def test_status_and_safe_outputs(robot: str, body: str, compiler: str, tmp_path: Path) -> None:
     put(tmp_path, files_of(robot))

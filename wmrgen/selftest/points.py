@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Op, Port, Role, prune
 from wmrgen.ir.rounding import nearest_float32, to_float64
-from wmrgen.ports import NO_SITE, Site
+from wmrgen.ports import NO_SITE, Limits, Site
 
 Array = Any
 Point = tuple[str, Array]  # what it is, one value per port
@@ -28,6 +29,8 @@ _ANGLES = (1.515625, -1.453125, 4.59375, -1.625, 3.0625, -64.40625, 98.9375, 1.4
 _MANY, _ALONE = 10, 8  # of many inputs, not each alone: a row of the table is long then
 _LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
 _BEYOND = 1 + 2.0**-11
+_STEPS = (2.0**-11, 4.0)  # s
+_FAINT = 2.0**-13
 
 
 class Grid:
@@ -79,6 +82,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     yield from _all_round(ports, free, moving)
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
+    yield from _limiting(function, ports, site, grid)
     if any(_chooses(node.op) for node in function.nodes):
         pool = _POOL if len(function.nodes) <= _LARGE else _POOL // 10
         for row, values in enumerate(_scattered(ports, pool)):
@@ -136,6 +140,36 @@ def _centres(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
             point = grid.rows[(row + 5) % _ROWS].copy()
             point[where] = nearest_float32(y - off / 2), -nearest_float32(x + off), 1.0
             yield f"centre of rotation {text} {name}", point
+
+
+def _limiting(function: Function, ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
+    """Of what keeps limits: one command large, both ways, and all of them, each once the largest. Beyond its limits
+    where the function takes such, in very short steps and long ones where it goes from one value towards another."""
+    steps = any(p.name.endswith(("_last", "_wanted")) for p in ports)
+    asked = function.limits is Limits.ASKED
+    if not (steps or asked):
+        return
+    timed = np.array([p.unit == "s" for p in ports])
+    driven = np.array([p.role is Role.COMMAND for p in ports]) & ~timed
+    ends = np.array(
+        [site.limits.get(p.name, (-size, size)) for p, size in zip(ports, grid.single, strict=True)]
+    )
+    columns = np.cumsum(driven) - 1
+    count = min(int(driven.sum()), _ALONE)
+    for step, k, side in product(_STEPS if steps else (0.0,), range(count), (0, 1)):
+        large = (
+            np.where(columns == k, 2.0 if asked else 0.75, _FAINT if asked or side else 0.0) * ends[:, side]
+        )
+        yield "one large command", np.where(timed, step, np.where(driven, _single(large), 0.0))
+    for k, way in product(range(min(count, 4)), (1, -1)):
+        order = (way * columns + k) % count
+        large = (
+            np.where((order + k) % 2, -1.0, 1.0)
+            * (1.25 + order / count)
+            * (1.0 if asked else 0.5)
+            * ends[:, 1]
+        )
+        yield "large commands", np.where(timed, grid.rows[k], np.where(driven, _single(large), 0.0))
 
 
 # ---- beside walls

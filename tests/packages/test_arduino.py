@@ -9,6 +9,7 @@ import pytest
 
 from tests.packages.arduino import build, needed, said, size
 from tests.packages.made import in_folder
+from tests.packages.test_documents import PAGE
 
 pytestmark = pytest.mark.slow
 
@@ -66,6 +67,8 @@ def test_the_loop_drives_in_little_memory(robot: str, tmp_path: Path) -> None:
             (4000 * sin(turn), 4000 * (1 - cos(turn)), 1000 * turn), abs=1.01
         )
     assert 20 < stack < 500
+    (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{robot}`")]
+    assert row.endswith(f"| {flash} | {ram} | {stack} |"), (flash, ram, stack)
     if robot == "pioneer3dx":
         assert flash <= 6144 and ram + stack <= 500
 

@@ -58,6 +58,19 @@ def test_an_unknown_kind_is_refused_before_anything_is_written(
     assert not (robot_file.parent / "out").exists()
 
 
+@pytest.mark.parametrize("kind", ["arduino", "ros2"])
+def test_a_robot_without_motors_and_sensors_has_no_loop(
+    kind: str, wmrgen_cli: Callable[..., Outcome], robot_file: Path
+) -> None:
+    robot_file.write_text(DIFFERENTIAL.replace("r: 0.0975", "r: 0.0975, actuated: []"))
+    out = robot_file.parent / "out"
+    done = wmrgen_cli("derive", robot_file, "-o", out, "--package", kind)
+    assert done.code == 3 and "no loop" in done.err and not out.exists()
+    assert wmrgen_cli("derive", robot_file, "-o", out, "--package", "cmake").code == 0
+    header = (out / "package-cmake" / "pair" / "src" / "pair.hpp").read_text()
+    assert "namespace pair {" in header and "inline void odometry(" in header
+
+
 def test_a_stranger_among_packages_is_found(
     wmrgen_cli: Callable[..., Outcome], robot_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -58,12 +58,12 @@ def derive(
                 if singularity.everywhere:
                     console.note(f"{robot.name}: warning: {singularity.meaning}")
             results.append((derivation, artifacts(derivation, chosen, fuzz)))
-    written = [write_tree(out / d.robot.name, files, chosen.words()) for d, files in results]
     packages = [
         (out / kind.folder / d.robot.name, packaged(kind, d, chosen, files))
         for d, files in results
         for kind in kinds
     ]
+    written = [write_tree(out / d.robot.name, files, chosen.words()) for d, files in results]
     for folder, files in packages:
         write_tree(folder, files, chosen.words())
     if as_json:

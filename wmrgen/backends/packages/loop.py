@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from wmrgen.backends.packages.cpp import passed
+from wmrgen.errors import NotDerivableError
 from wmrgen.ir.nodes import Module
 
 _COVARIANCE = ("forward_covariance", "odometry_covariance")
@@ -47,8 +48,13 @@ class Loop:
 
 
 def loop(module: Module, scalar: str) -> Loop:
-    """The loop of ``module``."""
+    """The loop of ``module``. NotDerivableError where it neither drives nor senses wheels."""
     functions = {function.name: function for function in module.functions if function.outputs}
+    if not {"forward", "inverse"} <= functions.keys():
+        raise NotDerivableError(
+            f"{module.name} has no loop to write: it neither drives nor senses wheels. Its functions are in the other "
+            "packages, cmake for one."
+        )
 
     def call(name: str, called: Mapping[str, str]) -> Call:
         words, variables = [], {}

@@ -7,7 +7,7 @@ A port is found by its contract name in one of the types that all functions of a
     twist_covariance  vxvx vxvy vxomega vyvy vyomega omegaomega
     wheels            <wheel>.spin, .steer, .steer_rate of the joints that are commanded or sensed
 
-and with one of `SUFFIXES` behind (``vx_last``, ``left.steer_wanted``) in another variable of that type. What is in none
+and with one of `SUFFIXES` behind (``vx_wanted``, ``left.steer_wanted``) in another variable of that type. What is in none
 of them is a scalar of its own; where there are more than `FEW`, or a wheel's, they are a struct of that function alone.
 
 A variable that is read and written under the same names is changed in place: pose and covariances always, twist and
@@ -20,9 +20,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from wmrgen.ir.nodes import Function, Module, contract
-from wmrgen.ports import JOINTS, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, Port
+from wmrgen.ports import JOINTS, POSE, POSE_COVARIANCE, TIMES, TWIST, TWIST_COVARIANCE, Port
 
-SUFFIXES = ("now", "wanted", "last", "rest", "step")
+SUFFIXES = (*TIMES, "rest", "step")
 FEW = 4
 WHEELS = "wheels"
 IN, OUT = "in", "out"  # the types of what one function alone takes and gives

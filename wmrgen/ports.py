@@ -90,6 +90,15 @@ JOINTS = {
     )
 }
 
+TIMES = ("now", "wanted", "last")  # of a quantity: ``vx_wanted`` keeps the limits of ``vx``
+
+
+def timeless(name: str) -> str:
+    """The contract name of a quantity without the time that stands behind it."""
+    plain, _, time = name.rpartition("_")
+    return plain if time in TIMES else name
+
+
 SPREAD = 0.1  # of a tunable parameter about its nominal value
 SPAN = 0.01  # of one that is nominally zero [m, rad]
 

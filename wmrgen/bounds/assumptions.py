@@ -25,7 +25,7 @@ from wmrgen.ir.kernels.trigonometry import Worst, worst
 from wmrgen.ir.nodes import Function, Limits, Op, Port, Role
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.layout.records import Robot
-from wmrgen.ports import tuned
+from wmrgen.ports import timeless, tuned
 
 _EXPONENT = 0x7FF << 52  # of a double
 _LEAST = 2.0**-1000
@@ -213,8 +213,8 @@ class Domain:
             return rate and inside(*(end * _POSE["dt"][1] for end in rate))
         if joint == "steer_wanted":  # as `inverse` gives it
             return self.commanded.get(f"{owner}.steer")
-        if joint.endswith(("_now", "_last")):  # the same quantity at another time
-            return self._range(replace(port, name=name.rpartition("_")[0]))
+        if timeless(name) != name:
+            return self._range(replace(port, name=timeless(name)))
         if joint in ("steer", "theta"):
             return inside(-TURNS, TURNS)
         return self.declared.get("vx") if joint == "speed" else self.commanded.get(name)

@@ -101,10 +101,10 @@ PAIR = """\
 def test_what_the_robot_cannot_drive_is_nothing_and_slows_nothing_down(tmp_path: Path) -> None:
     """A differential drive has no vy, unless P lies before its axle; a synchro drive has no omega."""
     limits = "limits: {vx: 1, omega: 2, vx_rate: 1, omega_rate: 2}"
-    asked, last = twist(0.5, 8.0, 1.0), twist(0.0, -8.0, 0.0, "_last")
+    asked, wanted = twist(0.5, 8.0, 1.0), twist(0.5, 8.0, 1.0, "_wanted")
     pair = derived(tmp_path, robot_text(PAIR, limits), "limit_twist", "limit_acceleration")
     assert call(pair, "limit_twist", asked) == twist(0.5, 0.0, 1.0)
-    half = call(pair, "limit_acceleration", asked | last | {"dt": 0.25})
+    half = call(pair, "limit_acceleration", twist(0.0, -8.0, 0.0) | wanted | {"dt": 0.25})
     assert [*half.values()] == pytest.approx([0.25, 0.0, 0.5], rel=1e-6)
     before = limited(tmp_path, limits, wheels=PAIR.replace("x: 0,", "x: -0.5,"))
     assert call(before, "limit_twist", asked) == twist(0.0625, 1.0, 0.125)
@@ -180,7 +180,7 @@ def test_the_change_keeps_its_direction_and_its_limits(tmp_path: Path) -> None:
     d, source, short = accelerated(tmp_path), random.Random(4), 0
     for _ in range(60):
         last, wanted, dt = drawn(source), drawn(source), Fraction(source.choice((1, 40, 90)), 100)
-        values = twist(*wanted) | twist(*last, "_last") | {"dt": float(dt)}
+        values = twist(*wanted, "_wanted") | twist(*last) | {"dt": float(dt)}
         result = exactly(d, "limit_acceleration", values)
         change = [Fraction(w) - Fraction(v) for w, v in zip(wanted, last, strict=True)]
         k = (result[0] - Fraction(last[0])) / change[0]
@@ -207,7 +207,7 @@ def test_in_float_it_lies_between_both_twists(tmp_path: Path) -> None:
             else [float(np.nextafter(np.float32(v), np.float32(source.choice((-1e9, 1e9))))) for v in last]
         )
         dt = nearest_float32(10.0 ** source.uniform(-6, 0))
-        values = twist(*wanted) | twist(*last, "_last") | {"dt": dt}
+        values = twist(*wanted, "_wanted") | twist(*last) | {"dt": dt}
         result = [*call(d, "limit_acceleration", values, FLOAT32).values()]
         for v, w, r, low, high in zip(last, wanted, result, SLOWER, FASTER, strict=True):
             assert min(v, w) <= r <= max(v, w)
@@ -222,7 +222,7 @@ def test_the_wanted_twist_is_reached_to_the_bit(tmp_path: Path) -> None:
     wanted = [nearest_float32(v) for v in (0.3, -0.7, 1.1)]
     last, steps = twist(0.0, 0.0, -0.4), 0
     while last != twist(*wanted):
-        values = {f"{k}_last": v for k, v in last.items()} | twist(*wanted) | {"dt": 0.01}
+        values = last | twist(*wanted, "_wanted") | {"dt": 0.01}
         last, steps = call(d, "limit_acceleration", values, FLOAT32), steps + 1
         assert steps <= 48
     assert steps in (47, 48)  # 0.7 m/s at 1.5 m/s^2: 46.7 steps
@@ -231,9 +231,11 @@ def test_the_wanted_twist_is_reached_to_the_bit(tmp_path: Path) -> None:
 def test_what_can_be_reached_in_the_step_is(tmp_path: Path) -> None:
     """vx may rise by 2 m/s^2: in 0.5 s by 1, and by a bit more it may not."""
     d = accelerated(tmp_path)
-    still = twist(0.0, 0.0, 0.0, "_last") | {"dt": 0.5}
-    assert call(d, "limit_acceleration", twist(1.0, 0.25, 0.0) | still, FLOAT32) == twist(1.0, 0.25, 0.0)
-    short = call(d, "limit_acceleration", twist(1.0 + 2.0**-23, 0.25, 0.0) | still, FLOAT32)
+    still = twist(0.0, 0.0, 0.0) | {"dt": 0.5}
+    assert call(d, "limit_acceleration", twist(1.0, 0.25, 0.0, "_wanted") | still, FLOAT32) == twist(
+        1.0, 0.25, 0.0
+    )
+    short = call(d, "limit_acceleration", twist(1.0 + 2.0**-23, 0.25, 0.0, "_wanted") | still, FLOAT32)
     assert 1 - 1e-6 < short["vx"] < 1 and 0.25 * (1 - 1e-6) < short["vy"] < 0.25
 
 
@@ -242,13 +244,13 @@ def test_without_time_the_twist_is_held(tmp_path: Path, dt: float) -> None:
     d = accelerated(tmp_path)
     for last in ((0.3, -2.0, 1e-30), (1e6, 0.0, -7.0)):
         last = tuple(map(nearest_float32, last))
-        values = twist(1.0, 1e-9, -3.0) | twist(*last, "_last") | {"dt": dt}
+        values = twist(1.0, 1e-9, -3.0, "_wanted") | twist(*last) | {"dt": dt}
         assert call(d, "limit_acceleration", values, FLOAT32) == twist(*last)
 
 
 def test_what_has_no_limit_goes_along(tmp_path: Path) -> None:
     d = accelerated(tmp_path, "limits: {vx_rate: 4}")
-    values = twist(0.0, 2.0, 8.0) | twist(0.0, 0.0, 0.0, "_last") | {"dt": 0.25}
+    values = twist(0.0, 2.0, 8.0, "_wanted") | twist(0.0, 0.0, 0.0) | {"dt": 0.25}
     assert [*call(d, "limit_acceleration", values).values()] == pytest.approx([0.0, 1.0, 4.0], rel=1e-6)
     turning = accelerated(tmp_path, "limits: {omega_rate: 4}")
     assert [*call(turning, "limit_acceleration", values).values()] == pytest.approx(
@@ -276,7 +278,7 @@ def test_bounds_know_what_the_last_command_was(tmp_path: Path) -> None:
     d = derived(tmp_path, robot_text(MECANUM, "functions: [limit_acceleration]", text), "limit_acceleration")
     (bound,) = (f for f in d.bounds.functions if f.name == "limit_acceleration")
     assert bound.proved and not bound.unknown
-    assert bound.inputs["vx_last"] == bound.inputs["vx"] == pytest.approx((-0.7, 1.3), rel=1e-6)
+    assert bound.inputs["vx_wanted"] == bound.inputs["vx"] == pytest.approx((-0.7, 1.3), rel=1e-6)
 
 
 def test_both_in_c(tmp_path: Path) -> None:
@@ -286,7 +288,7 @@ def test_both_in_c(tmp_path: Path) -> None:
     d, source = derived(tmp_path, text, "limit_twist", "limit_acceleration"), random.Random(6)
     cases = [
         twist(*drawn(source, source.choice((0.3, 3.0))))
-        | twist(*drawn(source), "_last")
+        | twist(*drawn(source), "_wanted")
         | {"dt": nearest_float32(source.uniform(-0.1, 1))}
         for _ in range(80)
     ]
@@ -295,12 +297,14 @@ def test_both_in_c(tmp_path: Path) -> None:
         names = [p.name for p in d.formula(name).inputs]
         results = evaluate_c(d.c_module, name, [{n: case[n] for n in names} for case in cases], Choice())
         for case, result in zip(cases, results, strict=True):
-            values = np.array([[case[f"{n}{when}"] for n in ("vx", "vy", "omega")] for when in ("", "_last")])
+            values = np.array(
+                [[case[f"{n}{when}"] for n in ("vx", "vy", "omega")] for when in ("", "_wanted")]
+            )
             if name == "limit_twist":
                 load = np.max(values[0] / np.where(values[0] < 0, low[0], high[0]))
                 expected = values[0] * (0.0 if load < 0.25 else min(1.0, 1 / load))
             else:
-                change = values[0] - values[1]
+                change = values[1] - values[0]
                 time = np.max(change / np.where(change < 0, low[1], high[1]))
-                expected = values[1] + change * min(1.0, max(case["dt"], 0.0) / time)
+                expected = values[0] + change * min(1.0, max(case["dt"], 0.0) / time)
             assert [*result.values()] == pytest.approx([*expected], abs=3e-6)

@@ -17,7 +17,7 @@ from wmrgen.ir.calls import hand_through
 from wmrgen.ir.interval import inside
 from wmrgen.ir.nodes import Function, Limits, Module, Port, contract
 from wmrgen.ir.rounding import to_float64
-from wmrgen.ports import OVERSHOOT, POSE_COVARIANCE, SPAN, SPREAD, Site, overshot, tuned
+from wmrgen.ports import OVERSHOOT, POSE_COVARIANCE, SPAN, SPREAD, Site, overshot, timeless, tuned
 from wmrgen.render import render
 from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
 
@@ -127,15 +127,16 @@ def ranges(function: Function, scalar: str, site: Site) -> tuple[Range, ...]:
 
 
 def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
-    size = _TURNING[scalar].get(port.name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
+    name = timeless(port.name)
+    size = _TURNING[scalar].get(name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
     low, high = -size, size
-    if port.name in _TWIST and limits is Limits.COMMANDED:
-        low, high = site.limits.get(port.name, (low, high))
-    elif port.name in _TWIST and limits is Limits.MEASURED:
-        reach = site.reach.get(port.name, (low, high))
+    if name in _TWIST and limits is Limits.COMMANDED:
+        low, high = site.limits.get(name, (low, high))
+    elif name in _TWIST and limits is Limits.MEASURED:
+        reach = site.reach.get(name, (low, high))
         low, high = max(low, reach[0]), min(high, reach[1])
-    elif port.name in site.limits and port.name not in _TWIST and limits is not Limits.ASKED:
-        low, high = overshot(*site.limits[port.name])
+    elif name in site.limits and name not in _TWIST and limits is not Limits.ASKED:
+        low, high = overshot(*site.limits[name])
     return Range(port, _number(low, scalar), _number(high, scalar))
 
 

@@ -30,9 +30,8 @@ SHORT = Exact(
     1 - Fraction(1, 2**21)
 )  # of the way that a step may go: no rounding carries it past the wanted twist
 INSTANT = Exact(Fraction(1, 10**20))  # s
-_LAST = tuple(
-    Port(f"{name}_last", Role.STATE, unit, f"{name} of the last command")
-    for name, unit in ((p.name, p.unit) for p in TWIST)
+_WANTED = tuple(
+    Port(f"{p.name}_wanted", Role.COMMAND, p.unit, f"{p.name} that is to be reached") for p in TWIST
 )
 _DT = Port("dt", Role.COMMAND, "s", "time since the last command; what is below 0 counts as 0")
 
@@ -71,18 +70,18 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     limits = _limits(robot, mobility, "limit_acceleration", "_rate", "{vx_rate: 1, omega_rate: 2}")
     names = Locals()
     changes = {
-        name: names.define(f"{name}_change", subtract(signal(name), signal(f"{name}_last")))
+        name: names.define(f"{name}_change", subtract(signal(f"{name}_wanted"), signal(name)))
         for name in limits
     }
     step = names.define("step", maximum(signal(_DT.name), sympy.S.Zero))
     time = names.define("time", most(sympy.S.Zero, ((changes[name], limits[name]) for name in limits)))
     share = names.define("share", times(number(SHORT), step) / maximum(number(INSTANT), time))
     twist = {
-        name: select(step, time, add(signal(f"{name}_last"), times(share, change)), signal(name))
+        name: select(step, time, add(signal(name), times(share, change)), signal(f"{name}_wanted"))
         for name, change in changes.items()
     }
-    text = "wanted twist to the one commanded next, inside the limits of acceleration, straight from the last one"
-    return names.formula("limit_acceleration", (*twist_ports(), *_LAST, _DT), _whole(twist), text)
+    text = "the last commanded twist to the next, straight towards the wanted one, inside the limits of acceleration"
+    return names.formula("limit_acceleration", (*twist_ports(Role.STATE), *_WANTED, _DT), _whole(twist), text)
 
 
 def _whole(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:

@@ -7,8 +7,9 @@ A port is found by its contract name in one of the types that all functions of a
     twist_covariance  vxvx vxvy vxomega vyvy vyomega omegaomega
     wheels            <wheel>.spin, .steer, .steer_rate of the joints that are commanded or sensed
 
-and with one of `SUFFIXES` behind (``vx_wanted``, ``left.steer_wanted``) in another variable of that type. What is in none
-of them is a scalar of its own; where there are more than `FEW`, or a wheel's, they are a struct of that function alone.
+and with one of `SUFFIXES` behind (``vx_wanted``, ``left.steer_wanted``) in another variable of that type. What is in
+none of them is a scalar of its own; where there are more than `FEW`, or a wheel's, they are a struct of that function
+alone.
 
 A variable that is read and written under the same names is changed in place: pose and covariances always, twist and
 wheels where the function is declared so (`Function.in_place`). All others may be one variable, too.

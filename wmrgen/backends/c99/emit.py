@@ -9,6 +9,7 @@ from fractions import Fraction
 
 from wmrgen.backends.c99.checked import checked
 from wmrgen.backends.c99.counters import counting
+from wmrgen.backends.c99.example import example
 from wmrgen.backends.c99.functions import printed_kernels, shared_structs, steps_of
 from wmrgen.backends.c99.fuzz import fuzz
 from wmrgen.backends.c99.records import Unit
@@ -28,6 +29,7 @@ from wmrgen.render import render
 
 NO_FACTS = Facts()
 TEST = "test"  # the folder of what is no part of a firmware: a build that takes every *.c does not find it
+EXAMPLE = "example/main.c"
 INTEGER = {"isin", "icos", "iatan", "imul", "idiv", "isqrt"}  # see templates/c99/integer.c.j2
 LARGEST_INPUT = {"float": "1e9", "double": "1e100"}
 _WAVES = {Op.SIN, Op.COS, Op.ATAN, Op.ATAN2}
@@ -51,6 +53,8 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
         apart["_fuzz.c"] = fuzz(module, functions, facts.site, common)
     named = {module.name + ending: text for ending, text in files.items()}
     named |= {f"{TEST}/{module.name}{ending}": text for ending, text in apart.items()}
+    if module.joints:
+        named[EXAMPLE] = example(module, functions, common)
     return {name: text.encode("ascii") for name, text in named.items()}
 
 
@@ -83,7 +87,7 @@ def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] 
 def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
     """Header, source, and the digest that stands in both."""
     choice, ops = unit.choice, unit.ops
-    counters, reading = ((), ()) if unit.counting is None else ((part,) for part in unit.counting)
+    counters = () if unit.counting is None else unit.counting[:1]
     needs = {op.name for op in ops}
     includes = {
         "<float.h>": unit.rounds,
@@ -101,7 +105,7 @@ def printed(unit: Unit, facts: Facts) -> tuple[str, str, str]:
         "version": facts.wmrgen_version,
         "model_hash": "".join(c for c in facts.model_hash if c.isalnum()),
         "structs": [struct.lines for struct in (*unit.structs.values(), *counters)],
-        "steps": (*unit.steps, *reading),
+        "steps": unit.every,
         "counters": bool(counters),
         "kernels": unit.kernels,
         "kernels_for": "_".join((choice.target, choice.scalar, choice.math)).upper(),

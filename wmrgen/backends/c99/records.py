@@ -130,6 +130,11 @@ class Unit:
         return frozenset().union(*(step.ops for step in self.steps), *(kernel.ops for kernel in self.kernels))
 
     @property
+    def every(self) -> tuple[Step, ...]:
+        """All functions that are printed."""
+        return (*self.steps, *(() if self.counting is None else self.counting[1:]))
+
+    @property
     def structs(self) -> dict[str, Struct]:
         """Every type that is declared, by name."""
         own = (struct for step in self.steps for struct in step.structs)

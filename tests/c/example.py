@@ -1,0 +1,117 @@
+"""The example of a robot, run on the host or built for a board, and the drive that it should be by another code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tests.conftest import put
+from wmrgen import derive, load
+from wmrgen.backends.c99 import emit
+from wmrgen.backends.registry import Facts
+from wmrgen.compiler import compile_program, run_program
+from wmrgen.emit import site
+
+STEPS, DT, SPEED, TURNING = 6000, 0.01, 0.25, 4 * np.pi / 60
+WHEELS = {
+    "pair": """
+parameters: {radius: {value: 0.0975, tunable: true}}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.1655,  heading: 0, r: radius,
+     encoder: {spin: {counts: 500, gear: 38.3, bits: 16}}}
+  - {name: right, type: fixed, x: 0, y: -0.1655, heading: 0, r: radius,
+     encoder: {spin: {counts: 500, gear: 38.3, bits: 16, reversed: true}}}
+  - {name: tail,  type: castor, x: -0.22, y: 0, heading: pi, d: 0.04, r: 0.05}
+noise: {spin: {proportional: 0.02, constant: 0.01}}
+limits: {vx: 1.2, omega: 4, spin: 14, vx_rate: 1, omega_rate: 2}
+functions: [joints_from_counts, forward_covariance, odometry_covariance, limit_twist, limit_acceleration, desaturate]
+""",
+    "swerve": """
+wheels:
+  - {name: fl, type: steered, x: 0.4,  y: 0.3,  heading: 0, r: 0.05,
+     encoder: {spin: {counts: 4096, gear: 6.75}, steer: {counts: 16384, gear: 12.8}}}
+  - {name: fr, type: steered, x: 0.4,  y: -0.3, heading: 0, r: 0.05,
+     encoder: {spin: {counts: 4096, gear: 6.75}, steer: {counts: 16384, gear: 12.8}}}
+  - {name: bl, type: steered, x: -0.4, y: 0.3,  heading: 0, r: 0.05,
+     encoder: {spin: {counts: 4096, gear: 6.75}, steer: {counts: 16384, gear: 12.8}}}
+  - {name: br, type: steered, x: -0.4, y: -0.3, heading: 0, r: 0.05,
+     encoder: {spin: {counts: 4096, gear: 6.75}, steer: {counts: 16384, gear: 12.8}}}
+limits: {vx: 3, vy: 3, omega: 4, spin: 80, vx_rate: 4, vy_rate: 4, omega_rate: 8, steer_rate: 10}
+functions: [joints_from_counts, limit_twist, limit_acceleration, desaturate]
+""",
+    "castors": """
+wheels:
+  - {name: a, type: castor, x: 0.2,  y: 0.15, heading: 0, d: -0.03, r: 0.055, actuated: [spin, steer]}
+  - {name: b, type: castor, x: -0.2, y: 0.1,  heading: 0, d: -0.03, r: 0.055, actuated: [spin, steer]}
+  - {name: c, type: castor, x: 0,    y: -0.2, heading: 0, d: -0.03, r: 0.055, actuated: [spin, steer]}
+""",
+    "mecanum": """
+wheels:
+  - {name: fl, type: swedish, x: 0.3,  y: 0.2,  heading: 0, gamma: -45 deg, r: 0.1}
+  - {name: fr, type: swedish, x: 0.3,  y: -0.2, heading: 0, gamma: 45 deg, r: 0.1}
+  - {name: bl, type: swedish, x: -0.3, y: 0.2,  heading: 0, gamma: 45 deg, r: 0.1}
+  - {name: br, type: swedish, x: -0.3, y: -0.2, heading: 0, gamma: -45 deg, r: 0.1}
+limits: {vx: 1, vy: 1, omega: 4, spin: 40}
+functions: [desaturate]
+""",
+    "car": """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.06}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.06}
+  - {name: fl, type: steered, x: 0.5, y: 0.2,  heading: 0, r: 0.06, actuated: [steer], limits: {steer: 45 deg}}
+  - {name: fr, type: steered, x: 0.5, y: -0.2, heading: 0, r: 0.06, actuated: [steer], limits: {steer: 45 deg}}
+limits: {vx: 1, omega: 4, spin: 40, vx_rate: 1, omega_rate: 1}
+functions: [limit_twist, limit_acceleration, desaturate]
+""",
+}  # fmt: skip
+RATES = {"pair": (1.0, 2.0), "swerve": (4.0, 8.0), "car": (1.0, 1.0)}  # of vx and omega
+
+
+def written(folder: Path, robot: str, target: str = "m4f") -> list[str]:
+    """The files of ``robot`` in ``folder``; its C files, the example among them, which has its main called `drive`."""
+    (folder / "driven.yaml").write_text(f"wmrgen: 1\nname: driven\n{WHEELS[robot]}")
+    d = derive(load(folder / "driven.yaml"))
+    options = {"target": target}
+    put(folder, emit(d.c_module, Facts(site=site(d), formulas=d.raw_module.functions, options=options)))
+    text = (folder / "example/main.c").read_text()
+    assert text.count("    hardware();\n}") == text.count("int main(void)") == 1
+    text = text.replace("    hardware();\n}", "    record();\n    hardware();\n}")
+    text = text.replace("int main(void)", "int drive(void);\nint drive(void)")
+    text = text.replace("static void step(void)", "static void record(void);\nstatic void step(void)")
+    (folder / "example/main.c").write_text(text)
+    return ["driven.c", "program.c"]
+
+
+PRINTED = """
+#include "example/main.c"
+#include <stdio.h>
+static void record(void) { printf("%.9g %.9g %.9g\\n", (double)pose.x, (double)pose.y, (double)pose.theta); }
+int main(void) { return drive(); }
+"""
+
+
+def poses(folder: Path, robot: str, target: str = "m4f") -> np.ndarray:
+    """Where the robot is at each step, as its odometry has it: STEPS x 3 [m, m, rad]."""
+    sources = written(folder, robot, target)
+    (folder / "program.c").write_text(PRINTED)
+    flags = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+    printed = run_program(compile_program(folder, sources, None, flags), "")
+    return np.array([[float(v) for v in line.split()] for line in printed.splitlines()])
+
+
+def simulated(robot: str) -> np.ndarray:
+    """The same of a point that drives the commanded twists, which change as fast as `RATES` let them.
+
+    What a step commands is measured in the next one. The turn in a step is small: its matrix exponential as a series.
+    """
+    rates = RATES.get(robot, (np.inf, np.inf))
+    twist, place, path = np.zeros(2), np.eye(3), []
+    for k in range(STEPS):
+        a = DT * np.array([[0, -twist[1], twist[0]], [twist[1], 0, 0], [0, 0, 0]])
+        place = place @ (np.eye(3) + a + a @ a / 2 + a @ a @ a / 6)
+        path.append((place[0, 2], place[1, 2], np.arctan2(place[1, 0], place[0, 0])))
+        change = np.array([SPEED, TURNING if k < STEPS // 2 else -TURNING]) - twist
+        time = np.max(np.abs(change) / rates)
+        twist = twist + change * min(1.0, DT / time if time else 1.0)
+    return np.array(path)

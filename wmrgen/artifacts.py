@@ -168,7 +168,8 @@ def _replace(directory: Path, wanted: dict[str, bytes]) -> Written:
         for name in changed:
             _stage(Path(staging) / name, wanted[name])
         directory.mkdir(exist_ok=True)
-        for name in changed:
+        # What stands in sub-folders comes after the folder's own files: where these cannot be replaced, nothing is.
+        for name in sorted(changed, key=lambda name: "/" in name):
             if name != MANIFEST:
                 _move(Path(staging) / name, directory, name)
         removed = tuple(name for name in old if name not in wanted and _remove(directory, name))

@@ -53,7 +53,8 @@ wheels:
   - {name: bl, type: swedish, x: -0.3, y: 0.2,  heading: 0, gamma: 45 deg, r: 0.1}
   - {name: br, type: swedish, x: -0.3, y: -0.2, heading: 0, gamma: -45 deg, r: 0.1}
 limits: {vx: 1, vy: 1, omega: 4, spin: 40}
-functions: [desaturate]
+noise: {spin: {proportional: 0.05}}
+functions: [forward_covariance, odometry_covariance, desaturate]
 """,
     "car": """
 wheels:

@@ -44,6 +44,8 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
     steps = {step.name.removeprefix(f"{unit.robot}_"): step for step in unit.every}
     if "odometry_covariance" in steps:  # it moves the pose, too
         del steps["odometry"]
+    if "forward_covariance" in steps and "slip" in steps["forward_covariance"].variables:
+        steps["forward"] = steps["forward_slip"]
     loop = [(name, steps[name], renamed) for name, renamed in _LOOP if name in steps]
     same = {} if "limit_acceleration" in steps else {"driven": "wanted"}
     variables: dict[str, str] = {"wanted": f"{unit.robot}_twist"}

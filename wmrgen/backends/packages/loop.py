@@ -13,7 +13,7 @@ _COVARIANCE = ("forward_covariance", "odometry_covariance")
 # What each argument is in the loop, where it is not called so: one variable has the wheels, measured, then commanded.
 _SENSE = {"out": "twist"}
 _ACT = {"now": "wheels", "out": "wheels"}
-_LIMIT = {"twist": "wanted", "last": "command", "out": "command"}
+_LIMIT = {"limit_twist": {"twist": "wanted"}, "limit_acceleration": {"twist": "command"}}
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,10 @@ def loop(module: Module, scalar: str) -> Loop:
     return Loop(
         _prepare(module),
         tuple(call(name, _SENSE) for name in sense),
-        (*(call(name, _LIMIT) for name in limits), *(call(name, {**_ACT, "twist": command}) for name in act)),
+        (
+            *(call(name, _LIMIT[name]) for name in limits),
+            *(call(name, {**_ACT, "twist": command}) for name in act),
+        ),
         command,
         covariance,
     )

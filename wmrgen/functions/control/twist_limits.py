@@ -60,7 +60,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
     return names.formula("limit_twist", twist_ports(), _whole(twist), text)
 
 
-@function("ours; the texts have none", limits=Limits.COMMANDED)
+@function("ours; the texts have none", limits=Limits.COMMANDED, in_place=True)
 def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     """From the last twist towards the wanted one, as far as dt and the limits of the rates of vx, vy and omega let it.
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(F1TENTH_PAIR_4257ab49367060f0)
+#if !defined(F1TENTH_PAIR_c227c2757604f828)
 #error "f1tenth.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -359,11 +359,7 @@ void f1tenth_limit_twist(f1tenth_twist *twist)
     twist->omega = wmrgen_clamp(twist->omega * t6, 10.0f);
 }
 
-void f1tenth_limit_acceleration(
-    const f1tenth_twist *twist,
-    const f1tenth_twist *wanted,
-    float dt,
-    f1tenth_twist *out)
+void f1tenth_limit_acceleration(f1tenth_twist *twist, const f1tenth_twist *wanted, float dt)
 {
     const float vx_change = wanted->vx - twist->vx; /* vx change */
     const float t0 = 0.10515247f * fabsf(vx_change);
@@ -377,9 +373,9 @@ void f1tenth_limit_acceleration(
     const float t5 = (step < time) ? fmaf(vy_change, t3, twist->vy) : wanted->vy;
     const float t6 = (step < time) ? fmaf(t3, wanted->omega - twist->omega, twist->omega) : wanted->omega;
 
-    out->vx = t4;
-    out->vy = t5;
-    out->omega = t6;
+    twist->vx = t4;
+    twist->vy = t5;
+    twist->omega = t6;
 }
 
 void f1tenth_steer_toward(

@@ -28,7 +28,7 @@
 
 #define F1TENTH_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define F1TENTH_MODEL_HASH "232a7dd780ee7674918e097b161e539a" /**< digest of the model */
-#define F1TENTH_PAIR_4257ab49367060f0 1 /**< header and source that were written together have the same */
+#define F1TENTH_PAIR_c227c2757604f828 1 /**< header and source that were written together have the same */
 #define F1TENTH_FRONT_X 0.15875f /**< [m] pivot, forward of P */
 #define F1TENTH_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
 #define F1TENTH_FRONT_RADIUS 0.05f /**< [m] radius */
@@ -114,11 +114,7 @@ void f1tenth_limit_twist(f1tenth_twist *twist);
  * acceleration.
  * Operations of the formula: 6 additions, 6 multiplications, 1 division, 6 comparisons, 2 sign
  * operations. */
-void f1tenth_limit_acceleration(
-    const f1tenth_twist *twist,
-    const f1tenth_twist *wanted,
-    float dt,
-    f1tenth_twist *out);
+void f1tenth_limit_acceleration(f1tenth_twist *twist, const f1tenth_twist *wanted, float dt);
 
 /** Present and wanted steering angles to those commanded next, inside the limits of steer_rate.
  * Operations of the formula: 2 additions, 1 multiplication, 5 comparisons. */

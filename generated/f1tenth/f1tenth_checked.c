@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(F1TENTH_PAIR_4257ab49367060f0)
+#if !defined(F1TENTH_PAIR_c227c2757604f828)
 #error "f1tenth_checked.c and f1tenth.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -217,10 +217,9 @@ f1tenth_status f1tenth_limit_twist_checked(f1tenth_twist *twist)
 }
 
 f1tenth_status f1tenth_limit_acceleration_checked(
-    const f1tenth_twist *twist,
+    f1tenth_twist *twist,
     const f1tenth_twist *wanted,
-    float dt,
-    f1tenth_twist *out)
+    float dt)
 {
     f1tenth_status status = F1TENTH_OK;
 
@@ -245,12 +244,12 @@ f1tenth_status f1tenth_limit_acceleration_checked(
         )) {
         status = F1TENTH_OUT_OF_RANGE;
     } else {
-        f1tenth_limit_acceleration(twist, wanted, dt, out);
+        f1tenth_limit_acceleration(twist, wanted, dt);
     }
     if (status != F1TENTH_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }

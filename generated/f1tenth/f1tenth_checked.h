@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_4257ab49367060f0)
+#if !defined(F1TENTH_PAIR_c227c2757604f828)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 
@@ -71,10 +71,9 @@ f1tenth_status f1tenth_limit_twist_checked(f1tenth_twist *twist);
 /* f1tenth_limit_acceleration() with its inputs checked. Accepted: vx, vx_wanted -20 to 20 m/s;
  * vy, vy_wanted -1e9 to 1e9 m/s; omega, omega_wanted -10 to 10 rad/s; dt -10 to 10 s. */
 f1tenth_status f1tenth_limit_acceleration_checked(
-    const f1tenth_twist *twist,
+    f1tenth_twist *twist,
     const f1tenth_twist *wanted,
-    float dt,
-    f1tenth_twist *out);
+    float dt);
 
 /* f1tenth_steer_toward() with its inputs checked. Accepted: front.steer, front.steer_wanted
  * -0.5235988 to 0.5235988 rad; dt -10 to 10 s. */

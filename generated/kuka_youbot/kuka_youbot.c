@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_48295f4d55f58d68)
+#if !defined(KUKA_YOUBOT_PAIR_d13911322c2d3a8a)
 #error "kuka_youbot.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -292,10 +292,9 @@ void kuka_youbot_limit_twist(kuka_youbot_twist *twist)
 }
 
 void kuka_youbot_limit_acceleration(
-    const kuka_youbot_twist *twist,
+    kuka_youbot_twist *twist,
     const kuka_youbot_twist *wanted,
-    float dt,
-    kuka_youbot_twist *out)
+    float dt)
 {
     const float vx_change = wanted->vx - twist->vx; /* vx change */
     const float t0 = 1.25f * fabsf(vx_change);
@@ -312,9 +311,9 @@ void kuka_youbot_limit_acceleration(
     const float t7 = (step < time) ? fmaf(vy_change, t5, twist->vy) : wanted->vy;
     const float t8 = (step < time) ? fmaf(omega_change, t5, twist->omega) : wanted->omega;
 
-    out->vx = t6;
-    out->vy = t7;
-    out->omega = t8;
+    twist->vx = t6;
+    twist->vy = t7;
+    twist->omega = t8;
 }
 
 void kuka_youbot_desaturate(kuka_youbot_wheels *wheels, float *scale)

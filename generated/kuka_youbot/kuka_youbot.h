@@ -36,7 +36,7 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "866c721310c0aa49cc81bc7954367631" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_48295f4d55f58d68 1 /**< header and source that were written together have the same */
+#define KUKA_YOUBOT_PAIR_d13911322c2d3a8a 1 /**< header and source that were written together have the same */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */
 #define KUKA_YOUBOT_FL_RADIUS 0.05f /**< [m] radius */
@@ -168,10 +168,9 @@ void kuka_youbot_limit_twist(kuka_youbot_twist *twist);
  * Operations of the formula: 6 additions, 7 multiplications, 1 division, 7 comparisons, 3 sign
  * operations. */
 void kuka_youbot_limit_acceleration(
-    const kuka_youbot_twist *twist,
+    kuka_youbot_twist *twist,
     const kuka_youbot_twist *wanted,
-    float dt,
-    kuka_youbot_twist *out);
+    float dt);
 
 /** Joint rates to joint rates inside the speed limits, all times one factor.
  * Operations of the formula: 8 multiplications, 1 division, 8 comparisons, 4 sign operations. */

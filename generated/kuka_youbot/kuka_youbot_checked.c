@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(KUKA_YOUBOT_PAIR_48295f4d55f58d68)
+#if !defined(KUKA_YOUBOT_PAIR_d13911322c2d3a8a)
 #error "kuka_youbot_checked.c and kuka_youbot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -249,10 +249,9 @@ kuka_youbot_status kuka_youbot_limit_twist_checked(kuka_youbot_twist *twist)
 }
 
 kuka_youbot_status kuka_youbot_limit_acceleration_checked(
-    const kuka_youbot_twist *twist,
+    kuka_youbot_twist *twist,
     const kuka_youbot_twist *wanted,
-    float dt,
-    kuka_youbot_twist *out)
+    float dt)
 {
     kuka_youbot_status status = KUKA_YOUBOT_OK;
 
@@ -277,12 +276,12 @@ kuka_youbot_status kuka_youbot_limit_acceleration_checked(
         )) {
         status = KUKA_YOUBOT_OUT_OF_RANGE;
     } else {
-        kuka_youbot_limit_acceleration(twist, wanted, dt, out);
+        kuka_youbot_limit_acceleration(twist, wanted, dt);
     }
     if (status != KUKA_YOUBOT_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }

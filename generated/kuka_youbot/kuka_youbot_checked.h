@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_48295f4d55f58d68)
+#if !defined(KUKA_YOUBOT_PAIR_d13911322c2d3a8a)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 
@@ -89,10 +89,9 @@ kuka_youbot_status kuka_youbot_limit_twist_checked(kuka_youbot_twist *twist);
 /* kuka_youbot_limit_acceleration() with its inputs checked. Accepted: vx, vy, vx_wanted,
  * vy_wanted -0.8 to 0.8 m/s; omega, omega_wanted -1.2 to 1.2 rad/s; dt -10 to 10 s. */
 kuka_youbot_status kuka_youbot_limit_acceleration_checked(
-    const kuka_youbot_twist *twist,
+    kuka_youbot_twist *twist,
     const kuka_youbot_twist *wanted,
-    float dt,
-    kuka_youbot_twist *out);
+    float dt);
 
 /* kuka_youbot_desaturate() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin, br.spin
  * -1e9 to 1e9 rad/s. */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_421e8ea01ed74613)
+#if !defined(PIONEER3DX_PAIR_fea1a64d573314d6)
 #error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -283,10 +283,9 @@ void pioneer3dx_limit_twist(pioneer3dx_twist *twist)
 }
 
 void pioneer3dx_limit_acceleration(
-    const pioneer3dx_twist *twist,
+    pioneer3dx_twist *twist,
     const pioneer3dx_twist *wanted,
-    float dt,
-    pioneer3dx_twist *out)
+    float dt)
 {
     const float omega_change = wanted->omega - twist->omega; /* omega change */
     const float t0 = 0.2864789f * fabsf(omega_change);
@@ -299,9 +298,9 @@ void pioneer3dx_limit_acceleration(
     const float t4 = (step < time) ? fmaf(vx_change, t3, twist->vx) : wanted->vx;
     const float t5 = (step < time) ? fmaf(omega_change, t3, twist->omega) : wanted->omega;
 
-    out->vx = t4;
-    out->vy = 0.0f;
-    out->omega = t5;
+    twist->vx = t4;
+    twist->vy = 0.0f;
+    twist->omega = t5;
 }
 
 void pioneer3dx_desaturate(pioneer3dx_wheels *wheels, float *scale)

@@ -34,7 +34,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "a04ed0c275bcd4f140bf20509f9850f2" /**< digest of the model */
-#define PIONEER3DX_PAIR_421e8ea01ed74613 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_PAIR_fea1a64d573314d6 1 /**< header and source that were written together have the same */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */
 #define PIONEER3DX_LEFT_RADIUS 0.0975f /**< [m] radius */
@@ -153,10 +153,9 @@ void pioneer3dx_limit_twist(pioneer3dx_twist *twist);
  * Operations of the formula: 4 additions, 5 multiplications, 1 division, 5 comparisons, 2 sign
  * operations. */
 void pioneer3dx_limit_acceleration(
-    const pioneer3dx_twist *twist,
+    pioneer3dx_twist *twist,
     const pioneer3dx_twist *wanted,
-    float dt,
-    pioneer3dx_twist *out);
+    float dt);
 
 /** Joint rates to joint rates inside the speed limits, all times one factor.
  * Operations of the formula: 4 multiplications, 1 division, 4 comparisons, 2 sign operations. */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(PIONEER3DX_PAIR_421e8ea01ed74613)
+#if !defined(PIONEER3DX_PAIR_fea1a64d573314d6)
 #error "pioneer3dx_checked.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -241,10 +241,9 @@ pioneer3dx_status pioneer3dx_limit_twist_checked(pioneer3dx_twist *twist)
 }
 
 pioneer3dx_status pioneer3dx_limit_acceleration_checked(
-    const pioneer3dx_twist *twist,
+    pioneer3dx_twist *twist,
     const pioneer3dx_twist *wanted,
-    float dt,
-    pioneer3dx_twist *out)
+    float dt)
 {
     pioneer3dx_status status = PIONEER3DX_OK;
 
@@ -269,12 +268,12 @@ pioneer3dx_status pioneer3dx_limit_acceleration_checked(
         )) {
         status = PIONEER3DX_OUT_OF_RANGE;
     } else {
-        pioneer3dx_limit_acceleration(twist, wanted, dt, out);
+        pioneer3dx_limit_acceleration(twist, wanted, dt);
     }
     if (status != PIONEER3DX_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }

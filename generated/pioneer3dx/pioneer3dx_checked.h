@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_421e8ea01ed74613)
+#if !defined(PIONEER3DX_PAIR_fea1a64d573314d6)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 
@@ -91,10 +91,9 @@ pioneer3dx_status pioneer3dx_limit_twist_checked(pioneer3dx_twist *twist);
  * m/s; vy, vy_wanted -1e9 to 1e9 m/s; omega, omega_wanted -5.2359877 to 5.2359877 rad/s; dt -10
  * to 10 s. */
 pioneer3dx_status pioneer3dx_limit_acceleration_checked(
-    const pioneer3dx_twist *twist,
+    pioneer3dx_twist *twist,
     const pioneer3dx_twist *wanted,
-    float dt,
-    pioneer3dx_twist *out);
+    float dt);
 
 /* pioneer3dx_desaturate() with its inputs checked. Accepted: left.spin, right.spin -1e9 to 1e9
  * rad/s. */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_95d2ef9bec37d37e)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8aa5056480fa190c)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)
@@ -353,10 +353,9 @@ void wpilib_swervebot_limit_twist(wpilib_swervebot_twist *twist)
 }
 
 void wpilib_swervebot_limit_acceleration(
-    const wpilib_swervebot_twist *twist,
+    wpilib_swervebot_twist *twist,
     const wpilib_swervebot_twist *wanted,
-    float dt,
-    wpilib_swervebot_twist *out)
+    float dt)
 {
     const float vx_change = wanted->vx - twist->vx; /* vx change */
     const float t0 = 0.11111111f * fabsf(vx_change);
@@ -373,9 +372,9 @@ void wpilib_swervebot_limit_acceleration(
     const float t7 = (step < time) ? fmaf(vy_change, t5, twist->vy) : wanted->vy;
     const float t8 = (step < time) ? fmaf(omega_change, t5, twist->omega) : wanted->omega;
 
-    out->vx = t6;
-    out->vy = t7;
-    out->omega = t8;
+    twist->vx = t6;
+    twist->vy = t7;
+    twist->omega = t8;
 }
 
 void wpilib_swervebot_compensate_steering(

@@ -30,7 +30,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "a03db745889bc0381976987031798040" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_95d2ef9bec37d37e 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_PAIR_8aa5056480fa190c 1 /**< header and source that were written together have the same */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_RADIUS 0.0508f /**< [m] radius */
@@ -160,10 +160,9 @@ void wpilib_swervebot_limit_twist(wpilib_swervebot_twist *twist);
  * Operations of the formula: 6 additions, 7 multiplications, 1 division, 7 comparisons, 3 sign
  * operations. */
 void wpilib_swervebot_limit_acceleration(
-    const wpilib_swervebot_twist *twist,
+    wpilib_swervebot_twist *twist,
     const wpilib_swervebot_twist *wanted,
-    float dt,
-    wpilib_swervebot_twist *out);
+    float dt);
 
 /** Wheel speeds while wheels swing: those of their pivots along the present steering angles.
  * Operations of the formula: 4 additions, 4 multiplications, 4 sines and cosines. */

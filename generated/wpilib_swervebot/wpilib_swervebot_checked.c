@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_95d2ef9bec37d37e)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8aa5056480fa190c)
 #error "wpilib_swervebot_checked.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
@@ -257,10 +257,9 @@ wpilib_swervebot_status wpilib_swervebot_limit_twist_checked(wpilib_swervebot_tw
 }
 
 wpilib_swervebot_status wpilib_swervebot_limit_acceleration_checked(
-    const wpilib_swervebot_twist *twist,
+    wpilib_swervebot_twist *twist,
     const wpilib_swervebot_twist *wanted,
-    float dt,
-    wpilib_swervebot_twist *out)
+    float dt)
 {
     wpilib_swervebot_status status = WPILIB_SWERVEBOT_OK;
 
@@ -285,12 +284,12 @@ wpilib_swervebot_status wpilib_swervebot_limit_acceleration_checked(
         )) {
         status = WPILIB_SWERVEBOT_OUT_OF_RANGE;
     } else {
-        wpilib_swervebot_limit_acceleration(twist, wanted, dt, out);
+        wpilib_swervebot_limit_acceleration(twist, wanted, dt);
     }
     if (status != WPILIB_SWERVEBOT_OK) {
-        out->vx = 0.0f;
-        out->vy = 0.0f;
-        out->omega = 0.0f;
+        twist->vx = 0.0f;
+        twist->vy = 0.0f;
+        twist->omega = 0.0f;
     }
     return status;
 }

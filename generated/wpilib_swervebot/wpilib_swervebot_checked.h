@@ -21,7 +21,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_95d2ef9bec37d37e)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8aa5056480fa190c)
 #error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
@@ -80,10 +80,9 @@ wpilib_swervebot_status wpilib_swervebot_limit_twist_checked(wpilib_swervebot_tw
 /* wpilib_swervebot_limit_acceleration() with its inputs checked. Accepted: vx, vy, vx_wanted,
  * vy_wanted -3 to 3 m/s; omega, omega_wanted -3.1415927 to 3.1415927 rad/s; dt -10 to 10 s. */
 wpilib_swervebot_status wpilib_swervebot_limit_acceleration_checked(
-    const wpilib_swervebot_twist *twist,
+    wpilib_swervebot_twist *twist,
     const wpilib_swervebot_twist *wanted,
-    float dt,
-    wpilib_swervebot_twist *out);
+    float dt);
 
 /* wpilib_swervebot_compensate_steering() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -1e9 to 1e9 rad/s; front_left.steer,

@@ -17,7 +17,6 @@ static f1tenth_wheels wheels;
 static f1tenth_twist measured;
 static f1tenth_pose pose;
 static f1tenth_twist driven;
-static f1tenth_twist out;
 static f1tenth_wheels commands;
 
 /* Motors and sensors: yours. Here motors do at once what they are told. */
@@ -32,7 +31,7 @@ static void step(void)
     f1tenth_forward(&wheels, &measured);
     f1tenth_odometry(&pose, &measured, dt);
     f1tenth_limit_twist(&wanted);
-    f1tenth_limit_acceleration(&driven, &wanted, dt, &out);
+    f1tenth_limit_acceleration(&driven, &wanted, dt);
     f1tenth_inverse(&driven, &wheels, &commands);
     f1tenth_steer_toward(&wheels, &commands, dt, &commands);
     hardware();

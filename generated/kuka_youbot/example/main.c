@@ -18,7 +18,6 @@ static kuka_youbot_wheels wheels;
 static kuka_youbot_twist measured;
 static kuka_youbot_pose pose;
 static kuka_youbot_twist driven;
-static kuka_youbot_twist out;
 static kuka_youbot_wheels commands;
 static float scale;
 static kuka_youbot_params params;
@@ -37,7 +36,7 @@ static void step(void)
     kuka_youbot_forward(&prepared, &wheels, &measured);
     kuka_youbot_odometry(&pose, &measured, dt);
     kuka_youbot_limit_twist(&wanted);
-    kuka_youbot_limit_acceleration(&driven, &wanted, dt, &out);
+    kuka_youbot_limit_acceleration(&driven, &wanted, dt);
     kuka_youbot_inverse(&prepared, &driven, &commands);
     kuka_youbot_desaturate(&commands, &scale);
     hardware();

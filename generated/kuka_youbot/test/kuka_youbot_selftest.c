@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_48295f4d55f58d68)
+#if !defined(KUKA_YOUBOT_PAIR_d13911322c2d3a8a)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 
@@ -733,7 +733,6 @@ static int limit_acceleration_misses(const float *row)
     kuka_youbot_twist twist0;
     kuka_youbot_twist wanted0;
     float dt0;
-    kuka_youbot_twist out0;
     int misses = 0;
 
     twist0.vx = row[0];
@@ -743,10 +742,10 @@ static int limit_acceleration_misses(const float *row)
     wanted0.vy = row[4];
     wanted0.omega = row[5];
     dt0 = row[6];
-    kuka_youbot_limit_acceleration(&twist0, &wanted0, dt0, &out0);
-    misses += miss(out0.vx, &row[7]);
-    misses += miss(out0.vy, &row[9]);
-    misses += miss(out0.omega, &row[11]);
+    kuka_youbot_limit_acceleration(&twist0, &wanted0, dt0);
+    misses += miss(twist0.vx, &row[7]);
+    misses += miss(twist0.vy, &row[9]);
+    misses += miss(twist0.omega, &row[11]);
     return misses;
 }
 

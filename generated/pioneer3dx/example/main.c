@@ -18,7 +18,6 @@ static pioneer3dx_wheels wheels;
 static pioneer3dx_twist measured;
 static pioneer3dx_pose pose;
 static pioneer3dx_twist driven;
-static pioneer3dx_twist out;
 static pioneer3dx_wheels commands;
 static float scale;
 static pioneer3dx_params params;
@@ -35,7 +34,7 @@ static void step(void)
     pioneer3dx_forward(&prepared, &wheels, &measured);
     pioneer3dx_odometry(&pose, &measured, dt);
     pioneer3dx_limit_twist(&wanted);
-    pioneer3dx_limit_acceleration(&driven, &wanted, dt, &out);
+    pioneer3dx_limit_acceleration(&driven, &wanted, dt);
     pioneer3dx_inverse(&prepared, &driven, &commands);
     pioneer3dx_desaturate(&commands, &scale);
     hardware();

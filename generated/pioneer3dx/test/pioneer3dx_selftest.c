@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PIONEER3DX_PAIR_421e8ea01ed74613)
+#if !defined(PIONEER3DX_PAIR_fea1a64d573314d6)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 
@@ -636,7 +636,6 @@ static int limit_acceleration_misses(const float *row)
     pioneer3dx_twist twist0;
     pioneer3dx_twist wanted0;
     float dt0;
-    pioneer3dx_twist out0;
     int misses = 0;
 
     twist0.vx = row[0];
@@ -646,10 +645,10 @@ static int limit_acceleration_misses(const float *row)
     wanted0.vy = row[4];
     wanted0.omega = row[5];
     dt0 = row[6];
-    pioneer3dx_limit_acceleration(&twist0, &wanted0, dt0, &out0);
-    misses += miss(out0.vx, &row[7]);
-    misses += miss(out0.vy, &row[9]);
-    misses += miss(out0.omega, &row[11]);
+    pioneer3dx_limit_acceleration(&twist0, &wanted0, dt0);
+    misses += miss(twist0.vx, &row[7]);
+    misses += miss(twist0.vy, &row[9]);
+    misses += miss(twist0.omega, &row[11]);
     return misses;
 }
 

@@ -17,7 +17,6 @@ static wpilib_swervebot_wheels wheels;
 static wpilib_swervebot_twist measured;
 static wpilib_swervebot_pose pose;
 static wpilib_swervebot_twist driven;
-static wpilib_swervebot_twist out;
 static wpilib_swervebot_wheels commands;
 static float scale;
 
@@ -39,7 +38,7 @@ static void step(void)
     wpilib_swervebot_forward(&wheels, &measured);
     wpilib_swervebot_odometry(&pose, &measured, dt);
     wpilib_swervebot_limit_twist(&wanted);
-    wpilib_swervebot_limit_acceleration(&driven, &wanted, dt, &out);
+    wpilib_swervebot_limit_acceleration(&driven, &wanted, dt);
     wpilib_swervebot_inverse(&driven, &wheels, &commands);
     wpilib_swervebot_desaturate(&commands, &scale);
     wpilib_swervebot_compensate_steering(&commands, &wheels);

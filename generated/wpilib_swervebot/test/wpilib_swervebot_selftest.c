@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_95d2ef9bec37d37e)
+#if !defined(WPILIB_SWERVEBOT_PAIR_8aa5056480fa190c)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
@@ -855,7 +855,6 @@ static int limit_acceleration_misses(const float *row)
     wpilib_swervebot_twist twist0;
     wpilib_swervebot_twist wanted0;
     float dt0;
-    wpilib_swervebot_twist out0;
     int misses = 0;
 
     twist0.vx = row[0];
@@ -865,10 +864,10 @@ static int limit_acceleration_misses(const float *row)
     wanted0.vy = row[4];
     wanted0.omega = row[5];
     dt0 = row[6];
-    wpilib_swervebot_limit_acceleration(&twist0, &wanted0, dt0, &out0);
-    misses += miss(out0.vx, &row[7]);
-    misses += miss(out0.vy, &row[9]);
-    misses += miss(out0.omega, &row[11]);
+    wpilib_swervebot_limit_acceleration(&twist0, &wanted0, dt0);
+    misses += miss(twist0.vx, &row[7]);
+    misses += miss(twist0.vy, &row[9]);
+    misses += miss(twist0.omega, &row[11]);
     return misses;
 }
 

@@ -39,7 +39,12 @@ def test_bounds_hold_where_errors_are_largest(name: str) -> None:
     for function, bound in robot.pairs:
         assert bound.proved, f"{function.name}: {bound.alarms}"
         for o in bound.outputs:
-            if bound.inputs and o.error and not (function.name == "forward" and "forward_slip" in pairs):
+            if (
+                bound.inputs
+                and o.error
+                and not o.singular
+                and not (function.name == "forward" and "forward_slip" in pairs)
+            ):
                 for generations in GENERATIONS:
                     share = worst(function, bound, o.name, pairs.get("inverse"), generations, 1 / LOOSEST)
                     assert share <= 1, f"{function.name}: {o.name}"

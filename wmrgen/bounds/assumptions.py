@@ -146,7 +146,7 @@ _POSE = {
     **{n + n: (0.0, 1.0) for n in ("x", "y", "theta", "vx", "vy", "omega")},
     **dict.fromkeys(("xy", "xtheta", "ytheta", "vxvy", "vxomega", "vyomega"), (-1.0, 1.0)),
 }  # fmt: skip
-BEYOND = 10.0
+BEYOND = 4.0
 _TWIST = ("vx", "vy", "omega")
 _JOINTS = ("spin", "steer", "steer_rate")
 _RATES = {"spin_step": "spin", "steer_step": "steer_rate"}

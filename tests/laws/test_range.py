@@ -25,6 +25,8 @@ def cases(function: Function, largest: float, count: int) -> list[dict[str, floa
     bound = {n: STEER if n.endswith(".steer") else largest for n in names}
     if largest < 1e10:  # the range of the kernels, for the pose and for omega dt
         bound |= {n: b for n, b in {"theta": ANGLE, "dt": ANGLE / largest}.items() if n in bound}
+    if largest > 1e10 and "thetatheta" in names:
+        bound["dt"] = 1.0  # a variance times the square of a way, as the header says
     found = [dict.fromkeys(names, 0.0), bound]
     found += [dict.fromkeys(names, 0.0) | {n: bound[n]} for n in names]
     for k in range(count):

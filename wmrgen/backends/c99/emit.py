@@ -209,6 +209,8 @@ def _arithmetic_notes(unit: Unit) -> list[str]:
     inline = choice.scalar == "float" and choice.math == INLINE and choice.target != AVR
     waves = inline and not unit.written.isdisjoint(_WAVES)
     angles = " and angles (and omega dt) up to 12000 rad" if waves else ""
+    if choice.scalar == "double" and "odometry_covariance" in unit.contract:
+        angles += " (of odometry_covariance dt up to 1 s)"
     notes = [
         f"Scalars are {choice.scalar}. No loops, recursion, heap or globals: every function may be called from "
         "anywhere. Results are bit for bit those of the printed operations where the compiler contracts "

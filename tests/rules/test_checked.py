@@ -118,33 +118,35 @@ ACKERMANN = """
 LIMITING = """
     pioneer3dx_params params;
     pioneer3dx_prepared prepared;
-    pioneer3dx_twist twist = {0.0f, 0.0f, 0.0f}, last = {0.0f, 0.0f, 0.0f};
+    pioneer3dx_twist wanted = {0.0f, 0.0f, 0.0f}, driven = {0.0f, 0.0f, 0.0f};
+    float before;
     pioneer3dx_wheels out;
     unsigned state = 1u;
     int reached = 0;
     pioneer3dx_params_default(&params);
     pioneer3dx_prepare(&params, &prepared);
     for (k = 0; k < 3000; ++k) {
-        float *const member[3] = {&twist.vx, &twist.vy, &twist.omega};
+        float *const member[3] = {&wanted.vx, &wanted.vy, &wanted.omega};
         const float most[3] = {k % 3 ? 2.0f : 1e9f, 1e9f, k % 5 ? 8.0f : 200.0f};
         int j;
         for (j = 0; j < 3; ++j) {
             state = state * 1664525u + 1013904223u;
             *member[j] = most[j] * ((float)(state >> 8) / 8388608.0f - 1.0f);
         }
-        EXPECT(pioneer3dx_limit_twist_checked(&twist) == PIONEER3DX_OK);
-        EXPECT(pioneer3dx_inverse_checked(&prepared, &twist, &out) == PIONEER3DX_OK);
-        reached += fabsf(twist.vx) == 1.2f || fabsf(twist.omega) == 5.2359877f;
-        EXPECT(pioneer3dx_limit_acceleration_checked(&twist, &last, 0.5f) == PIONEER3DX_OK);
-        EXPECT(pioneer3dx_inverse_checked(&prepared, &twist, &out) == PIONEER3DX_OK);
-        last = twist;
+        EXPECT(pioneer3dx_limit_twist_checked(&wanted) == PIONEER3DX_OK);
+        EXPECT(pioneer3dx_inverse_checked(&prepared, &wanted, &out) == PIONEER3DX_OK);
+        reached += fabsf(wanted.vx) == 1.2f || fabsf(wanted.omega) == 5.2359877f;
+        before = fabsf(wanted.vx - driven.vx);
+        EXPECT(pioneer3dx_limit_acceleration_checked(&driven, &wanted, 0.5f) == PIONEER3DX_OK);
+        EXPECT(fabsf(wanted.vx - driven.vx) <= before);
+        EXPECT(pioneer3dx_inverse_checked(&prepared, &driven, &out) == PIONEER3DX_OK);
     }
     EXPECT(reached > 500);
     for (k = 0; k < 3; ++k) {
-        twist.vx = 0.5f;
-        twist.omega = bad[k];
-        EXPECT(pioneer3dx_limit_twist_checked(&twist) == PIONEER3DX_NOT_A_NUMBER);
-        EXPECT(twist.vx == 0.0f && twist.vy == 0.0f && twist.omega == 0.0f);
+        wanted.vx = 0.5f;
+        wanted.omega = bad[k];
+        EXPECT(pioneer3dx_limit_twist_checked(&wanted) == PIONEER3DX_NOT_A_NUMBER);
+        EXPECT(wanted.vx == 0.0f && wanted.vy == 0.0f && wanted.omega == 0.0f);
     }
 """
 CASTORS = """

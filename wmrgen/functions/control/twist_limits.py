@@ -26,9 +26,8 @@ from wmrgen.mobility.records import Mobility
 from wmrgen.ports import TWIST, Limits, Port, Role
 from wmrgen.symbolic import Expr, add, maximum, number, select, signal, subtract, times
 
-SHORT = Exact(
-    1 - Fraction(1, 2**21)
-)  # of the way that a step may go: no rounding carries it past the wanted twist
+# Of the way that a step may go: no rounding carries it past the wanted twist.
+SHORT = Exact(1 - Fraction(1, 2**21))
 INSTANT = Exact(Fraction(1, 10**20))  # s
 _WANTED = tuple(
     Port(f"{p.name}_wanted", Role.COMMAND, p.unit, f"{p.name} that is to be reached") for p in TWIST

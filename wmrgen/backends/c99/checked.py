@@ -196,7 +196,9 @@ def _checked(unit: Unit, guarded: Guarded) -> dict[str, Any]:
     text = "; ".join(f"{', '.join(names)} {span}" for span, names in spans.items())
     otherwise = " Else prepared is that of the nominal parameters." if guarded.prepares else ""
     return {
-        "comment": block_comment([f"{step.name}() with its inputs checked. Accepted: {text}.{otherwise}"]),
+        "comment": block_comment(
+            [f"{step.name}() with its inputs checked. Accepted: {text}.{otherwise}"], doxygen=True
+        ),
         "prototype": prototype(f"{unit.robot}_status {step.name}_checked", step.declared),
         "numbers": _all_of([f"{unit.robot}_is_number({read})" for read, _ in reads]),
         "inside": _all_of([f"{unit.robot}_is_within({read}, {r.low}, {r.high})" for read, r in reads]),

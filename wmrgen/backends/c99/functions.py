@@ -33,7 +33,8 @@ def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tu
         advice += f" {robot}_prepare_checked() refuses parameters that are far from nominal."
     prepare = replace(prepare, text=f"{_sentence(prepare.text)} {advice}" if prepare.text else advice)
     note = f"What {robot}_prepare() works out once from the parameters; the steps only read it."
-    prepared = struct(f"{robot}_prepared", prepare.outputs, scalar, note)
+    outputs = tuple(replace(p, text=p.text or "of the parameters alone") for p in prepare.outputs)
+    prepared = struct(f"{robot}_prepared", outputs, scalar, note)
     if not prepare.inputs:
         return (
             _step(prepare, f"{robot}_prepare", (_filled("prepared", prepared),), (prepared,), scalar, cost),

@@ -104,7 +104,7 @@ def literal(value: Exact, scalar: str) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
-_Row = tuple[str, str, Port | None]  # indent, declaration, port that the comment is about
+_Row = tuple[str, str, str]  # indent, declaration, comment
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,8 +173,8 @@ def _group(wheel: str, members: list[_Row]) -> list[_Row]:
     """The nested struct of a wheel: on one line when it has one member."""
     if len(members) == 1:
         return [("    ", f"struct {{ {members[0][1]} }} {wheel};", members[0][2])]
-    inner: list[_Row] = [("        ", declaration, port) for _, declaration, port in members]
-    return [("    ", "struct {", None), *inner, ("    ", f"}} {wheel};", None)]
+    inner: list[_Row] = [("        ", declaration, note) for _, declaration, note in members]
+    return [("    ", "struct {", ""), *inner, ("    ", f"}} {wheel};", f"joints of {wheel}")]
 
 
 def struct(
@@ -189,14 +189,15 @@ def struct(
     groups: dict[str, list[_Row]] = {"": []}
     for port in ports:
         wheel, member = paths[port.name]
-        groups.setdefault(wheel, []).append(("    ", f"{types.get(port.name, scalar)} {member};", port))
+        row = "    ", f"{types.get(port.name, scalar)} {member};", _note(port, shared.keys())
+        groups.setdefault(wheel, []).append(row)
     rows = groups.pop("")
     for wheel, members in groups.items():
         rows += _group(wheel, members)
-    column = max(len(indent + declaration) for indent, declaration, port in rows if port)
+    column = max(len(indent + declaration) for indent, declaration, _ in rows)
     lines = block_comment([note, *(f"{joint}: {text}." for joint, text in shared.items())], doxygen=True)
     lines.append("typedef struct {")
-    for indent, declaration, noted in rows:
-        lines += _commented(declaration, indent, column, _note(noted, shared.keys()) if noted else "")
+    for indent, declaration, commented in rows:
+        lines += _commented(declaration, indent, column, commented)
     named = {port.name: ".".join(filter(None, paths[port.name])) for port in ports}
     return Struct(name, (*lines, f"}} {name};"), named)

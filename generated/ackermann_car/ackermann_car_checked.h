@@ -1,4 +1,4 @@
-/* ackermann_car_checked.h
+/** @file ackermann_car_checked.h
  *
  * Car with rear drive and Ackermann steering
  *
@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_d94c760115a575e2)
+#if !defined(ACKERMANN_CAR_PAIR_1dcccafcd8195cf7)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 
@@ -29,20 +29,21 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    ACKERMANN_CAR_OK = 0,
-    ACKERMANN_CAR_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    ACKERMANN_CAR_OUT_OF_RANGE = 2  /* an input is not in its range */
+    ACKERMANN_CAR_OK = 0,            /**< inputs were accepted */
+    ACKERMANN_CAR_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    ACKERMANN_CAR_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } ackermann_car_status;
 
-/* ackermann_car_inverse() with its inputs checked. Accepted: vx -30 to 30 m/s; vy -1e9 to 1e9
+/** ackermann_car_inverse() with its inputs checked. Accepted: vx -30 to 30 m/s; vy -1e9 to 1e9
  * m/s; omega -2 to 2 rad/s; front_left.steer, front_right.steer -0.87266463 to 0.87266463 rad. */
 ackermann_car_status ackermann_car_inverse_checked(
     const ackermann_car_twist *twist,
     const ackermann_car_wheels *now,
     ackermann_car_wheels *out);
 
-/* ackermann_car_inverse_slip() with its inputs checked. Accepted: vx -30 to 30 m/s; vy -1e9 to
+/** ackermann_car_inverse_slip() with its inputs checked. Accepted: vx -30 to 30 m/s; vy -1e9 to
  * 1e9 m/s; omega -2 to 2 rad/s; front_left.steer, front_right.steer -0.87266463 to 0.87266463
  * rad. */
 ackermann_car_status ackermann_car_inverse_slip_checked(
@@ -50,13 +51,13 @@ ackermann_car_status ackermann_car_inverse_slip_checked(
     const ackermann_car_wheels *wheels,
     float *slip);
 
-/* ackermann_car_forward() with its inputs checked. Accepted: rear_left.spin, rear_right.spin
+/** ackermann_car_forward() with its inputs checked. Accepted: rear_left.spin, rear_right.spin
  * -1e9 to 1e9 rad/s; front_left.steer, front_right.steer -0.87266463 to 0.87266463 rad. */
 ackermann_car_status ackermann_car_forward_checked(
     const ackermann_car_wheels *wheels,
     ackermann_car_twist *twist);
 
-/* ackermann_car_forward_slip() with its inputs checked. Accepted: rear_left.spin,
+/** ackermann_car_forward_slip() with its inputs checked. Accepted: rear_left.spin,
  * rear_right.spin -1e9 to 1e9 rad/s; front_left.steer, front_right.steer -0.87266463 to
  * 0.87266463 rad. */
 ackermann_car_status ackermann_car_forward_slip_checked(
@@ -64,7 +65,7 @@ ackermann_car_status ackermann_car_forward_slip_checked(
     ackermann_car_twist *twist,
     float *slip);
 
-/* ackermann_car_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** ackermann_car_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 ackermann_car_status ackermann_car_odometry_checked(
     ackermann_car_pose *pose,

@@ -1,4 +1,4 @@
-/* agilex_ranger.h
+/** @file agilex_ranger.h
  *
  * AgileX Ranger, four steered driven wheels
  *
@@ -30,7 +30,7 @@
 
 #define AGILEX_RANGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define AGILEX_RANGER_MODEL_HASH "b85a0cf196c72b9ea4891d6bcbc9f7a6" /**< digest of the model */
-#define AGILEX_RANGER_PAIR_f10f019581e548f7 1 /**< header and source that were written together have the same */
+#define AGILEX_RANGER_PAIR_c3e9d54652e2fcc4 1 /**< header and source that were written together have the same */
 #define AGILEX_RANGER_FRONT_LEFT_X 0.45f /**< [m] pivot, forward of P */
 #define AGILEX_RANGER_FRONT_LEFT_Y 0.28f /**< [m] pivot, to the left of P */
 #define AGILEX_RANGER_FRONT_LEFT_RADIUS 0.12f /**< [m] radius */
@@ -83,19 +83,19 @@ typedef struct {
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } front_left;
+    } front_left;    /**< joints of front_left */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } front_right;
+    } front_right;   /**< joints of front_right */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } rear_left;
+    } rear_left;     /**< joints of rear_left */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } rear_right;
+    } rear_right;    /**< joints of rear_right */
 } agilex_ranger_wheels;
 
 /** Joints in the order of agilex_ranger_wheels. */

@@ -1,4 +1,4 @@
-/* agilex_ranger_checked.h
+/** @file agilex_ranger_checked.h
  *
  * AgileX Ranger, four steered driven wheels
  *
@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_f10f019581e548f7)
+#if !defined(AGILEX_RANGER_PAIR_c3e9d54652e2fcc4)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 
@@ -29,13 +29,14 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    AGILEX_RANGER_OK = 0,
-    AGILEX_RANGER_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    AGILEX_RANGER_OUT_OF_RANGE = 2  /* an input is not in its range */
+    AGILEX_RANGER_OK = 0,            /**< inputs were accepted */
+    AGILEX_RANGER_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    AGILEX_RANGER_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } agilex_ranger_status;
 
-/* agilex_ranger_inverse() with its inputs checked. Accepted: vx, vy -2.7 to 2.7 m/s; omega
+/** agilex_ranger_inverse() with its inputs checked. Accepted: vx, vy -2.7 to 2.7 m/s; omega
  * -0.7853 to 0.7853 rad/s; front_left.steer, front_right.steer, rear_left.steer,
  * rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_inverse_checked(
@@ -43,7 +44,7 @@ agilex_ranger_status agilex_ranger_inverse_checked(
     const agilex_ranger_wheels *now,
     agilex_ranger_wheels *out);
 
-/* agilex_ranger_inverse_slip() with its inputs checked. Accepted: vx, vy -2.7 to 2.7 m/s; omega
+/** agilex_ranger_inverse_slip() with its inputs checked. Accepted: vx, vy -2.7 to 2.7 m/s; omega
  * -0.7853 to 0.7853 rad/s; front_left.steer, front_right.steer, rear_left.steer,
  * rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_inverse_slip_checked(
@@ -51,14 +52,14 @@ agilex_ranger_status agilex_ranger_inverse_slip_checked(
     const agilex_ranger_wheels *wheels,
     float *slip);
 
-/* agilex_ranger_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
+/** agilex_ranger_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
  * rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s; front_left.steer, front_right.steer,
  * rear_left.steer, rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_forward_checked(
     const agilex_ranger_wheels *wheels,
     agilex_ranger_twist *twist);
 
-/* agilex_ranger_forward_slip() with its inputs checked. Accepted: front_left.spin,
+/** agilex_ranger_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s; front_left.steer,
  * front_right.steer, rear_left.steer, rear_right.steer -1.9625 to 1.9625 rad. */
 agilex_ranger_status agilex_ranger_forward_slip_checked(
@@ -66,7 +67,7 @@ agilex_ranger_status agilex_ranger_forward_slip_checked(
     agilex_ranger_twist *twist,
     float *slip);
 
-/* agilex_ranger_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** agilex_ranger_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 agilex_ranger_status agilex_ranger_odometry_checked(
     agilex_ranger_pose *pose,

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(ANDINO_PAIR_f3b57cec53bbe2be)
+#if !defined(ANDINO_PAIR_51c676cf1078e2a5)
 #error "andino.c and andino.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

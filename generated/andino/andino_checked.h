@@ -1,4 +1,4 @@
-/* andino_checked.h
+/** @file andino_checked.h
  *
  * Ekumen Andino, differential drive with a castor, reference off the axle
  *
@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_f3b57cec53bbe2be)
+#if !defined(ANDINO_PAIR_51c676cf1078e2a5)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 
@@ -29,31 +29,32 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    ANDINO_OK = 0,
-    ANDINO_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    ANDINO_OUT_OF_RANGE = 2  /* an input is not in its range */
+    ANDINO_OK = 0,            /**< inputs were accepted */
+    ANDINO_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    ANDINO_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } andino_status;
 
-/* andino_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
+/** andino_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
  * rad/s. */
 andino_status andino_inverse_checked(const andino_twist *twist, andino_wheels *out);
 
-/* andino_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** andino_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
 andino_status andino_inverse_slip_checked(const andino_twist *twist, float *slip);
 
-/* andino_forward() with its inputs checked. Accepted: right.spin, left.spin -1e9 to 1e9 rad/s. */
+/** andino_forward() with its inputs checked. Accepted: right.spin, left.spin -1e9 to 1e9 rad/s. */
 andino_status andino_forward_checked(const andino_wheels *wheels, andino_twist *twist);
 
-/* andino_forward_slip() with its inputs checked. Accepted: right.spin, left.spin -1e9 to 1e9
+/** andino_forward_slip() with its inputs checked. Accepted: right.spin, left.spin -1e9 to 1e9
  * rad/s. */
 andino_status andino_forward_slip_checked(
     const andino_wheels *wheels,
     andino_twist *twist,
     float *slip);
 
-/* andino_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** andino_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 andino_status andino_odometry_checked(andino_pose *pose, const andino_twist *twist, float dt);
 

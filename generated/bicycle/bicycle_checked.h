@@ -1,4 +1,4 @@
-/* bicycle_checked.h
+/** @file bicycle_checked.h
  *
  * Bicycle, rear drive
  *
@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_dd5b7b0c4d7a21f7)
+#if !defined(BICYCLE_PAIR_3da7db63ffc27087)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    BICYCLE_OK = 0,
-    BICYCLE_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    BICYCLE_OUT_OF_RANGE = 2  /* an input is not in its range */
+    BICYCLE_OK = 0,            /**< inputs were accepted */
+    BICYCLE_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    BICYCLE_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } bicycle_status;
 
-/* bicycle_inverse() with its inputs checked. Accepted: vx -8 to 8 m/s; vy -1e9 to 1e9 m/s; omega
+/** bicycle_inverse() with its inputs checked. Accepted: vx -8 to 8 m/s; vy -1e9 to 1e9 m/s; omega
  * -4 to 4 rad/s; front.steer -1.3089969 to 1.3089969 rad. */
 bicycle_status bicycle_inverse_checked(
     const bicycle_twist *twist,
     const bicycle_wheels *now,
     bicycle_wheels *out);
 
-/* bicycle_inverse_slip() with its inputs checked. Accepted: vx -8 to 8 m/s; vy -1e9 to 1e9 m/s;
+/** bicycle_inverse_slip() with its inputs checked. Accepted: vx -8 to 8 m/s; vy -1e9 to 1e9 m/s;
  * omega -4 to 4 rad/s; front.steer -1.3089969 to 1.3089969 rad. */
 bicycle_status bicycle_inverse_slip_checked(
     const bicycle_twist *twist,
     const bicycle_wheels *wheels,
     float *slip);
 
-/* bicycle_forward() with its inputs checked. Accepted: rear.spin -1e9 to 1e9 rad/s; front.steer
+/** bicycle_forward() with its inputs checked. Accepted: rear.spin -1e9 to 1e9 rad/s; front.steer
  * -1.3089969 to 1.3089969 rad. */
 bicycle_status bicycle_forward_checked(const bicycle_wheels *wheels, bicycle_twist *twist);
 
-/* bicycle_forward_slip() with its inputs checked. Accepted: rear.spin -1e9 to 1e9 rad/s;
+/** bicycle_forward_slip() with its inputs checked. Accepted: rear.spin -1e9 to 1e9 rad/s;
  * front.steer -1.3089969 to 1.3089969 rad. */
 bicycle_status bicycle_forward_slip_checked(
     const bicycle_wheels *wheels,
     bicycle_twist *twist,
     float *slip);
 
-/* bicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** bicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 bicycle_status bicycle_odometry_checked(bicycle_pose *pose, const bicycle_twist *twist, float dt);
 

@@ -1,4 +1,4 @@
-/* car_with_trailers.h
+/** @file car_with_trailers.h
  *
  * Car with Ackermann steering and two trailers
  *
@@ -30,7 +30,7 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "c5cfe84705895b1e5a9e5ab871a51819" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_962327649adb4056 1 /**< header and source that were written together have the same */
+#define CAR_WITH_TRAILERS_PAIR_39381386ff0dc527 1 /**< header and source that were written together have the same */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_RADIUS 0.11f /**< [m] radius */
@@ -88,7 +88,7 @@ typedef struct {
         /** [rad] steering angle, counter-clockwise from the zero of the robot file */
         float steer;
         float steer_rate;         /**< [rad/s] steering rate, counter-clockwise */
-    } front;
+    } front;                      /**< joints of front */
     struct { float speed; } rear; /**< [m/s] speed of the virtual wheel rear, positive forward */
 } car_with_trailers_posture_in;
 
@@ -107,7 +107,7 @@ typedef struct {
         /** [rad] steering angle, counter-clockwise from the zero of the robot file */
         float steer;
         float steer_rate;             /**< [rad/s] steering rate, counter-clockwise */
-    } front;
+    } front;                          /**< joints of front */
     struct { float theta; } trailer1; /**< [rad] */
     struct { float theta; } trailer2; /**< [rad] */
     /** [m/s] speed of the virtual wheel rear, positive forward */
@@ -124,11 +124,11 @@ typedef struct {
     struct {
         float theta_rate;               /**< [rad/s] rate of trailer1.theta */
         float speed;                    /**< [m/s] */
-    } trailer1;
+    } trailer1;                         /**< joints of trailer1 */
     struct {
         float theta_rate;               /**< [rad/s] rate of trailer2.theta */
         float speed;                    /**< [m/s] */
-    } trailer2;
+    } trailer2;                         /**< joints of trailer2 */
 } car_with_trailers_trailer_out;
 
 /** Joints in the order of car_with_trailers_wheels. */

@@ -1,4 +1,4 @@
-/* car_with_trailers_checked.h
+/** @file car_with_trailers_checked.h
  *
  * Car with Ackermann steering and two trailers
  *
@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_962327649adb4056)
+#if !defined(CAR_WITH_TRAILERS_PAIR_39381386ff0dc527)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 
@@ -29,20 +29,21 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    CAR_WITH_TRAILERS_OK = 0,
-    CAR_WITH_TRAILERS_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    CAR_WITH_TRAILERS_OUT_OF_RANGE = 2  /* an input is not in its range */
+    CAR_WITH_TRAILERS_OK = 0,            /**< inputs were accepted */
+    CAR_WITH_TRAILERS_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    CAR_WITH_TRAILERS_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } car_with_trailers_status;
 
-/* car_with_trailers_inverse() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to 1e9
+/** car_with_trailers_inverse() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to 1e9
  * m/s; omega -1 to 1 rad/s; front_left.steer, front_right.steer -0.87266463 to 0.87266463 rad. */
 car_with_trailers_status car_with_trailers_inverse_checked(
     const car_with_trailers_twist *twist,
     const car_with_trailers_wheels *now,
     car_with_trailers_wheels *out);
 
-/* car_with_trailers_inverse_slip() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to
+/** car_with_trailers_inverse_slip() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to
  * 1e9 m/s; omega -1 to 1 rad/s; front_left.steer, front_right.steer -0.87266463 to 0.87266463
  * rad. */
 car_with_trailers_status car_with_trailers_inverse_slip_checked(
@@ -50,13 +51,13 @@ car_with_trailers_status car_with_trailers_inverse_slip_checked(
     const car_with_trailers_wheels *wheels,
     float *slip);
 
-/* car_with_trailers_forward() with its inputs checked. Accepted: rear_left.spin, rear_right.spin
+/** car_with_trailers_forward() with its inputs checked. Accepted: rear_left.spin, rear_right.spin
  * -1e9 to 1e9 rad/s; front_left.steer, front_right.steer -0.87266463 to 0.87266463 rad. */
 car_with_trailers_status car_with_trailers_forward_checked(
     const car_with_trailers_wheels *wheels,
     car_with_trailers_twist *twist);
 
-/* car_with_trailers_forward_slip() with its inputs checked. Accepted: rear_left.spin,
+/** car_with_trailers_forward_slip() with its inputs checked. Accepted: rear_left.spin,
  * rear_right.spin -1e9 to 1e9 rad/s; front_left.steer, front_right.steer -0.87266463 to
  * 0.87266463 rad. */
 car_with_trailers_status car_with_trailers_forward_slip_checked(
@@ -64,14 +65,14 @@ car_with_trailers_status car_with_trailers_forward_slip_checked(
     car_with_trailers_twist *twist,
     float *slip);
 
-/* car_with_trailers_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** car_with_trailers_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 car_with_trailers_status car_with_trailers_odometry_checked(
     car_with_trailers_pose *pose,
     const car_with_trailers_twist *twist,
     float dt);
 
-/* car_with_trailers_posture() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** car_with_trailers_posture() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; front.steer -0.87266463 to 0.87266463 rad; rear.speed -1e9 to 1e9 m/s;
  * front.steer_rate -1e9 to 1e9 rad/s. */
 car_with_trailers_status car_with_trailers_posture_checked(
@@ -79,7 +80,7 @@ car_with_trailers_status car_with_trailers_posture_checked(
     const car_with_trailers_posture_in *in,
     car_with_trailers_posture_out *out);
 
-/* car_with_trailers_trailer() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta,
+/** car_with_trailers_trailer() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta,
  * trailer1.theta, trailer2.theta -1e4 to 1e4 rad; front.steer -0.87266463 to 0.87266463 rad;
  * rear.speed -1e9 to 1e9 m/s; front.steer_rate -1e9 to 1e9 rad/s. */
 car_with_trailers_status car_with_trailers_trailer_checked(

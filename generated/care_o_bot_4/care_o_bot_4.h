@@ -1,4 +1,4 @@
-/* care_o_bot_4.h
+/** @file care_o_bot_4.h
  *
  * Fraunhofer Care-O-bot 4 base, three steered driven wheels
  *
@@ -29,7 +29,7 @@
 
 #define CARE_O_BOT_4_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CARE_O_BOT_4_MODEL_HASH "20816f229724bb4aaeaa82826a8df9ad" /**< digest of the model */
-#define CARE_O_BOT_4_PAIR_f56a6e2b206bd324 1 /**< header and source that were written together have the same */
+#define CARE_O_BOT_4_PAIR_45eea3f527ab0297 1 /**< header and source that were written together have the same */
 #define CARE_O_BOT_4_FL_X 0.12422f /**< [m] pivot, forward of P */
 #define CARE_O_BOT_4_FL_Y 0.21515f /**< [m] pivot, to the left of P */
 #define CARE_O_BOT_4_FL_RADIUS 0.075f /**< [m] radius */
@@ -65,15 +65,15 @@ typedef struct {
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } fl;
+    } fl;            /**< joints of fl */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } b;
+    } b;             /**< joints of b */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } fr;
+    } fr;            /**< joints of fr */
 } care_o_bot_4_wheels;
 
 /** Joints in the order of care_o_bot_4_wheels. */

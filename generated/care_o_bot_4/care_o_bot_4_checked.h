@@ -1,4 +1,4 @@
-/* care_o_bot_4_checked.h
+/** @file care_o_bot_4_checked.h
  *
  * Fraunhofer Care-O-bot 4 base, three steered driven wheels
  *
@@ -21,7 +21,7 @@
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_f56a6e2b206bd324)
+#if !defined(CARE_O_BOT_4_PAIR_45eea3f527ab0297)
 #error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
 #endif
 
@@ -29,40 +29,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    CARE_O_BOT_4_OK = 0,
-    CARE_O_BOT_4_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    CARE_O_BOT_4_OUT_OF_RANGE = 2  /* an input is not in its range */
+    CARE_O_BOT_4_OK = 0,            /**< inputs were accepted */
+    CARE_O_BOT_4_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    CARE_O_BOT_4_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } care_o_bot_4_status;
 
-/* care_o_bot_4_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** care_o_bot_4_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_inverse_checked(
     const care_o_bot_4_twist *twist,
     const care_o_bot_4_wheels *now,
     care_o_bot_4_wheels *out);
 
-/* care_o_bot_4_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** care_o_bot_4_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_inverse_slip_checked(
     const care_o_bot_4_twist *twist,
     const care_o_bot_4_wheels *wheels,
     float *slip);
 
-/* care_o_bot_4_forward() with its inputs checked. Accepted: fl.spin, b.spin, fr.spin -1e9 to 1e9
+/** care_o_bot_4_forward() with its inputs checked. Accepted: fl.spin, b.spin, fr.spin -1e9 to 1e9
  * rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_forward_checked(
     const care_o_bot_4_wheels *wheels,
     care_o_bot_4_twist *twist);
 
-/* care_o_bot_4_forward_slip() with its inputs checked. Accepted: fl.spin, b.spin, fr.spin -1e9
+/** care_o_bot_4_forward_slip() with its inputs checked. Accepted: fl.spin, b.spin, fr.spin -1e9
  * to 1e9 rad/s; fl.steer, b.steer, fr.steer -1e4 to 1e4 rad. */
 care_o_bot_4_status care_o_bot_4_forward_slip_checked(
     const care_o_bot_4_wheels *wheels,
     care_o_bot_4_twist *twist,
     float *slip);
 
-/* care_o_bot_4_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** care_o_bot_4_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 care_o_bot_4_status care_o_bot_4_odometry_checked(
     care_o_bot_4_pose *pose,

@@ -1,4 +1,4 @@
-/* clearpath_a200_checked.h
+/** @file clearpath_a200_checked.h
  *
  * Clearpath Husky A200, skid-steer
  *
@@ -21,7 +21,7 @@
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_27c037504d7555fa)
+#if !defined(CLEARPATH_A200_PAIR_6748a7fcdacd6031)
 #error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    CLEARPATH_A200_OK = 0,
-    CLEARPATH_A200_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    CLEARPATH_A200_OUT_OF_RANGE = 2  /* an input is not in its range */
+    CLEARPATH_A200_OK = 0,            /**< inputs were accepted */
+    CLEARPATH_A200_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    CLEARPATH_A200_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } clearpath_a200_status;
 
-/* clearpath_a200_inverse() with its inputs checked. Accepted: vx -1 to 1 m/s; vy -1e9 to 1e9
+/** clearpath_a200_inverse() with its inputs checked. Accepted: vx -1 to 1 m/s; vy -1e9 to 1e9
  * m/s; omega -2 to 2 rad/s. */
 clearpath_a200_status clearpath_a200_inverse_checked(
     const clearpath_a200_twist *twist,
     clearpath_a200_wheels *out);
 
-/* clearpath_a200_inverse_slip() with its inputs checked. Accepted: vx -1 to 1 m/s; vy -1e9 to
+/** clearpath_a200_inverse_slip() with its inputs checked. Accepted: vx -1 to 1 m/s; vy -1e9 to
  * 1e9 m/s; omega -2 to 2 rad/s. */
 clearpath_a200_status clearpath_a200_inverse_slip_checked(
     const clearpath_a200_twist *twist,
     float *slip);
 
-/* clearpath_a200_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
+/** clearpath_a200_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
  * rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_a200_status clearpath_a200_forward_checked(
     const clearpath_a200_wheels *wheels,
     clearpath_a200_twist *twist);
 
-/* clearpath_a200_forward_slip() with its inputs checked. Accepted: front_left.spin,
+/** clearpath_a200_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_a200_status clearpath_a200_forward_slip_checked(
     const clearpath_a200_wheels *wheels,
     clearpath_a200_twist *twist,
     float *slip);
 
-/* clearpath_a200_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** clearpath_a200_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 clearpath_a200_status clearpath_a200_odometry_checked(
     clearpath_a200_pose *pose,

@@ -1,4 +1,4 @@
-/* clearpath_do100_checked.h
+/** @file clearpath_do100_checked.h
  *
  * Clearpath Dingo-O DO100, four mecanum wheels
  *
@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_9b8bf90266f3f0b2)
+#if !defined(CLEARPATH_DO100_PAIR_a4208413680ff270)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    CLEARPATH_DO100_OK = 0,
-    CLEARPATH_DO100_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    CLEARPATH_DO100_OUT_OF_RANGE = 2  /* an input is not in its range */
+    CLEARPATH_DO100_OK = 0,            /**< inputs were accepted */
+    CLEARPATH_DO100_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    CLEARPATH_DO100_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } clearpath_do100_status;
 
-/* clearpath_do100_inverse() with its inputs checked. Accepted: vx, vy -1.3 to 1.3 m/s; omega -4
+/** clearpath_do100_inverse() with its inputs checked. Accepted: vx, vy -1.3 to 1.3 m/s; omega -4
  * to 4 rad/s. */
 clearpath_do100_status clearpath_do100_inverse_checked(
     const clearpath_do100_twist *twist,
     clearpath_do100_wheels *out);
 
-/* clearpath_do100_inverse_slip() with its inputs checked. Accepted: vx, vy -1.3 to 1.3 m/s;
+/** clearpath_do100_inverse_slip() with its inputs checked. Accepted: vx, vy -1.3 to 1.3 m/s;
  * omega -4 to 4 rad/s. */
 clearpath_do100_status clearpath_do100_inverse_slip_checked(
     const clearpath_do100_twist *twist,
     float *slip);
 
-/* clearpath_do100_forward() with its inputs checked. Accepted: front_left.spin,
+/** clearpath_do100_forward() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_do100_status clearpath_do100_forward_checked(
     const clearpath_do100_wheels *wheels,
     clearpath_do100_twist *twist);
 
-/* clearpath_do100_forward_slip() with its inputs checked. Accepted: front_left.spin,
+/** clearpath_do100_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_do100_status clearpath_do100_forward_slip_checked(
     const clearpath_do100_wheels *wheels,
     clearpath_do100_twist *twist,
     float *slip);
 
-/* clearpath_do100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** clearpath_do100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 clearpath_do100_status clearpath_do100_odometry_checked(
     clearpath_do100_pose *pose,

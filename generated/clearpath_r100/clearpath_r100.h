@@ -1,4 +1,4 @@
-/* clearpath_r100.h
+/** @file clearpath_r100.h
  *
  * Clearpath Ridgeback R100, four mecanum wheels
  *
@@ -36,7 +36,7 @@
 
 #define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_R100_MODEL_HASH "d2d473fb5ffa09d58576428bd1ce21c3" /**< digest of the model */
-#define CLEARPATH_R100_PAIR_f616022cbad17dfb 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_PAIR_cdf6c0741054bbc3 1 /**< header and source that were written together have the same */
 #define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
 #define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */
 #define CLEARPATH_R100_FRONT_LEFT_RADIUS 0.0759f /**< [m] radius */
@@ -90,11 +90,11 @@ typedef struct {
 
 /** What clearpath_r100_prepare() works out once from the parameters; the steps only read it. */
 typedef struct {
-    float k0;
-    float k1;
-    float k2;
-    float k3;
-    float k4;
+    float k0; /**< of the parameters alone */
+    float k1; /**< of the parameters alone */
+    float k2; /**< of the parameters alone */
+    float k3; /**< of the parameters alone */
+    float k4; /**< of the parameters alone */
 } clearpath_r100_prepared;
 
 /** Joints in the order of clearpath_r100_wheels. */

@@ -1,4 +1,4 @@
-/* clearpath_r100_checked.h
+/** @file clearpath_r100_checked.h
  *
  * Clearpath Ridgeback R100, four mecanum wheels
  *
@@ -26,7 +26,7 @@
 
 #include "clearpath_r100.h"
 
-#if !defined(CLEARPATH_R100_PAIR_f616022cbad17dfb)
+#if !defined(CLEARPATH_R100_PAIR_cdf6c0741054bbc3)
 #error "clearpath_r100_checked.h and clearpath_r100.h were not generated together: copy both"
 #endif
 
@@ -34,40 +34,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    CLEARPATH_R100_OK = 0,
-    CLEARPATH_R100_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    CLEARPATH_R100_OUT_OF_RANGE = 2  /* an input is not in its range */
+    CLEARPATH_R100_OK = 0,            /**< inputs were accepted */
+    CLEARPATH_R100_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    CLEARPATH_R100_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } clearpath_r100_status;
 
-/* clearpath_r100_prepare() with its inputs checked. Accepted: radius 0.06831 to 0.08349 m. Else
+/** clearpath_r100_prepare() with its inputs checked. Accepted: radius 0.06831 to 0.08349 m. Else
  * prepared is that of the nominal parameters. */
 clearpath_r100_status clearpath_r100_prepare_checked(
     const clearpath_r100_params *params,
     clearpath_r100_prepared *prepared);
 
-/* clearpath_r100_inverse() with its inputs checked. Accepted: vx, vy -1.1 to 1.1 m/s; omega -2
+/** clearpath_r100_inverse() with its inputs checked. Accepted: vx, vy -1.1 to 1.1 m/s; omega -2
  * to 2 rad/s. */
 clearpath_r100_status clearpath_r100_inverse_checked(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_twist *twist,
     clearpath_r100_wheels *out);
 
-/* clearpath_r100_inverse_slip() with its inputs checked. Accepted: vx, vy -1.1 to 1.1 m/s; omega
+/** clearpath_r100_inverse_slip() with its inputs checked. Accepted: vx, vy -1.1 to 1.1 m/s; omega
  * -2 to 2 rad/s. */
 clearpath_r100_status clearpath_r100_inverse_slip_checked(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_twist *twist,
     float *slip);
 
-/* clearpath_r100_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
+/** clearpath_r100_forward() with its inputs checked. Accepted: front_left.spin, front_right.spin,
  * rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_r100_status clearpath_r100_forward_checked(
     const clearpath_r100_prepared *prepared,
     const clearpath_r100_wheels *wheels,
     clearpath_r100_twist *twist);
 
-/* clearpath_r100_forward_slip() with its inputs checked. Accepted: front_left.spin,
+/** clearpath_r100_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, rear_left.spin, rear_right.spin -1e9 to 1e9 rad/s. */
 clearpath_r100_status clearpath_r100_forward_slip_checked(
     const clearpath_r100_prepared *prepared,
@@ -75,7 +76,7 @@ clearpath_r100_status clearpath_r100_forward_slip_checked(
     clearpath_r100_twist *twist,
     float *slip);
 
-/* clearpath_r100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** clearpath_r100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 clearpath_r100_status clearpath_r100_odometry_checked(
     clearpath_r100_pose *pose,

@@ -1,4 +1,4 @@
-/* f1tenth_checked.h
+/** @file f1tenth_checked.h
  *
  * F1TENTH racing car as a bicycle
  *
@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_70ec2e4eea37aa04)
+#if !defined(F1TENTH_PAIR_f1e78e9e892b1f5f)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 
@@ -29,53 +29,54 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    F1TENTH_OK = 0,
-    F1TENTH_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    F1TENTH_OUT_OF_RANGE = 2  /* an input is not in its range */
+    F1TENTH_OK = 0,            /**< inputs were accepted */
+    F1TENTH_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    F1TENTH_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } f1tenth_status;
 
-/* f1tenth_inverse() with its inputs checked. Accepted: vx -20 to 20 m/s; vy -1e9 to 1e9 m/s;
+/** f1tenth_inverse() with its inputs checked. Accepted: vx -20 to 20 m/s; vy -1e9 to 1e9 m/s;
  * omega -10 to 10 rad/s; front.steer -0.5235988 to 0.5235988 rad. */
 f1tenth_status f1tenth_inverse_checked(
     const f1tenth_twist *twist,
     const f1tenth_wheels *now,
     f1tenth_wheels *out);
 
-/* f1tenth_inverse_slip() with its inputs checked. Accepted: vx -20 to 20 m/s; vy -1e9 to 1e9
+/** f1tenth_inverse_slip() with its inputs checked. Accepted: vx -20 to 20 m/s; vy -1e9 to 1e9
  * m/s; omega -10 to 10 rad/s; front.steer -0.5235988 to 0.5235988 rad. */
 f1tenth_status f1tenth_inverse_slip_checked(
     const f1tenth_twist *twist,
     const f1tenth_wheels *wheels,
     float *slip);
 
-/* f1tenth_forward() with its inputs checked. Accepted: front.steer -0.5235988 to 0.5235988 rad;
+/** f1tenth_forward() with its inputs checked. Accepted: front.steer -0.5235988 to 0.5235988 rad;
  * rear.spin -1e9 to 1e9 rad/s. */
 f1tenth_status f1tenth_forward_checked(const f1tenth_wheels *wheels, f1tenth_twist *twist);
 
-/* f1tenth_forward_slip() with its inputs checked. Accepted: front.steer -0.5235988 to 0.5235988
+/** f1tenth_forward_slip() with its inputs checked. Accepted: front.steer -0.5235988 to 0.5235988
  * rad; rear.spin -1e9 to 1e9 rad/s. */
 f1tenth_status f1tenth_forward_slip_checked(
     const f1tenth_wheels *wheels,
     f1tenth_twist *twist,
     float *slip);
 
-/* f1tenth_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** f1tenth_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 f1tenth_status f1tenth_odometry_checked(f1tenth_pose *pose, const f1tenth_twist *twist, float dt);
 
-/* f1tenth_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** f1tenth_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
 f1tenth_status f1tenth_limit_twist_checked(f1tenth_twist *twist);
 
-/* f1tenth_limit_acceleration() with its inputs checked. Accepted: vx, vx_wanted -20 to 20 m/s;
+/** f1tenth_limit_acceleration() with its inputs checked. Accepted: vx, vx_wanted -20 to 20 m/s;
  * vy, vy_wanted -1e9 to 1e9 m/s; omega, omega_wanted -10 to 10 rad/s; dt -10 to 10 s. */
 f1tenth_status f1tenth_limit_acceleration_checked(
     f1tenth_twist *twist,
     const f1tenth_twist *wanted,
     float dt);
 
-/* f1tenth_steer_toward() with its inputs checked. Accepted: front.steer, front.steer_wanted
+/** f1tenth_steer_toward() with its inputs checked. Accepted: front.steer, front.steer_wanted
  * -0.5235988 to 0.5235988 rad; dt -10 to 10 s. */
 f1tenth_status f1tenth_steer_toward_checked(
     const f1tenth_wheels *now,

@@ -1,4 +1,4 @@
-/* festo_robotino_checked.h
+/** @file festo_robotino_checked.h
  *
  * Festo Robotino, three omni wheels
  *
@@ -21,7 +21,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_95ac3452e4d06a00)
+#if !defined(FESTO_ROBOTINO_PAIR_a764b66937dca7ca)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    FESTO_ROBOTINO_OK = 0,
-    FESTO_ROBOTINO_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    FESTO_ROBOTINO_OUT_OF_RANGE = 2  /* an input is not in its range */
+    FESTO_ROBOTINO_OK = 0,            /**< inputs were accepted */
+    FESTO_ROBOTINO_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    FESTO_ROBOTINO_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } festo_robotino_status;
 
-/* festo_robotino_inverse() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega -3
+/** festo_robotino_inverse() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega -3
  * to 3 rad/s. */
 festo_robotino_status festo_robotino_inverse_checked(
     const festo_robotino_twist *twist,
     festo_robotino_wheels *out);
 
-/* festo_robotino_inverse_slip() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega
+/** festo_robotino_inverse_slip() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega
  * -3 to 3 rad/s. */
 festo_robotino_status festo_robotino_inverse_slip_checked(
     const festo_robotino_twist *twist,
     float *slip);
 
-/* festo_robotino_forward() with its inputs checked. Accepted: wheel0.spin, wheel1.spin,
+/** festo_robotino_forward() with its inputs checked. Accepted: wheel0.spin, wheel1.spin,
  * wheel2.spin -1e9 to 1e9 rad/s. */
 festo_robotino_status festo_robotino_forward_checked(
     const festo_robotino_wheels *wheels,
     festo_robotino_twist *twist);
 
-/* festo_robotino_forward_slip() with its inputs checked. Accepted: wheel0.spin, wheel1.spin,
+/** festo_robotino_forward_slip() with its inputs checked. Accepted: wheel0.spin, wheel1.spin,
  * wheel2.spin -1e9 to 1e9 rad/s. */
 festo_robotino_status festo_robotino_forward_slip_checked(
     const festo_robotino_wheels *wheels,
     festo_robotino_twist *twist,
     float *slip);
 
-/* festo_robotino_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** festo_robotino_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 festo_robotino_status festo_robotino_odometry_checked(
     festo_robotino_pose *pose,

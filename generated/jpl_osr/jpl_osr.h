@@ -1,4 +1,4 @@
-/* jpl_osr.h
+/** @file jpl_osr.h
  *
  * JPL Open Source Rover, six driven wheels, four steered corners
  *
@@ -32,7 +32,7 @@
 
 #define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define JPL_OSR_MODEL_HASH "14ffece6b5631114881c318e672de1fa" /**< digest of the model */
-#define JPL_OSR_PAIR_66e88eba2b612eed 1 /**< header and source that were written together have the same */
+#define JPL_OSR_PAIR_c30ba3aff4115464 1 /**< header and source that were written together have the same */
 #define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
 #define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */
 #define JPL_OSR_LEFT_FRONT_RADIUS 0.075f /**< [m] radius */
@@ -77,19 +77,19 @@ typedef struct {
     struct {
         float spin;                      /**< [rad/s] */
         float steer;                     /**< [rad] */
-    } left_front;
+    } left_front;                        /**< joints of left_front */
     struct {
         float spin;                      /**< [rad/s] */
         float steer;                     /**< [rad] */
-    } right_front;
+    } right_front;                       /**< joints of right_front */
     struct {
         float spin;                      /**< [rad/s] */
         float steer;                     /**< [rad] */
-    } left_back;
+    } left_back;                         /**< joints of left_back */
     struct {
         float spin;                      /**< [rad/s] */
         float steer;                     /**< [rad] */
-    } right_back;
+    } right_back;                        /**< joints of right_back */
     struct { float spin; } left_middle;  /**< [rad/s] */
     struct { float spin; } right_middle; /**< [rad/s] */
 } jpl_osr_wheels;

@@ -1,4 +1,4 @@
-/* jpl_osr_checked.h
+/** @file jpl_osr_checked.h
  *
  * JPL Open Source Rover, six driven wheels, four steered corners
  *
@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_66e88eba2b612eed)
+#if !defined(JPL_OSR_PAIR_c30ba3aff4115464)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 
@@ -29,20 +29,21 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    JPL_OSR_OK = 0,
-    JPL_OSR_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    JPL_OSR_OUT_OF_RANGE = 2  /* an input is not in its range */
+    JPL_OSR_OK = 0,            /**< inputs were accepted */
+    JPL_OSR_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    JPL_OSR_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } jpl_osr_status;
 
-/* jpl_osr_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
+/** jpl_osr_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
  * rad/s; left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to 1e4 rad. */
 jpl_osr_status jpl_osr_inverse_checked(
     const jpl_osr_twist *twist,
     const jpl_osr_wheels *now,
     jpl_osr_wheels *out);
 
-/* jpl_osr_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** jpl_osr_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to
  * 1e4 rad. */
 jpl_osr_status jpl_osr_inverse_slip_checked(
@@ -50,12 +51,12 @@ jpl_osr_status jpl_osr_inverse_slip_checked(
     const jpl_osr_wheels *wheels,
     float *slip);
 
-/* jpl_osr_forward() with its inputs checked. Accepted: left_front.spin, right_front.spin,
+/** jpl_osr_forward() with its inputs checked. Accepted: left_front.spin, right_front.spin,
  * left_back.spin, right_back.spin, left_middle.spin, right_middle.spin -1e9 to 1e9 rad/s;
  * left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to 1e4 rad. */
 jpl_osr_status jpl_osr_forward_checked(const jpl_osr_wheels *wheels, jpl_osr_twist *twist);
 
-/* jpl_osr_forward_slip() with its inputs checked. Accepted: left_front.spin, right_front.spin,
+/** jpl_osr_forward_slip() with its inputs checked. Accepted: left_front.spin, right_front.spin,
  * left_back.spin, right_back.spin, left_middle.spin, right_middle.spin -1e9 to 1e9 rad/s;
  * left_front.steer, right_front.steer, left_back.steer, right_back.steer -1e4 to 1e4 rad. */
 jpl_osr_status jpl_osr_forward_slip_checked(
@@ -63,7 +64,7 @@ jpl_osr_status jpl_osr_forward_slip_checked(
     jpl_osr_twist *twist,
     float *slip);
 
-/* jpl_osr_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** jpl_osr_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 jpl_osr_status jpl_osr_odometry_checked(jpl_osr_pose *pose, const jpl_osr_twist *twist, float dt);
 

@@ -1,4 +1,4 @@
-/* kelly_4ws.h
+/** @file kelly_4ws.h
  *
  * Four-wheel steer with lateral contact offsets
  *
@@ -30,7 +30,7 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "9578dfd51cc5c54643a2faecc51243a0" /**< digest of the model */
-#define KELLY_4WS_PAIR_896fe1fff0a17500 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_PAIR_4d77d537d17a6287 1 /**< header and source that were written together have the same */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */
 #define KELLY_4WS_W1_RADIUS 0.1f /**< [m] radius */
@@ -71,22 +71,22 @@ typedef struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } w1;
+    } w1;                 /**< joints of w1 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } w2;
+    } w2;                 /**< joints of w2 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } w3;
+    } w3;                 /**< joints of w3 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } w4;
+    } w4;                 /**< joints of w4 */
 } kelly_4ws_wheels;
 
 /** Joints in the order of kelly_4ws_wheels. */

@@ -1,4 +1,4 @@
-/* kelly_4ws_checked.h
+/** @file kelly_4ws_checked.h
  *
  * Four-wheel steer with lateral contact offsets
  *
@@ -21,7 +21,7 @@
 
 #include "kelly_4ws.h"
 
-#if !defined(KELLY_4WS_PAIR_896fe1fff0a17500)
+#if !defined(KELLY_4WS_PAIR_4d77d537d17a6287)
 #error "kelly_4ws_checked.h and kelly_4ws.h were not generated together: copy both"
 #endif
 
@@ -29,32 +29,33 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    KELLY_4WS_OK = 0,
-    KELLY_4WS_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    KELLY_4WS_OUT_OF_RANGE = 2  /* an input is not in its range */
+    KELLY_4WS_OK = 0,            /**< inputs were accepted */
+    KELLY_4WS_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    KELLY_4WS_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } kelly_4ws_status;
 
-/* kelly_4ws_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** kelly_4ws_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s; w1.steer, w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
 kelly_4ws_status kelly_4ws_inverse_checked(
     const kelly_4ws_twist *twist,
     const kelly_4ws_wheels *now,
     kelly_4ws_wheels *out);
 
-/* kelly_4ws_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** kelly_4ws_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; w1.steer, w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
 kelly_4ws_status kelly_4ws_inverse_slip_checked(
     const kelly_4ws_twist *twist,
     const kelly_4ws_wheels *wheels,
     float *slip);
 
-/* kelly_4ws_forward() with its inputs checked. Accepted: w1.spin, w1.steer_rate, w2.spin,
+/** kelly_4ws_forward() with its inputs checked. Accepted: w1.spin, w1.steer_rate, w2.spin,
  * w2.steer_rate, w3.spin, w3.steer_rate, w4.spin, w4.steer_rate -1e9 to 1e9 rad/s; w1.steer,
  * w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
 kelly_4ws_status kelly_4ws_forward_checked(const kelly_4ws_wheels *wheels, kelly_4ws_twist *twist);
 
-/* kelly_4ws_forward_slip() with its inputs checked. Accepted: w1.spin, w1.steer_rate, w2.spin,
+/** kelly_4ws_forward_slip() with its inputs checked. Accepted: w1.spin, w1.steer_rate, w2.spin,
  * w2.steer_rate, w3.spin, w3.steer_rate, w4.spin, w4.steer_rate -1e9 to 1e9 rad/s; w1.steer,
  * w2.steer, w3.steer, w4.steer -1e4 to 1e4 rad. */
 kelly_4ws_status kelly_4ws_forward_slip_checked(
@@ -62,7 +63,7 @@ kelly_4ws_status kelly_4ws_forward_slip_checked(
     kelly_4ws_twist *twist,
     float *slip);
 
-/* kelly_4ws_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** kelly_4ws_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 kelly_4ws_status kelly_4ws_odometry_checked(
     kelly_4ws_pose *pose,

@@ -1,4 +1,4 @@
-/* kuka_youbot.h
+/** @file kuka_youbot.h
  *
  * KUKA youBot base, four mecanum wheels
  *
@@ -36,7 +36,7 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "67137b193474d3e59b0826d02d4776ea" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_2164a9ec9450395d 1 /**< header and source that were written together have the same */
+#define KUKA_YOUBOT_PAIR_3f955cdefc78fe78 1 /**< header and source that were written together have the same */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */
 #define KUKA_YOUBOT_FL_RADIUS 0.05f /**< [m] radius */
@@ -98,11 +98,11 @@ typedef struct {
 
 /** What kuka_youbot_prepare() works out once from the parameters; the steps only read it. */
 typedef struct {
-    float k0;
-    float k1;
-    float k2;
-    float k3;
-    float k4;
+    float k0; /**< of the parameters alone */
+    float k1; /**< of the parameters alone */
+    float k2; /**< of the parameters alone */
+    float k3; /**< of the parameters alone */
+    float k4; /**< of the parameters alone */
 } kuka_youbot_prepared;
 
 /** Joints in the order of kuka_youbot_wheels. */

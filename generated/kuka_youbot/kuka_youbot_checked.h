@@ -1,4 +1,4 @@
-/* kuka_youbot_checked.h
+/** @file kuka_youbot_checked.h
  *
  * KUKA youBot base, four mecanum wheels
  *
@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_2164a9ec9450395d)
+#if !defined(KUKA_YOUBOT_PAIR_3f955cdefc78fe78)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 
@@ -34,40 +34,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    KUKA_YOUBOT_OK = 0,
-    KUKA_YOUBOT_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    KUKA_YOUBOT_OUT_OF_RANGE = 2  /* an input is not in its range */
+    KUKA_YOUBOT_OK = 0,            /**< inputs were accepted */
+    KUKA_YOUBOT_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    KUKA_YOUBOT_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } kuka_youbot_status;
 
-/* kuka_youbot_prepare() with its inputs checked. Accepted: radius 0.045 to 0.055 m. Else
+/** kuka_youbot_prepare() with its inputs checked. Accepted: radius 0.045 to 0.055 m. Else
  * prepared is that of the nominal parameters. */
 kuka_youbot_status kuka_youbot_prepare_checked(
     const kuka_youbot_params *params,
     kuka_youbot_prepared *prepared);
 
-/* kuka_youbot_inverse() with its inputs checked. Accepted: vx, vy -0.8 to 0.8 m/s; omega -1.2 to
+/** kuka_youbot_inverse() with its inputs checked. Accepted: vx, vy -0.8 to 0.8 m/s; omega -1.2 to
  * 1.2 rad/s. */
 kuka_youbot_status kuka_youbot_inverse_checked(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_twist *twist,
     kuka_youbot_wheels *out);
 
-/* kuka_youbot_inverse_slip() with its inputs checked. Accepted: vx, vy -0.8 to 0.8 m/s; omega
+/** kuka_youbot_inverse_slip() with its inputs checked. Accepted: vx, vy -0.8 to 0.8 m/s; omega
  * -1.2 to 1.2 rad/s. */
 kuka_youbot_status kuka_youbot_inverse_slip_checked(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_twist *twist,
     float *slip);
 
-/* kuka_youbot_forward() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin, br.spin
+/** kuka_youbot_forward() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin, br.spin
  * -20 to 20 rad/s. */
 kuka_youbot_status kuka_youbot_forward_checked(
     const kuka_youbot_prepared *prepared,
     const kuka_youbot_wheels *wheels,
     kuka_youbot_twist *twist);
 
-/* kuka_youbot_forward_slip() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin,
+/** kuka_youbot_forward_slip() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin,
  * br.spin -20 to 20 rad/s. */
 kuka_youbot_status kuka_youbot_forward_slip_checked(
     const kuka_youbot_prepared *prepared,
@@ -75,25 +76,25 @@ kuka_youbot_status kuka_youbot_forward_slip_checked(
     kuka_youbot_twist *twist,
     float *slip);
 
-/* kuka_youbot_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** kuka_youbot_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1.10001 to 1.10001 m/s; omega -2.84975 to 2.84975 rad/s; dt -10 to 10 s. */
 kuka_youbot_status kuka_youbot_odometry_checked(
     kuka_youbot_pose *pose,
     const kuka_youbot_twist *twist,
     float dt);
 
-/* kuka_youbot_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** kuka_youbot_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
 kuka_youbot_status kuka_youbot_limit_twist_checked(kuka_youbot_twist *twist);
 
-/* kuka_youbot_limit_acceleration() with its inputs checked. Accepted: vx, vy, vx_wanted,
+/** kuka_youbot_limit_acceleration() with its inputs checked. Accepted: vx, vy, vx_wanted,
  * vy_wanted -0.8 to 0.8 m/s; omega, omega_wanted -1.2 to 1.2 rad/s; dt -10 to 10 s. */
 kuka_youbot_status kuka_youbot_limit_acceleration_checked(
     kuka_youbot_twist *twist,
     const kuka_youbot_twist *wanted,
     float dt);
 
-/* kuka_youbot_desaturate() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin, br.spin
+/** kuka_youbot_desaturate() with its inputs checked. Accepted: fl.spin, fr.spin, bl.spin, br.spin
  * -1e9 to 1e9 rad/s. */
 kuka_youbot_status kuka_youbot_desaturate_checked(kuka_youbot_wheels *wheels, float *scale);
 

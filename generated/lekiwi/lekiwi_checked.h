@@ -1,4 +1,4 @@
-/* lekiwi_checked.h
+/** @file lekiwi_checked.h
  *
  * LeKiwi, three omni wheels at 120 degrees
  *
@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_a582c18442a6f84e)
+#if !defined(LEKIWI_PAIR_ca347fdd027beb6e)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 
@@ -29,32 +29,33 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    LEKIWI_OK = 0,
-    LEKIWI_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    LEKIWI_OUT_OF_RANGE = 2  /* an input is not in its range */
+    LEKIWI_OK = 0,            /**< inputs were accepted */
+    LEKIWI_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    LEKIWI_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } lekiwi_status;
 
-/* lekiwi_inverse() with its inputs checked. Accepted: vx, vy -0.3 to 0.3 m/s; omega -1.5707964
+/** lekiwi_inverse() with its inputs checked. Accepted: vx, vy -0.3 to 0.3 m/s; omega -1.5707964
  * to 1.5707964 rad/s. */
 lekiwi_status lekiwi_inverse_checked(const lekiwi_twist *twist, lekiwi_wheels *out);
 
-/* lekiwi_inverse_slip() with its inputs checked. Accepted: vx, vy -0.3 to 0.3 m/s; omega
+/** lekiwi_inverse_slip() with its inputs checked. Accepted: vx, vy -0.3 to 0.3 m/s; omega
  * -1.5707964 to 1.5707964 rad/s. */
 lekiwi_status lekiwi_inverse_slip_checked(const lekiwi_twist *twist, float *slip);
 
-/* lekiwi_forward() with its inputs checked. Accepted: left_wheel.spin, back_wheel.spin,
+/** lekiwi_forward() with its inputs checked. Accepted: left_wheel.spin, back_wheel.spin,
  * right_wheel.spin -1e9 to 1e9 rad/s. */
 lekiwi_status lekiwi_forward_checked(const lekiwi_wheels *wheels, lekiwi_twist *twist);
 
-/* lekiwi_forward_slip() with its inputs checked. Accepted: left_wheel.spin, back_wheel.spin,
+/** lekiwi_forward_slip() with its inputs checked. Accepted: left_wheel.spin, back_wheel.spin,
  * right_wheel.spin -1e9 to 1e9 rad/s. */
 lekiwi_status lekiwi_forward_slip_checked(
     const lekiwi_wheels *wheels,
     lekiwi_twist *twist,
     float *slip);
 
-/* lekiwi_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** lekiwi_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 lekiwi_status lekiwi_odometry_checked(lekiwi_pose *pose, const lekiwi_twist *twist, float dt);
 

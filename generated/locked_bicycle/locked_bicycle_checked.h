@@ -1,4 +1,4 @@
-/* locked_bicycle_checked.h
+/** @file locked_bicycle_checked.h
  *
  * Bicycle with its fork locked straight ahead
  *
@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_1e24a7e6164c88d6)
+#if !defined(LOCKED_BICYCLE_PAIR_5b6caa4efb6d51ac)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    LOCKED_BICYCLE_OK = 0,
-    LOCKED_BICYCLE_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    LOCKED_BICYCLE_OUT_OF_RANGE = 2  /* an input is not in its range */
+    LOCKED_BICYCLE_OK = 0,            /**< inputs were accepted */
+    LOCKED_BICYCLE_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    LOCKED_BICYCLE_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } locked_bicycle_status;
 
-/* locked_bicycle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** locked_bicycle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s. */
 locked_bicycle_status locked_bicycle_inverse_checked(
     const locked_bicycle_twist *twist,
     locked_bicycle_wheels *out);
 
-/* locked_bicycle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** locked_bicycle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
 locked_bicycle_status locked_bicycle_inverse_slip_checked(
     const locked_bicycle_twist *twist,
     float *slip);
 
-/* locked_bicycle_forward() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to 1e9
+/** locked_bicycle_forward() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to 1e9
  * rad/s. */
 locked_bicycle_status locked_bicycle_forward_checked(
     const locked_bicycle_wheels *wheels,
     locked_bicycle_twist *twist);
 
-/* locked_bicycle_forward_slip() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to
+/** locked_bicycle_forward_slip() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to
  * 1e9 rad/s. */
 locked_bicycle_status locked_bicycle_forward_slip_checked(
     const locked_bicycle_wheels *wheels,
     locked_bicycle_twist *twist,
     float *slip);
 
-/* locked_bicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** locked_bicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 locked_bicycle_status locked_bicycle_odometry_checked(
     locked_bicycle_pose *pose,

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(MIR_100_PAIR_081e3a2b99b7c1c2)
+#if !defined(MIR_100_PAIR_f4468d1557b414c4)
 #error "mir_100.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -1,4 +1,4 @@
-/* mir_100_checked.h
+/** @file mir_100_checked.h
  *
  * MiR100, differential drive with four passive castors
  *
@@ -21,7 +21,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_081e3a2b99b7c1c2)
+#if !defined(MIR_100_PAIR_f4468d1557b414c4)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 
@@ -29,31 +29,32 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    MIR_100_OK = 0,
-    MIR_100_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    MIR_100_OUT_OF_RANGE = 2  /* an input is not in its range */
+    MIR_100_OK = 0,            /**< inputs were accepted */
+    MIR_100_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    MIR_100_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } mir_100_status;
 
-/* mir_100_inverse() with its inputs checked. Accepted: vx -1.5 to 1.5 m/s; vy -1e9 to 1e9 m/s;
+/** mir_100_inverse() with its inputs checked. Accepted: vx -1.5 to 1.5 m/s; vy -1e9 to 1e9 m/s;
  * omega -1 to 1 rad/s. */
 mir_100_status mir_100_inverse_checked(const mir_100_twist *twist, mir_100_wheels *out);
 
-/* mir_100_inverse_slip() with its inputs checked. Accepted: vx -1.5 to 1.5 m/s; vy -1e9 to 1e9
+/** mir_100_inverse_slip() with its inputs checked. Accepted: vx -1.5 to 1.5 m/s; vy -1e9 to 1e9
  * m/s; omega -1 to 1 rad/s. */
 mir_100_status mir_100_inverse_slip_checked(const mir_100_twist *twist, float *slip);
 
-/* mir_100_forward() with its inputs checked. Accepted: left.spin, right.spin -1e9 to 1e9 rad/s. */
+/** mir_100_forward() with its inputs checked. Accepted: left.spin, right.spin -1e9 to 1e9 rad/s. */
 mir_100_status mir_100_forward_checked(const mir_100_wheels *wheels, mir_100_twist *twist);
 
-/* mir_100_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -1e9 to 1e9
+/** mir_100_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -1e9 to 1e9
  * rad/s. */
 mir_100_status mir_100_forward_slip_checked(
     const mir_100_wheels *wheels,
     mir_100_twist *twist,
     float *slip);
 
-/* mir_100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** mir_100_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 mir_100_status mir_100_odometry_checked(mir_100_pose *pose, const mir_100_twist *twist, float dt);
 

@@ -1,4 +1,4 @@
-/* neobotix_mp_400_checked.h
+/** @file neobotix_mp_400_checked.h
  *
  * Neobotix MP-400, differential drive with four passive castors
  *
@@ -21,7 +21,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_6b78cae60482c44f)
+#if !defined(NEOBOTIX_MP_400_PAIR_8a599d6f7ce87161)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    NEOBOTIX_MP_400_OK = 0,
-    NEOBOTIX_MP_400_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    NEOBOTIX_MP_400_OUT_OF_RANGE = 2  /* an input is not in its range */
+    NEOBOTIX_MP_400_OK = 0,            /**< inputs were accepted */
+    NEOBOTIX_MP_400_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    NEOBOTIX_MP_400_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } neobotix_mp_400_status;
 
-/* neobotix_mp_400_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** neobotix_mp_400_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
 neobotix_mp_400_status neobotix_mp_400_inverse_checked(
     const neobotix_mp_400_twist *twist,
     neobotix_mp_400_wheels *out);
 
-/* neobotix_mp_400_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** neobotix_mp_400_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s. */
 neobotix_mp_400_status neobotix_mp_400_inverse_slip_checked(
     const neobotix_mp_400_twist *twist,
     float *slip);
 
-/* neobotix_mp_400_forward() with its inputs checked. Accepted: right.spin, left.spin -1e9 to 1e9
+/** neobotix_mp_400_forward() with its inputs checked. Accepted: right.spin, left.spin -1e9 to 1e9
  * rad/s. */
 neobotix_mp_400_status neobotix_mp_400_forward_checked(
     const neobotix_mp_400_wheels *wheels,
     neobotix_mp_400_twist *twist);
 
-/* neobotix_mp_400_forward_slip() with its inputs checked. Accepted: right.spin, left.spin -1e9
+/** neobotix_mp_400_forward_slip() with its inputs checked. Accepted: right.spin, left.spin -1e9
  * to 1e9 rad/s. */
 neobotix_mp_400_status neobotix_mp_400_forward_slip_checked(
     const neobotix_mp_400_wheels *wheels,
     neobotix_mp_400_twist *twist,
     float *slip);
 
-/* neobotix_mp_400_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** neobotix_mp_400_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 neobotix_mp_400_status neobotix_mp_400_odometry_checked(
     neobotix_mp_400_pose *pose,

@@ -1,4 +1,4 @@
-/* neobotix_mpo_700.h
+/** @file neobotix_mpo_700.h
  *
  * Neobotix MPO-700, four powered castors
  *
@@ -31,7 +31,7 @@
 
 #define NEOBOTIX_MPO_700_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MPO_700_MODEL_HASH "7c0eb96fb2cdd482c2e6b99dc5e028d8" /**< digest of the model */
-#define NEOBOTIX_MPO_700_PAIR_66c4ea8380330dbf 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MPO_700_PAIR_d65a576a243cf6ea 1 /**< header and source that were written together have the same */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_X 0.24f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_Y 0.19f /**< [m] pivot, to the left of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_RADIUS 0.09f /**< [m] radius */
@@ -72,22 +72,22 @@ typedef struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } front_left;
+    } front_left;         /**< joints of front_left */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } back_left;
+    } back_left;          /**< joints of back_left */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } back_right;
+    } back_right;         /**< joints of back_right */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } front_right;
+    } front_right;        /**< joints of front_right */
 } neobotix_mpo_700_wheels;
 
 /** Joints in the order of neobotix_mpo_700_wheels. */

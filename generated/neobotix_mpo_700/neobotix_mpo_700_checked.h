@@ -1,4 +1,4 @@
-/* neobotix_mpo_700_checked.h
+/** @file neobotix_mpo_700_checked.h
  *
  * Neobotix MPO-700, four powered castors
  *
@@ -21,7 +21,7 @@
 
 #include "neobotix_mpo_700.h"
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_66c4ea8380330dbf)
+#if !defined(NEOBOTIX_MPO_700_PAIR_d65a576a243cf6ea)
 #error "neobotix_mpo_700_checked.h and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 
@@ -29,13 +29,14 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    NEOBOTIX_MPO_700_OK = 0,
-    NEOBOTIX_MPO_700_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    NEOBOTIX_MPO_700_OUT_OF_RANGE = 2  /* an input is not in its range */
+    NEOBOTIX_MPO_700_OK = 0,            /**< inputs were accepted */
+    NEOBOTIX_MPO_700_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    NEOBOTIX_MPO_700_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } neobotix_mpo_700_status;
 
-/* neobotix_mpo_700_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** neobotix_mpo_700_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; front_left.steer, back_left.steer, back_right.steer, front_right.steer -1e4
  * to 1e4 rad. */
 neobotix_mpo_700_status neobotix_mpo_700_inverse_checked(
@@ -43,7 +44,7 @@ neobotix_mpo_700_status neobotix_mpo_700_inverse_checked(
     const neobotix_mpo_700_wheels *now,
     neobotix_mpo_700_wheels *out);
 
-/* neobotix_mpo_700_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** neobotix_mpo_700_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s; front_left.steer, back_left.steer, back_right.steer,
  * front_right.steer -1e4 to 1e4 rad. */
 neobotix_mpo_700_status neobotix_mpo_700_inverse_slip_checked(
@@ -51,7 +52,7 @@ neobotix_mpo_700_status neobotix_mpo_700_inverse_slip_checked(
     const neobotix_mpo_700_wheels *wheels,
     float *slip);
 
-/* neobotix_mpo_700_forward() with its inputs checked. Accepted: front_left.spin,
+/** neobotix_mpo_700_forward() with its inputs checked. Accepted: front_left.spin,
  * front_left.steer_rate, back_left.spin, back_left.steer_rate, back_right.spin,
  * back_right.steer_rate, front_right.spin, front_right.steer_rate -1e9 to 1e9 rad/s;
  * front_left.steer, back_left.steer, back_right.steer, front_right.steer -1e4 to 1e4 rad. */
@@ -59,7 +60,7 @@ neobotix_mpo_700_status neobotix_mpo_700_forward_checked(
     const neobotix_mpo_700_wheels *wheels,
     neobotix_mpo_700_twist *twist);
 
-/* neobotix_mpo_700_forward_slip() with its inputs checked. Accepted: front_left.spin,
+/** neobotix_mpo_700_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_left.steer_rate, back_left.spin, back_left.steer_rate, back_right.spin,
  * back_right.steer_rate, front_right.spin, front_right.steer_rate -1e9 to 1e9 rad/s;
  * front_left.steer, back_left.steer, back_right.steer, front_right.steer -1e4 to 1e4 rad. */
@@ -68,7 +69,7 @@ neobotix_mpo_700_status neobotix_mpo_700_forward_slip_checked(
     neobotix_mpo_700_twist *twist,
     float *slip);
 
-/* neobotix_mpo_700_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** neobotix_mpo_700_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 neobotix_mpo_700_status neobotix_mpo_700_odometry_checked(
     neobotix_mpo_700_pose *pose,

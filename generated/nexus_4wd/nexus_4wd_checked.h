@@ -1,4 +1,4 @@
-/* nexus_4wd_checked.h
+/** @file nexus_4wd_checked.h
  *
  * Nexus 4WD mecanum robot, joint signs differ per side
  *
@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_c50cf62b3623c601)
+#if !defined(NEXUS_4WD_PAIR_c28bb2367dd1f264)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 
@@ -29,32 +29,33 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    NEXUS_4WD_OK = 0,
-    NEXUS_4WD_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    NEXUS_4WD_OUT_OF_RANGE = 2  /* an input is not in its range */
+    NEXUS_4WD_OK = 0,            /**< inputs were accepted */
+    NEXUS_4WD_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    NEXUS_4WD_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } nexus_4wd_status;
 
-/* nexus_4wd_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** nexus_4wd_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
 nexus_4wd_status nexus_4wd_inverse_checked(const nexus_4wd_twist *twist, nexus_4wd_wheels *out);
 
-/* nexus_4wd_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** nexus_4wd_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s. */
 nexus_4wd_status nexus_4wd_inverse_slip_checked(const nexus_4wd_twist *twist, float *slip);
 
-/* nexus_4wd_forward() with its inputs checked. Accepted: upper_left.spin, lower_left.spin,
+/** nexus_4wd_forward() with its inputs checked. Accepted: upper_left.spin, lower_left.spin,
  * upper_right.spin, lower_right.spin -1e9 to 1e9 rad/s. */
 nexus_4wd_status nexus_4wd_forward_checked(const nexus_4wd_wheels *wheels, nexus_4wd_twist *twist);
 
-/* nexus_4wd_forward_slip() with its inputs checked. Accepted: upper_left.spin, lower_left.spin,
+/** nexus_4wd_forward_slip() with its inputs checked. Accepted: upper_left.spin, lower_left.spin,
  * upper_right.spin, lower_right.spin -1e9 to 1e9 rad/s. */
 nexus_4wd_status nexus_4wd_forward_slip_checked(
     const nexus_4wd_wheels *wheels,
     nexus_4wd_twist *twist,
     float *slip);
 
-/* nexus_4wd_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** nexus_4wd_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 nexus_4wd_status nexus_4wd_odometry_checked(
     nexus_4wd_pose *pose,

@@ -1,4 +1,4 @@
-/* nomad_xr4000.h
+/** @file nomad_xr4000.h
  *
  * Nomad XR4000, four powered and steered castors
  *
@@ -31,7 +31,7 @@
 
 #define NOMAD_XR4000_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NOMAD_XR4000_MODEL_HASH "4e76e80387543823a70452e680a8f8d5" /**< digest of the model */
-#define NOMAD_XR4000_PAIR_f5bbca712ab59dbc 1 /**< header and source that were written together have the same */
+#define NOMAD_XR4000_PAIR_752c4aff9ac81a3a 1 /**< header and source that were written together have the same */
 #define NOMAD_XR4000_CASTOR1_X 0.2f /**< [m] pivot, forward of P */
 #define NOMAD_XR4000_CASTOR1_Y 0.2f /**< [m] pivot, to the left of P */
 #define NOMAD_XR4000_CASTOR1_RADIUS 0.055f /**< [m] radius */
@@ -78,22 +78,22 @@ typedef struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } castor1;
+    } castor1;            /**< joints of castor1 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } castor2;
+    } castor2;            /**< joints of castor2 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } castor3;
+    } castor3;            /**< joints of castor3 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } castor4;
+    } castor4;            /**< joints of castor4 */
 } nomad_xr4000_wheels;
 
 /** Joints in the order of nomad_xr4000_wheels. */

@@ -1,4 +1,4 @@
-/* nomad_xr4000_checked.h
+/** @file nomad_xr4000_checked.h
  *
  * Nomad XR4000, four powered and steered castors
  *
@@ -21,7 +21,7 @@
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_f5bbca712ab59dbc)
+#if !defined(NOMAD_XR4000_PAIR_752c4aff9ac81a3a)
 #error "nomad_xr4000_checked.h and nomad_xr4000.h were not generated together: copy both"
 #endif
 
@@ -29,27 +29,28 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    NOMAD_XR4000_OK = 0,
-    NOMAD_XR4000_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    NOMAD_XR4000_OUT_OF_RANGE = 2  /* an input is not in its range */
+    NOMAD_XR4000_OK = 0,            /**< inputs were accepted */
+    NOMAD_XR4000_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    NOMAD_XR4000_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } nomad_xr4000_status;
 
-/* nomad_xr4000_inverse() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega -2 to
+/** nomad_xr4000_inverse() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega -2 to
  * 2 rad/s; castor1.steer, castor2.steer, castor3.steer, castor4.steer -1e4 to 1e4 rad. */
 nomad_xr4000_status nomad_xr4000_inverse_checked(
     const nomad_xr4000_twist *twist,
     const nomad_xr4000_wheels *now,
     nomad_xr4000_wheels *out);
 
-/* nomad_xr4000_inverse_slip() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega
+/** nomad_xr4000_inverse_slip() with its inputs checked. Accepted: vx, vy -1.5 to 1.5 m/s; omega
  * -2 to 2 rad/s; castor1.steer, castor2.steer, castor3.steer, castor4.steer -1e4 to 1e4 rad. */
 nomad_xr4000_status nomad_xr4000_inverse_slip_checked(
     const nomad_xr4000_twist *twist,
     const nomad_xr4000_wheels *wheels,
     float *slip);
 
-/* nomad_xr4000_forward() with its inputs checked. Accepted: castor1.spin, castor1.steer_rate,
+/** nomad_xr4000_forward() with its inputs checked. Accepted: castor1.spin, castor1.steer_rate,
  * castor2.spin, castor2.steer_rate, castor3.spin, castor3.steer_rate, castor4.spin,
  * castor4.steer_rate -1e9 to 1e9 rad/s; castor1.steer, castor2.steer, castor3.steer,
  * castor4.steer -1e4 to 1e4 rad. */
@@ -57,7 +58,7 @@ nomad_xr4000_status nomad_xr4000_forward_checked(
     const nomad_xr4000_wheels *wheels,
     nomad_xr4000_twist *twist);
 
-/* nomad_xr4000_forward_slip() with its inputs checked. Accepted: castor1.spin,
+/** nomad_xr4000_forward_slip() with its inputs checked. Accepted: castor1.spin,
  * castor1.steer_rate, castor2.spin, castor2.steer_rate, castor3.spin, castor3.steer_rate,
  * castor4.spin, castor4.steer_rate -1e9 to 1e9 rad/s; castor1.steer, castor2.steer,
  * castor3.steer, castor4.steer -1e4 to 1e4 rad. */
@@ -66,7 +67,7 @@ nomad_xr4000_status nomad_xr4000_forward_slip_checked(
     nomad_xr4000_twist *twist,
     float *slip);
 
-/* nomad_xr4000_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** nomad_xr4000_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 nomad_xr4000_status nomad_xr4000_odometry_checked(
     nomad_xr4000_pose *pose,

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_2054b0d227811aa6)
+#if !defined(OFFICE_CHAIR_PAIR_7940eac3b805f3ce)
 #error "office_chair_checked.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

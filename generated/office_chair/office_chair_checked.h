@@ -1,4 +1,4 @@
-/* office_chair_checked.h
+/** @file office_chair_checked.h
  *
  * Office chair, five passive castors
  *
@@ -21,7 +21,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_2054b0d227811aa6)
+#if !defined(OFFICE_CHAIR_PAIR_7940eac3b805f3ce)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 
@@ -29,17 +29,18 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    OFFICE_CHAIR_OK = 0,
-    OFFICE_CHAIR_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    OFFICE_CHAIR_OUT_OF_RANGE = 2  /* an input is not in its range */
+    OFFICE_CHAIR_OK = 0,            /**< inputs were accepted */
+    OFFICE_CHAIR_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    OFFICE_CHAIR_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } office_chair_status;
 
-/* office_chair_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** office_chair_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
 office_chair_status office_chair_inverse_slip_checked(const office_chair_twist *twist, float *slip);
 
-/* office_chair_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** office_chair_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 office_chair_status office_chair_odometry_checked(
     office_chair_pose *pose,

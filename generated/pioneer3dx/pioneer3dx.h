@@ -1,4 +1,4 @@
-/* pioneer3dx.h
+/** @file pioneer3dx.h
  *
  * Pioneer P3-DX, differential drive with calibration
  *
@@ -36,7 +36,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "846117f3eed9d063145c68b515421c88" /**< digest of the model */
-#define PIONEER3DX_PAIR_2d05a5ad683aca78 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_PAIR_cfcc677434103f24 1 /**< header and source that were written together have the same */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */
 #define PIONEER3DX_LEFT_RADIUS 0.0975f /**< [m] radius */
@@ -108,15 +108,15 @@ typedef struct {
 
 /** What pioneer3dx_prepare() works out once from the parameters; the steps only read it. */
 typedef struct {
-    float k0;
-    float k1;
-    float k2;
-    float k3;
-    float k4;
-    float k5;
-    float k6;
-    float k7;
-    float k8;
+    float k0; /**< of the parameters alone */
+    float k1; /**< of the parameters alone */
+    float k2; /**< of the parameters alone */
+    float k3; /**< of the parameters alone */
+    float k4; /**< of the parameters alone */
+    float k5; /**< of the parameters alone */
+    float k6; /**< of the parameters alone */
+    float k7; /**< of the parameters alone */
+    float k8; /**< of the parameters alone */
 } pioneer3dx_prepared;
 
 /** Input of pioneer3dx_joints_from_counts().

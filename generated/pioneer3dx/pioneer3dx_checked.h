@@ -1,4 +1,4 @@
-/* pioneer3dx_checked.h
+/** @file pioneer3dx_checked.h
  *
  * Pioneer P3-DX, differential drive with calibration
  *
@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_2d05a5ad683aca78)
+#if !defined(PIONEER3DX_PAIR_cfcc677434103f24)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 
@@ -34,40 +34,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    PIONEER3DX_OK = 0,
-    PIONEER3DX_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    PIONEER3DX_OUT_OF_RANGE = 2  /* an input is not in its range */
+    PIONEER3DX_OK = 0,            /**< inputs were accepted */
+    PIONEER3DX_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    PIONEER3DX_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } pioneer3dx_status;
 
-/* pioneer3dx_prepare() with its inputs checked. Accepted: half_track 0.14895001 to 0.18204999 m;
+/** pioneer3dx_prepare() with its inputs checked. Accepted: half_track 0.14895001 to 0.18204999 m;
  * radius 0.08775 to 0.10725 m. Else prepared is that of the nominal parameters. */
 pioneer3dx_status pioneer3dx_prepare_checked(
     const pioneer3dx_params *params,
     pioneer3dx_prepared *prepared);
 
-/* pioneer3dx_inverse() with its inputs checked. Accepted: vx -1.2 to 1.2 m/s; vy -1e9 to 1e9
+/** pioneer3dx_inverse() with its inputs checked. Accepted: vx -1.2 to 1.2 m/s; vy -1e9 to 1e9
  * m/s; omega -5.2359877 to 5.2359877 rad/s. */
 pioneer3dx_status pioneer3dx_inverse_checked(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_twist *twist,
     pioneer3dx_wheels *out);
 
-/* pioneer3dx_inverse_slip() with its inputs checked. Accepted: vx -1.2 to 1.2 m/s; vy -1e9 to
+/** pioneer3dx_inverse_slip() with its inputs checked. Accepted: vx -1.2 to 1.2 m/s; vy -1e9 to
  * 1e9 m/s; omega -5.2359877 to 5.2359877 rad/s. */
 pioneer3dx_status pioneer3dx_inverse_slip_checked(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_twist *twist,
     float *slip);
 
-/* pioneer3dx_forward() with its inputs checked. Accepted: left.spin, right.spin -15.375 to
+/** pioneer3dx_forward() with its inputs checked. Accepted: left.spin, right.spin -15.375 to
  * 15.375 rad/s. */
 pioneer3dx_status pioneer3dx_forward_checked(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_wheels *wheels,
     pioneer3dx_twist *twist);
 
-/* pioneer3dx_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -15.375 to
+/** pioneer3dx_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -15.375 to
  * 15.375 rad/s. */
 pioneer3dx_status pioneer3dx_forward_slip_checked(
     const pioneer3dx_prepared *prepared,
@@ -75,7 +76,7 @@ pioneer3dx_status pioneer3dx_forward_slip_checked(
     pioneer3dx_twist *twist,
     float *slip);
 
-/* pioneer3dx_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** pioneer3dx_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx -1.64897 to 1.64897 m/s; vy -1e9 to 1e9 m/s; omega -11.0707 to 11.0707 rad/s; dt -10
  * to 10 s. */
 pioneer3dx_status pioneer3dx_odometry_checked(
@@ -83,20 +84,20 @@ pioneer3dx_status pioneer3dx_odometry_checked(
     const pioneer3dx_twist *twist,
     float dt);
 
-/* pioneer3dx_joints_from_counts() with its inputs checked. Accepted: left.spin_counts,
+/** pioneer3dx_joints_from_counts() with its inputs checked. Accepted: left.spin_counts,
  * right.spin_counts -1e9 to 1e9; dt -10 to 10 s. */
 pioneer3dx_status pioneer3dx_joints_from_counts_checked(
     const pioneer3dx_joints_from_counts_in *in,
     pioneer3dx_wheels *out);
 
-/* pioneer3dx_forward_covariance() with its inputs checked. Accepted: left.spin, right.spin
+/** pioneer3dx_forward_covariance() with its inputs checked. Accepted: left.spin, right.spin
  * -15.375 to 15.375 rad/s. */
 pioneer3dx_status pioneer3dx_forward_covariance_checked(
     const pioneer3dx_prepared *prepared,
     const pioneer3dx_wheels *wheels,
     pioneer3dx_twist_covariance *twist_covariance);
 
-/* pioneer3dx_odometry_covariance() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
+/** pioneer3dx_odometry_covariance() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
  * -1e4 to 1e4 rad; xx, xy, yy -1e9 to 1e9 m^2; xtheta, ytheta -1e9 to 1e9 m rad; thetatheta -1e9
  * to 1e9 rad^2; vx -1.64897 to 1.64897 m/s; vy -1e9 to 1e9 m/s; omega -11.0707 to 11.0707 rad/s;
  * vxvx, vxvy, vyvy -1e9 to 1e9 m^2/s^2; vxomega, vyomega -1e9 to 1e9 m rad/s^2; omegaomega -1e9
@@ -108,18 +109,18 @@ pioneer3dx_status pioneer3dx_odometry_covariance_checked(
     const pioneer3dx_twist_covariance *twist_covariance,
     float dt);
 
-/* pioneer3dx_odometry_from_angles() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
+/** pioneer3dx_odometry_from_angles() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
  * theta, left.spin_step, right.spin_step -1e4 to 1e4 rad. */
 pioneer3dx_status pioneer3dx_odometry_from_angles_checked(
     const pioneer3dx_prepared *prepared,
     pioneer3dx_pose *pose,
     const pioneer3dx_wheels *step);
 
-/* pioneer3dx_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** pioneer3dx_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s. */
 pioneer3dx_status pioneer3dx_limit_twist_checked(pioneer3dx_twist *twist);
 
-/* pioneer3dx_limit_acceleration() with its inputs checked. Accepted: vx, vx_wanted -1.2 to 1.2
+/** pioneer3dx_limit_acceleration() with its inputs checked. Accepted: vx, vx_wanted -1.2 to 1.2
  * m/s; vy, vy_wanted -1e9 to 1e9 m/s; omega, omega_wanted -5.2359877 to 5.2359877 rad/s; dt -10
  * to 10 s. */
 pioneer3dx_status pioneer3dx_limit_acceleration_checked(
@@ -127,7 +128,7 @@ pioneer3dx_status pioneer3dx_limit_acceleration_checked(
     const pioneer3dx_twist *wanted,
     float dt);
 
-/* pioneer3dx_desaturate() with its inputs checked. Accepted: left.spin, right.spin -1e9 to 1e9
+/** pioneer3dx_desaturate() with its inputs checked. Accepted: left.spin, right.spin -1e9 to 1e9
  * rad/s. */
 pioneer3dx_status pioneer3dx_desaturate_checked(pioneer3dx_wheels *wheels, float *scale);
 

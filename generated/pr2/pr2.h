@@ -1,4 +1,4 @@
-/* pr2.h
+/** @file pr2.h
  *
  * Willow Garage PR2 base, four steered twin-wheel modules
  *
@@ -34,7 +34,7 @@
 
 #define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PR2_MODEL_HASH "e159aff6b4b556c7e1c715a3c1ac9861" /**< digest of the model */
-#define PR2_PAIR_fc550e08d70d6ced 1 /**< header and source that were written together have the same */
+#define PR2_PAIR_bd8d8810d31355f1 1 /**< header and source that were written together have the same */
 #define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
 #define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */
 #define PR2_FL_L_RADIUS 0.074792f /**< [m] radius */
@@ -87,42 +87,42 @@ typedef struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } fl_l;
+    } fl_l;               /**< joints of fl_l */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } fl_r;
+    } fl_r;               /**< joints of fl_r */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } fr_l;
+    } fr_l;               /**< joints of fr_l */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } fr_r;
+    } fr_r;               /**< joints of fr_r */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } bl_l;
+    } bl_l;               /**< joints of bl_l */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } bl_r;
+    } bl_r;               /**< joints of bl_r */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } br_l;
+    } br_l;               /**< joints of br_l */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } br_r;
+    } br_r;               /**< joints of br_r */
 } pr2_wheels;
 
 /** Joints in the order of pr2_wheels. */

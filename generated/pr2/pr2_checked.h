@@ -1,4 +1,4 @@
-/* pr2_checked.h
+/** @file pr2_checked.h
  *
  * Willow Garage PR2 base, four steered twin-wheel modules
  *
@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_fc550e08d70d6ced)
+#if !defined(PR2_PAIR_bd8d8810d31355f1)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 
@@ -28,37 +28,38 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    PR2_OK = 0,
-    PR2_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    PR2_OUT_OF_RANGE = 2  /* an input is not in its range */
+    PR2_OK = 0,            /**< inputs were accepted */
+    PR2_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    PR2_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } pr2_status;
 
-/* pr2_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
+/** pr2_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to 200
  * rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer, bl_r.steer, br_l.steer,
  * br_r.steer -1e4 to 1e4 rad. */
 pr2_status pr2_inverse_checked(const pr2_twist *twist, const pr2_wheels *now, pr2_wheels *out);
 
-/* pr2_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** pr2_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer, bl_r.steer, br_l.steer,
  * br_r.steer -1e4 to 1e4 rad. */
 pr2_status pr2_inverse_slip_checked(const pr2_twist *twist, const pr2_wheels *wheels, float *slip);
 
-/* pr2_forward() with its inputs checked. Accepted: fl_l.spin, fl_l.steer_rate, fl_r.spin,
+/** pr2_forward() with its inputs checked. Accepted: fl_l.spin, fl_l.steer_rate, fl_r.spin,
  * fl_r.steer_rate, fr_l.spin, fr_l.steer_rate, fr_r.spin, fr_r.steer_rate, bl_l.spin,
  * bl_l.steer_rate, bl_r.spin, bl_r.steer_rate, br_l.spin, br_l.steer_rate, br_r.spin,
  * br_r.steer_rate -1e9 to 1e9 rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer,
  * bl_r.steer, br_l.steer, br_r.steer -1e4 to 1e4 rad. */
 pr2_status pr2_forward_checked(const pr2_wheels *wheels, pr2_twist *twist);
 
-/* pr2_forward_slip() with its inputs checked. Accepted: fl_l.spin, fl_l.steer_rate, fl_r.spin,
+/** pr2_forward_slip() with its inputs checked. Accepted: fl_l.spin, fl_l.steer_rate, fl_r.spin,
  * fl_r.steer_rate, fr_l.spin, fr_l.steer_rate, fr_r.spin, fr_r.steer_rate, bl_l.spin,
  * bl_l.steer_rate, bl_r.spin, bl_r.steer_rate, br_l.spin, br_l.steer_rate, br_r.spin,
  * br_r.steer_rate -1e9 to 1e9 rad/s; fl_l.steer, fl_r.steer, fr_l.steer, fr_r.steer, bl_l.steer,
  * bl_r.steer, br_l.steer, br_r.steer -1e4 to 1e4 rad. */
 pr2_status pr2_forward_slip_checked(const pr2_wheels *wheels, pr2_twist *twist, float *slip);
 
-/* pr2_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4 rad;
+/** pr2_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4 rad;
  * vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 pr2_status pr2_odometry_checked(pr2_pose *pose, const pr2_twist *twist, float dt);
 

@@ -1,4 +1,4 @@
-/* ssl_parsian_checked.h
+/** @file ssl_parsian_checked.h
  *
  * RoboCup small-size Parsian (grSim), four omni wheels at unequal angles
  *
@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_ec58a5d26e897c51)
+#if !defined(SSL_PARSIAN_PAIR_a35d039f1348218e)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 
@@ -29,36 +29,37 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    SSL_PARSIAN_OK = 0,
-    SSL_PARSIAN_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    SSL_PARSIAN_OUT_OF_RANGE = 2  /* an input is not in its range */
+    SSL_PARSIAN_OK = 0,            /**< inputs were accepted */
+    SSL_PARSIAN_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    SSL_PARSIAN_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } ssl_parsian_status;
 
-/* ssl_parsian_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** ssl_parsian_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
 ssl_parsian_status ssl_parsian_inverse_checked(
     const ssl_parsian_twist *twist,
     ssl_parsian_wheels *out);
 
-/* ssl_parsian_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** ssl_parsian_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
 ssl_parsian_status ssl_parsian_inverse_slip_checked(const ssl_parsian_twist *twist, float *slip);
 
-/* ssl_parsian_forward() with its inputs checked. Accepted: wheel1.spin, wheel2.spin,
+/** ssl_parsian_forward() with its inputs checked. Accepted: wheel1.spin, wheel2.spin,
  * wheel3.spin, wheel4.spin -1e9 to 1e9 rad/s. */
 ssl_parsian_status ssl_parsian_forward_checked(
     const ssl_parsian_wheels *wheels,
     ssl_parsian_twist *twist);
 
-/* ssl_parsian_forward_slip() with its inputs checked. Accepted: wheel1.spin, wheel2.spin,
+/** ssl_parsian_forward_slip() with its inputs checked. Accepted: wheel1.spin, wheel2.spin,
  * wheel3.spin, wheel4.spin -1e9 to 1e9 rad/s. */
 ssl_parsian_status ssl_parsian_forward_slip_checked(
     const ssl_parsian_wheels *wheels,
     ssl_parsian_twist *twist,
     float *slip);
 
-/* ssl_parsian_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** ssl_parsian_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 ssl_parsian_status ssl_parsian_odometry_checked(
     ssl_parsian_pose *pose,

@@ -1,4 +1,4 @@
-/* synchro_drive.h
+/** @file synchro_drive.h
  *
  * Synchro drive, three steered wheels on one steering and one drive motor
  *
@@ -29,7 +29,7 @@
 
 #define SYNCHRO_DRIVE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SYNCHRO_DRIVE_MODEL_HASH "ab49bf8c09b6e7abf530225cb461af34" /**< digest of the model */
-#define SYNCHRO_DRIVE_PAIR_5fe2eda22ae4b17e 1 /**< header and source that were written together have the same */
+#define SYNCHRO_DRIVE_PAIR_6418264a591d5290 1 /**< header and source that were written together have the same */
 #define SYNCHRO_DRIVE_W1_X 0.3f /**< [m] pivot, forward of P */
 #define SYNCHRO_DRIVE_W1_Y 0.0f /**< [m] pivot, to the left of P */
 #define SYNCHRO_DRIVE_W1_RADIUS 0.1f /**< [m] radius */
@@ -65,15 +65,15 @@ typedef struct {
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } w1;
+    } w1;            /**< joints of w1 */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } w2;
+    } w2;            /**< joints of w2 */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } w3;
+    } w3;            /**< joints of w3 */
 } synchro_drive_wheels;
 
 /** Joints in the order of synchro_drive_wheels. */

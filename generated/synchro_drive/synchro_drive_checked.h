@@ -1,4 +1,4 @@
-/* synchro_drive_checked.h
+/** @file synchro_drive_checked.h
  *
  * Synchro drive, three steered wheels on one steering and one drive motor
  *
@@ -21,7 +21,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_5fe2eda22ae4b17e)
+#if !defined(SYNCHRO_DRIVE_PAIR_6418264a591d5290)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 
@@ -29,40 +29,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    SYNCHRO_DRIVE_OK = 0,
-    SYNCHRO_DRIVE_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    SYNCHRO_DRIVE_OUT_OF_RANGE = 2  /* an input is not in its range */
+    SYNCHRO_DRIVE_OK = 0,            /**< inputs were accepted */
+    SYNCHRO_DRIVE_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    SYNCHRO_DRIVE_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } synchro_drive_status;
 
-/* synchro_drive_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** synchro_drive_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; w1.steer, w2.steer, w3.steer -1e4 to 1e4 rad. */
 synchro_drive_status synchro_drive_inverse_checked(
     const synchro_drive_twist *twist,
     const synchro_drive_wheels *now,
     synchro_drive_wheels *out);
 
-/* synchro_drive_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** synchro_drive_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; w1.steer, w2.steer, w3.steer -1e4 to 1e4 rad. */
 synchro_drive_status synchro_drive_inverse_slip_checked(
     const synchro_drive_twist *twist,
     const synchro_drive_wheels *wheels,
     float *slip);
 
-/* synchro_drive_forward() with its inputs checked. Accepted: w1.spin, w2.spin, w3.spin -1e9 to
+/** synchro_drive_forward() with its inputs checked. Accepted: w1.spin, w2.spin, w3.spin -1e9 to
  * 1e9 rad/s; w1.steer, w2.steer, w3.steer -1e4 to 1e4 rad. */
 synchro_drive_status synchro_drive_forward_checked(
     const synchro_drive_wheels *wheels,
     synchro_drive_twist *twist);
 
-/* synchro_drive_forward_slip() with its inputs checked. Accepted: w1.spin, w2.spin, w3.spin -1e9
+/** synchro_drive_forward_slip() with its inputs checked. Accepted: w1.spin, w2.spin, w3.spin -1e9
  * to 1e9 rad/s; w1.steer, w2.steer, w3.steer -1e4 to 1e4 rad. */
 synchro_drive_status synchro_drive_forward_slip_checked(
     const synchro_drive_wheels *wheels,
     synchro_drive_twist *twist,
     float *slip);
 
-/* synchro_drive_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
+/** synchro_drive_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to
  * 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 synchro_drive_status synchro_drive_odometry_checked(
     synchro_drive_pose *pose,

@@ -1,4 +1,4 @@
-/* textbook.h
+/** @file textbook.h
  *
  * Formulas of the texts that need no robot, in their corrected form
  *
@@ -14,7 +14,7 @@
 
 #define TEXTBOOK_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_MODEL_HASH "e25223de5c329373eb1cf20202d22ee7" /**< digest of the model */
-#define TEXTBOOK_PAIR_60e6c367ea207784 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_PAIR_8ac056643b5573aa 1 /**< header and source that were written together have the same */
 
 #ifdef __cplusplus
 extern "C" {
@@ -105,12 +105,12 @@ typedef struct {
         float x;     /**< [m] first pose */
         float y;     /**< [m] first pose */
         float theta; /**< [rad] first pose */
-    } a;
+    } a;             /**< joints of a */
     struct {
         float x;     /**< [m] second pose, in the frame of the first */
         float y;     /**< [m] second pose, in the frame of the first */
         float theta; /**< [rad] second pose, in the frame of the first */
-    } b;
+    } b;             /**< joints of b */
 } textbook_pose_compose_in;
 
 /** Output of textbook_pose_compose(). */
@@ -126,7 +126,7 @@ typedef struct {
         float x;     /**< [m] pose */
         float y;     /**< [m] pose */
         float theta; /**< [rad] pose */
-    } a;
+    } a;             /**< joints of a */
 } textbook_pose_inverse_in;
 
 /** Output of textbook_pose_inverse(). */
@@ -205,12 +205,12 @@ typedef struct {
         float x; /**< [m] origin of the frame */
         float y; /**< [m] origin of the frame */
         float z; /**< [m] origin of the frame */
-    } p;
+    } p;         /**< joints of p */
     struct {
         float x; /**< [m] point in the frame */
         float y; /**< [m] point in the frame */
         float z; /**< [m] point in the frame */
-    } b;
+    } b;         /**< joints of b */
 } textbook_transform_apply_in;
 
 /** Output of textbook_transform_apply(). */
@@ -244,12 +244,12 @@ typedef struct {
         float x; /**< [m] origin of a */
         float y; /**< [m] origin of a */
         float z; /**< [m] origin of a */
-    } pa;
+    } pa;        /**< joints of pa */
     struct {
         float x; /**< [m] origin of b */
         float y; /**< [m] origin of b */
         float z; /**< [m] origin of b */
-    } pb;
+    } pb;        /**< joints of pb */
 } textbook_transform_compose_in;
 
 /** Output of textbook_transform_compose(). */
@@ -267,7 +267,7 @@ typedef struct {
         float x; /**< [m] */
         float y; /**< [m] */
         float z; /**< [m] */
-    } p;
+    } p;         /**< joints of p */
 } textbook_transform_compose_out;
 
 /** Input of textbook_transform_inverse(). */
@@ -285,7 +285,7 @@ typedef struct {
         float x; /**< [m] origin */
         float y; /**< [m] origin */
         float z; /**< [m] origin */
-    } p;
+    } p;         /**< joints of p */
 } textbook_transform_inverse_in;
 
 /** Output of textbook_transform_inverse(). */
@@ -303,7 +303,7 @@ typedef struct {
         float x; /**< [m] */
         float y; /**< [m] */
         float z; /**< [m] */
-    } p;
+    } p;         /**< joints of p */
 } textbook_transform_inverse_out;
 
 /** Input of textbook_inverse_2x2(). */
@@ -514,17 +514,17 @@ typedef struct {
         float x; /**< [1/s] rate of u for the moving observer */
         float y; /**< [1/s] rate of u for the moving observer */
         float z; /**< [1/s] rate of u for the moving observer */
-    } u_rate;
+    } u_rate;    /**< joints of u_rate */
     struct {
         float x; /**< [rad/s] angular velocity of the moving observer */
         float y; /**< [rad/s] angular velocity of the moving observer */
         float z; /**< [rad/s] angular velocity of the moving observer */
-    } omega;
+    } omega;     /**< joints of omega */
     struct {
         float x; /**< the vector */
         float y; /**< the vector */
         float z; /**< the vector */
-    } u;
+    } u;         /**< joints of u */
 } textbook_transport_theorem_in;
 
 /** Output of textbook_transport_theorem(). */
@@ -533,7 +533,7 @@ typedef struct {
         float x; /**< [1/s] rate of u for the fixed observer */
         float y; /**< [1/s] rate of u for the fixed observer */
         float z; /**< [1/s] rate of u for the fixed observer */
-    } rate;
+    } rate;      /**< joints of rate */
 } textbook_transport_theorem_out;
 
 /** Input of textbook_galilean(). */
@@ -543,17 +543,17 @@ typedef struct {
         float x; /**< [m] position for the moving observer */
         float y; /**< [m] position for the moving observer */
         float z; /**< [m] position for the moving observer */
-    } r;
+    } r;         /**< joints of r */
     struct {
         float x; /**< [m] place of the moving observer at time 0 */
         float y; /**< [m] place of the moving observer at time 0 */
         float z; /**< [m] place of the moving observer at time 0 */
-    } r_start;
+    } r_start;   /**< joints of r_start */
     struct {
         float x; /**< [m/s] velocity of the moving observer */
         float y; /**< [m/s] velocity of the moving observer */
         float z; /**< [m/s] velocity of the moving observer */
-    } v;
+    } v;         /**< joints of v */
 } textbook_galilean_in;
 
 /** Output of textbook_galilean(). */
@@ -562,7 +562,7 @@ typedef struct {
         float x; /**< [m] position for the fixed observer */
         float y; /**< [m] position for the fixed observer */
         float z; /**< [m] position for the fixed observer */
-    } r;
+    } r;         /**< joints of r */
 } textbook_galilean_out;
 
 /** Input of textbook_moving_frame_velocity(). */
@@ -571,22 +571,22 @@ typedef struct {
         float x; /**< [m/s] velocity of the moving frame */
         float y; /**< [m/s] velocity of the moving frame */
         float z; /**< [m/s] velocity of the moving frame */
-    } v_m;
+    } v_m;       /**< joints of v_m */
     struct {
         float x; /**< [rad/s] angular velocity of the moving frame */
         float y; /**< [rad/s] angular velocity of the moving frame */
         float z; /**< [rad/s] angular velocity of the moving frame */
-    } omega;
+    } omega;     /**< joints of omega */
     struct {
         float x; /**< [m] position in the moving frame */
         float y; /**< [m] position in the moving frame */
         float z; /**< [m] position in the moving frame */
-    } r;
+    } r;         /**< joints of r */
     struct {
         float x; /**< [m/s] velocity in the moving frame */
         float y; /**< [m/s] velocity in the moving frame */
         float z; /**< [m/s] velocity in the moving frame */
-    } v_o;
+    } v_o;       /**< joints of v_o */
 } textbook_moving_frame_velocity_in;
 
 /** Output of textbook_moving_frame_velocity(). */
@@ -595,7 +595,7 @@ typedef struct {
         float x; /**< [m/s] velocity in the fixed frame */
         float y; /**< [m/s] velocity in the fixed frame */
         float z; /**< [m/s] velocity in the fixed frame */
-    } v;
+    } v;         /**< joints of v */
 } textbook_moving_frame_velocity_out;
 
 /** Input of textbook_moving_frame_acceleration(). */
@@ -604,56 +604,56 @@ typedef struct {
         float x; /**< [m/s^2] acceleration of the moving frame */
         float y; /**< [m/s^2] acceleration of the moving frame */
         float z; /**< [m/s^2] acceleration of the moving frame */
-    } a_m;
+    } a_m;       /**< joints of a_m */
     struct {
         float x; /**< [rad/s^2] angular acceleration of the moving frame */
         float y; /**< [rad/s^2] angular acceleration of the moving frame */
         float z; /**< [rad/s^2] angular acceleration of the moving frame */
-    } alpha;
+    } alpha;     /**< joints of alpha */
     struct {
         float x; /**< [rad/s] angular velocity of the moving frame */
         float y; /**< [rad/s] angular velocity of the moving frame */
         float z; /**< [rad/s] angular velocity of the moving frame */
-    } omega;
+    } omega;     /**< joints of omega */
     struct {
         float x; /**< [m] position in the moving frame */
         float y; /**< [m] position in the moving frame */
         float z; /**< [m] position in the moving frame */
-    } r;
+    } r;         /**< joints of r */
     struct {
         float x; /**< [m/s] velocity in the moving frame */
         float y; /**< [m/s] velocity in the moving frame */
         float z; /**< [m/s] velocity in the moving frame */
-    } v_o;
+    } v_o;       /**< joints of v_o */
     struct {
         float x; /**< [m/s^2] acceleration in the moving frame */
         float y; /**< [m/s^2] acceleration in the moving frame */
         float z; /**< [m/s^2] acceleration in the moving frame */
-    } a_o;
+    } a_o;       /**< joints of a_o */
 } textbook_moving_frame_acceleration_in;
 
 /** Output of textbook_moving_frame_acceleration(). */
 typedef struct {
     struct {
-        float x; /**< [m/s^2] in the fixed frame */
-        float y; /**< [m/s^2] in the fixed frame */
-        float z; /**< [m/s^2] in the fixed frame */
-    } a;
+        float x;   /**< [m/s^2] in the fixed frame */
+        float y;   /**< [m/s^2] in the fixed frame */
+        float z;   /**< [m/s^2] in the fixed frame */
+    } a;           /**< joints of a */
     struct {
-        float x; /**< [m/s^2] alpha x r */
-        float y; /**< [m/s^2] alpha x r */
-        float z; /**< [m/s^2] alpha x r */
-    } euler;
+        float x;   /**< [m/s^2] alpha x r */
+        float y;   /**< [m/s^2] alpha x r */
+        float z;   /**< [m/s^2] alpha x r */
+    } euler;       /**< joints of euler */
     struct {
-        float x; /**< [m/s^2] omega x (omega x r) */
-        float y; /**< [m/s^2] omega x (omega x r) */
-        float z; /**< [m/s^2] omega x (omega x r) */
-    } centripetal;
+        float x;   /**< [m/s^2] omega x (omega x r) */
+        float y;   /**< [m/s^2] omega x (omega x r) */
+        float z;   /**< [m/s^2] omega x (omega x r) */
+    } centripetal; /**< joints of centripetal */
     struct {
-        float x; /**< [m/s^2] 2 omega x v_o */
-        float y; /**< [m/s^2] 2 omega x v_o */
-        float z; /**< [m/s^2] 2 omega x v_o */
-    } coriolis;
+        float x;   /**< [m/s^2] 2 omega x v_o */
+        float y;   /**< [m/s^2] 2 omega x v_o */
+        float z;   /**< [m/s^2] 2 omega x v_o */
+    } coriolis;    /**< joints of coriolis */
 } textbook_moving_frame_acceleration_out;
 
 /** Input of textbook_skew_matrix(). */
@@ -662,7 +662,7 @@ typedef struct {
         float x; /**< the vector */
         float y; /**< the vector */
         float z; /**< the vector */
-    } u;
+    } u;         /**< joints of u */
 } textbook_skew_matrix_in;
 
 /** Output of textbook_skew_matrix(). */
@@ -684,7 +684,7 @@ typedef struct {
         float x; /**< [m] position in the moving frame */
         float y; /**< [m] position in the moving frame */
         float z; /**< [m] position in the moving frame */
-    } r;
+    } r;         /**< joints of r */
 } textbook_h_matrix_in;
 
 /** Output of textbook_h_matrix(). */
@@ -715,7 +715,7 @@ typedef struct {
         float x; /**< [rad/s] angular velocity of the moving frame */
         float y; /**< [rad/s] angular velocity of the moving frame */
         float z; /**< [rad/s] angular velocity of the moving frame */
-    } omega;
+    } omega;     /**< joints of omega */
 } textbook_omega_matrix_in;
 
 /** Output of textbook_omega_matrix(). */
@@ -746,37 +746,37 @@ typedef struct {
         float x; /**< [m] position of the point from frame 1 */
         float y; /**< [m] position of the point from frame 1 */
         float z; /**< [m] position of the point from frame 1 */
-    } r_1;
+    } r_1;       /**< joints of r_1 */
     struct {
         float x; /**< [m] position of the point from frame 2 */
         float y; /**< [m] position of the point from frame 2 */
         float z; /**< [m] position of the point from frame 2 */
-    } r_2;
+    } r_2;       /**< joints of r_2 */
     struct {
         float x; /**< [m/s] velocity of frame 1 */
         float y; /**< [m/s] velocity of frame 1 */
         float z; /**< [m/s] velocity of frame 1 */
-    } v_1;
+    } v_1;       /**< joints of v_1 */
     struct {
         float x; /**< [rad/s] angular velocity of frame 1 */
         float y; /**< [rad/s] angular velocity of frame 1 */
         float z; /**< [rad/s] angular velocity of frame 1 */
-    } omega_1;
+    } omega_1;   /**< joints of omega_1 */
     struct {
         float x; /**< [m/s] velocity of frame 2 in frame 1 */
         float y; /**< [m/s] velocity of frame 2 in frame 1 */
         float z; /**< [m/s] velocity of frame 2 in frame 1 */
-    } v_2;
+    } v_2;       /**< joints of v_2 */
     struct {
         float x; /**< [rad/s] angular velocity of frame 2 in frame 1 */
         float y; /**< [rad/s] angular velocity of frame 2 in frame 1 */
         float z; /**< [rad/s] angular velocity of frame 2 in frame 1 */
-    } omega_2;
+    } omega_2;   /**< joints of omega_2 */
     struct {
         float x; /**< [m/s] velocity of the point in frame 2 */
         float y; /**< [m/s] velocity of the point in frame 2 */
         float z; /**< [m/s] velocity of the point in frame 2 */
-    } v_o;
+    } v_o;       /**< joints of v_o */
 } textbook_two_step_velocity_in;
 
 /** Output of textbook_two_step_velocity(). */
@@ -785,7 +785,7 @@ typedef struct {
         float x; /**< [m/s] velocity in the fixed frame */
         float y; /**< [m/s] velocity in the fixed frame */
         float z; /**< [m/s] velocity in the fixed frame */
-    } v;
+    } v;         /**< joints of v */
 } textbook_two_step_velocity_out;
 
 /** Input of textbook_two_step_acceleration(). */
@@ -794,57 +794,57 @@ typedef struct {
         float x; /**< [m] position of the point from frame 1 */
         float y; /**< [m] position of the point from frame 1 */
         float z; /**< [m] position of the point from frame 1 */
-    } r_1;
+    } r_1;       /**< joints of r_1 */
     struct {
         float x; /**< [m] position of the point from frame 2 */
         float y; /**< [m] position of the point from frame 2 */
         float z; /**< [m] position of the point from frame 2 */
-    } r_2;
+    } r_2;       /**< joints of r_2 */
     struct {
         float x; /**< [m/s^2] acceleration of frame 1 */
         float y; /**< [m/s^2] acceleration of frame 1 */
         float z; /**< [m/s^2] acceleration of frame 1 */
-    } a_1;
+    } a_1;       /**< joints of a_1 */
     struct {
         float x; /**< [rad/s^2] angular acceleration of frame 1 */
         float y; /**< [rad/s^2] angular acceleration of frame 1 */
         float z; /**< [rad/s^2] angular acceleration of frame 1 */
-    } alpha_1;
+    } alpha_1;   /**< joints of alpha_1 */
     struct {
         float x; /**< [rad/s] angular velocity of frame 1 */
         float y; /**< [rad/s] angular velocity of frame 1 */
         float z; /**< [rad/s] angular velocity of frame 1 */
-    } omega_1;
+    } omega_1;   /**< joints of omega_1 */
     struct {
         float x; /**< [m/s] velocity of frame 2 in frame 1 */
         float y; /**< [m/s] velocity of frame 2 in frame 1 */
         float z; /**< [m/s] velocity of frame 2 in frame 1 */
-    } v_2;
+    } v_2;       /**< joints of v_2 */
     struct {
         float x; /**< [m/s^2] acceleration of frame 2 in frame 1 */
         float y; /**< [m/s^2] acceleration of frame 2 in frame 1 */
         float z; /**< [m/s^2] acceleration of frame 2 in frame 1 */
-    } a_2;
+    } a_2;       /**< joints of a_2 */
     struct {
         float x; /**< [rad/s^2] angular acceleration of frame 2 in frame 1 */
         float y; /**< [rad/s^2] angular acceleration of frame 2 in frame 1 */
         float z; /**< [rad/s^2] angular acceleration of frame 2 in frame 1 */
-    } alpha_2;
+    } alpha_2;   /**< joints of alpha_2 */
     struct {
         float x; /**< [rad/s] angular velocity of frame 2 in frame 1 */
         float y; /**< [rad/s] angular velocity of frame 2 in frame 1 */
         float z; /**< [rad/s] angular velocity of frame 2 in frame 1 */
-    } omega_2;
+    } omega_2;   /**< joints of omega_2 */
     struct {
         float x; /**< [m/s] velocity of the point in frame 2 */
         float y; /**< [m/s] velocity of the point in frame 2 */
         float z; /**< [m/s] velocity of the point in frame 2 */
-    } v_o;
+    } v_o;       /**< joints of v_o */
     struct {
         float x; /**< [m/s^2] acceleration of the point in frame 2 */
         float y; /**< [m/s^2] acceleration of the point in frame 2 */
         float z; /**< [m/s^2] acceleration of the point in frame 2 */
-    } a_o;
+    } a_o;       /**< joints of a_o */
 } textbook_two_step_acceleration_in;
 
 /** Output of textbook_two_step_acceleration(). */
@@ -853,46 +853,46 @@ typedef struct {
         float x; /**< [m/s^2] acceleration in the fixed frame */
         float y; /**< [m/s^2] acceleration in the fixed frame */
         float z; /**< [m/s^2] acceleration in the fixed frame */
-    } a;
+    } a;         /**< joints of a */
 } textbook_two_step_acceleration_out;
 
 /** Input of textbook_articulated_wheel_velocity(). */
 typedef struct {
     struct {
-        float x; /**< [m] position of the point from frame vehicle */
-        float y; /**< [m] position of the point from frame vehicle */
-        float z; /**< [m] position of the point from frame vehicle */
-    } r_vehicle;
+        float x;     /**< [m] position of the point from frame vehicle */
+        float y;     /**< [m] position of the point from frame vehicle */
+        float z;     /**< [m] position of the point from frame vehicle */
+    } r_vehicle;     /**< joints of r_vehicle */
     struct {
-        float x; /**< [m] position of the point from frame steer */
-        float y; /**< [m] position of the point from frame steer */
-        float z; /**< [m] position of the point from frame steer */
-    } r_steer;
+        float x;     /**< [m] position of the point from frame steer */
+        float y;     /**< [m] position of the point from frame steer */
+        float z;     /**< [m] position of the point from frame steer */
+    } r_steer;       /**< joints of r_steer */
     struct {
-        float x; /**< [m/s] velocity of frame vehicle */
-        float y; /**< [m/s] velocity of frame vehicle */
-        float z; /**< [m/s] velocity of frame vehicle */
-    } v_vehicle;
+        float x;     /**< [m/s] velocity of frame vehicle */
+        float y;     /**< [m/s] velocity of frame vehicle */
+        float z;     /**< [m/s] velocity of frame vehicle */
+    } v_vehicle;     /**< joints of v_vehicle */
     struct {
-        float x; /**< [rad/s] angular velocity of frame vehicle */
-        float y; /**< [rad/s] angular velocity of frame vehicle */
-        float z; /**< [rad/s] angular velocity of frame vehicle */
-    } omega_vehicle;
+        float x;     /**< [rad/s] angular velocity of frame vehicle */
+        float y;     /**< [rad/s] angular velocity of frame vehicle */
+        float z;     /**< [rad/s] angular velocity of frame vehicle */
+    } omega_vehicle; /**< joints of omega_vehicle */
     struct {
-        float x; /**< [m/s] velocity of frame steer in frame vehicle */
-        float y; /**< [m/s] velocity of frame steer in frame vehicle */
-        float z; /**< [m/s] velocity of frame steer in frame vehicle */
-    } v_steer;
+        float x;     /**< [m/s] velocity of frame steer in frame vehicle */
+        float y;     /**< [m/s] velocity of frame steer in frame vehicle */
+        float z;     /**< [m/s] velocity of frame steer in frame vehicle */
+    } v_steer;       /**< joints of v_steer */
     struct {
-        float x; /**< [rad/s] angular velocity of frame steer in frame vehicle */
-        float y; /**< [rad/s] angular velocity of frame steer in frame vehicle */
-        float z; /**< [rad/s] angular velocity of frame steer in frame vehicle */
-    } omega_steer;
+        float x;     /**< [rad/s] angular velocity of frame steer in frame vehicle */
+        float y;     /**< [rad/s] angular velocity of frame steer in frame vehicle */
+        float z;     /**< [rad/s] angular velocity of frame steer in frame vehicle */
+    } omega_steer;   /**< joints of omega_steer */
     struct {
-        float x; /**< [m/s] velocity of the point in frame steer */
-        float y; /**< [m/s] velocity of the point in frame steer */
-        float z; /**< [m/s] velocity of the point in frame steer */
-    } v_o;
+        float x;     /**< [m/s] velocity of the point in frame steer */
+        float y;     /**< [m/s] velocity of the point in frame steer */
+        float z;     /**< [m/s] velocity of the point in frame steer */
+    } v_o;           /**< joints of v_o */
 } textbook_articulated_wheel_velocity_in;
 
 /** Output of textbook_articulated_wheel_velocity(). */
@@ -901,71 +901,71 @@ typedef struct {
         float x; /**< [m/s] velocity of the contact */
         float y; /**< [m/s] velocity of the contact */
         float z; /**< [m/s] velocity of the contact */
-    } v;
+    } v;         /**< joints of v */
     struct {
         float x; /**< [m/s] velocity of the contact seen from the vehicle */
         float y; /**< [m/s] velocity of the contact seen from the vehicle */
         float z; /**< [m/s] velocity of the contact seen from the vehicle */
-    } v_seen;
+    } v_seen;    /**< joints of v_seen */
 } textbook_articulated_wheel_velocity_out;
 
 /** Input of textbook_articulated_wheel_acceleration(). */
 typedef struct {
     struct {
-        float x; /**< [m] position of the point from frame vehicle */
-        float y; /**< [m] position of the point from frame vehicle */
-        float z; /**< [m] position of the point from frame vehicle */
-    } r_vehicle;
+        float x;     /**< [m] position of the point from frame vehicle */
+        float y;     /**< [m] position of the point from frame vehicle */
+        float z;     /**< [m] position of the point from frame vehicle */
+    } r_vehicle;     /**< joints of r_vehicle */
     struct {
-        float x; /**< [m] position of the point from frame steer */
-        float y; /**< [m] position of the point from frame steer */
-        float z; /**< [m] position of the point from frame steer */
-    } r_steer;
+        float x;     /**< [m] position of the point from frame steer */
+        float y;     /**< [m] position of the point from frame steer */
+        float z;     /**< [m] position of the point from frame steer */
+    } r_steer;       /**< joints of r_steer */
     struct {
-        float x; /**< [m/s^2] acceleration of frame vehicle */
-        float y; /**< [m/s^2] acceleration of frame vehicle */
-        float z; /**< [m/s^2] acceleration of frame vehicle */
-    } a_vehicle;
+        float x;     /**< [m/s^2] acceleration of frame vehicle */
+        float y;     /**< [m/s^2] acceleration of frame vehicle */
+        float z;     /**< [m/s^2] acceleration of frame vehicle */
+    } a_vehicle;     /**< joints of a_vehicle */
     struct {
-        float x; /**< [rad/s^2] angular acceleration of frame vehicle */
-        float y; /**< [rad/s^2] angular acceleration of frame vehicle */
-        float z; /**< [rad/s^2] angular acceleration of frame vehicle */
-    } alpha_vehicle;
+        float x;     /**< [rad/s^2] angular acceleration of frame vehicle */
+        float y;     /**< [rad/s^2] angular acceleration of frame vehicle */
+        float z;     /**< [rad/s^2] angular acceleration of frame vehicle */
+    } alpha_vehicle; /**< joints of alpha_vehicle */
     struct {
-        float x; /**< [rad/s] angular velocity of frame vehicle */
-        float y; /**< [rad/s] angular velocity of frame vehicle */
-        float z; /**< [rad/s] angular velocity of frame vehicle */
-    } omega_vehicle;
+        float x;     /**< [rad/s] angular velocity of frame vehicle */
+        float y;     /**< [rad/s] angular velocity of frame vehicle */
+        float z;     /**< [rad/s] angular velocity of frame vehicle */
+    } omega_vehicle; /**< joints of omega_vehicle */
     struct {
-        float x; /**< [m/s] velocity of frame steer in frame vehicle */
-        float y; /**< [m/s] velocity of frame steer in frame vehicle */
-        float z; /**< [m/s] velocity of frame steer in frame vehicle */
-    } v_steer;
+        float x;     /**< [m/s] velocity of frame steer in frame vehicle */
+        float y;     /**< [m/s] velocity of frame steer in frame vehicle */
+        float z;     /**< [m/s] velocity of frame steer in frame vehicle */
+    } v_steer;       /**< joints of v_steer */
     struct {
-        float x; /**< [m/s^2] acceleration of frame steer in frame vehicle */
-        float y; /**< [m/s^2] acceleration of frame steer in frame vehicle */
-        float z; /**< [m/s^2] acceleration of frame steer in frame vehicle */
-    } a_steer;
+        float x;     /**< [m/s^2] acceleration of frame steer in frame vehicle */
+        float y;     /**< [m/s^2] acceleration of frame steer in frame vehicle */
+        float z;     /**< [m/s^2] acceleration of frame steer in frame vehicle */
+    } a_steer;       /**< joints of a_steer */
     struct {
-        float x; /**< [rad/s^2] angular acceleration of frame steer in frame vehicle */
-        float y; /**< [rad/s^2] angular acceleration of frame steer in frame vehicle */
-        float z; /**< [rad/s^2] angular acceleration of frame steer in frame vehicle */
-    } alpha_steer;
+        float x;     /**< [rad/s^2] angular acceleration of frame steer in frame vehicle */
+        float y;     /**< [rad/s^2] angular acceleration of frame steer in frame vehicle */
+        float z;     /**< [rad/s^2] angular acceleration of frame steer in frame vehicle */
+    } alpha_steer;   /**< joints of alpha_steer */
     struct {
-        float x; /**< [rad/s] angular velocity of frame steer in frame vehicle */
-        float y; /**< [rad/s] angular velocity of frame steer in frame vehicle */
-        float z; /**< [rad/s] angular velocity of frame steer in frame vehicle */
-    } omega_steer;
+        float x;     /**< [rad/s] angular velocity of frame steer in frame vehicle */
+        float y;     /**< [rad/s] angular velocity of frame steer in frame vehicle */
+        float z;     /**< [rad/s] angular velocity of frame steer in frame vehicle */
+    } omega_steer;   /**< joints of omega_steer */
     struct {
-        float x; /**< [m/s] velocity of the point in frame steer */
-        float y; /**< [m/s] velocity of the point in frame steer */
-        float z; /**< [m/s] velocity of the point in frame steer */
-    } v_o;
+        float x;     /**< [m/s] velocity of the point in frame steer */
+        float y;     /**< [m/s] velocity of the point in frame steer */
+        float z;     /**< [m/s] velocity of the point in frame steer */
+    } v_o;           /**< joints of v_o */
     struct {
-        float x; /**< [m/s^2] acceleration of the point in frame steer */
-        float y; /**< [m/s^2] acceleration of the point in frame steer */
-        float z; /**< [m/s^2] acceleration of the point in frame steer */
-    } a_o;
+        float x;     /**< [m/s^2] acceleration of the point in frame steer */
+        float y;     /**< [m/s^2] acceleration of the point in frame steer */
+        float z;     /**< [m/s^2] acceleration of the point in frame steer */
+    } a_o;           /**< joints of a_o */
 } textbook_articulated_wheel_acceleration_in;
 
 /** Output of textbook_articulated_wheel_acceleration(). */
@@ -974,12 +974,12 @@ typedef struct {
         float x; /**< [m/s^2] acceleration of the contact */
         float y; /**< [m/s^2] acceleration of the contact */
         float z; /**< [m/s^2] acceleration of the contact */
-    } a;
+    } a;         /**< joints of a */
     struct {
         float x; /**< [m/s] velocity of the contact seen from the vehicle */
         float y; /**< [m/s] velocity of the contact seen from the vehicle */
         float z; /**< [m/s] velocity of the contact seen from the vehicle */
-    } v_seen;
+    } v_seen;    /**< joints of v_seen */
 } textbook_articulated_wheel_acceleration_out;
 
 /** Input of textbook_wheel_velocity(). */
@@ -988,17 +988,17 @@ typedef struct {
         float x; /**< [m/s] velocity of the vehicle */
         float y; /**< [m/s] velocity of the vehicle */
         float z; /**< [m/s] velocity of the vehicle */
-    } v;
+    } v;         /**< joints of v */
     struct {
         float x; /**< [rad/s] angular velocity of the vehicle */
         float y; /**< [rad/s] angular velocity of the vehicle */
         float z; /**< [rad/s] angular velocity of the vehicle */
-    } omega;
+    } omega;     /**< joints of omega */
     struct {
         float x; /**< [m] contact point from the vehicle's origin */
         float y; /**< [m] contact point from the vehicle's origin */
         float z; /**< [m] contact point from the vehicle's origin */
-    } r;
+    } r;         /**< joints of r */
 } textbook_wheel_velocity_in;
 
 /** Output of textbook_wheel_velocity(). */
@@ -1007,36 +1007,36 @@ typedef struct {
         float x; /**< [m/s] velocity of the contact */
         float y; /**< [m/s] velocity of the contact */
         float z; /**< [m/s] velocity of the contact */
-    } v;
+    } v;         /**< joints of v */
 } textbook_wheel_velocity_out;
 
 /** Input of textbook_offset_wheel_velocity(). */
 typedef struct {
     struct {
-        float x; /**< [m/s] velocity of the vehicle */
-        float y; /**< [m/s] velocity of the vehicle */
-        float z; /**< [m/s] velocity of the vehicle */
-    } v;
+        float x;   /**< [m/s] velocity of the vehicle */
+        float y;   /**< [m/s] velocity of the vehicle */
+        float z;   /**< [m/s] velocity of the vehicle */
+    } v;           /**< joints of v */
     struct {
-        float x; /**< [rad/s] angular velocity of the vehicle */
-        float y; /**< [rad/s] angular velocity of the vehicle */
-        float z; /**< [rad/s] angular velocity of the vehicle */
-    } omega;
+        float x;   /**< [rad/s] angular velocity of the vehicle */
+        float y;   /**< [rad/s] angular velocity of the vehicle */
+        float z;   /**< [rad/s] angular velocity of the vehicle */
+    } omega;       /**< joints of omega */
     struct {
-        float x; /**< [m] contact point from the vehicle's origin */
-        float y; /**< [m] contact point from the vehicle's origin */
-        float z; /**< [m] contact point from the vehicle's origin */
-    } r;
+        float x;   /**< [m] contact point from the vehicle's origin */
+        float y;   /**< [m] contact point from the vehicle's origin */
+        float z;   /**< [m] contact point from the vehicle's origin */
+    } r;           /**< joints of r */
     struct {
-        float x; /**< [m] contact point from the steering axis, vehicle coordinates */
-        float y; /**< [m] contact point from the steering axis, vehicle coordinates */
-        float z; /**< [m] contact point from the steering axis, vehicle coordinates */
-    } r_steer;
+        float x;   /**< [m] contact point from the steering axis, vehicle coordinates */
+        float y;   /**< [m] contact point from the steering axis, vehicle coordinates */
+        float z;   /**< [m] contact point from the steering axis, vehicle coordinates */
+    } r_steer;     /**< joints of r_steer */
     struct {
-        float x; /**< [rad/s] angular velocity of steering against the vehicle */
-        float y; /**< [rad/s] angular velocity of steering against the vehicle */
-        float z; /**< [rad/s] angular velocity of steering against the vehicle */
-    } omega_steer;
+        float x;   /**< [rad/s] angular velocity of steering against the vehicle */
+        float y;   /**< [rad/s] angular velocity of steering against the vehicle */
+        float z;   /**< [rad/s] angular velocity of steering against the vehicle */
+    } omega_steer; /**< joints of omega_steer */
 } textbook_offset_wheel_velocity_in;
 
 /** Output of textbook_offset_wheel_velocity(). */
@@ -1045,7 +1045,7 @@ typedef struct {
         float x; /**< [m/s] velocity of the contact */
         float y; /**< [m/s] velocity of the contact */
         float z; /**< [m/s] velocity of the contact */
-    } v;
+    } v;         /**< joints of v */
 } textbook_offset_wheel_velocity_out;
 
 /** Input of textbook_specific_force(). */
@@ -1054,32 +1054,32 @@ typedef struct {
         float x; /**< [m/s^2] specific force a - g at the sensor */
         float y; /**< [m/s^2] specific force a - g at the sensor */
         float z; /**< [m/s^2] specific force a - g at the sensor */
-    } t;
+    } t;         /**< joints of t */
     struct {
         float x; /**< [rad/s^2] angular acceleration */
         float y; /**< [rad/s^2] angular acceleration */
         float z; /**< [rad/s^2] angular acceleration */
-    } alpha;
+    } alpha;     /**< joints of alpha */
     struct {
         float x; /**< [rad/s] angular velocity */
         float y; /**< [rad/s] angular velocity */
         float z; /**< [rad/s] angular velocity */
-    } omega;
+    } omega;     /**< joints of omega */
     struct {
         float x; /**< [m] centre of gravity from the sensor */
         float y; /**< [m] centre of gravity from the sensor */
         float z; /**< [m] centre of gravity from the sensor */
-    } r;
+    } r;         /**< joints of r */
     struct {
         float x; /**< [m/s] velocity of the centre of gravity against the sensor */
         float y; /**< [m/s] velocity of the centre of gravity against the sensor */
         float z; /**< [m/s] velocity of the centre of gravity against the sensor */
-    } v;
+    } v;         /**< joints of v */
     struct {
         float x; /**< [m/s^2] acceleration of the centre of gravity against the sensor */
         float y; /**< [m/s^2] acceleration of the centre of gravity against the sensor */
         float z; /**< [m/s^2] acceleration of the centre of gravity against the sensor */
-    } a;
+    } a;         /**< joints of a */
 } textbook_specific_force_in;
 
 /** Output of textbook_specific_force(). */
@@ -1088,7 +1088,7 @@ typedef struct {
         float x; /**< [m/s^2] specific force at the centre of gravity */
         float y; /**< [m/s^2] specific force at the centre of gravity */
         float z; /**< [m/s^2] specific force at the centre of gravity */
-    } t;
+    } t;         /**< joints of t */
 } textbook_specific_force_out;
 
 /** Input of textbook_rolling_disk(). */

@@ -1,4 +1,4 @@
-/* textbook_checked.h
+/** @file textbook_checked.h
  *
  * Formulas of the texts that need no robot, in their corrected form
  *
@@ -21,7 +21,7 @@
 
 #include "textbook.h"
 
-#if !defined(TEXTBOOK_PAIR_60e6c367ea207784)
+#if !defined(TEXTBOOK_PAIR_8ac056643b5573aa)
 #error "textbook_checked.h and textbook.h were not generated together: copy both"
 #endif
 
@@ -29,151 +29,152 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TEXTBOOK_OK = 0,
-    TEXTBOOK_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TEXTBOOK_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TEXTBOOK_OK = 0,            /**< inputs were accepted */
+    TEXTBOOK_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TEXTBOOK_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } textbook_status;
 
-/* textbook_rotation_world_to_robot() with its inputs checked. Accepted: theta -1e4 to 1e4 rad. */
+/** textbook_rotation_world_to_robot() with its inputs checked. Accepted: theta -1e4 to 1e4 rad. */
 textbook_status textbook_rotation_world_to_robot_checked(
     const textbook_rotation_world_to_robot_in *in,
     textbook_rotation_world_to_robot_out *out);
 
-/* textbook_rotation_robot_to_world() with its inputs checked. Accepted: theta -1e4 to 1e4 rad. */
+/** textbook_rotation_robot_to_world() with its inputs checked. Accepted: theta -1e4 to 1e4 rad. */
 textbook_status textbook_rotation_robot_to_world_checked(
     const textbook_rotation_robot_to_world_in *in,
     textbook_rotation_robot_to_world_out *out);
 
-/* textbook_world_to_robot() with its inputs checked. Accepted: theta -1e4 to 1e4 rad; x_rate,
+/** textbook_world_to_robot() with its inputs checked. Accepted: theta -1e4 to 1e4 rad; x_rate,
  * y_rate -1e9 to 1e9 m/s; theta_rate -1e9 to 1e9 rad/s. */
 textbook_status textbook_world_to_robot_checked(
     const textbook_world_to_robot_in *in,
     textbook_world_to_robot_out *out);
 
-/* textbook_robot_to_world() with its inputs checked. Accepted: theta -1e4 to 1e4 rad; vx, vy
+/** textbook_robot_to_world() with its inputs checked. Accepted: theta -1e4 to 1e4 rad; vx, vy
  * -1e9 to 1e9 m/s; omega -200 to 200 rad/s. */
 textbook_status textbook_robot_to_world_checked(
     const textbook_robot_to_world_in *in,
     textbook_robot_to_world_out *out);
 
-/* textbook_rotate() with its inputs checked. Accepted: angle -1e4 to 1e4 rad; x, y -1e9 to 1e9
+/** textbook_rotate() with its inputs checked. Accepted: angle -1e4 to 1e4 rad; x, y -1e9 to 1e9
  * m. */
 textbook_status textbook_rotate_checked(const textbook_rotate_in *in, textbook_rotate_out *out);
 
-/* textbook_pose_compose() with its inputs checked. Accepted: a.x, a.y, b.x, b.y -1e9 to 1e9 m;
+/** textbook_pose_compose() with its inputs checked. Accepted: a.x, a.y, b.x, b.y -1e9 to 1e9 m;
  * a.theta, b.theta -1e4 to 1e4 rad. */
 textbook_status textbook_pose_compose_checked(
     const textbook_pose_compose_in *in,
     textbook_pose_compose_out *out);
 
-/* textbook_pose_inverse() with its inputs checked. Accepted: a.x, a.y -1e9 to 1e9 m; a.theta
+/** textbook_pose_inverse() with its inputs checked. Accepted: a.x, a.y -1e9 to 1e9 m; a.theta
  * -1e4 to 1e4 rad. */
 textbook_status textbook_pose_inverse_checked(
     const textbook_pose_inverse_in *in,
     textbook_pose_inverse_out *out);
 
-/* textbook_rotation_x() with its inputs checked. Accepted: angle -1e4 to 1e4 rad. */
+/** textbook_rotation_x() with its inputs checked. Accepted: angle -1e4 to 1e4 rad. */
 textbook_status textbook_rotation_x_checked(
     const textbook_rotation_x_in *in,
     textbook_rotation_x_out *out);
 
-/* textbook_rotation_y() with its inputs checked. Accepted: angle -1e4 to 1e4 rad. */
+/** textbook_rotation_y() with its inputs checked. Accepted: angle -1e4 to 1e4 rad. */
 textbook_status textbook_rotation_y_checked(
     const textbook_rotation_y_in *in,
     textbook_rotation_y_out *out);
 
-/* textbook_rotation_z() with its inputs checked. Accepted: angle -1e4 to 1e4 rad. */
+/** textbook_rotation_z() with its inputs checked. Accepted: angle -1e4 to 1e4 rad. */
 textbook_status textbook_rotation_z_checked(
     const textbook_rotation_z_in *in,
     textbook_rotation_z_out *out);
 
-/* textbook_transform_apply() with its inputs checked. Accepted: r11, r12, r13, r21, r22, r23,
+/** textbook_transform_apply() with its inputs checked. Accepted: r11, r12, r13, r21, r22, r23,
  * r31, r32, r33 -1e9 to 1e9; p.x, p.y, p.z, b.x, b.y, b.z -1e9 to 1e9 m. */
 textbook_status textbook_transform_apply_checked(
     const textbook_transform_apply_in *in,
     textbook_transform_apply_out *out);
 
-/* textbook_transform_compose() with its inputs checked. Accepted: a11, a12, a13, a21, a22, a23,
+/** textbook_transform_compose() with its inputs checked. Accepted: a11, a12, a13, a21, a22, a23,
  * a31, a32, a33, b11, b12, b13, b21, b22, b23, b31, b32, b33 -1e9 to 1e9; pa.x, pa.y, pa.z,
  * pb.x, pb.y, pb.z -1e9 to 1e9 m. */
 textbook_status textbook_transform_compose_checked(
     const textbook_transform_compose_in *in,
     textbook_transform_compose_out *out);
 
-/* textbook_transform_inverse() with its inputs checked. Accepted: r11, r12, r13, r21, r22, r23,
+/** textbook_transform_inverse() with its inputs checked. Accepted: r11, r12, r13, r21, r22, r23,
  * r31, r32, r33 -1e9 to 1e9; p.x, p.y, p.z -1e9 to 1e9 m. */
 textbook_status textbook_transform_inverse_checked(
     const textbook_transform_inverse_in *in,
     textbook_transform_inverse_out *out);
 
-/* textbook_inverse_2x2() with its inputs checked. Accepted: j11, j12, j21, j22 -1e9 to 1e9. */
+/** textbook_inverse_2x2() with its inputs checked. Accepted: j11, j12, j21, j22 -1e9 to 1e9. */
 textbook_status textbook_inverse_2x2_checked(
     const textbook_inverse_2x2_in *in,
     textbook_inverse_2x2_out *out);
 
-/* textbook_inverse_3x3() with its inputs checked. Accepted: j11, j12, j13, j21, j22, j23, j31,
+/** textbook_inverse_3x3() with its inputs checked. Accepted: j11, j12, j13, j21, j22, j23, j31,
  * j32, j33 -1e9 to 1e9. */
 textbook_status textbook_inverse_3x3_checked(
     const textbook_inverse_3x3_in *in,
     textbook_inverse_3x3_out *out);
 
-/* textbook_inverse_3x2() with its inputs checked. Accepted: j11, j12, j21, j22, j31, j32 -1e9 to
+/** textbook_inverse_3x2() with its inputs checked. Accepted: j11, j12, j21, j22, j31, j32 -1e9 to
  * 1e9. */
 textbook_status textbook_inverse_3x2_checked(
     const textbook_inverse_3x2_in *in,
     textbook_inverse_3x2_out *out);
 
-/* textbook_inverse_4x2() with its inputs checked. Accepted: j11, j12, j21, j22, j31, j32, j41,
+/** textbook_inverse_4x2() with its inputs checked. Accepted: j11, j12, j21, j22, j31, j32, j41,
  * j42 -1e9 to 1e9. */
 textbook_status textbook_inverse_4x2_checked(
     const textbook_inverse_4x2_in *in,
     textbook_inverse_4x2_out *out);
 
-/* textbook_inverse_4x3() with its inputs checked. Accepted: j11, j12, j13, j21, j22, j23, j31,
+/** textbook_inverse_4x3() with its inputs checked. Accepted: j11, j12, j13, j21, j22, j23, j31,
  * j32, j33, j41, j42, j43 -1e9 to 1e9. */
 textbook_status textbook_inverse_4x3_checked(
     const textbook_inverse_4x3_in *in,
     textbook_inverse_4x3_out *out);
 
-/* textbook_inverse_2x3() with its inputs checked. Accepted: j11, j12, j13, j21, j22, j23 -1e9 to
+/** textbook_inverse_2x3() with its inputs checked. Accepted: j11, j12, j13, j21, j22, j23 -1e9 to
  * 1e9. */
 textbook_status textbook_inverse_2x3_checked(
     const textbook_inverse_2x3_in *in,
     textbook_inverse_2x3_out *out);
 
-/* textbook_inverse_2x4() with its inputs checked. Accepted: j11, j12, j13, j14, j21, j22, j23,
+/** textbook_inverse_2x4() with its inputs checked. Accepted: j11, j12, j13, j14, j21, j22, j23,
  * j24 -1e9 to 1e9. */
 textbook_status textbook_inverse_2x4_checked(
     const textbook_inverse_2x4_in *in,
     textbook_inverse_2x4_out *out);
 
-/* textbook_inverse_3x4() with its inputs checked. Accepted: j11, j12, j13, j14, j21, j22, j23,
+/** textbook_inverse_3x4() with its inputs checked. Accepted: j11, j12, j13, j14, j21, j22, j23,
  * j24, j31, j32, j33, j34 -1e9 to 1e9. */
 textbook_status textbook_inverse_3x4_checked(
     const textbook_inverse_3x4_in *in,
     textbook_inverse_3x4_out *out);
 
-/* textbook_transport_theorem() with its inputs checked. Accepted: u_rate.x, u_rate.y, u_rate.z
+/** textbook_transport_theorem() with its inputs checked. Accepted: u_rate.x, u_rate.y, u_rate.z
  * -1e9 to 1e9 1/s; omega.x, omega.y, omega.z -1e9 to 1e9 rad/s; u.x, u.y, u.z -1e9 to 1e9. */
 textbook_status textbook_transport_theorem_checked(
     const textbook_transport_theorem_in *in,
     textbook_transport_theorem_out *out);
 
-/* textbook_galilean() with its inputs checked. Accepted: r.x, r.y, r.z, r_start.x, r_start.y,
+/** textbook_galilean() with its inputs checked. Accepted: r.x, r.y, r.z, r_start.x, r_start.y,
  * r_start.z -1e9 to 1e9 m; v.x, v.y, v.z -1e9 to 1e9 m/s; t -1e9 to 1e9 s. */
 textbook_status textbook_galilean_checked(
     const textbook_galilean_in *in,
     textbook_galilean_out *out);
 
-/* textbook_moving_frame_velocity() with its inputs checked. Accepted: v_m.x, v_m.y, v_m.z,
+/** textbook_moving_frame_velocity() with its inputs checked. Accepted: v_m.x, v_m.y, v_m.z,
  * v_o.x, v_o.y, v_o.z -1e9 to 1e9 m/s; omega.x, omega.y, omega.z -1e9 to 1e9 rad/s; r.x, r.y,
  * r.z -1e9 to 1e9 m. */
 textbook_status textbook_moving_frame_velocity_checked(
     const textbook_moving_frame_velocity_in *in,
     textbook_moving_frame_velocity_out *out);
 
-/* textbook_moving_frame_acceleration() with its inputs checked. Accepted: a_m.x, a_m.y, a_m.z,
+/** textbook_moving_frame_acceleration() with its inputs checked. Accepted: a_m.x, a_m.y, a_m.z,
  * a_o.x, a_o.y, a_o.z -1e9 to 1e9 m/s^2; alpha.x, alpha.y, alpha.z -1e9 to 1e9 rad/s^2; omega.x,
  * omega.y, omega.z -1e9 to 1e9 rad/s; r.x, r.y, r.z -1e9 to 1e9 m; v_o.x, v_o.y, v_o.z -1e9 to
  * 1e9 m/s. */
@@ -181,23 +182,23 @@ textbook_status textbook_moving_frame_acceleration_checked(
     const textbook_moving_frame_acceleration_in *in,
     textbook_moving_frame_acceleration_out *out);
 
-/* textbook_skew_matrix() with its inputs checked. Accepted: u.x, u.y, u.z -1e9 to 1e9. */
+/** textbook_skew_matrix() with its inputs checked. Accepted: u.x, u.y, u.z -1e9 to 1e9. */
 textbook_status textbook_skew_matrix_checked(
     const textbook_skew_matrix_in *in,
     textbook_skew_matrix_out *out);
 
-/* textbook_h_matrix() with its inputs checked. Accepted: r.x, r.y, r.z -1e9 to 1e9 m. */
+/** textbook_h_matrix() with its inputs checked. Accepted: r.x, r.y, r.z -1e9 to 1e9 m. */
 textbook_status textbook_h_matrix_checked(
     const textbook_h_matrix_in *in,
     textbook_h_matrix_out *out);
 
-/* textbook_omega_matrix() with its inputs checked. Accepted: omega.x, omega.y, omega.z -1e9 to
+/** textbook_omega_matrix() with its inputs checked. Accepted: omega.x, omega.y, omega.z -1e9 to
  * 1e9 rad/s. */
 textbook_status textbook_omega_matrix_checked(
     const textbook_omega_matrix_in *in,
     textbook_omega_matrix_out *out);
 
-/* textbook_two_step_velocity() with its inputs checked. Accepted: r_1.x, r_1.y, r_1.z, r_2.x,
+/** textbook_two_step_velocity() with its inputs checked. Accepted: r_1.x, r_1.y, r_1.z, r_2.x,
  * r_2.y, r_2.z -1e9 to 1e9 m; v_1.x, v_1.y, v_1.z, v_2.x, v_2.y, v_2.z, v_o.x, v_o.y, v_o.z -1e9
  * to 1e9 m/s; omega_1.x, omega_1.y, omega_1.z, omega_2.x, omega_2.y, omega_2.z -1e9 to 1e9
  * rad/s. */
@@ -205,7 +206,7 @@ textbook_status textbook_two_step_velocity_checked(
     const textbook_two_step_velocity_in *in,
     textbook_two_step_velocity_out *out);
 
-/* textbook_two_step_acceleration() with its inputs checked. Accepted: r_1.x, r_1.y, r_1.z,
+/** textbook_two_step_acceleration() with its inputs checked. Accepted: r_1.x, r_1.y, r_1.z,
  * r_2.x, r_2.y, r_2.z -1e9 to 1e9 m; a_1.x, a_1.y, a_1.z, a_2.x, a_2.y, a_2.z, a_o.x, a_o.y,
  * a_o.z -1e9 to 1e9 m/s^2; alpha_1.x, alpha_1.y, alpha_1.z, alpha_2.x, alpha_2.y, alpha_2.z -1e9
  * to 1e9 rad/s^2; omega_1.x, omega_1.y, omega_1.z, omega_2.x, omega_2.y, omega_2.z -1e9 to 1e9
@@ -214,7 +215,7 @@ textbook_status textbook_two_step_acceleration_checked(
     const textbook_two_step_acceleration_in *in,
     textbook_two_step_acceleration_out *out);
 
-/* textbook_articulated_wheel_velocity() with its inputs checked. Accepted: r_vehicle.x,
+/** textbook_articulated_wheel_velocity() with its inputs checked. Accepted: r_vehicle.x,
  * r_vehicle.y, r_vehicle.z, r_steer.x, r_steer.y, r_steer.z -1e9 to 1e9 m; v_vehicle.x,
  * v_vehicle.y, v_vehicle.z, v_steer.x, v_steer.y, v_steer.z, v_o.x, v_o.y, v_o.z -1e9 to 1e9
  * m/s; omega_vehicle.x, omega_vehicle.y, omega_vehicle.z, omega_steer.x, omega_steer.y,
@@ -223,7 +224,7 @@ textbook_status textbook_articulated_wheel_velocity_checked(
     const textbook_articulated_wheel_velocity_in *in,
     textbook_articulated_wheel_velocity_out *out);
 
-/* textbook_articulated_wheel_acceleration() with its inputs checked. Accepted: r_vehicle.x,
+/** textbook_articulated_wheel_acceleration() with its inputs checked. Accepted: r_vehicle.x,
  * r_vehicle.y, r_vehicle.z, r_steer.x, r_steer.y, r_steer.z -1e9 to 1e9 m; a_vehicle.x,
  * a_vehicle.y, a_vehicle.z, a_steer.x, a_steer.y, a_steer.z, a_o.x, a_o.y, a_o.z -1e9 to 1e9
  * m/s^2; alpha_vehicle.x, alpha_vehicle.y, alpha_vehicle.z, alpha_steer.x, alpha_steer.y,
@@ -234,197 +235,197 @@ textbook_status textbook_articulated_wheel_acceleration_checked(
     const textbook_articulated_wheel_acceleration_in *in,
     textbook_articulated_wheel_acceleration_out *out);
 
-/* textbook_wheel_velocity() with its inputs checked. Accepted: v.x, v.y, v.z -1e9 to 1e9 m/s;
+/** textbook_wheel_velocity() with its inputs checked. Accepted: v.x, v.y, v.z -1e9 to 1e9 m/s;
  * omega.x, omega.y, omega.z -1e9 to 1e9 rad/s; r.x, r.y, r.z -1e9 to 1e9 m. */
 textbook_status textbook_wheel_velocity_checked(
     const textbook_wheel_velocity_in *in,
     textbook_wheel_velocity_out *out);
 
-/* textbook_offset_wheel_velocity() with its inputs checked. Accepted: v.x, v.y, v.z -1e9 to 1e9
+/** textbook_offset_wheel_velocity() with its inputs checked. Accepted: v.x, v.y, v.z -1e9 to 1e9
  * m/s; omega.x, omega.y, omega.z, omega_steer.x, omega_steer.y, omega_steer.z -1e9 to 1e9 rad/s;
  * r.x, r.y, r.z, r_steer.x, r_steer.y, r_steer.z -1e9 to 1e9 m. */
 textbook_status textbook_offset_wheel_velocity_checked(
     const textbook_offset_wheel_velocity_in *in,
     textbook_offset_wheel_velocity_out *out);
 
-/* textbook_specific_force() with its inputs checked. Accepted: t.x, t.y, t.z, a.x, a.y, a.z -1e9
+/** textbook_specific_force() with its inputs checked. Accepted: t.x, t.y, t.z, a.x, a.y, a.z -1e9
  * to 1e9 m/s^2; alpha.x, alpha.y, alpha.z -1e9 to 1e9 rad/s^2; omega.x, omega.y, omega.z -1e9 to
  * 1e9 rad/s; r.x, r.y, r.z -1e9 to 1e9 m; v.x, v.y, v.z -1e9 to 1e9 m/s. */
 textbook_status textbook_specific_force_checked(
     const textbook_specific_force_in *in,
     textbook_specific_force_out *out);
 
-/* textbook_rolling_disk() with its inputs checked. Accepted: r -1e9 to 1e9 m; spin -1e9 to 1e9
+/** textbook_rolling_disk() with its inputs checked. Accepted: r -1e9 to 1e9 m; spin -1e9 to 1e9
  * rad/s; phi -1e4 to 1e4 rad. */
 textbook_status textbook_rolling_disk_checked(
     const textbook_rolling_disk_in *in,
     textbook_rolling_disk_out *out);
 
-/* textbook_disk_constraint() with its inputs checked. Accepted: phi -1e4 to 1e4 rad; x_rate,
+/** textbook_disk_constraint() with its inputs checked. Accepted: phi -1e4 to 1e4 rad; x_rate,
  * y_rate -1e9 to 1e9 m/s. */
 textbook_status textbook_disk_constraint_checked(
     const textbook_disk_constraint_in *in,
     textbook_disk_constraint_out *out);
 
-/* textbook_unicycle() with its inputs checked. Accepted: theta -1e4 to 1e4 rad; v -1e9 to 1e9
+/** textbook_unicycle() with its inputs checked. Accepted: theta -1e4 to 1e4 rad; v -1e9 to 1e9
  * m/s; omega -200 to 200 rad/s. */
 textbook_status textbook_unicycle_checked(
     const textbook_unicycle_in *in,
     textbook_unicycle_out *out);
 
-/* textbook_steer_sense() with its inputs checked. Accepted: r -1e9 to 1e9 m; spin -1e9 to 1e9
+/** textbook_steer_sense() with its inputs checked. Accepted: r -1e9 to 1e9 m; spin -1e9 to 1e9
  * rad/s; steer -1e4 to 1e4 rad. */
 textbook_status textbook_steer_sense_checked(
     const textbook_steer_sense_in *in,
     textbook_steer_sense_out *out);
 
-/* textbook_wheel_contributions() with its inputs checked. Accepted: r, l -1e9 to 1e9 m;
+/** textbook_wheel_contributions() with its inputs checked. Accepted: r, l -1e9 to 1e9 m;
  * right.spin, left.spin -1e9 to 1e9 rad/s. */
 textbook_status textbook_wheel_contributions_checked(
     const textbook_wheel_contributions_in *in,
     textbook_wheel_contributions_out *out);
 
-/* textbook_swedish_wheel() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** textbook_swedish_wheel() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; l, r, r_sw -1e9 to 1e9 m; alpha, beta, gamma -1e4 to 1e4 rad. */
 textbook_status textbook_swedish_wheel_checked(
     const textbook_swedish_wheel_in *in,
     textbook_swedish_wheel_out *out);
 
-/* textbook_mecanum_wheel() with its inputs checked. Accepted: radius, r_sw, dx, dy -1e9 to 1e9
+/** textbook_mecanum_wheel() with its inputs checked. Accepted: radius, r_sw, dx, dy -1e9 to 1e9
  * m; alpha, phi -1e4 to 1e4 rad. */
 textbook_status textbook_mecanum_wheel_checked(
     const textbook_mecanum_wheel_in *in,
     textbook_mecanum_wheel_out *out);
 
-/* textbook_mecanum_wheel_inverse() with its inputs checked. Accepted: radius, r_sw, dx, dy -1e9
+/** textbook_mecanum_wheel_inverse() with its inputs checked. Accepted: radius, r_sw, dx, dy -1e9
  * to 1e9 m; alpha, phi -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s. */
 textbook_status textbook_mecanum_wheel_inverse_checked(
     const textbook_mecanum_wheel_inverse_in *in,
     textbook_mecanum_wheel_inverse_out *out);
 
-/* textbook_mecanum_roller() with its inputs checked. Accepted: radius -1e9 to 1e9 m; count -1e9
+/** textbook_mecanum_roller() with its inputs checked. Accepted: radius -1e9 to 1e9 m; count -1e9
  * to 1e9; angle -1e4 to 1e4 rad. */
 textbook_status textbook_mecanum_roller_checked(
     const textbook_mecanum_roller_in *in,
     textbook_mecanum_roller_out *out);
 
-/* textbook_omni_wheel() with its inputs checked. Accepted: v -1e9 to 1e9 m/s; beta, gamma -1e4
+/** textbook_omni_wheel() with its inputs checked. Accepted: v -1e9 to 1e9 m/s; beta, gamma -1e4
  * to 1e4 rad. */
 textbook_status textbook_omni_wheel_checked(
     const textbook_omni_wheel_in *in,
     textbook_omni_wheel_out *out);
 
-/* textbook_castor_swivel() with its inputs checked. Accepted: beta, alpha -1e4 to 1e4 rad; d
+/** textbook_castor_swivel() with its inputs checked. Accepted: beta, alpha -1e4 to 1e4 rad; d
  * -1e9 to 1e9 m; vx, vy -1e9 to 1e9 m/s; t -1e9 to 1e9 s. */
 textbook_status textbook_castor_swivel_checked(
     const textbook_castor_swivel_in *in,
     textbook_castor_swivel_out *out);
 
-/* textbook_castor_alignment() with its inputs checked. Accepted: alpha -1e4 to 1e4 rad; d, r
+/** textbook_castor_alignment() with its inputs checked. Accepted: alpha -1e4 to 1e4 rad; d, r
  * -1e9 to 1e9 m; vx, vy -1e9 to 1e9 m/s. */
 textbook_status textbook_castor_alignment_checked(
     const textbook_castor_alignment_in *in,
     textbook_castor_alignment_out *out);
 
-/* textbook_chain_3() with its inputs checked. Accepted: x1, x2, x3, u1, u2 -1e9 to 1e9. */
+/** textbook_chain_3() with its inputs checked. Accepted: x1, x2, x3, u1, u2 -1e9 to 1e9. */
 textbook_status textbook_chain_3_checked(const textbook_chain_3_in *in, textbook_chain_3_out *out);
 
-/* textbook_chain_4() with its inputs checked. Accepted: x1, x2, x3, x4, u1, u2 -1e9 to 1e9. */
+/** textbook_chain_4() with its inputs checked. Accepted: x1, x2, x3, x4, u1, u2 -1e9 to 1e9. */
 textbook_status textbook_chain_4_checked(const textbook_chain_4_in *in, textbook_chain_4_out *out);
 
-/* textbook_chain_5() with its inputs checked. Accepted: x1, x2, x3, x4, x5, u1, u2 -1e9 to 1e9. */
+/** textbook_chain_5() with its inputs checked. Accepted: x1, x2, x3, x4, x5, u1, u2 -1e9 to 1e9. */
 textbook_status textbook_chain_5_checked(const textbook_chain_5_in *in, textbook_chain_5_out *out);
 
-/* textbook_chain_6() with its inputs checked. Accepted: x1, x2, x3, x4, x5, x6, u1, u2 -1e9 to
+/** textbook_chain_6() with its inputs checked. Accepted: x1, x2, x3, x4, x5, x6, u1, u2 -1e9 to
  * 1e9. */
 textbook_status textbook_chain_6_checked(const textbook_chain_6_in *in, textbook_chain_6_out *out);
 
-/* textbook_brockett() with its inputs checked. Accepted: x1, x2, x3, u1, u2 -1e9 to 1e9. */
+/** textbook_brockett() with its inputs checked. Accepted: x1, x2, x3, u1, u2 -1e9 to 1e9. */
 textbook_status textbook_brockett_checked(
     const textbook_brockett_in *in,
     textbook_brockett_out *out);
 
-/* textbook_brockett_double() with its inputs checked. Accepted: x1, x2, x1_rate, x2_rate, u1, u2
+/** textbook_brockett_double() with its inputs checked. Accepted: x1, x2, x1_rate, x2_rate, u1, u2
  * -1e9 to 1e9. */
 textbook_status textbook_brockett_double_checked(
     const textbook_brockett_double_in *in,
     textbook_brockett_double_out *out);
 
-/* textbook_unicycle_to_chain() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** textbook_unicycle_to_chain() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; v -1e9 to 1e9 m/s; omega -200 to 200 rad/s. */
 textbook_status textbook_unicycle_to_chain_checked(
     const textbook_unicycle_to_chain_in *in,
     textbook_unicycle_to_chain_out *out);
 
-/* textbook_chain_to_brockett() with its inputs checked. Accepted: z1, z2, z3 -1e9 to 1e9. */
+/** textbook_chain_to_brockett() with its inputs checked. Accepted: z1, z2, z3 -1e9 to 1e9. */
 textbook_status textbook_chain_to_brockett_checked(
     const textbook_chain_to_brockett_in *in,
     textbook_chain_to_brockett_out *out);
 
-/* textbook_brockett_to_chain() with its inputs checked. Accepted: x1, x2, x3 -1e9 to 1e9. */
+/** textbook_brockett_to_chain() with its inputs checked. Accepted: x1, x2, x3 -1e9 to 1e9. */
 textbook_status textbook_brockett_to_chain_checked(
     const textbook_brockett_to_chain_in *in,
     textbook_brockett_to_chain_out *out);
 
-/* textbook_polar_coordinates() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** textbook_polar_coordinates() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad. */
 textbook_status textbook_polar_coordinates_checked(
     const textbook_polar_coordinates_in *in,
     textbook_polar_coordinates_out *out);
 
-/* textbook_polar_pose() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha, beta -1e4
+/** textbook_polar_pose() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha, beta -1e4
  * to 1e4 rad. */
 textbook_status textbook_polar_pose_checked(
     const textbook_polar_pose_in *in,
     textbook_polar_pose_out *out);
 
-/* textbook_polar_rates() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha, beta -1e4
+/** textbook_polar_rates() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha, beta -1e4
  * to 1e4 rad; v -1e9 to 1e9 m/s; omega -200 to 200 rad/s. */
 textbook_status textbook_polar_rates_checked(
     const textbook_polar_rates_in *in,
     textbook_polar_rates_out *out);
 
-/* textbook_polar_rates_reverse() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha,
+/** textbook_polar_rates_reverse() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha,
  * beta -1e4 to 1e4 rad; v -1e9 to 1e9 m/s; omega -200 to 200 rad/s. */
 textbook_status textbook_polar_rates_reverse_checked(
     const textbook_polar_rates_reverse_in *in,
     textbook_polar_rates_reverse_out *out);
 
-/* textbook_polar_closed_loop() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha, beta
+/** textbook_polar_closed_loop() with its inputs checked. Accepted: rho -1e9 to 1e9 m; alpha, beta
  * -1e4 to 1e4 rad; k_rho, k_alpha, k_beta -1e9 to 1e9 1/s. */
 textbook_status textbook_polar_closed_loop_checked(
     const textbook_polar_closed_loop_in *in,
     textbook_polar_closed_loop_out *out);
 
-/* textbook_polar_linearisation() with its inputs checked. Accepted: k_rho, k_alpha, k_beta -1e9
+/** textbook_polar_linearisation() with its inputs checked. Accepted: k_rho, k_alpha, k_beta -1e9
  * to 1e9 1/s. */
 textbook_status textbook_polar_linearisation_checked(
     const textbook_polar_linearisation_in *in,
     textbook_polar_linearisation_out *out);
 
-/* textbook_polar_gains() with its inputs checked. Accepted: k_rho, k_alpha, k_beta -1e9 to 1e9
+/** textbook_polar_gains() with its inputs checked. Accepted: k_rho, k_alpha, k_beta -1e9 to 1e9
  * 1/s. */
 textbook_status textbook_polar_gains_checked(
     const textbook_polar_gains_in *in,
     textbook_polar_gains_out *out);
 
-/* textbook_turning_radius() with its inputs checked. Accepted: wheelbase -1e9 to 1e9 m; psi -1e4
+/** textbook_turning_radius() with its inputs checked. Accepted: wheelbase -1e9 to 1e9 m; psi -1e4
  * to 1e4 rad. */
 textbook_status textbook_turning_radius_checked(
     const textbook_turning_radius_in *in,
     textbook_turning_radius_out *out);
 
-/* textbook_pursuit() with its inputs checked. Accepted: wheelbase, distance -1e9 to 1e9 m;
+/** textbook_pursuit() with its inputs checked. Accepted: wheelbase, distance -1e9 to 1e9 m;
  * epsilon -1e4 to 1e4 rad. */
 textbook_status textbook_pursuit_checked(const textbook_pursuit_in *in, textbook_pursuit_out *out);
 
-/* textbook_car_reduction() with its inputs checked. Accepted: u1 -1e9 to 1e9 m/s; xi -1e4 to 1e4
+/** textbook_car_reduction() with its inputs checked. Accepted: u1 -1e9 to 1e9 m/s; xi -1e4 to 1e4
  * rad; wheelbase -1e9 to 1e9 m. */
 textbook_status textbook_car_reduction_checked(
     const textbook_car_reduction_in *in,
     textbook_car_reduction_out *out);
 
-/* textbook_car_bounds() with its inputs checked. Accepted: u1_max, v -1e9 to 1e9 m/s; zeta_max
+/** textbook_car_bounds() with its inputs checked. Accepted: u1_max, v -1e9 to 1e9 m/s; zeta_max
  * -1e4 to 1e4 rad; wheelbase -1e9 to 1e9 m. */
 textbook_status textbook_car_bounds_checked(
     const textbook_car_bounds_in *in,

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091)
 #error "textbook_differential.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -1,4 +1,4 @@
-/* textbook_differential.h
+/** @file textbook_differential.h
  *
  * Type (2, 0), differential drive with a ball in front
  *
@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_DIFFERENTIAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "8547782c5885db632f7cb36396c10209" /**< digest of the model */
-#define TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091 1 /**< header and source that were written together have the same */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_Y (-0.6f) /**< [m] pivot, to the left of P */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_RADIUS 0.1f /**< [m] radius */

@@ -1,4 +1,4 @@
-/* textbook_differential_checked.h
+/** @file textbook_differential_checked.h
  *
  * Type (2, 0), differential drive with a ball in front
  *
@@ -21,7 +21,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TEXTBOOK_DIFFERENTIAL_OK = 0,
-    TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TEXTBOOK_DIFFERENTIAL_OK = 0,            /**< inputs were accepted */
+    TEXTBOOK_DIFFERENTIAL_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TEXTBOOK_DIFFERENTIAL_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } textbook_differential_status;
 
-/* textbook_differential_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** textbook_differential_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s. */
 textbook_differential_status textbook_differential_inverse_checked(
     const textbook_differential_twist *twist,
     textbook_differential_wheels *out);
 
-/* textbook_differential_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9
+/** textbook_differential_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9
  * m/s; omega -200 to 200 rad/s. */
 textbook_differential_status textbook_differential_inverse_slip_checked(
     const textbook_differential_twist *twist,
     float *slip);
 
-/* textbook_differential_forward() with its inputs checked. Accepted: right.spin, left.spin -1e9
+/** textbook_differential_forward() with its inputs checked. Accepted: right.spin, left.spin -1e9
  * to 1e9 rad/s. */
 textbook_differential_status textbook_differential_forward_checked(
     const textbook_differential_wheels *wheels,
     textbook_differential_twist *twist);
 
-/* textbook_differential_forward_slip() with its inputs checked. Accepted: right.spin, left.spin
+/** textbook_differential_forward_slip() with its inputs checked. Accepted: right.spin, left.spin
  * -1e9 to 1e9 rad/s. */
 textbook_differential_status textbook_differential_forward_slip_checked(
     const textbook_differential_wheels *wheels,
     textbook_differential_twist *twist,
     float *slip);
 
-/* textbook_differential_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
+/** textbook_differential_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
  * -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_differential_status textbook_differential_odometry_checked(
     textbook_differential_pose *pose,

@@ -1,4 +1,4 @@
-/* textbook_omni_steer.h
+/** @file textbook_omni_steer.h
  *
  * Type (2, 1), one steered wheel and two balls
  *
@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_OMNI_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNI_STEER_MODEL_HASH "1994e5e090be63d9b4375cef95cd9d01" /**< digest of the model */
-#define TEXTBOOK_OMNI_STEER_PAIR_50f97a211e4dac5f 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNI_STEER_PAIR_f9213ff6226ebf55 1 /**< header and source that were written together have the same */
 #define TEXTBOOK_OMNI_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNI_STEER_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
 #define TEXTBOOK_OMNI_STEER_FRONT_RADIUS 0.1f /**< [m] radius */
@@ -64,7 +64,7 @@ typedef struct {
         /** [rad/s] wheel speed about its axle, positive rolls along the rolling direction */
         float spin;
         float steer; /**< [rad] steering angle, counter-clockwise from the zero of the robot file */
-    } front;
+    } front;         /**< joints of front */
 } textbook_omni_steer_wheels;
 
 /** Joints in the order of textbook_omni_steer_wheels. */

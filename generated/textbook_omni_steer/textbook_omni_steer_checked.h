@@ -1,4 +1,4 @@
-/* textbook_omni_steer_checked.h
+/** @file textbook_omni_steer_checked.h
  *
  * Type (2, 1), one steered wheel and two balls
  *
@@ -21,7 +21,7 @@
 
 #include "textbook_omni_steer.h"
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_50f97a211e4dac5f)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_f9213ff6226ebf55)
 #error "textbook_omni_steer_checked.h and textbook_omni_steer.h were not generated together: copy both"
 #endif
 
@@ -29,40 +29,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TEXTBOOK_OMNI_STEER_OK = 0,
-    TEXTBOOK_OMNI_STEER_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TEXTBOOK_OMNI_STEER_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TEXTBOOK_OMNI_STEER_OK = 0,            /**< inputs were accepted */
+    TEXTBOOK_OMNI_STEER_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TEXTBOOK_OMNI_STEER_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } textbook_omni_steer_status;
 
-/* textbook_omni_steer_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** textbook_omni_steer_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_inverse_checked(
     const textbook_omni_steer_twist *twist,
     const textbook_omni_steer_wheels *now,
     textbook_omni_steer_wheels *out);
 
-/* textbook_omni_steer_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** textbook_omni_steer_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s; front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_inverse_slip_checked(
     const textbook_omni_steer_twist *twist,
     const textbook_omni_steer_wheels *wheels,
     float *slip);
 
-/* textbook_omni_steer_forward() with its inputs checked. Accepted: front.spin -1e9 to 1e9 rad/s;
+/** textbook_omni_steer_forward() with its inputs checked. Accepted: front.spin -1e9 to 1e9 rad/s;
  * front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_forward_checked(
     const textbook_omni_steer_wheels *wheels,
     textbook_omni_steer_twist *twist);
 
-/* textbook_omni_steer_forward_slip() with its inputs checked. Accepted: front.spin -1e9 to 1e9
+/** textbook_omni_steer_forward_slip() with its inputs checked. Accepted: front.spin -1e9 to 1e9
  * rad/s; front.steer -1e4 to 1e4 rad. */
 textbook_omni_steer_status textbook_omni_steer_forward_slip_checked(
     const textbook_omni_steer_wheels *wheels,
     textbook_omni_steer_twist *twist,
     float *slip);
 
-/* textbook_omni_steer_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
+/** textbook_omni_steer_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
  * -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_omni_steer_status textbook_omni_steer_odometry_checked(
     textbook_omni_steer_pose *pose,

@@ -1,4 +1,4 @@
-/* textbook_omnidirectional_checked.h
+/** @file textbook_omnidirectional_checked.h
  *
  * Type (3, 0), three Swedish-90 wheels
  *
@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fdfa3f819aa0a290)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_c7eda649838333fa)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TEXTBOOK_OMNIDIRECTIONAL_OK = 0,
-    TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TEXTBOOK_OMNIDIRECTIONAL_OK = 0,            /**< inputs were accepted */
+    TEXTBOOK_OMNIDIRECTIONAL_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TEXTBOOK_OMNIDIRECTIONAL_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } textbook_omnidirectional_status;
 
-/* textbook_omnidirectional_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** textbook_omnidirectional_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_inverse_checked(
     const textbook_omnidirectional_twist *twist,
     textbook_omnidirectional_wheels *out);
 
-/* textbook_omnidirectional_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9
+/** textbook_omnidirectional_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9
  * m/s; omega -200 to 200 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_inverse_slip_checked(
     const textbook_omnidirectional_twist *twist,
     float *slip);
 
-/* textbook_omnidirectional_forward() with its inputs checked. Accepted: w1.spin, w2.spin,
+/** textbook_omnidirectional_forward() with its inputs checked. Accepted: w1.spin, w2.spin,
  * w3.spin -1e9 to 1e9 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_forward_checked(
     const textbook_omnidirectional_wheels *wheels,
     textbook_omnidirectional_twist *twist);
 
-/* textbook_omnidirectional_forward_slip() with its inputs checked. Accepted: w1.spin, w2.spin,
+/** textbook_omnidirectional_forward_slip() with its inputs checked. Accepted: w1.spin, w2.spin,
  * w3.spin -1e9 to 1e9 rad/s. */
 textbook_omnidirectional_status textbook_omnidirectional_forward_slip_checked(
     const textbook_omnidirectional_wheels *wheels,
     textbook_omnidirectional_twist *twist,
     float *slip);
 
-/* textbook_omnidirectional_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
+/** textbook_omnidirectional_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
  * theta -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_omnidirectional_status textbook_omnidirectional_odometry_checked(
     textbook_omnidirectional_pose *pose,

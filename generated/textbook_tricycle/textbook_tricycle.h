@@ -1,4 +1,4 @@
-/* textbook_tricycle.h
+/** @file textbook_tricycle.h
  *
  * Type (1, 1), tricycle with front drive
  *
@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TRICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "65153ce14c02648c8cd74ccdd57f0c67" /**< digest of the model */
-#define TEXTBOOK_TRICYCLE_PAIR_7d1449fd0a013bc8 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TRICYCLE_PAIR_6cf403cf5d795902 1 /**< header and source that were written together have the same */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_RADIUS 0.11f /**< [m] radius */
@@ -75,7 +75,7 @@ typedef struct {
         float spin;                    /**< [rad/s] */
         /** [rad] steering angle, counter-clockwise from the zero of the robot file */
         float steer;
-    } front;
+    } front;                           /**< joints of front */
 } textbook_tricycle_wheels;
 
 /** Joints in the order of textbook_tricycle_wheels. */

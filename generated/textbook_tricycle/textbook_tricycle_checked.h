@@ -1,4 +1,4 @@
-/* textbook_tricycle_checked.h
+/** @file textbook_tricycle_checked.h
  *
  * Type (1, 1), tricycle with front drive
  *
@@ -21,7 +21,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_7d1449fd0a013bc8)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_6cf403cf5d795902)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 
@@ -29,40 +29,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TEXTBOOK_TRICYCLE_OK = 0,
-    TEXTBOOK_TRICYCLE_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TEXTBOOK_TRICYCLE_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TEXTBOOK_TRICYCLE_OK = 0,            /**< inputs were accepted */
+    TEXTBOOK_TRICYCLE_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TEXTBOOK_TRICYCLE_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } textbook_tricycle_status;
 
-/* textbook_tricycle_inverse() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to 1e9
+/** textbook_tricycle_inverse() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to 1e9
  * m/s; omega -2 to 2 rad/s; front.steer -1.6362462 to 1.6362462 rad. */
 textbook_tricycle_status textbook_tricycle_inverse_checked(
     const textbook_tricycle_twist *twist,
     const textbook_tricycle_wheels *now,
     textbook_tricycle_wheels *out);
 
-/* textbook_tricycle_inverse_slip() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to
+/** textbook_tricycle_inverse_slip() with its inputs checked. Accepted: vx -2 to 2 m/s; vy -1e9 to
  * 1e9 m/s; omega -2 to 2 rad/s; front.steer -1.6362462 to 1.6362462 rad. */
 textbook_tricycle_status textbook_tricycle_inverse_slip_checked(
     const textbook_tricycle_twist *twist,
     const textbook_tricycle_wheels *wheels,
     float *slip);
 
-/* textbook_tricycle_forward() with its inputs checked. Accepted: rear_left.spin,
+/** textbook_tricycle_forward() with its inputs checked. Accepted: rear_left.spin,
  * rear_right.spin, front.spin -1e9 to 1e9 rad/s; front.steer -1.6362462 to 1.6362462 rad. */
 textbook_tricycle_status textbook_tricycle_forward_checked(
     const textbook_tricycle_wheels *wheels,
     textbook_tricycle_twist *twist);
 
-/* textbook_tricycle_forward_slip() with its inputs checked. Accepted: rear_left.spin,
+/** textbook_tricycle_forward_slip() with its inputs checked. Accepted: rear_left.spin,
  * rear_right.spin, front.spin -1e9 to 1e9 rad/s; front.steer -1.6362462 to 1.6362462 rad. */
 textbook_tricycle_status textbook_tricycle_forward_slip_checked(
     const textbook_tricycle_wheels *wheels,
     textbook_tricycle_twist *twist,
     float *slip);
 
-/* textbook_tricycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** textbook_tricycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_tricycle_status textbook_tricycle_odometry_checked(
     textbook_tricycle_pose *pose,

@@ -1,4 +1,4 @@
-/* textbook_two_steer.h
+/** @file textbook_two_steer.h
  *
  * Type (1, 2), two steered wheels and a ball
  *
@@ -29,7 +29,7 @@
 
 #define TEXTBOOK_TWO_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "c9c3fd5367949eb8837aa8f3f75a1679" /**< digest of the model */
-#define TEXTBOOK_TWO_STEER_PAIR_d6a10978c98b105f 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TWO_STEER_PAIR_ff375eb66c5e07f7 1 /**< header and source that were written together have the same */
 #define TEXTBOOK_TWO_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TWO_STEER_FRONT_Y 0.1f /**< [m] pivot, to the left of P */
 #define TEXTBOOK_TWO_STEER_FRONT_RADIUS 0.1f /**< [m] radius */
@@ -65,11 +65,11 @@ typedef struct {
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } front;
+    } front;         /**< joints of front */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } rear;
+    } rear;          /**< joints of rear */
 } textbook_two_steer_wheels;
 
 /** Joints in the order of textbook_two_steer_wheels. */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_d6a10978c98b105f)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_ff375eb66c5e07f7)
 #error "textbook_two_steer_checked.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

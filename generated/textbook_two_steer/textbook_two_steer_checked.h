@@ -1,4 +1,4 @@
-/* textbook_two_steer_checked.h
+/** @file textbook_two_steer_checked.h
  *
  * Type (1, 2), two steered wheels and a ball
  *
@@ -21,7 +21,7 @@
 
 #include "textbook_two_steer.h"
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_d6a10978c98b105f)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_ff375eb66c5e07f7)
 #error "textbook_two_steer_checked.h and textbook_two_steer.h were not generated together: copy both"
 #endif
 
@@ -29,40 +29,41 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TEXTBOOK_TWO_STEER_OK = 0,
-    TEXTBOOK_TWO_STEER_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TEXTBOOK_TWO_STEER_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TEXTBOOK_TWO_STEER_OK = 0,            /**< inputs were accepted */
+    TEXTBOOK_TWO_STEER_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TEXTBOOK_TWO_STEER_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } textbook_two_steer_status;
 
-/* textbook_two_steer_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** textbook_two_steer_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_inverse_checked(
     const textbook_two_steer_twist *twist,
     const textbook_two_steer_wheels *now,
     textbook_two_steer_wheels *out);
 
-/* textbook_two_steer_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** textbook_two_steer_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_inverse_slip_checked(
     const textbook_two_steer_twist *twist,
     const textbook_two_steer_wheels *wheels,
     float *slip);
 
-/* textbook_two_steer_forward() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to
+/** textbook_two_steer_forward() with its inputs checked. Accepted: front.spin, rear.spin -1e9 to
  * 1e9 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_forward_checked(
     const textbook_two_steer_wheels *wheels,
     textbook_two_steer_twist *twist);
 
-/* textbook_two_steer_forward_slip() with its inputs checked. Accepted: front.spin, rear.spin
+/** textbook_two_steer_forward_slip() with its inputs checked. Accepted: front.spin, rear.spin
  * -1e9 to 1e9 rad/s; front.steer, rear.steer -1e4 to 1e4 rad. */
 textbook_two_steer_status textbook_two_steer_forward_slip_checked(
     const textbook_two_steer_wheels *wheels,
     textbook_two_steer_twist *twist,
     float *slip);
 
-/* textbook_two_steer_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
+/** textbook_two_steer_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta
  * -1e4 to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 textbook_two_steer_status textbook_two_steer_odometry_checked(
     textbook_two_steer_pose *pose,

@@ -1,4 +1,4 @@
-/* tidybot2.h
+/** @file tidybot2.h
  *
  * TidyBot++ holonomic base, four powered castors with lateral offset
  *
@@ -35,7 +35,7 @@
 
 #define TIDYBOT2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TIDYBOT2_MODEL_HASH "d4f8958843919ec8b5949f16520b2622" /**< digest of the model */
-#define TIDYBOT2_PAIR_3fd5743d3ea72278 1 /**< header and source that were written together have the same */
+#define TIDYBOT2_PAIR_edf427546ef2eadf 1 /**< header and source that were written together have the same */
 #define TIDYBOT2_CASTER_1_X 0.19015f /**< [m] pivot, forward of P */
 #define TIDYBOT2_CASTER_1_Y (-0.17015f) /**< [m] pivot, to the left of P */
 #define TIDYBOT2_CASTER_1_RADIUS 0.0508f /**< [m] radius */
@@ -76,22 +76,22 @@ typedef struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } caster_1;
+    } caster_1;           /**< joints of caster_1 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } caster_2;
+    } caster_2;           /**< joints of caster_2 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } caster_3;
+    } caster_3;           /**< joints of caster_3 */
     struct {
         float spin;       /**< [rad/s] */
         float steer;      /**< [rad] */
         float steer_rate; /**< [rad/s] */
-    } caster_4;
+    } caster_4;           /**< joints of caster_4 */
 } tidybot2_wheels;
 
 /** Joints in the order of tidybot2_wheels. */

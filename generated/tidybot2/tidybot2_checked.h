@@ -1,4 +1,4 @@
-/* tidybot2_checked.h
+/** @file tidybot2_checked.h
  *
  * TidyBot++ holonomic base, four powered castors with lateral offset
  *
@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_3fd5743d3ea72278)
+#if !defined(TIDYBOT2_PAIR_edf427546ef2eadf)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 
@@ -29,33 +29,34 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TIDYBOT2_OK = 0,
-    TIDYBOT2_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TIDYBOT2_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TIDYBOT2_OK = 0,            /**< inputs were accepted */
+    TIDYBOT2_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TIDYBOT2_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } tidybot2_status;
 
-/* tidybot2_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** tidybot2_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s; caster_1.steer, caster_2.steer, caster_3.steer, caster_4.steer -1e4 to 1e4 rad. */
 tidybot2_status tidybot2_inverse_checked(
     const tidybot2_twist *twist,
     const tidybot2_wheels *now,
     tidybot2_wheels *out);
 
-/* tidybot2_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** tidybot2_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s; caster_1.steer, caster_2.steer, caster_3.steer, caster_4.steer -1e4 to 1e4 rad. */
 tidybot2_status tidybot2_inverse_slip_checked(
     const tidybot2_twist *twist,
     const tidybot2_wheels *wheels,
     float *slip);
 
-/* tidybot2_forward() with its inputs checked. Accepted: caster_1.spin, caster_1.steer_rate,
+/** tidybot2_forward() with its inputs checked. Accepted: caster_1.spin, caster_1.steer_rate,
  * caster_2.spin, caster_2.steer_rate, caster_3.spin, caster_3.steer_rate, caster_4.spin,
  * caster_4.steer_rate -1e9 to 1e9 rad/s; caster_1.steer, caster_2.steer, caster_3.steer,
  * caster_4.steer -1e4 to 1e4 rad. */
 tidybot2_status tidybot2_forward_checked(const tidybot2_wheels *wheels, tidybot2_twist *twist);
 
-/* tidybot2_forward_slip() with its inputs checked. Accepted: caster_1.spin, caster_1.steer_rate,
+/** tidybot2_forward_slip() with its inputs checked. Accepted: caster_1.spin, caster_1.steer_rate,
  * caster_2.spin, caster_2.steer_rate, caster_3.spin, caster_3.steer_rate, caster_4.spin,
  * caster_4.steer_rate -1e9 to 1e9 rad/s; caster_1.steer, caster_2.steer, caster_3.steer,
  * caster_4.steer -1e4 to 1e4 rad. */
@@ -64,7 +65,7 @@ tidybot2_status tidybot2_forward_slip_checked(
     tidybot2_twist *twist,
     float *slip);
 
-/* tidybot2_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** tidybot2_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 tidybot2_status tidybot2_odometry_checked(
     tidybot2_pose *pose,

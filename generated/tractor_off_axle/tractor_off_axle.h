@@ -1,4 +1,4 @@
-/* tractor_off_axle.h
+/** @file tractor_off_axle.h
  *
  * Differential-drive tractor with a trailer coupled behind its axle
  *
@@ -30,7 +30,7 @@
 
 #define TRACTOR_OFF_AXLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TRACTOR_OFF_AXLE_MODEL_HASH "b94a98b4ea591fedad2e7f2b9740fc53" /**< digest of the model */
-#define TRACTOR_OFF_AXLE_PAIR_a224cda6df69968c 1 /**< header and source that were written together have the same */
+#define TRACTOR_OFF_AXLE_PAIR_1cd6e83d1589b170 1 /**< header and source that were written together have the same */
 #define TRACTOR_OFF_AXLE_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TRACTOR_OFF_AXLE_LEFT_Y 0.27f /**< [m] pivot, to the left of P */
 #define TRACTOR_OFF_AXLE_LEFT_RADIUS 0.11f /**< [m] radius */
@@ -80,7 +80,7 @@ typedef struct {
     struct {
         float theta_rate; /**< [rad/s] rate of cart.theta */
         float speed;      /**< [m/s] speed of the trailer's axle; 0 when jack-knifed */
-    } cart;
+    } cart;               /**< joints of cart */
 } tractor_off_axle_trailer_out;
 
 /** Joints in the order of tractor_off_axle_wheels. */

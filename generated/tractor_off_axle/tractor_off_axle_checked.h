@@ -1,4 +1,4 @@
-/* tractor_off_axle_checked.h
+/** @file tractor_off_axle_checked.h
  *
  * Differential-drive tractor with a trailer coupled behind its axle
  *
@@ -21,7 +21,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_a224cda6df69968c)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_1cd6e83d1589b170)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 
@@ -29,45 +29,46 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TRACTOR_OFF_AXLE_OK = 0,
-    TRACTOR_OFF_AXLE_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TRACTOR_OFF_AXLE_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TRACTOR_OFF_AXLE_OK = 0,            /**< inputs were accepted */
+    TRACTOR_OFF_AXLE_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TRACTOR_OFF_AXLE_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } tractor_off_axle_status;
 
-/* tractor_off_axle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
+/** tractor_off_axle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega
  * -200 to 200 rad/s. */
 tractor_off_axle_status tractor_off_axle_inverse_checked(
     const tractor_off_axle_twist *twist,
     tractor_off_axle_wheels *out);
 
-/* tractor_off_axle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** tractor_off_axle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s. */
 tractor_off_axle_status tractor_off_axle_inverse_slip_checked(
     const tractor_off_axle_twist *twist,
     float *slip);
 
-/* tractor_off_axle_forward() with its inputs checked. Accepted: left.spin, right.spin -1e9 to
+/** tractor_off_axle_forward() with its inputs checked. Accepted: left.spin, right.spin -1e9 to
  * 1e9 rad/s. */
 tractor_off_axle_status tractor_off_axle_forward_checked(
     const tractor_off_axle_wheels *wheels,
     tractor_off_axle_twist *twist);
 
-/* tractor_off_axle_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -1e9
+/** tractor_off_axle_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -1e9
  * to 1e9 rad/s. */
 tractor_off_axle_status tractor_off_axle_forward_slip_checked(
     const tractor_off_axle_wheels *wheels,
     tractor_off_axle_twist *twist,
     float *slip);
 
-/* tractor_off_axle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** tractor_off_axle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 tractor_off_axle_status tractor_off_axle_odometry_checked(
     tractor_off_axle_pose *pose,
     const tractor_off_axle_twist *twist,
     float dt);
 
-/* tractor_off_axle_trailer() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta,
+/** tractor_off_axle_trailer() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta,
  * cart.theta -1e4 to 1e4 rad; left.spin, right.spin -1e9 to 1e9 rad/s. */
 tractor_off_axle_status tractor_off_axle_trailer_checked(
     const tractor_off_axle_pose *pose,

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_5012d4f34132c375)
+#if !defined(TURTLEBOT3_BURGER_PAIR_fdd9c838d3961898)
 #error "turtlebot3_burger.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -1,4 +1,4 @@
-/* turtlebot3_burger_checked.h
+/** @file turtlebot3_burger_checked.h
  *
  * ROBOTIS TurtleBot3 Burger, differential drive with a ball support
  *
@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_5012d4f34132c375)
+#if !defined(TURTLEBOT3_BURGER_PAIR_fdd9c838d3961898)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 
@@ -29,38 +29,39 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    TURTLEBOT3_BURGER_OK = 0,
-    TURTLEBOT3_BURGER_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    TURTLEBOT3_BURGER_OUT_OF_RANGE = 2  /* an input is not in its range */
+    TURTLEBOT3_BURGER_OK = 0,            /**< inputs were accepted */
+    TURTLEBOT3_BURGER_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    TURTLEBOT3_BURGER_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } turtlebot3_burger_status;
 
-/* turtlebot3_burger_inverse() with its inputs checked. Accepted: vx -0.22 to 0.22 m/s; vy -1e9
+/** turtlebot3_burger_inverse() with its inputs checked. Accepted: vx -0.22 to 0.22 m/s; vy -1e9
  * to 1e9 m/s; omega -2.84 to 2.84 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_inverse_checked(
     const turtlebot3_burger_twist *twist,
     turtlebot3_burger_wheels *out);
 
-/* turtlebot3_burger_inverse_slip() with its inputs checked. Accepted: vx -0.22 to 0.22 m/s; vy
+/** turtlebot3_burger_inverse_slip() with its inputs checked. Accepted: vx -0.22 to 0.22 m/s; vy
  * -1e9 to 1e9 m/s; omega -2.84 to 2.84 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_inverse_slip_checked(
     const turtlebot3_burger_twist *twist,
     float *slip);
 
-/* turtlebot3_burger_forward() with its inputs checked. Accepted: left.spin, right.spin -1e9 to
+/** turtlebot3_burger_forward() with its inputs checked. Accepted: left.spin, right.spin -1e9 to
  * 1e9 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_forward_checked(
     const turtlebot3_burger_wheels *wheels,
     turtlebot3_burger_twist *twist);
 
-/* turtlebot3_burger_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -1e9
+/** turtlebot3_burger_forward_slip() with its inputs checked. Accepted: left.spin, right.spin -1e9
  * to 1e9 rad/s. */
 turtlebot3_burger_status turtlebot3_burger_forward_slip_checked(
     const turtlebot3_burger_wheels *wheels,
     turtlebot3_burger_twist *twist,
     float *slip);
 
-/* turtlebot3_burger_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** turtlebot3_burger_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 turtlebot3_burger_status turtlebot3_burger_odometry_checked(
     turtlebot3_burger_pose *pose,

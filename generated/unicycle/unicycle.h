@@ -1,4 +1,4 @@
-/* unicycle.h
+/** @file unicycle.h
  *
  * A single fixed wheel
  *
@@ -27,7 +27,7 @@
 
 #define UNICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define UNICYCLE_MODEL_HASH "5e795311d9d926060f0b993d5e246301" /**< digest of the model */
-#define UNICYCLE_PAIR_e9fd7d76edc06845 1 /**< header and source that were written together have the same */
+#define UNICYCLE_PAIR_f0b1d3903d56aa7d 1 /**< header and source that were written together have the same */
 #define UNICYCLE_WHEEL_X 0.0f /**< [m] pivot, forward of P */
 #define UNICYCLE_WHEEL_Y 0.0f /**< [m] pivot, to the left of P */
 #define UNICYCLE_WHEEL_RADIUS 0.1f /**< [m] radius */

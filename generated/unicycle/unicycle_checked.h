@@ -1,4 +1,4 @@
-/* unicycle_checked.h
+/** @file unicycle_checked.h
  *
  * A single fixed wheel
  *
@@ -21,7 +21,7 @@
 
 #include "unicycle.h"
 
-#if !defined(UNICYCLE_PAIR_e9fd7d76edc06845)
+#if !defined(UNICYCLE_PAIR_f0b1d3903d56aa7d)
 #error "unicycle_checked.h and unicycle.h were not generated together: copy both"
 #endif
 
@@ -29,30 +29,31 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    UNICYCLE_OK = 0,
-    UNICYCLE_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    UNICYCLE_OUT_OF_RANGE = 2  /* an input is not in its range */
+    UNICYCLE_OK = 0,            /**< inputs were accepted */
+    UNICYCLE_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    UNICYCLE_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } unicycle_status;
 
-/* unicycle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
+/** unicycle_inverse() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200 to
  * 200 rad/s. */
 unicycle_status unicycle_inverse_checked(const unicycle_twist *twist, unicycle_wheels *out);
 
-/* unicycle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
+/** unicycle_inverse_slip() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s; omega -200
  * to 200 rad/s. */
 unicycle_status unicycle_inverse_slip_checked(const unicycle_twist *twist, float *slip);
 
-/* unicycle_forward() with its inputs checked. Accepted: wheel.spin -1e9 to 1e9 rad/s. */
+/** unicycle_forward() with its inputs checked. Accepted: wheel.spin -1e9 to 1e9 rad/s. */
 unicycle_status unicycle_forward_checked(const unicycle_wheels *wheels, unicycle_twist *twist);
 
-/* unicycle_forward_slip() with its inputs checked. Accepted: wheel.spin -1e9 to 1e9 rad/s. */
+/** unicycle_forward_slip() with its inputs checked. Accepted: wheel.spin -1e9 to 1e9 rad/s. */
 unicycle_status unicycle_forward_slip_checked(
     const unicycle_wheels *wheels,
     unicycle_twist *twist,
     float *slip);
 
-/* unicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
+/** unicycle_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4 to 1e4
  * rad; vx, vy -1e9 to 1e9 m/s; omega -200 to 200 rad/s; dt -10 to 10 s. */
 unicycle_status unicycle_odometry_checked(
     unicycle_pose *pose,

@@ -1,4 +1,4 @@
-/* wpilib_swervebot.h
+/** @file wpilib_swervebot.h
  *
  * WPILib SwerveBot example, four swerve modules on a square
  *
@@ -32,7 +32,7 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "d0deb69502fe92d73ec634e7577d70e7" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_1ac3f284885e5f9c 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_PAIR_e687a3af5da83ac7 1 /**< header and source that were written together have the same */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_RADIUS 0.0508f /**< [m] radius */
@@ -105,19 +105,19 @@ typedef struct {
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } front_left;
+    } front_left;    /**< joints of front_left */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } front_right;
+    } front_right;   /**< joints of front_right */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } back_left;
+    } back_left;     /**< joints of back_left */
     struct {
         float spin;  /**< [rad/s] */
         float steer; /**< [rad] */
-    } back_right;
+    } back_right;    /**< joints of back_right */
 } wpilib_swervebot_wheels;
 
 /** Input of wpilib_swervebot_joints_from_counts().
@@ -128,19 +128,19 @@ typedef struct {
     struct {
         float spin_counts;
         float steer_counts;
-    } front_left;
+    } front_left;           /**< joints of front_left */
     struct {
         float spin_counts;
         float steer_counts;
-    } front_right;
+    } front_right;          /**< joints of front_right */
     struct {
         float spin_counts;
         float steer_counts;
-    } back_left;
+    } back_left;            /**< joints of back_left */
     struct {
         float spin_counts;
         float steer_counts;
-    } back_right;
+    } back_right;           /**< joints of back_right */
 } wpilib_swervebot_joints_from_counts_in;
 
 /** Counters of encoders as they stand; they may wrap.
@@ -150,19 +150,19 @@ typedef struct {
     struct {
         uint32_t spin;
         uint32_t steer;
-    } front_left;
+    } front_left;       /**< joints of front_left */
     struct {
         uint32_t spin;
         uint32_t steer;
-    } front_right;
+    } front_right;      /**< joints of front_right */
     struct {
         uint32_t spin;
         uint32_t steer;
-    } back_left;
+    } back_left;        /**< joints of back_left */
     struct {
         uint32_t spin;
         uint32_t steer;
-    } back_right;
+    } back_right;       /**< joints of back_right */
 } wpilib_swervebot_counters;
 
 /** Joints in the order of wpilib_swervebot_wheels. */

@@ -1,4 +1,4 @@
-/* wpilib_swervebot_checked.h
+/** @file wpilib_swervebot_checked.h
  *
  * WPILib SwerveBot example, four swerve modules on a square
  *
@@ -21,7 +21,7 @@
 
 #include "wpilib_swervebot.h"
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_1ac3f284885e5f9c)
+#if !defined(WPILIB_SWERVEBOT_PAIR_e687a3af5da83ac7)
 #error "wpilib_swervebot_checked.h and wpilib_swervebot.h were not generated together: copy both"
 #endif
 
@@ -29,13 +29,14 @@
 extern "C" {
 #endif
 
+/** What a checked function returns. */
 typedef enum {
-    WPILIB_SWERVEBOT_OK = 0,
-    WPILIB_SWERVEBOT_NOT_A_NUMBER = 1, /* an input is NaN or infinite */
-    WPILIB_SWERVEBOT_OUT_OF_RANGE = 2  /* an input is not in its range */
+    WPILIB_SWERVEBOT_OK = 0,            /**< inputs were accepted */
+    WPILIB_SWERVEBOT_NOT_A_NUMBER = 1, /**< an input is NaN or infinite */
+    WPILIB_SWERVEBOT_OUT_OF_RANGE = 2  /**< an input is not in its range */
 } wpilib_swervebot_status;
 
-/* wpilib_swervebot_inverse() with its inputs checked. Accepted: vx, vy -3 to 3 m/s; omega
+/** wpilib_swervebot_inverse() with its inputs checked. Accepted: vx, vy -3 to 3 m/s; omega
  * -3.1415927 to 3.1415927 rad/s; front_left.steer, front_right.steer, back_left.steer,
  * back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_inverse_checked(
@@ -43,7 +44,7 @@ wpilib_swervebot_status wpilib_swervebot_inverse_checked(
     const wpilib_swervebot_wheels *now,
     wpilib_swervebot_wheels *out);
 
-/* wpilib_swervebot_inverse_slip() with its inputs checked. Accepted: vx, vy -3 to 3 m/s; omega
+/** wpilib_swervebot_inverse_slip() with its inputs checked. Accepted: vx, vy -3 to 3 m/s; omega
  * -3.1415927 to 3.1415927 rad/s; front_left.steer, front_right.steer, back_left.steer,
  * back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_inverse_slip_checked(
@@ -51,14 +52,14 @@ wpilib_swervebot_status wpilib_swervebot_inverse_slip_checked(
     const wpilib_swervebot_wheels *wheels,
     float *slip);
 
-/* wpilib_swervebot_forward() with its inputs checked. Accepted: front_left.spin,
+/** wpilib_swervebot_forward() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -73.8189 to 73.8189 rad/s; front_left.steer,
  * front_right.steer, back_left.steer, back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_forward_checked(
     const wpilib_swervebot_wheels *wheels,
     wpilib_swervebot_twist *twist);
 
-/* wpilib_swervebot_forward_slip() with its inputs checked. Accepted: front_left.spin,
+/** wpilib_swervebot_forward_slip() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -73.8189 to 73.8189 rad/s; front_left.steer,
  * front_right.steer, back_left.steer, back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_forward_slip_checked(
@@ -66,14 +67,14 @@ wpilib_swervebot_status wpilib_swervebot_forward_slip_checked(
     wpilib_swervebot_twist *twist,
     float *slip);
 
-/* wpilib_swervebot_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
+/** wpilib_swervebot_odometry() with its inputs checked. Accepted: x, y -1e9 to 1e9 m; theta -1e4
  * to 1e4 rad; vx, vy -3.75001 to 3.75001 m/s; omega -6.95979 to 6.95979 rad/s; dt -10 to 10 s. */
 wpilib_swervebot_status wpilib_swervebot_odometry_checked(
     wpilib_swervebot_pose *pose,
     const wpilib_swervebot_twist *twist,
     float dt);
 
-/* wpilib_swervebot_joints_from_counts() with its inputs checked. Accepted:
+/** wpilib_swervebot_joints_from_counts() with its inputs checked. Accepted:
  * front_left.spin_counts, front_left.steer_counts, front_right.spin_counts,
  * front_right.steer_counts, back_left.spin_counts, back_left.steer_counts,
  * back_right.spin_counts, back_right.steer_counts -1e9 to 1e9; dt -10 to 10 s. */
@@ -81,7 +82,7 @@ wpilib_swervebot_status wpilib_swervebot_joints_from_counts_checked(
     const wpilib_swervebot_joints_from_counts_in *in,
     wpilib_swervebot_wheels *out);
 
-/* wpilib_swervebot_forward_covariance() with its inputs checked. Accepted: front_left.spin,
+/** wpilib_swervebot_forward_covariance() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -73.8189 to 73.8189 rad/s; front_left.steer,
  * front_right.steer, back_left.steer, back_right.steer -1e4 to 1e4 rad; slip -1e9 to 1e9 m/s. */
 wpilib_swervebot_status wpilib_swervebot_forward_covariance_checked(
@@ -89,7 +90,7 @@ wpilib_swervebot_status wpilib_swervebot_forward_covariance_checked(
     float slip,
     wpilib_swervebot_twist_covariance *twist_covariance);
 
-/* wpilib_swervebot_odometry_covariance() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
+/** wpilib_swervebot_odometry_covariance() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
  * theta -1e4 to 1e4 rad; xx, xy, yy -1e9 to 1e9 m^2; xtheta, ytheta -1e9 to 1e9 m rad;
  * thetatheta -1e9 to 1e9 rad^2; vx, vy -3.75001 to 3.75001 m/s; omega -6.95979 to 6.95979 rad/s;
  * vxvx, vxvy, vyvy -1e9 to 1e9 m^2/s^2; vxomega, vyomega -1e9 to 1e9 m rad/s^2; omegaomega -1e9
@@ -101,7 +102,7 @@ wpilib_swervebot_status wpilib_swervebot_odometry_covariance_checked(
     const wpilib_swervebot_twist_covariance *twist_covariance,
     float dt);
 
-/* wpilib_swervebot_odometry_from_angles() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
+/** wpilib_swervebot_odometry_from_angles() with its inputs checked. Accepted: x, y -1e9 to 1e9 m;
  * theta, front_left.spin_step, front_left.steer, front_right.spin_step, front_right.steer,
  * back_left.spin_step, back_left.steer, back_right.spin_step, back_right.steer -1e4 to 1e4 rad. */
 wpilib_swervebot_status wpilib_swervebot_odometry_from_angles_checked(
@@ -109,18 +110,18 @@ wpilib_swervebot_status wpilib_swervebot_odometry_from_angles_checked(
     const wpilib_swervebot_wheels *wheels,
     const wpilib_swervebot_wheels *step);
 
-/* wpilib_swervebot_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
+/** wpilib_swervebot_limit_twist() with its inputs checked. Accepted: vx, vy -1e9 to 1e9 m/s;
  * omega -200 to 200 rad/s. */
 wpilib_swervebot_status wpilib_swervebot_limit_twist_checked(wpilib_swervebot_twist *twist);
 
-/* wpilib_swervebot_limit_acceleration() with its inputs checked. Accepted: vx, vy, vx_wanted,
+/** wpilib_swervebot_limit_acceleration() with its inputs checked. Accepted: vx, vy, vx_wanted,
  * vy_wanted -3 to 3 m/s; omega, omega_wanted -3.1415927 to 3.1415927 rad/s; dt -10 to 10 s. */
 wpilib_swervebot_status wpilib_swervebot_limit_acceleration_checked(
     wpilib_swervebot_twist *twist,
     const wpilib_swervebot_twist *wanted,
     float dt);
 
-/* wpilib_swervebot_compensate_steering() with its inputs checked. Accepted: front_left.spin,
+/** wpilib_swervebot_compensate_steering() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -1e9 to 1e9 rad/s; front_left.steer,
  * front_left.steer_now, front_right.steer, front_right.steer_now, back_left.steer,
  * back_left.steer_now, back_right.steer, back_right.steer_now -1e4 to 1e4 rad. */
@@ -128,7 +129,7 @@ wpilib_swervebot_status wpilib_swervebot_compensate_steering_checked(
     wpilib_swervebot_wheels *wheels,
     const wpilib_swervebot_wheels *now);
 
-/* wpilib_swervebot_desaturate() with its inputs checked. Accepted: front_left.spin,
+/** wpilib_swervebot_desaturate() with its inputs checked. Accepted: front_left.spin,
  * front_right.spin, back_left.spin, back_right.spin -1e9 to 1e9 rad/s. */
 wpilib_swervebot_status wpilib_swervebot_desaturate_checked(
     wpilib_swervebot_wheels *wheels,

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_f3b57cec53bbe2be)
+#if !defined(ANDINO_PAIR_51c676cf1078e2a5)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

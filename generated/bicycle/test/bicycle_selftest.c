@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_dd5b7b0c4d7a21f7)
+#if !defined(BICYCLE_PAIR_3da7db63ffc27087)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_A200_PAIR_27c037504d7555fa)
+#if !defined(CLEARPATH_A200_PAIR_6748a7fcdacd6031)
 #error "clearpath_a200_selftest.c and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_70ec2e4eea37aa04)
+#if !defined(F1TENTH_PAIR_f1e78e9e892b1f5f)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KELLY_4WS_PAIR_896fe1fff0a17500)
+#if !defined(KELLY_4WS_PAIR_4d77d537d17a6287)
 #error "kelly_4ws_selftest.c and kelly_4ws.h were not generated together: copy both"
 #endif
 

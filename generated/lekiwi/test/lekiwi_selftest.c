@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_a582c18442a6f84e)
+#if !defined(LEKIWI_PAIR_ca347fdd027beb6e)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

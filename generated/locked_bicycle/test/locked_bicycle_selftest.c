@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LOCKED_BICYCLE_PAIR_1e24a7e6164c88d6)
+#if !defined(LOCKED_BICYCLE_PAIR_5b6caa4efb6d51ac)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 

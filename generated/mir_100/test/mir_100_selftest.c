@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(MIR_100_PAIR_081e3a2b99b7c1c2)
+#if !defined(MIR_100_PAIR_f4468d1557b414c4)
 #error "mir_100_selftest.c and mir_100.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NEOBOTIX_MPO_700_PAIR_66c4ea8380330dbf)
+#if !defined(NEOBOTIX_MPO_700_PAIR_d65a576a243cf6ea)
 #error "neobotix_mpo_700_selftest.c and neobotix_mpo_700.h were not generated together: copy both"
 #endif
 

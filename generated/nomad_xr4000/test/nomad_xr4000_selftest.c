@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NOMAD_XR4000_PAIR_f5bbca712ab59dbc)
+#if !defined(NOMAD_XR4000_PAIR_752c4aff9ac81a3a)
 #error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 

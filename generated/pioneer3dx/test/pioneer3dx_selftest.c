@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PIONEER3DX_PAIR_2d05a5ad683aca78)
+#if !defined(PIONEER3DX_PAIR_cfcc677434103f24)
 #error "pioneer3dx_selftest.c and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_PAIR_60e6c367ea207784)
+#if !defined(TEXTBOOK_PAIR_8ac056643b5573aa)
 #error "textbook_selftest.c and textbook.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_1a1338de62e952f2)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_fdfa3f819aa0a290)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_c7eda649838333fa)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_d6a10978c98b105f)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_ff375eb66c5e07f7)
 #error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_3fd5743d3ea72278)
+#if !defined(TIDYBOT2_PAIR_edf427546ef2eadf)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

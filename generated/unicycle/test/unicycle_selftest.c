@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_e9fd7d76edc06845)
+#if !defined(UNICYCLE_PAIR_f0b1d3903d56aa7d)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

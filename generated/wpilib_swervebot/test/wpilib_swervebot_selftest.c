@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_1ac3f284885e5f9c)
+#if !defined(WPILIB_SWERVEBOT_PAIR_e687a3af5da83ac7)
 #error "wpilib_swervebot_selftest.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 

@@ -58,8 +58,8 @@ def said(program: Path, lines: int, patience: float = 60) -> list[str]:
         assert running.stdout is not None
         for line in running.stdout:
             plain = re.sub(r"\x1b\[[\d;]*m", "", line).rstrip()
-            if plain.endswith(".."):  # two dots stand for the carriage return and the line feed of a port
-                heard.append(plain.removesuffix(".."))
+            if plain.endswith("."):  # simavr writes dots for the ends of lines
+                heard.append(plain.rstrip("."))
             if len(heard) == lines:
                 break
     finally:

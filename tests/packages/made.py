@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from tests.conftest import ROOT, put
+from tests.tools import tool
 from wmrgen import derive, load
 from wmrgen.backends.packages import PACKAGES
 from wmrgen.emit import artifacts, package
@@ -38,6 +39,11 @@ def in_folder(folder: Path, robot: str, kind: str, target: str = "host") -> Path
     place = folder / robot
     put(place, of_gallery(robot, kind, target))
     return place
+
+
+def reader() -> str:
+    """The Python that has PlatformIO and what reads the packages of others."""
+    return str(Path(tool("pio")).resolve().parent / "python")
 
 
 def run(folder: Path, *words: str | Path) -> str:

@@ -40,6 +40,8 @@ def test_builds_tests_itself_and_is_found(robot: str, tmp_path: Path) -> None:
     run(package, "cmake", "--build", "build")
     tested = run(package, "ctest", "--test-dir", "build")
     assert f"{robot}_selftest" in tested and "100% tests passed, 0 tests failed out of 1" in tested
+    run(package, "cmake", "--build", "build", "--target", f"{robot}_example")
+    run(package, package / "build" / f"{robot}_example")
     run(package, "cmake", "--install", "build", "--prefix", tmp_path / "installed")
     assert (tmp_path / "installed" / "include" / robot / f"{robot}.h").is_file()
 

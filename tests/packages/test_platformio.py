@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import put
-from tests.packages.made import in_folder, run
+from tests.packages.made import in_folder, reader, run
 from tests.tools import need, tool
 
 pytestmark = pytest.mark.slow
@@ -40,9 +40,8 @@ int main(void) {{ return {0}_selftest(); }}
 
 def _core(folder: Path) -> None:
     """What PlatformIO would download: a platform of the host's gcc, and SCons, which PyPI has in the same version."""
-    python = Path(tool("pio")).resolve().parent / "python"
     ask = "from platformio.dependencies import get_core_dependencies as of; print(of()['tool-scons'].lstrip('~'))"
-    version = run(folder, python, "-c", ask).strip()
+    version = run(folder, reader(), "-c", ask).strip()
     scons = {"name": "tool-scons", "version": version}
     spec = {"owner": "platformio", "id": None, "name": "tool-scons", "requirements": None, "uri": None}
     put(

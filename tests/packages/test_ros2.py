@@ -59,10 +59,21 @@ def test_the_package_file_names_what_the_build_finds() -> None:
     assert package.findtext("export/build_type") == "ament_cmake"
 
 
+PAIR = DIFFERENTIAL + "limits: {vx: 1, omega: 2}\n"
+
+
+def pair(folder: Path, text: str) -> Path:
+    """The node of a differential drive whose robot file is ``text``."""
+    robot = folder / "pair.yaml"
+    robot.write_text(text)
+    put(folder / "pair", files_of(robot, "ros2"))
+    return node(folder / "pair", "pair")
+
+
 @pytest.mark.slow
 def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
     """Wheels that do what they are told, for 2 s: then the pose is on the circle of the command."""
-    program = node(in_folder(tmp_path, "pioneer3dx", "ros2"), "pioneer3dx")
+    program = pair(tmp_path, PAIR)
     vx, omega, radius, half = 0.4, 0.5, 0.0975, 0.1655
     left, right = (vx - half * omega) / radius, (vx + half * omega) / radius
     events = ["clock 10", f"cmd_vel {vx} 0 {omega}"]
@@ -89,7 +100,7 @@ def test_a_differential_drive_drives_a_circle(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_what_is_old_broken_or_of_others_moves_nothing(tmp_path: Path) -> None:
-    program = node(in_folder(tmp_path, "pioneer3dx", "ros2"), "pioneer3dx")
+    program = pair(tmp_path, PAIR)
     turning = "left_spin 1 0 right_spin 1 0"
     said = spoken(
         program,
@@ -122,7 +133,9 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
     program = node(in_folder(tmp_path, robot, "ros2"), robot)
     modules = ("front_left", "front_right", "back_left", "back_right")
     still = " ".join(f"{m}_spin 0 9 {m}_steer 9 0.1" for m in modules)
-    (first,) = spoken(program, ["clock 1", "cmd_vel 0 1 0", f"joint_states 1 {still}"])
+    events = ["clock 1", "cmd_vel 0 1 0", f"joint_states 1 {still}", f"joint_states 2 {still}"]
+    commanded = [words for words in spoken(program, events) if words[0] == "joint_commands"]
+    first = commanded[1]  # at the first, no time has passed for the limits of acceleration
     commands = {
         name: (float(v), float(p)) for name, v, p in zip(first[1::3], first[2::3], first[3::3], strict=True)
     }
@@ -141,16 +154,13 @@ NOISY = DIFFERENTIAL + (
 @pytest.mark.slow
 def test_covariance_is_propagated_where_the_robot_file_has_noise(tmp_path: Path) -> None:
     """Every entry of both matrices after three steps, against the interpreter."""
-    robot = tmp_path / "pair.yaml"
-    robot.write_text(NOISY)
-    put(tmp_path / "pair", files_of(robot, "ros2"))
     speeds = [(3.0, 5.0), (4.0, 2.0), (1.0, -1.0)]
     events = ["joint_states 0 left_spin 0 0 right_spin 0 0"]
     events += [f"joint_states {k / 4} left_spin {a} 0 right_spin {b} 0" for k, (a, b) in enumerate(speeds, 1)]
-    said = spoken(node(tmp_path / "pair", "pair"), events)
+    said = spoken(pair(tmp_path, NOISY), events)
     odometry = [[float(w) for w in words[1:]] for words in said if words[0] == "odom"]
 
-    module = derive(load(robot)).module
+    module = derive(load(tmp_path / "pair.yaml")).module
     state = dict.fromkeys([p.name for p in (*POSE, *POSE_COVARIANCE)], 0.0) | {"dt": 0.25}
     for left, right in speeds:
         state |= {"left.spin": left, "right.spin": right}

@@ -121,6 +121,7 @@ def packaged(package: Package, module: Module, facts: Facts, files: Mapping[str,
         "options": facts.options,
         "scalar": scalar,
         "sources": [f"{SOURCES}/{name}" for name in top if name.endswith(".c")],
+        "examples": [f"{SOURCES}/{name}" for name in c if name.startswith("example/")],
         "headers": [f"{SOURCES}/{name}" for name in (*top, f"{robot}.hpp") if not name.endswith(".c")],
     }
     text = " ".join(facts.description.split()) or f"The wheeled robot {robot}"

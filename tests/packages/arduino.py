@@ -21,14 +21,14 @@ def needed() -> None:
         missing("not installed: arduino-core-avr")
 
 
-def build(library: Path, sketch: str, folder: Path) -> Path:
-    """The program of an example of a library, for an Uno."""
+def build(library: Path, sketch: str, folder: Path, flags: str = "") -> Path:
+    """The program of an example of a library, for an Uno; ``flags`` for the C."""
     folder.mkdir()
     options = {
         "-hardware": [SHARE / "arduino-builder", SHARE / "arduino" / "hardware"],
         "-tools": ["/usr/bin"],
         "-fqbn": ["arduino:avr:uno"],
-        "-prefs": [OLD_COMPILER],
+        "-prefs": [OLD_COMPILER, f"compiler.c.extra_flags={flags}"],
         "-libraries": [library.parent],
         "-build-path": [folder],
     }

@@ -14,11 +14,14 @@ from tests.packages.test_documents import PAGE
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("robot", ["pioneer3dx", "ackermann_car"])
-def test_the_self_test_says_ok(robot: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("robot", "flags"),
+    [("turtlebot3_burger", ""), ("ackermann_car", ""), ("pioneer3dx", "-DPIONEER3DX_SELFTEST_FEW")],
+)
+def test_the_self_test_says_ok(robot: str, flags: str, tmp_path: Path) -> None:
     needed()
     library = in_folder(tmp_path, robot, "arduino", "avr")
-    program = build(library, f"{robot}_selftest", tmp_path / "build")
+    program = build(library, f"{robot}_selftest", tmp_path / "build", flags)
     assert said(program, 1) == ["OK"]
     flash, ram = size(program)
     assert flash <= 32256 and ram <= 500
@@ -88,7 +91,7 @@ def test_the_loop_drives_in_little_memory(robot: str, tmp_path: Path) -> None:
     assert 20 < stack < 500
     (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{robot}`")]
     assert row.endswith(f"| {flash} | {ram} | {stack} |"), (flash, ram, stack)
-    if robot != "wpilib_swervebot":
+    if robot == "turtlebot3_burger":
         assert flash <= 6144 and ram + stack <= 500
 
 

@@ -10,8 +10,9 @@ from wmrgen.ir.nodes import Module
 
 
 def context(module: Module, scalar: str) -> Mapping[str, object]:
-    """``types`` and ``functions`` for the editor; ``variables`` and statements of the loop."""
-    steps = loop(module, scalar)
+    """``types`` and ``functions`` for the editor; ``variables`` and statements of the loop, without covariances, which
+    nobody reads there."""
+    steps = loop(module, scalar, covariances=False)
     return {
         "types": [f"{module.name}_{kind}" for kind in members(module)],
         "functions": [f"{module.name}_{f.name}" for f in module.functions if f.outputs],

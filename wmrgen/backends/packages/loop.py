@@ -47,8 +47,9 @@ class Loop:
         return {name: kind for call in calls for name, kind in call.variables.items()}
 
 
-def loop(module: Module, scalar: str) -> Loop:
-    """The loop of ``module``. NotDerivableError where it neither drives nor senses wheels."""
+def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
+    """The loop of ``module``, with ``covariances`` where it has them. NotDerivableError where it neither drives nor
+    senses wheels."""
     functions = {function.name: function for function in module.functions if function.outputs}
     if not {"forward", "inverse"} <= functions.keys():
         raise NotDerivableError(
@@ -66,7 +67,7 @@ def loop(module: Module, scalar: str) -> Loop:
                 variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
         return Call(f"{module.name}_{name}", tuple(words), variables)
 
-    covariance = all(name in functions for name in _COVARIANCE)
+    covariance = covariances and all(name in functions for name in _COVARIANCE)
     if covariance:
         takes_slip = any(argument.name == "slip" for argument in passed(module, functions[_COVARIANCE[0]]))
         sense = ["forward_slip" if takes_slip else "forward", *_COVARIANCE]

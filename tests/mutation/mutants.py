@@ -48,6 +48,8 @@ def mutate(source: str) -> tuple[str, list[Mutant]]:
         begun = _FUNCTION.match(line)
         if begun:
             function, names = begun[1], []
+            if function.endswith("_joints_from_counters"):  # tests/processor/test_counters.py has its tests
+                function = ""
             body = source[source.index(line) :].partition("\n}")[0]
         statement = _STATEMENT.match(line)
         if not statement or not function:

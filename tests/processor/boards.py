@@ -166,12 +166,10 @@ def self_test(folder: Path, robot: str, target: str) -> list[str]:
     return ["check.c", f"{robot}.c", place_of(robot)]
 
 
-def atmega(folder: Path, files: Sequence[str], flags: Sequence[str] = ()) -> Path:
+def atmega(folder: Path, files: Sequence[str], flags: Sequence[str] = (), chip: str = "atmega328p") -> Path:
     (folder / "main.c").write_text(AVR)
-    chosen = gcc.PROCESSORS["avr"]
-    gcc.run(
-        folder, chosen.compiler, *chosen.flags, *gcc.FLAGS, *flags, "main.c", *files, "-o", "avr.elf", "-lm"
-    )
+    words = (gcc.PROCESSORS["avr"].compiler, f"-mmcu={chip}", *gcc.FLAGS, *flags)
+    gcc.run(folder, *words, "main.c", *files, "-o", "avr.elf", "-lm")
     return folder / "avr.elf"
 
 

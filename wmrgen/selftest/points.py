@@ -83,6 +83,8 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     yield from _extremes(ports, site, grid)
     yield from _centres(ports, site, grid)
     yield from _limiting(function, ports, site, grid)
+    if any(p.name == "slip" for p in ports):
+        yield "a little slip", np.array([2.0**-6 if p.name == "slip" else 0.0 for p in ports])
     if any(_chooses(node.op) for node in function.nodes):
         pool = _POOL if len(function.nodes) <= _LARGE else _POOL // 10
         for row, values in enumerate(_scattered(ports, pool)):

@@ -57,7 +57,10 @@ BEFORE = {  # (m4f, m0)
     "wpilib_swervebot": (1420, 3712),
 }
 # What robot files ask for since.
-LATER = ("limit_twist", "limit_acceleration", "compensate_steering", "desaturate", "steer_toward")
+LATER = (
+    "limit_twist", "limit_acceleration", "compensate_steering", "desaturate", "steer_toward",
+    "joints_from_counts", "forward_covariance", "odometry_covariance", "odometry_from_angles",
+)  # fmt: skip
 # Both of their slip functions repeat what the other function computes, which `--size` shared.
 LARGER = {("f1tenth", "m4f"): 1.27, ("pr2", "m0"): 1.06}
 

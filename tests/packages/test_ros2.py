@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import DIFFERENTIAL, put
+from tests.depth import GALLERY
 from tests.packages.made import files_of, in_folder, of_gallery, run
 from tests.tools import need
 from wmrgen import derive, load
@@ -144,6 +145,16 @@ def test_a_swerve_drive_is_commanded_by_position_and_velocity(tmp_path: Path) ->
         assert isnan(commands[f"{m}_steer"][0]) and commands[f"{m}_steer"][1] == pytest.approx(
             pi / 2, abs=1e-6
         )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", sorted(GALLERY - {"office_chair"}))
+def test_the_node_of_every_robot_compiles(robot: str, tmp_path: Path) -> None:
+    """The chair has neither motors nor sensors, and no node."""
+    need("g++")
+    put(tmp_path, of_gallery(robot, "ros2"))
+    words = ("-std=c++17", *WARNINGS.split(), "-Isrc", f"-I{STUBS / 'include'}", f"node/{robot}_node.cpp")
+    run(tmp_path, "g++", "-fsyntax-only", *words)
 
 
 NOISY = DIFFERENTIAL + (

@@ -1,4 +1,4 @@
-"""Which arguments functions have: shared types by the names of ports, what changes in place, what may be one variable."""
+"""Which arguments functions have: shared types by names of ports, what changes in place, what may be one variable."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from wmrgen.backends.registry import BACKENDS
 # stages to readers stands right of the facade.
 ROOMS = (
     "errors exact ports notation artifacts compiler render"
-    " ir selftest interface backends backends/registry backends/c99 backends/casadi backends/numpy"
+    " ir selftest interface loop backends backends/registry backends/c99 backends/casadi backends/numpy"
     " backends/rust backends/packages wheels spec layout constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"
     " functions/control functions/space"

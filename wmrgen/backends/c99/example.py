@@ -13,6 +13,7 @@ from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.text import comment_lines
 from wmrgen.ir.interpret import FLOAT64, evaluate
 from wmrgen.ir.nodes import Module
+from wmrgen.loop import Stage, loop
 from wmrgen.render import render
 
 STEPS, PER_SECOND = 6000, 100  # a minute
@@ -22,50 +23,32 @@ ABOUT = (
     "hardware() stands for both: motors that follow at once. Put your drivers in its place. From the folder of "
     "{robot}.c: cc example/main.c {robot}.c -lm"
 )
-# The functions of the loop in their order, and what their parameters are where the variable has another name.
-_LOOP: tuple[tuple[str, Mapping[str, str]], ...] = (
-    ("joints_from_counters", {"now": "counters", "last": "counters_before", "out": "wheels"}),
-    ("forward", {"twist": "measured"}),
-    ("forward_covariance", {}),
-    ("odometry", {"twist": "measured"}),
-    ("odometry_covariance", {"twist": "measured"}),
-    ("limit_twist", {"twist": "wanted"}),
-    ("limit_acceleration", {"twist": "driven"}),
-    ("inverse", {"twist": "driven", "now": "wheels", "out": "commands"}),
-    ("desaturate", {"wheels": "commands"}),
-    ("compensate_steering", {"wheels": "commands", "now": "wheels"}),
-    ("steer_toward", {"now": "wheels", "wanted": "commands", "out": "commands"}),
-)
-_SENSES = 5  # of these functions
 
 
 def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
     """The text of the file; ``unit``: the C functions of ``module``, ``common``: what every template is told."""
     steps = {step.name.removeprefix(f"{unit.robot}_"): step for step in unit.every}
-    if "odometry_covariance" in steps:  # it moves the pose, too
-        del steps["odometry"]
-    if "forward_covariance" in steps and "slip" in steps["forward_covariance"].variables:
-        steps["forward"] = steps["forward_slip"]
-    loop = [(name, steps[name], renamed) for name, renamed in _LOOP if name in steps]
-    same = {} if "limit_acceleration" in steps else {"driven": "wanted"}
+    stages = loop(module, steps)
     variables: dict[str, str] = {"wanted": f"{unit.robot}_twist"}
-    calls: dict[str, str] = {}
-    for name, step, renamed in loop:
-        passed = {p: same.get(renamed.get(p, p), renamed.get(p, p)) for p in step.variables}
-        variables |= {passed[p]: kind for p, kind in step.variables.items()}
-        calls[name] = f"{step.call(passed)};"
-    before = unit.before([step for _, step, _ in loop])
+
+    def call(stage: Stage) -> str:
+        step = steps[stage.function]
+        passed = {p: stage.variables.get(p, p) for p in step.variables}
+        variables.update({passed[p]: kind for p, kind in step.variables.items()})
+        return f"{step.call(passed)};"
+
+    sensing, acting = ([call(stage) for stage in part] for part in (stages.senses, stages.acts))
+    before = unit.before([steps[stage.function] for stage in (*stages.senses, *stages.acts)])
     variables |= {name: kind for step in before for name, kind in step.variables.items()}
     variables.pop("dt", None)
-    senses = {name for name, _ in _LOOP[:_SENSES]}
     return render(
         "c99/example.c.j2",
         **common,
         about=comment_lines(ABOUT.format(robot=unit.robot, rate=PER_SECOND)),
         variables=[(kind, name) for name, kind in variables.items()],
         prepare=[f"{step.call()};" for step in before],
-        sensing=[call for name, call in calls.items() if name in senses],
-        acting=[call for name, call in calls.items() if name not in senses],
+        sensing=sensing,
+        acting=acting,
         hardware=[*_hardware(module, unit, "commands" in variables)],
         counts="counters" in variables,
         steps=STEPS,

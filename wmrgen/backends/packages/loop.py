@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from wmrgen.backends.packages.cpp import passed
 from wmrgen.errors import NotDerivableError
 from wmrgen.ir.nodes import Module
+from wmrgen.loop import Stage
+from wmrgen.loop import loop as stages_of
 
-_COVARIANCE = ("forward_covariance", "odometry_covariance")
-# What each argument is in the loop, where it is not called so: one variable has the wheels, measured, then commanded.
-_SENSE = {"out": "twist"}
-_ACT = {"now": "wheels", "out": "wheels"}
-_LIMIT = {"limit_twist": {"twist": "wanted"}, "limit_acceleration": {"twist": "command"}}
+# One variable has the wheels, measured, then commanded: what would compare the two has no place in this loop.
+_COMPARE = ("compensate_steering", "steer_toward")
+_ONE = {"commands": "wheels"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,34 +57,25 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
             "packages, cmake for one."
         )
 
-    def call(name: str, called: Mapping[str, str]) -> Call:
+    def call(stage: Stage) -> Call:
         words, variables = [], {}
-        for argument in passed(module, functions[name]):
-            variable = called.get(argument.name, argument.name)
+        for argument in passed(module, functions[stage.function]):
+            variable = stage.variables.get(argument.name, argument.name)
+            variable = _ONE.get(variable, variable)
             by_value = not argument.kind and not argument.writes
             words.append(variable if by_value else f"&{variable}")
             if not by_value:
                 variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
-        return Call(f"{module.name}_{name}", tuple(words), variables)
+        return Call(f"{module.name}_{stage.function}", tuple(words), variables)
 
-    covariance = covariances and all(name in functions for name in _COVARIANCE)
-    if covariance:
-        takes_slip = any(argument.name == "slip" for argument in passed(module, functions[_COVARIANCE[0]]))
-        sense = ["forward_slip" if takes_slip else "forward", *_COVARIANCE]
-    else:
-        sense = ["forward", "odometry_compensated" if "odometry_compensated" in functions else "odometry"]
-    limits = [name for name in ("limit_twist", "limit_acceleration") if name in functions]
-    command = "command" if "limit_acceleration" in limits else "wanted"
-    act = [name for name in ("inverse", "desaturate") if name in functions]
+    stages = stages_of(module, functions.keys() - set(_COMPARE), covariances)
+    called = {stage.function for stage in (*stages.senses, *stages.acts)}
     return Loop(
         _prepare(module),
-        tuple(call(name, _SENSE) for name in sense),
-        (
-            *(call(name, _LIMIT[name]) for name in limits),
-            *(call(name, {**_ACT, "twist": command}) for name in act),
-        ),
-        command,
-        covariance,
+        tuple(map(call, stages.senses)),
+        tuple(map(call, stages.acts)),
+        "driven" if "limit_acceleration" in called else "wanted",
+        "odometry_covariance" in called,
     )
 
 

@@ -1,0 +1,76 @@
+"""The loop of a robot, from sensors to motors: which of its functions it has, in which order, and what is passed.
+
+counters, wheels      what encoders count, and what the joints do
+twist, pose           how the robot moves, and where it is, with covariances of both where there is noise to tell of
+wanted, driven        the twist that somebody wants, and what is left of it by the limits of acceleration
+commands              what the joints are to do
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from wmrgen.interface import arguments
+from wmrgen.ir.nodes import Module
+
+COUNTERS = "joints_from_counters"
+# What the arguments of each function are in the loop, where they are not called so.
+_SENSES: tuple[tuple[str, Mapping[str, str]], ...] = (
+    (COUNTERS, {"now": "counters", "last": "counters_before", "out": "wheels"}),
+    ("forward", {}),
+    ("forward_slip", {}),
+    ("forward_covariance", {}),
+    ("odometry_compensated", {}),
+    ("odometry_covariance", {}),
+    ("odometry", {}),
+)
+_ACTS: tuple[tuple[str, Mapping[str, str]], ...] = (
+    ("limit_twist", {"twist": "wanted"}),
+    ("limit_acceleration", {"twist": "driven"}),
+    ("inverse", {"twist": "driven", "now": "wheels", "out": "commands"}),
+    ("desaturate", {"wheels": "commands"}),
+    ("compensate_steering", {"wheels": "commands", "now": "wheels"}),
+    ("steer_toward", {"now": "wheels", "wanted": "commands", "out": "commands"}),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A function of the loop, and the variable that each of its arguments is, where that is called otherwise."""
+
+    function: str
+    variables: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """``senses``: from what the wheels do to the pose; ``acts``: from the wanted twist to commands."""
+
+    senses: tuple[Stage, ...]
+    acts: tuple[Stage, ...]
+
+
+def loop(module: Module, has: Collection[str], covariances: bool = True) -> Loop:
+    """The loop of ``module`` with those functions that it ``has``; without ``covariances`` where nobody reads them."""
+    names = set(has)
+    if not covariances or not {"forward_covariance", "odometry_covariance"} <= names:
+        names -= {"forward_covariance", "odometry_covariance"}
+    slip = "forward_covariance" in names and any(
+        argument.name == "slip"
+        for argument in arguments(module.function("forward_covariance"), module.joints)
+    )
+    names -= {"forward"} if slip else {"forward_slip"}
+    # One of them moves the pose.
+    moves = next(n for n in ("odometry_covariance", "odometry_compensated", "odometry") if n in names)
+    names -= {"odometry_covariance", "odometry_compensated", "odometry"} - {moves}
+    driven = {} if "limit_acceleration" in names else {"driven": "wanted"}
+
+    def stages(table: tuple[tuple[str, Mapping[str, str]], ...]) -> tuple[Stage, ...]:
+        return tuple(
+            Stage(name, {a: driven.get(v, v) for a, v in variables.items()})
+            for name, variables in table
+            if name in names
+        )
+
+    return Loop(stages(_SENSES), stages(_ACTS))

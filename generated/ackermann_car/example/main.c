@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static ackermann_car_twist wanted;
 static ackermann_car_wheels wheels;
-static ackermann_car_twist measured;
+static ackermann_car_twist twist;
 static ackermann_car_pose pose;
 static ackermann_car_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    ackermann_car_forward(&wheels, &measured);
-    ackermann_car_odometry(&pose, &measured, dt);
+    ackermann_car_forward(&wheels, &twist);
+    ackermann_car_odometry(&pose, &twist, dt);
     ackermann_car_inverse(&wanted, &wheels, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static agilex_ranger_twist wanted;
 static agilex_ranger_wheels wheels;
-static agilex_ranger_twist measured;
+static agilex_ranger_twist twist;
 static agilex_ranger_pose pose;
 static agilex_ranger_wheels commands;
 
@@ -33,8 +33,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    agilex_ranger_forward(&wheels, &measured);
-    agilex_ranger_odometry(&pose, &measured, dt);
+    agilex_ranger_forward(&wheels, &twist);
+    agilex_ranger_odometry(&pose, &twist, dt);
     agilex_ranger_inverse(&wanted, &wheels, &commands);
     hardware();
 }

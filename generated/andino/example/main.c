@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static andino_twist wanted;
 static andino_wheels wheels;
-static andino_twist measured;
+static andino_twist twist;
 static andino_pose pose;
 static andino_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    andino_forward(&wheels, &measured);
-    andino_odometry(&pose, &measured, dt);
+    andino_forward(&wheels, &twist);
+    andino_odometry(&pose, &twist, dt);
     andino_inverse(&wanted, &commands);
     hardware();
 }

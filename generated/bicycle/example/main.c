@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static bicycle_twist wanted;
 static bicycle_wheels wheels;
-static bicycle_twist measured;
+static bicycle_twist twist;
 static bicycle_pose pose;
 static bicycle_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    bicycle_forward(&wheels, &measured);
-    bicycle_odometry(&pose, &measured, dt);
+    bicycle_forward(&wheels, &twist);
+    bicycle_odometry(&pose, &twist, dt);
     bicycle_inverse(&wanted, &wheels, &commands);
     hardware();
 }

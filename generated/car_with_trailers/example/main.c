@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static car_with_trailers_twist wanted;
 static car_with_trailers_wheels wheels;
-static car_with_trailers_twist measured;
+static car_with_trailers_twist twist;
 static car_with_trailers_pose pose;
 static car_with_trailers_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    car_with_trailers_forward(&wheels, &measured);
-    car_with_trailers_odometry(&pose, &measured, dt);
+    car_with_trailers_forward(&wheels, &twist);
+    car_with_trailers_odometry(&pose, &twist, dt);
     car_with_trailers_inverse(&wanted, &wheels, &commands);
     hardware();
 }

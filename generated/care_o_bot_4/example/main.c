@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static care_o_bot_4_twist wanted;
 static care_o_bot_4_wheels wheels;
-static care_o_bot_4_twist measured;
+static care_o_bot_4_twist twist;
 static care_o_bot_4_pose pose;
 static care_o_bot_4_wheels commands;
 
@@ -31,8 +31,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    care_o_bot_4_forward(&wheels, &measured);
-    care_o_bot_4_odometry(&pose, &measured, dt);
+    care_o_bot_4_forward(&wheels, &twist);
+    care_o_bot_4_odometry(&pose, &twist, dt);
     care_o_bot_4_inverse(&wanted, &wheels, &commands);
     hardware();
 }

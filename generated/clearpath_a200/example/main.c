@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static clearpath_a200_twist wanted;
 static clearpath_a200_wheels wheels;
-static clearpath_a200_twist measured;
+static clearpath_a200_twist twist;
 static clearpath_a200_pose pose;
 static clearpath_a200_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    clearpath_a200_forward(&wheels, &measured);
-    clearpath_a200_odometry(&pose, &measured, dt);
+    clearpath_a200_forward(&wheels, &twist);
+    clearpath_a200_odometry(&pose, &twist, dt);
     clearpath_a200_inverse(&wanted, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static clearpath_do100_twist wanted;
 static clearpath_do100_wheels wheels;
-static clearpath_do100_twist measured;
+static clearpath_do100_twist twist;
 static clearpath_do100_pose pose;
 static clearpath_do100_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    clearpath_do100_forward(&wheels, &measured);
-    clearpath_do100_odometry(&pose, &measured, dt);
+    clearpath_do100_forward(&wheels, &twist);
+    clearpath_do100_odometry(&pose, &twist, dt);
     clearpath_do100_inverse(&wanted, &commands);
     hardware();
 }

@@ -15,7 +15,7 @@ static const float dt = 0.01f; /* [s] */
 static clearpath_r100_twist wanted;
 static clearpath_r100_prepared prepared;
 static clearpath_r100_wheels wheels;
-static clearpath_r100_twist measured;
+static clearpath_r100_twist twist;
 static clearpath_r100_pose pose;
 static clearpath_r100_wheels commands;
 static clearpath_r100_params params;
@@ -31,8 +31,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    clearpath_r100_forward(&prepared, &wheels, &measured);
-    clearpath_r100_odometry(&pose, &measured, dt);
+    clearpath_r100_forward(&prepared, &wheels, &twist);
+    clearpath_r100_odometry(&pose, &twist, dt);
     clearpath_r100_inverse(&prepared, &wanted, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static f1tenth_twist wanted;
 static f1tenth_wheels wheels;
-static f1tenth_twist measured;
+static f1tenth_twist twist;
 static f1tenth_pose pose;
 static f1tenth_twist driven;
 static f1tenth_wheels commands;
@@ -28,8 +28,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    f1tenth_forward(&wheels, &measured);
-    f1tenth_odometry(&pose, &measured, dt);
+    f1tenth_forward(&wheels, &twist);
+    f1tenth_odometry(&pose, &twist, dt);
     f1tenth_limit_twist(&wanted);
     f1tenth_limit_acceleration(&driven, &wanted, dt);
     f1tenth_inverse(&driven, &wheels, &commands);

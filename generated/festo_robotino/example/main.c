@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static festo_robotino_twist wanted;
 static festo_robotino_wheels wheels;
-static festo_robotino_twist measured;
+static festo_robotino_twist twist;
 static festo_robotino_pose pose;
 static festo_robotino_wheels commands;
 
@@ -28,8 +28,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    festo_robotino_forward(&wheels, &measured);
-    festo_robotino_odometry(&pose, &measured, dt);
+    festo_robotino_forward(&wheels, &twist);
+    festo_robotino_odometry(&pose, &twist, dt);
     festo_robotino_inverse(&wanted, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static jpl_osr_twist wanted;
 static jpl_osr_wheels wheels;
-static jpl_osr_twist measured;
+static jpl_osr_twist twist;
 static jpl_osr_pose pose;
 static jpl_osr_wheels commands;
 
@@ -35,8 +35,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    jpl_osr_forward(&wheels, &measured);
-    jpl_osr_odometry(&pose, &measured, dt);
+    jpl_osr_forward(&wheels, &twist);
+    jpl_osr_odometry(&pose, &twist, dt);
     jpl_osr_inverse(&wanted, &wheels, &commands);
     hardware();
 }

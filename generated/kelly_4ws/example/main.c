@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static kelly_4ws_twist wanted;
 static kelly_4ws_wheels wheels;
-static kelly_4ws_twist measured;
+static kelly_4ws_twist twist;
 static kelly_4ws_pose pose;
 static kelly_4ws_wheels commands;
 
@@ -37,8 +37,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    kelly_4ws_forward(&wheels, &measured);
-    kelly_4ws_odometry(&pose, &measured, dt);
+    kelly_4ws_forward(&wheels, &twist);
+    kelly_4ws_odometry(&pose, &twist, dt);
     kelly_4ws_inverse(&wanted, &wheels, &commands);
     hardware();
 }

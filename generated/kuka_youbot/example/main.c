@@ -15,7 +15,7 @@ static const float dt = 0.01f; /* [s] */
 static kuka_youbot_twist wanted;
 static kuka_youbot_prepared prepared;
 static kuka_youbot_wheels wheels;
-static kuka_youbot_twist measured;
+static kuka_youbot_twist twist;
 static kuka_youbot_pose pose;
 static kuka_youbot_twist driven;
 static kuka_youbot_wheels commands;
@@ -33,8 +33,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    kuka_youbot_forward(&prepared, &wheels, &measured);
-    kuka_youbot_odometry(&pose, &measured, dt);
+    kuka_youbot_forward(&prepared, &wheels, &twist);
+    kuka_youbot_odometry(&pose, &twist, dt);
     kuka_youbot_limit_twist(&wanted);
     kuka_youbot_limit_acceleration(&driven, &wanted, dt);
     kuka_youbot_inverse(&prepared, &driven, &commands);

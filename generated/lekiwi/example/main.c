@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static lekiwi_twist wanted;
 static lekiwi_wheels wheels;
-static lekiwi_twist measured;
+static lekiwi_twist twist;
 static lekiwi_pose pose;
 static lekiwi_wheels commands;
 
@@ -28,8 +28,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    lekiwi_forward(&wheels, &measured);
-    lekiwi_odometry(&pose, &measured, dt);
+    lekiwi_forward(&wheels, &twist);
+    lekiwi_odometry(&pose, &twist, dt);
     lekiwi_inverse(&wanted, &commands);
     hardware();
 }

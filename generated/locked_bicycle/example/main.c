@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static locked_bicycle_twist wanted;
 static locked_bicycle_wheels wheels;
-static locked_bicycle_twist measured;
+static locked_bicycle_twist twist;
 static locked_bicycle_pose pose;
 static locked_bicycle_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    locked_bicycle_forward(&wheels, &measured);
-    locked_bicycle_odometry(&pose, &measured, dt);
+    locked_bicycle_forward(&wheels, &twist);
+    locked_bicycle_odometry(&pose, &twist, dt);
     locked_bicycle_inverse(&wanted, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static mir_100_twist wanted;
 static mir_100_wheels wheels;
-static mir_100_twist measured;
+static mir_100_twist twist;
 static mir_100_pose pose;
 static mir_100_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    mir_100_forward(&wheels, &measured);
-    mir_100_odometry(&pose, &measured, dt);
+    mir_100_forward(&wheels, &twist);
+    mir_100_odometry(&pose, &twist, dt);
     mir_100_inverse(&wanted, &commands);
     hardware();
 }

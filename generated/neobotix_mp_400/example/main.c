@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static neobotix_mp_400_twist wanted;
 static neobotix_mp_400_wheels wheels;
-static neobotix_mp_400_twist measured;
+static neobotix_mp_400_twist twist;
 static neobotix_mp_400_pose pose;
 static neobotix_mp_400_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    neobotix_mp_400_forward(&wheels, &measured);
-    neobotix_mp_400_odometry(&pose, &measured, dt);
+    neobotix_mp_400_forward(&wheels, &twist);
+    neobotix_mp_400_odometry(&pose, &twist, dt);
     neobotix_mp_400_inverse(&wanted, &commands);
     hardware();
 }

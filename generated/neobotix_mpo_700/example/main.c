@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static neobotix_mpo_700_twist wanted;
 static neobotix_mpo_700_wheels wheels;
-static neobotix_mpo_700_twist measured;
+static neobotix_mpo_700_twist twist;
 static neobotix_mpo_700_pose pose;
 static neobotix_mpo_700_wheels commands;
 
@@ -37,8 +37,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    neobotix_mpo_700_forward(&wheels, &measured);
-    neobotix_mpo_700_odometry(&pose, &measured, dt);
+    neobotix_mpo_700_forward(&wheels, &twist);
+    neobotix_mpo_700_odometry(&pose, &twist, dt);
     neobotix_mpo_700_inverse(&wanted, &wheels, &commands);
     hardware();
 }

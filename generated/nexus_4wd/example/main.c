@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static nexus_4wd_twist wanted;
 static nexus_4wd_wheels wheels;
-static nexus_4wd_twist measured;
+static nexus_4wd_twist twist;
 static nexus_4wd_pose pose;
 static nexus_4wd_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    nexus_4wd_forward(&wheels, &measured);
-    nexus_4wd_odometry(&pose, &measured, dt);
+    nexus_4wd_forward(&wheels, &twist);
+    nexus_4wd_odometry(&pose, &twist, dt);
     nexus_4wd_inverse(&wanted, &commands);
     hardware();
 }

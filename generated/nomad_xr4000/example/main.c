@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static nomad_xr4000_twist wanted;
 static nomad_xr4000_wheels wheels;
-static nomad_xr4000_twist measured;
+static nomad_xr4000_twist twist;
 static nomad_xr4000_pose pose;
 static nomad_xr4000_wheels commands;
 
@@ -37,8 +37,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    nomad_xr4000_forward(&wheels, &measured);
-    nomad_xr4000_odometry(&pose, &measured, dt);
+    nomad_xr4000_forward(&wheels, &twist);
+    nomad_xr4000_odometry(&pose, &twist, dt);
     nomad_xr4000_inverse(&wanted, &wheels, &commands);
     hardware();
 }

@@ -17,7 +17,7 @@ static pioneer3dx_counters counters;
 static pioneer3dx_counters counters_before;
 static pioneer3dx_wheels wheels;
 static pioneer3dx_prepared prepared;
-static pioneer3dx_twist measured;
+static pioneer3dx_twist twist;
 static pioneer3dx_twist_covariance twist_covariance;
 static pioneer3dx_pose pose;
 static pioneer3dx_pose_covariance pose_covariance;
@@ -46,9 +46,9 @@ static void hardware(void)
 static void step(void)
 {
     pioneer3dx_joints_from_counters(&counters, &counters_before, dt, &wheels);
-    pioneer3dx_forward(&prepared, &wheels, &measured);
+    pioneer3dx_forward(&prepared, &wheels, &twist);
     pioneer3dx_forward_covariance(&prepared, &wheels, &twist_covariance);
-    pioneer3dx_odometry_covariance(&pose, &pose_covariance, &measured, &twist_covariance, dt);
+    pioneer3dx_odometry_covariance(&pose, &pose_covariance, &twist, &twist_covariance, dt);
     pioneer3dx_limit_twist(&wanted);
     pioneer3dx_limit_acceleration(&driven, &wanted, dt);
     pioneer3dx_inverse(&prepared, &driven, &commands);

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static pr2_twist wanted;
 static pr2_wheels wheels;
-static pr2_twist measured;
+static pr2_twist twist;
 static pr2_pose pose;
 static pr2_wheels commands;
 
@@ -49,8 +49,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    pr2_forward(&wheels, &measured);
-    pr2_odometry(&pose, &measured, dt);
+    pr2_forward(&wheels, &twist);
+    pr2_odometry(&pose, &twist, dt);
     pr2_inverse(&wanted, &wheels, &commands);
     hardware();
 }

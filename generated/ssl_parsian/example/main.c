@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static ssl_parsian_twist wanted;
 static ssl_parsian_wheels wheels;
-static ssl_parsian_twist measured;
+static ssl_parsian_twist twist;
 static ssl_parsian_pose pose;
 static ssl_parsian_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    ssl_parsian_forward(&wheels, &measured);
-    ssl_parsian_odometry(&pose, &measured, dt);
+    ssl_parsian_forward(&wheels, &twist);
+    ssl_parsian_odometry(&pose, &twist, dt);
     ssl_parsian_inverse(&wanted, &commands);
     hardware();
 }

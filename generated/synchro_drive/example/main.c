@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static synchro_drive_twist wanted;
 static synchro_drive_wheels wheels;
-static synchro_drive_twist measured;
+static synchro_drive_twist twist;
 static synchro_drive_pose pose;
 static synchro_drive_wheels commands;
 
@@ -31,8 +31,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    synchro_drive_forward(&wheels, &measured);
-    synchro_drive_odometry(&pose, &measured, dt);
+    synchro_drive_forward(&wheels, &twist);
+    synchro_drive_odometry(&pose, &twist, dt);
     synchro_drive_inverse(&wanted, &wheels, &commands);
     hardware();
 }

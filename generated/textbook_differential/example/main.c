@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static textbook_differential_twist wanted;
 static textbook_differential_wheels wheels;
-static textbook_differential_twist measured;
+static textbook_differential_twist twist;
 static textbook_differential_pose pose;
 static textbook_differential_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    textbook_differential_forward(&wheels, &measured);
-    textbook_differential_odometry(&pose, &measured, dt);
+    textbook_differential_forward(&wheels, &twist);
+    textbook_differential_odometry(&pose, &twist, dt);
     textbook_differential_inverse(&wanted, &commands);
     hardware();
 }

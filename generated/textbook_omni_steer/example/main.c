@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static textbook_omni_steer_twist wanted;
 static textbook_omni_steer_wheels wheels;
-static textbook_omni_steer_twist measured;
+static textbook_omni_steer_twist twist;
 static textbook_omni_steer_pose pose;
 static textbook_omni_steer_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    textbook_omni_steer_forward(&wheels, &measured);
-    textbook_omni_steer_odometry(&pose, &measured, dt);
+    textbook_omni_steer_forward(&wheels, &twist);
+    textbook_omni_steer_odometry(&pose, &twist, dt);
     textbook_omni_steer_inverse(&wanted, &wheels, &commands);
     hardware();
 }

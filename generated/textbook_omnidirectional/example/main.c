@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static textbook_omnidirectional_twist wanted;
 static textbook_omnidirectional_wheels wheels;
-static textbook_omnidirectional_twist measured;
+static textbook_omnidirectional_twist twist;
 static textbook_omnidirectional_pose pose;
 static textbook_omnidirectional_wheels commands;
 
@@ -28,8 +28,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    textbook_omnidirectional_forward(&wheels, &measured);
-    textbook_omnidirectional_odometry(&pose, &measured, dt);
+    textbook_omnidirectional_forward(&wheels, &twist);
+    textbook_omnidirectional_odometry(&pose, &twist, dt);
     textbook_omnidirectional_inverse(&wanted, &commands);
     hardware();
 }

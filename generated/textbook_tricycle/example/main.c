@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static textbook_tricycle_twist wanted;
 static textbook_tricycle_wheels wheels;
-static textbook_tricycle_twist measured;
+static textbook_tricycle_twist twist;
 static textbook_tricycle_pose pose;
 static textbook_tricycle_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    textbook_tricycle_forward(&wheels, &measured);
-    textbook_tricycle_odometry(&pose, &measured, dt);
+    textbook_tricycle_forward(&wheels, &twist);
+    textbook_tricycle_odometry(&pose, &twist, dt);
     textbook_tricycle_inverse(&wanted, &wheels, &commands);
     hardware();
 }

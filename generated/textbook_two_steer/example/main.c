@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static textbook_two_steer_twist wanted;
 static textbook_two_steer_wheels wheels;
-static textbook_two_steer_twist measured;
+static textbook_two_steer_twist twist;
 static textbook_two_steer_pose pose;
 static textbook_two_steer_wheels commands;
 
@@ -29,8 +29,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    textbook_two_steer_forward(&wheels, &measured);
-    textbook_two_steer_odometry(&pose, &measured, dt);
+    textbook_two_steer_forward(&wheels, &twist);
+    textbook_two_steer_odometry(&pose, &twist, dt);
     textbook_two_steer_inverse(&wanted, &wheels, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static tidybot2_twist wanted;
 static tidybot2_wheels wheels;
-static tidybot2_twist measured;
+static tidybot2_twist twist;
 static tidybot2_pose pose;
 static tidybot2_wheels commands;
 
@@ -37,8 +37,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    tidybot2_forward(&wheels, &measured);
-    tidybot2_odometry(&pose, &measured, dt);
+    tidybot2_forward(&wheels, &twist);
+    tidybot2_odometry(&pose, &twist, dt);
     tidybot2_inverse(&wanted, &wheels, &commands);
     hardware();
 }

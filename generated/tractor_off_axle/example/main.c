@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static tractor_off_axle_twist wanted;
 static tractor_off_axle_wheels wheels;
-static tractor_off_axle_twist measured;
+static tractor_off_axle_twist twist;
 static tractor_off_axle_pose pose;
 static tractor_off_axle_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    tractor_off_axle_forward(&wheels, &measured);
-    tractor_off_axle_odometry(&pose, &measured, dt);
+    tractor_off_axle_forward(&wheels, &twist);
+    tractor_off_axle_odometry(&pose, &twist, dt);
     tractor_off_axle_inverse(&wanted, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static turtlebot3_burger_twist wanted;
 static turtlebot3_burger_wheels wheels;
-static turtlebot3_burger_twist measured;
+static turtlebot3_burger_twist twist;
 static turtlebot3_burger_pose pose;
 static turtlebot3_burger_wheels commands;
 
@@ -27,8 +27,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    turtlebot3_burger_forward(&wheels, &measured);
-    turtlebot3_burger_odometry(&pose, &measured, dt);
+    turtlebot3_burger_forward(&wheels, &twist);
+    turtlebot3_burger_odometry(&pose, &twist, dt);
     turtlebot3_burger_inverse(&wanted, &commands);
     hardware();
 }

@@ -14,7 +14,7 @@
 static const float dt = 0.01f; /* [s] */
 static unicycle_twist wanted;
 static unicycle_wheels wheels;
-static unicycle_twist measured;
+static unicycle_twist twist;
 static unicycle_pose pose;
 static unicycle_wheels commands;
 
@@ -26,8 +26,8 @@ static void hardware(void)
 
 static void step(void)
 {
-    unicycle_forward(&wheels, &measured);
-    unicycle_odometry(&pose, &measured, dt);
+    unicycle_forward(&wheels, &twist);
+    unicycle_odometry(&pose, &twist, dt);
     unicycle_inverse(&wanted, &commands);
     hardware();
 }

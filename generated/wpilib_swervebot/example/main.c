@@ -16,7 +16,7 @@ static wpilib_swervebot_twist wanted;
 static wpilib_swervebot_counters counters;
 static wpilib_swervebot_counters counters_before;
 static wpilib_swervebot_wheels wheels;
-static wpilib_swervebot_twist measured;
+static wpilib_swervebot_twist twist;
 static float slip;
 static wpilib_swervebot_twist_covariance twist_covariance;
 static wpilib_swervebot_pose pose;
@@ -51,9 +51,9 @@ static void hardware(void)
 static void step(void)
 {
     wpilib_swervebot_joints_from_counters(&counters, &counters_before, dt, &wheels);
-    wpilib_swervebot_forward_slip(&wheels, &measured, &slip);
+    wpilib_swervebot_forward_slip(&wheels, &twist, &slip);
     wpilib_swervebot_forward_covariance(&wheels, slip, &twist_covariance);
-    wpilib_swervebot_odometry_covariance(&pose, &pose_covariance, &measured, &twist_covariance, dt);
+    wpilib_swervebot_odometry_covariance(&pose, &pose_covariance, &twist, &twist_covariance, dt);
     wpilib_swervebot_limit_twist(&wanted);
     wpilib_swervebot_limit_acceleration(&driven, &wanted, dt);
     wpilib_swervebot_inverse(&driven, &wheels, &commands);

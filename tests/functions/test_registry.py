@@ -69,7 +69,7 @@ def test_a_robot_that_asks_for_nothing_loads_no_family() -> None:
         "import sys, wmrgen\nwmrgen.derive(wmrgen.load(sys.argv[1])).c_module\n"
         "print(*(m for m in sys.modules if m.startswith('wmrgen.functions.')))"
     )
-    loaded = set(run(code, str(ROOT / "robots" / "pioneer3dx.yaml")).split())
+    loaded = set(run(code, str(ROOT / "robots" / "turtlebot3_burger.yaml")).split())
     assert loaded == {"wmrgen.functions.registry", "wmrgen.functions.standard"}
 
 

@@ -120,7 +120,7 @@ _LIMITED = {port.name: port for port in TWIST} | JOINTS
 
 def constants(robot: Robot, where: Site) -> tuple[tuple[str, float, str], ...]:
     """What a program may want to know of a robot file: name, nominal value in SI units, unit and what it is."""
-    numbers: list[tuple[str, float, str]] = []
+    numbers: list[tuple[str, float, str]] = [("wheels", len(robot.wheels), "how many wheels the robot has")]
     for w in robot.wheels:
         g = w.nominal
         lengths = (

@@ -166,20 +166,25 @@ def _notes(facts: Facts, arithmetic: Sequence[str]) -> list[str]:
 
 
 _STEPS = ("inverse", "forward", "odometry")
-_EXAMPLE = {"twist": "{0.5f, 0.0f, 0.2f}", "pose": "{0.0f, 0.0f, 0.0f}", "wheels": "{{0.0f}}"}
+_EXAMPLE = {
+    "twist": "{{0.5{0}, 0.0{0}, 0.2{0}}}",
+    "pose": "{{0.0{0}, 0.0{0}, 0.0{0}}}",
+    "wheels": "{{{{0.0{0}}}}}",
+}
 
 
 def _example(unit: Unit) -> list[str]:
     """Statements that drive a robot for a step: commands of a twist, and what the wheels say of it."""
     steps = [unit.contract[name] for name in _STEPS if name in unit.contract]
     before = unit.before(steps)
-    called = {"now": "wheels", "out": "wheels", "dt": "0.01f"}
+    ending = "f" if unit.choice.scalar == "float" else ""
+    called = {"now": "wheels", "out": "wheels", "dt": f"0.01{ending}"}
     declared: dict[str, str] = {}
     for step in (*before, *steps):
         declared |= {called.get(p, p): kind for p, kind in step.variables.items() if p not in ("dt", "slip")}
     lines = []
     for variable, kind in declared.items():
-        value = f" = {_EXAMPLE[variable]}" if variable in _EXAMPLE else ""
+        value = f" = {_EXAMPLE[variable].format(ending)}" if variable in _EXAMPLE else ""
         lines.append(f"{kind} {variable}{value};")
     return [*lines, *(f"{step.call(called)};" for step in (*before, *steps))] if steps else []
 
@@ -192,7 +197,12 @@ def _constants(unit: Unit, facts: Facts) -> list[tuple[str, str, str]]:
     """Name, value and what it is, of every number of the robot file that a program may want."""
     scalar = unit.choice.scalar
     return [
-        (_macro(name), literal(Exact(Fraction(value)), scalar), text) for name, value, text in facts.constants
+        (
+            _macro(name),
+            str(value) if isinstance(value, int) else literal(Exact(Fraction(value)), scalar),
+            text,
+        )
+        for name, value, text in facts.constants
     ]
 
 

@@ -30,7 +30,8 @@
 
 #define ACKERMANN_CAR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ACKERMANN_CAR_MODEL_HASH "486aea833de4076b460bc367f470ac0a" /**< digest of the model */
-#define ACKERMANN_CAR_PAIR_1dcccafcd8195cf7 1 /**< header and source that were written together have the same */
+#define ACKERMANN_CAR_PAIR_e81b895b41825c93 1 /**< header and source that were written together have the same */
+#define ACKERMANN_CAR_WHEELS 4 /**< how many wheels the robot has */
 #define ACKERMANN_CAR_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define ACKERMANN_CAR_REAR_LEFT_Y 0.75f /**< [m] pivot, to the left of P */
 #define ACKERMANN_CAR_REAR_LEFT_RADIUS 0.3f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "ackermann_car.h"
 
-#if !defined(ACKERMANN_CAR_PAIR_1dcccafcd8195cf7)
+#if !defined(ACKERMANN_CAR_PAIR_e81b895b41825c93)
 #error "ackermann_car_checked.h and ackermann_car.h were not generated together: copy both"
 #endif
 

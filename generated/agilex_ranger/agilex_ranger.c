@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(AGILEX_RANGER_PAIR_c3e9d54652e2fcc4)
+#if !defined(AGILEX_RANGER_PAIR_65993a2f16d1cd4c)
 #error "agilex_ranger.c and agilex_ranger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

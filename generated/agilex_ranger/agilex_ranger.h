@@ -30,7 +30,8 @@
 
 #define AGILEX_RANGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define AGILEX_RANGER_MODEL_HASH "b85a0cf196c72b9ea4891d6bcbc9f7a6" /**< digest of the model */
-#define AGILEX_RANGER_PAIR_c3e9d54652e2fcc4 1 /**< header and source that were written together have the same */
+#define AGILEX_RANGER_PAIR_65993a2f16d1cd4c 1 /**< header and source that were written together have the same */
+#define AGILEX_RANGER_WHEELS 4 /**< how many wheels the robot has */
 #define AGILEX_RANGER_FRONT_LEFT_X 0.45f /**< [m] pivot, forward of P */
 #define AGILEX_RANGER_FRONT_LEFT_Y 0.28f /**< [m] pivot, to the left of P */
 #define AGILEX_RANGER_FRONT_LEFT_RADIUS 0.12f /**< [m] radius */

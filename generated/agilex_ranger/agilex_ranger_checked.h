@@ -21,7 +21,7 @@
 
 #include "agilex_ranger.h"
 
-#if !defined(AGILEX_RANGER_PAIR_c3e9d54652e2fcc4)
+#if !defined(AGILEX_RANGER_PAIR_65993a2f16d1cd4c)
 #error "agilex_ranger_checked.h and agilex_ranger.h were not generated together: copy both"
 #endif
 

@@ -30,7 +30,8 @@
 
 #define ANDINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define ANDINO_MODEL_HASH "e34201328fa0cf20d31aa6d078c79c41" /**< digest of the model */
-#define ANDINO_PAIR_51c676cf1078e2a5 1 /**< header and source that were written together have the same */
+#define ANDINO_PAIR_ec52e51a78a6d8e7 1 /**< header and source that were written together have the same */
+#define ANDINO_WHEELS 3 /**< how many wheels the robot has */
 #define ANDINO_RIGHT_X 0.0185f /**< [m] pivot, forward of P */
 #define ANDINO_RIGHT_Y (-0.0675f) /**< [m] pivot, to the left of P */
 #define ANDINO_RIGHT_RADIUS 0.0331f /**< [m] radius */

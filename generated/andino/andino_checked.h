@@ -21,7 +21,7 @@
 
 #include "andino.h"
 
-#if !defined(ANDINO_PAIR_51c676cf1078e2a5)
+#if !defined(ANDINO_PAIR_ec52e51a78a6d8e7)
 #error "andino_checked.h and andino.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(BICYCLE_PAIR_3da7db63ffc27087)
+#if !defined(BICYCLE_PAIR_a7aec45c18d49d60)
 #error "bicycle.c and bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

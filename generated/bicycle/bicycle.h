@@ -28,7 +28,8 @@
 
 #define BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define BICYCLE_MODEL_HASH "a8d594fac1868b135b2bb46184586cd7" /**< digest of the model */
-#define BICYCLE_PAIR_3da7db63ffc27087 1 /**< header and source that were written together have the same */
+#define BICYCLE_PAIR_a7aec45c18d49d60 1 /**< header and source that were written together have the same */
+#define BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define BICYCLE_REAR_X 0.0f /**< [m] pivot, forward of P */
 #define BICYCLE_REAR_Y 0.0f /**< [m] pivot, to the left of P */
 #define BICYCLE_REAR_RADIUS 0.34f /**< [m] radius */

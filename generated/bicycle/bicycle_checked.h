@@ -21,7 +21,7 @@
 
 #include "bicycle.h"
 
-#if !defined(BICYCLE_PAIR_3da7db63ffc27087)
+#if !defined(BICYCLE_PAIR_a7aec45c18d49d60)
 #error "bicycle_checked.h and bicycle.h were not generated together: copy both"
 #endif
 

@@ -30,7 +30,8 @@
 
 #define CAR_WITH_TRAILERS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CAR_WITH_TRAILERS_MODEL_HASH "c5cfe84705895b1e5a9e5ab871a51819" /**< digest of the model */
-#define CAR_WITH_TRAILERS_PAIR_39381386ff0dc527 1 /**< header and source that were written together have the same */
+#define CAR_WITH_TRAILERS_PAIR_cca6c8e4dc2666fb 1 /**< header and source that were written together have the same */
+#define CAR_WITH_TRAILERS_WHEELS 4 /**< how many wheels the robot has */
 #define CAR_WITH_TRAILERS_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
 #define CAR_WITH_TRAILERS_REAR_LEFT_RADIUS 0.11f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "car_with_trailers.h"
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_39381386ff0dc527)
+#if !defined(CAR_WITH_TRAILERS_PAIR_cca6c8e4dc2666fb)
 #error "car_with_trailers_checked.h and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -29,7 +29,8 @@
 
 #define CARE_O_BOT_4_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CARE_O_BOT_4_MODEL_HASH "20816f229724bb4aaeaa82826a8df9ad" /**< digest of the model */
-#define CARE_O_BOT_4_PAIR_45eea3f527ab0297 1 /**< header and source that were written together have the same */
+#define CARE_O_BOT_4_PAIR_70298e1ea2f168e4 1 /**< header and source that were written together have the same */
+#define CARE_O_BOT_4_WHEELS 3 /**< how many wheels the robot has */
 #define CARE_O_BOT_4_FL_X 0.12422f /**< [m] pivot, forward of P */
 #define CARE_O_BOT_4_FL_Y 0.21515f /**< [m] pivot, to the left of P */
 #define CARE_O_BOT_4_FL_RADIUS 0.075f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "care_o_bot_4.h"
 
-#if !defined(CARE_O_BOT_4_PAIR_45eea3f527ab0297)
+#if !defined(CARE_O_BOT_4_PAIR_70298e1ea2f168e4)
 #error "care_o_bot_4_checked.h and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -30,7 +30,8 @@
 
 #define CLEARPATH_A200_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_A200_MODEL_HASH "bc28cdec49a371bec43685821b5e5a72" /**< digest of the model */
-#define CLEARPATH_A200_PAIR_6748a7fcdacd6031 1 /**< header and source that were written together have the same */
+#define CLEARPATH_A200_PAIR_01f6038e13c073cd 1 /**< header and source that were written together have the same */
+#define CLEARPATH_A200_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_A200_FRONT_LEFT_X 0.256f /**< [m] pivot, forward of P */
 #define CLEARPATH_A200_FRONT_LEFT_Y 0.2775f /**< [m] pivot, to the left of P */
 #define CLEARPATH_A200_FRONT_LEFT_RADIUS 0.1651f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "clearpath_a200.h"
 
-#if !defined(CLEARPATH_A200_PAIR_6748a7fcdacd6031)
+#if !defined(CLEARPATH_A200_PAIR_01f6038e13c073cd)
 #error "clearpath_a200_checked.h and clearpath_a200.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_DO100_PAIR_a4208413680ff270)
+#if !defined(CLEARPATH_DO100_PAIR_e01844f8b454ed46)
 #error "clearpath_do100.c and clearpath_do100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -32,7 +32,8 @@
 
 #define CLEARPATH_DO100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_DO100_MODEL_HASH "1b4365f4c99648a8149e61862a7003af" /**< digest of the model */
-#define CLEARPATH_DO100_PAIR_a4208413680ff270 1 /**< header and source that were written together have the same */
+#define CLEARPATH_DO100_PAIR_e01844f8b454ed46 1 /**< header and source that were written together have the same */
+#define CLEARPATH_DO100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_DO100_FRONT_LEFT_X 0.285f /**< [m] pivot, forward of P */
 #define CLEARPATH_DO100_FRONT_LEFT_Y 0.2104f /**< [m] pivot, to the left of P */
 #define CLEARPATH_DO100_FRONT_LEFT_RADIUS 0.05f /**< [m] radius */

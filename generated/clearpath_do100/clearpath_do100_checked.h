@@ -21,7 +21,7 @@
 
 #include "clearpath_do100.h"
 
-#if !defined(CLEARPATH_DO100_PAIR_a4208413680ff270)
+#if !defined(CLEARPATH_DO100_PAIR_e01844f8b454ed46)
 #error "clearpath_do100_checked.h and clearpath_do100.h were not generated together: copy both"
 #endif
 

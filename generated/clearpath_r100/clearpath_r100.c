@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(CLEARPATH_R100_PAIR_cdf6c0741054bbc3)
+#if !defined(CLEARPATH_R100_PAIR_29f69cc6b521c7cd)
 #error "clearpath_r100.c and clearpath_r100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

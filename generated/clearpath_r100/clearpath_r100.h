@@ -36,7 +36,8 @@
 
 #define CLEARPATH_R100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define CLEARPATH_R100_MODEL_HASH "d2d473fb5ffa09d58576428bd1ce21c3" /**< digest of the model */
-#define CLEARPATH_R100_PAIR_cdf6c0741054bbc3 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_PAIR_29f69cc6b521c7cd 1 /**< header and source that were written together have the same */
+#define CLEARPATH_R100_WHEELS 4 /**< how many wheels the robot has */
 #define CLEARPATH_R100_FRONT_LEFT_X 0.319f /**< [m] pivot, forward of P */
 #define CLEARPATH_R100_FRONT_LEFT_Y 0.2755f /**< [m] pivot, to the left of P */
 #define CLEARPATH_R100_FRONT_LEFT_RADIUS 0.0759f /**< [m] radius */

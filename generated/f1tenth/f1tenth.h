@@ -28,7 +28,8 @@
 
 #define F1TENTH_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define F1TENTH_MODEL_HASH "16aaa6556ffeb925eb9e6de52d4b2b75" /**< digest of the model */
-#define F1TENTH_PAIR_f1e78e9e892b1f5f 1 /**< header and source that were written together have the same */
+#define F1TENTH_PAIR_dd662bc339168d43 1 /**< header and source that were written together have the same */
+#define F1TENTH_WHEELS 2 /**< how many wheels the robot has */
 #define F1TENTH_FRONT_X 0.15875f /**< [m] pivot, forward of P */
 #define F1TENTH_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
 #define F1TENTH_FRONT_RADIUS 0.05f /**< [m] radius */

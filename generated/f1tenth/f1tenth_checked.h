@@ -21,7 +21,7 @@
 
 #include "f1tenth.h"
 
-#if !defined(F1TENTH_PAIR_f1e78e9e892b1f5f)
+#if !defined(F1TENTH_PAIR_dd662bc339168d43)
 #error "f1tenth_checked.h and f1tenth.h were not generated together: copy both"
 #endif
 

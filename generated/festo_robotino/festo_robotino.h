@@ -31,7 +31,8 @@
 
 #define FESTO_ROBOTINO_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define FESTO_ROBOTINO_MODEL_HASH "33e1b28b5046057d11ad87e9cd5a89e7" /**< digest of the model */
-#define FESTO_ROBOTINO_PAIR_a764b66937dca7ca 1 /**< header and source that were written together have the same */
+#define FESTO_ROBOTINO_PAIR_d22ea1f002ab3fca 1 /**< header and source that were written together have the same */
+#define FESTO_ROBOTINO_WHEELS 3 /**< how many wheels the robot has */
 #define FESTO_ROBOTINO_WHEEL0_X 0.065f /**< [m] pivot, forward of P */
 #define FESTO_ROBOTINO_WHEEL0_Y 0.11f /**< [m] pivot, to the left of P */
 #define FESTO_ROBOTINO_WHEEL0_RADIUS 0.04f /**< [m] radius */

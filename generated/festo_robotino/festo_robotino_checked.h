@@ -21,7 +21,7 @@
 
 #include "festo_robotino.h"
 
-#if !defined(FESTO_ROBOTINO_PAIR_a764b66937dca7ca)
+#if !defined(FESTO_ROBOTINO_PAIR_d22ea1f002ab3fca)
 #error "festo_robotino_checked.h and festo_robotino.h were not generated together: copy both"
 #endif
 

@@ -32,7 +32,8 @@
 
 #define JPL_OSR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define JPL_OSR_MODEL_HASH "14ffece6b5631114881c318e672de1fa" /**< digest of the model */
-#define JPL_OSR_PAIR_c30ba3aff4115464 1 /**< header and source that were written together have the same */
+#define JPL_OSR_PAIR_1a64970c43ccab4c 1 /**< header and source that were written together have the same */
+#define JPL_OSR_WHEELS 6 /**< how many wheels the robot has */
 #define JPL_OSR_LEFT_FRONT_X 0.274f /**< [m] pivot, forward of P */
 #define JPL_OSR_LEFT_FRONT_Y 0.177f /**< [m] pivot, to the left of P */
 #define JPL_OSR_LEFT_FRONT_RADIUS 0.075f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "jpl_osr.h"
 
-#if !defined(JPL_OSR_PAIR_c30ba3aff4115464)
+#if !defined(JPL_OSR_PAIR_1a64970c43ccab4c)
 #error "jpl_osr_checked.h and jpl_osr.h were not generated together: copy both"
 #endif
 

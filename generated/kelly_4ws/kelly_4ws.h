@@ -30,7 +30,8 @@
 
 #define KELLY_4WS_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KELLY_4WS_MODEL_HASH "9578dfd51cc5c54643a2faecc51243a0" /**< digest of the model */
-#define KELLY_4WS_PAIR_4d77d537d17a6287 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_PAIR_ba99199a17d909c0 1 /**< header and source that were written together have the same */
+#define KELLY_4WS_WHEELS 4 /**< how many wheels the robot has */
 #define KELLY_4WS_W1_X 0.5f /**< [m] pivot, forward of P */
 #define KELLY_4WS_W1_Y 0.3f /**< [m] pivot, to the left of P */
 #define KELLY_4WS_W1_RADIUS 0.1f /**< [m] radius */

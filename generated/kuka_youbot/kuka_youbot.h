@@ -36,7 +36,8 @@
 
 #define KUKA_YOUBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define KUKA_YOUBOT_MODEL_HASH "67137b193474d3e59b0826d02d4776ea" /**< digest of the model */
-#define KUKA_YOUBOT_PAIR_3f955cdefc78fe78 1 /**< header and source that were written together have the same */
+#define KUKA_YOUBOT_PAIR_1f62ee4107e382aa 1 /**< header and source that were written together have the same */
+#define KUKA_YOUBOT_WHEELS 4 /**< how many wheels the robot has */
 #define KUKA_YOUBOT_FL_X 0.228f /**< [m] pivot, forward of P */
 #define KUKA_YOUBOT_FL_Y 0.158f /**< [m] pivot, to the left of P */
 #define KUKA_YOUBOT_FL_RADIUS 0.05f /**< [m] radius */

@@ -26,7 +26,7 @@
 
 #include "kuka_youbot.h"
 
-#if !defined(KUKA_YOUBOT_PAIR_3f955cdefc78fe78)
+#if !defined(KUKA_YOUBOT_PAIR_1f62ee4107e382aa)
 #error "kuka_youbot_checked.h and kuka_youbot.h were not generated together: copy both"
 #endif
 

@@ -31,7 +31,8 @@
 
 #define LEKIWI_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LEKIWI_MODEL_HASH "4b5a8f14e6f4af6bbfa42c22e9eee90a" /**< digest of the model */
-#define LEKIWI_PAIR_ca347fdd027beb6e 1 /**< header and source that were written together have the same */
+#define LEKIWI_PAIR_947b49e0e98a99af 1 /**< header and source that were written together have the same */
+#define LEKIWI_WHEELS 3 /**< how many wheels the robot has */
 #define LEKIWI_LEFT_WHEEL_X 0.0625f /**< [m] pivot, forward of P */
 #define LEKIWI_LEFT_WHEEL_Y 0.10825317f /**< [m] pivot, to the left of P */
 #define LEKIWI_LEFT_WHEEL_RADIUS 0.05f /**< [m] radius */

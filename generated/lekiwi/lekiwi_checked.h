@@ -21,7 +21,7 @@
 
 #include "lekiwi.h"
 
-#if !defined(LEKIWI_PAIR_ca347fdd027beb6e)
+#if !defined(LEKIWI_PAIR_947b49e0e98a99af)
 #error "lekiwi_checked.h and lekiwi.h were not generated together: copy both"
 #endif
 

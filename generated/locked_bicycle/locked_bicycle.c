@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_5b6caa4efb6d51ac)
+#if !defined(LOCKED_BICYCLE_PAIR_357b53cb62a5a7d7)
 #error "locked_bicycle.c and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -28,7 +28,8 @@
 
 #define LOCKED_BICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define LOCKED_BICYCLE_MODEL_HASH "91600d4b3ec19e7f48d61777f70d3063" /**< digest of the model */
-#define LOCKED_BICYCLE_PAIR_5b6caa4efb6d51ac 1 /**< header and source that were written together have the same */
+#define LOCKED_BICYCLE_PAIR_357b53cb62a5a7d7 1 /**< header and source that were written together have the same */
+#define LOCKED_BICYCLE_WHEELS 2 /**< how many wheels the robot has */
 #define LOCKED_BICYCLE_FRONT_X 0.6f /**< [m] pivot, forward of P */
 #define LOCKED_BICYCLE_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
 #define LOCKED_BICYCLE_FRONT_RADIUS 0.1f /**< [m] radius */

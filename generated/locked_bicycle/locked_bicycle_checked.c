@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(LOCKED_BICYCLE_PAIR_5b6caa4efb6d51ac)
+#if !defined(LOCKED_BICYCLE_PAIR_357b53cb62a5a7d7)
 #error "locked_bicycle_checked.c and locked_bicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "locked_bicycle.h"
 
-#if !defined(LOCKED_BICYCLE_PAIR_5b6caa4efb6d51ac)
+#if !defined(LOCKED_BICYCLE_PAIR_357b53cb62a5a7d7)
 #error "locked_bicycle_checked.h and locked_bicycle.h were not generated together: copy both"
 #endif
 

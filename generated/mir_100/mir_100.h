@@ -33,7 +33,8 @@
 
 #define MIR_100_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define MIR_100_MODEL_HASH "3baa10167789eaa01bfbf4b26d7e3f49" /**< digest of the model */
-#define MIR_100_PAIR_f4468d1557b414c4 1 /**< header and source that were written together have the same */
+#define MIR_100_PAIR_87a78c7745052c46 1 /**< header and source that were written together have the same */
+#define MIR_100_WHEELS 6 /**< how many wheels the robot has */
 #define MIR_100_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define MIR_100_LEFT_Y 0.222604f /**< [m] pivot, to the left of P */
 #define MIR_100_LEFT_RADIUS 0.0625f /**< [m] radius */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(MIR_100_PAIR_f4468d1557b414c4)
+#if !defined(MIR_100_PAIR_87a78c7745052c46)
 #error "mir_100_checked.c and mir_100.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "mir_100.h"
 
-#if !defined(MIR_100_PAIR_f4468d1557b414c4)
+#if !defined(MIR_100_PAIR_87a78c7745052c46)
 #error "mir_100_checked.h and mir_100.h were not generated together: copy both"
 #endif
 

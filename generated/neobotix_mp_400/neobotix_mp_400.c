@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_8a599d6f7ce87161)
+#if !defined(NEOBOTIX_MP_400_PAIR_af19f43388ffa156)
 #error "neobotix_mp_400.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -33,7 +33,8 @@
 
 #define NEOBOTIX_MP_400_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MP_400_MODEL_HASH "1834fb102744c0d188330d748714680b" /**< digest of the model */
-#define NEOBOTIX_MP_400_PAIR_8a599d6f7ce87161 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MP_400_PAIR_af19f43388ffa156 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MP_400_WHEELS 6 /**< how many wheels the robot has */
 #define NEOBOTIX_MP_400_RIGHT_X 0.0f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MP_400_RIGHT_Y (-0.26f) /**< [m] pivot, to the left of P */
 #define NEOBOTIX_MP_400_RIGHT_RADIUS 0.0765f /**< [m] radius */

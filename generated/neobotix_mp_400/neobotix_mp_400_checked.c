@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEOBOTIX_MP_400_PAIR_8a599d6f7ce87161)
+#if !defined(NEOBOTIX_MP_400_PAIR_af19f43388ffa156)
 #error "neobotix_mp_400_checked.c and neobotix_mp_400.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

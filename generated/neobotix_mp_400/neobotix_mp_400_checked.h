@@ -21,7 +21,7 @@
 
 #include "neobotix_mp_400.h"
 
-#if !defined(NEOBOTIX_MP_400_PAIR_8a599d6f7ce87161)
+#if !defined(NEOBOTIX_MP_400_PAIR_af19f43388ffa156)
 #error "neobotix_mp_400_checked.h and neobotix_mp_400.h were not generated together: copy both"
 #endif
 

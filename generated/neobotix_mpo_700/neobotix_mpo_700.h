@@ -31,7 +31,8 @@
 
 #define NEOBOTIX_MPO_700_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEOBOTIX_MPO_700_MODEL_HASH "7c0eb96fb2cdd482c2e6b99dc5e028d8" /**< digest of the model */
-#define NEOBOTIX_MPO_700_PAIR_d65a576a243cf6ea 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MPO_700_PAIR_14a3c807d323839f 1 /**< header and source that were written together have the same */
+#define NEOBOTIX_MPO_700_WHEELS 4 /**< how many wheels the robot has */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_X 0.24f /**< [m] pivot, forward of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_Y 0.19f /**< [m] pivot, to the left of P */
 #define NEOBOTIX_MPO_700_FRONT_LEFT_RADIUS 0.09f /**< [m] radius */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(NEXUS_4WD_PAIR_c28bb2367dd1f264)
+#if !defined(NEXUS_4WD_PAIR_35d2816adaff4cb3)
 #error "nexus_4wd.c and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

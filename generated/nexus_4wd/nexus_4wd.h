@@ -32,7 +32,8 @@
 
 #define NEXUS_4WD_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NEXUS_4WD_MODEL_HASH "3f0fa7cc99d5053227ed34990562b8c5" /**< digest of the model */
-#define NEXUS_4WD_PAIR_c28bb2367dd1f264 1 /**< header and source that were written together have the same */
+#define NEXUS_4WD_PAIR_35d2816adaff4cb3 1 /**< header and source that were written together have the same */
+#define NEXUS_4WD_WHEELS 4 /**< how many wheels the robot has */
 #define NEXUS_4WD_UPPER_LEFT_X 0.15f /**< [m] pivot, forward of P */
 #define NEXUS_4WD_UPPER_LEFT_Y 0.15f /**< [m] pivot, to the left of P */
 #define NEXUS_4WD_UPPER_LEFT_RADIUS 0.05f /**< [m] radius */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(NEXUS_4WD_PAIR_c28bb2367dd1f264)
+#if !defined(NEXUS_4WD_PAIR_35d2816adaff4cb3)
 #error "nexus_4wd_checked.c and nexus_4wd.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "nexus_4wd.h"
 
-#if !defined(NEXUS_4WD_PAIR_c28bb2367dd1f264)
+#if !defined(NEXUS_4WD_PAIR_35d2816adaff4cb3)
 #error "nexus_4wd_checked.h and nexus_4wd.h were not generated together: copy both"
 #endif
 

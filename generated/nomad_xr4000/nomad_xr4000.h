@@ -31,7 +31,8 @@
 
 #define NOMAD_XR4000_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define NOMAD_XR4000_MODEL_HASH "4e76e80387543823a70452e680a8f8d5" /**< digest of the model */
-#define NOMAD_XR4000_PAIR_752c4aff9ac81a3a 1 /**< header and source that were written together have the same */
+#define NOMAD_XR4000_PAIR_7fbbd930ceaab3ad 1 /**< header and source that were written together have the same */
+#define NOMAD_XR4000_WHEELS 4 /**< how many wheels the robot has */
 #define NOMAD_XR4000_CASTOR1_X 0.2f /**< [m] pivot, forward of P */
 #define NOMAD_XR4000_CASTOR1_Y 0.2f /**< [m] pivot, to the left of P */
 #define NOMAD_XR4000_CASTOR1_RADIUS 0.055f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "nomad_xr4000.h"
 
-#if !defined(NOMAD_XR4000_PAIR_752c4aff9ac81a3a)
+#if !defined(NOMAD_XR4000_PAIR_7fbbd930ceaab3ad)
 #error "nomad_xr4000_checked.h and nomad_xr4000.h were not generated together: copy both"
 #endif
 

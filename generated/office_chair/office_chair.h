@@ -30,7 +30,8 @@
 
 #define OFFICE_CHAIR_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define OFFICE_CHAIR_MODEL_HASH "7bdbdc43e9145f597235671aa43ad780" /**< digest of the model */
-#define OFFICE_CHAIR_PAIR_7940eac3b805f3ce 1 /**< header and source that were written together have the same */
+#define OFFICE_CHAIR_PAIR_447a06a96a8d17fa 1 /**< header and source that were written together have the same */
+#define OFFICE_CHAIR_WHEELS 5 /**< how many wheels the robot has */
 #define OFFICE_CHAIR_C1_X 0.28f /**< [m] pivot, forward of P */
 #define OFFICE_CHAIR_C1_Y 0.0f /**< [m] pivot, to the left of P */
 #define OFFICE_CHAIR_C1_RADIUS 0.03f /**< [m] radius */

@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(OFFICE_CHAIR_PAIR_7940eac3b805f3ce)
+#if !defined(OFFICE_CHAIR_PAIR_447a06a96a8d17fa)
 #error "office_chair_checked.c and office_chair.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

@@ -21,7 +21,7 @@
 
 #include "office_chair.h"
 
-#if !defined(OFFICE_CHAIR_PAIR_7940eac3b805f3ce)
+#if !defined(OFFICE_CHAIR_PAIR_447a06a96a8d17fa)
 #error "office_chair_checked.h and office_chair.h were not generated together: copy both"
 #endif
 

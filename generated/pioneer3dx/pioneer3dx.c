@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(PIONEER3DX_PAIR_cfcc677434103f24)
+#if !defined(PIONEER3DX_PAIR_4f40a7fc2d33bf43)
 #error "pioneer3dx.c and pioneer3dx.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -36,7 +36,8 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "846117f3eed9d063145c68b515421c88" /**< digest of the model */
-#define PIONEER3DX_PAIR_cfcc677434103f24 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_PAIR_4f40a7fc2d33bf43 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_WHEELS 3 /**< how many wheels the robot has */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */
 #define PIONEER3DX_LEFT_RADIUS 0.0975f /**< [m] radius */

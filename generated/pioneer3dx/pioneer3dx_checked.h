@@ -26,7 +26,7 @@
 
 #include "pioneer3dx.h"
 
-#if !defined(PIONEER3DX_PAIR_cfcc677434103f24)
+#if !defined(PIONEER3DX_PAIR_4f40a7fc2d33bf43)
 #error "pioneer3dx_checked.h and pioneer3dx.h were not generated together: copy both"
 #endif
 

@@ -34,7 +34,8 @@
 
 #define PR2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PR2_MODEL_HASH "e159aff6b4b556c7e1c715a3c1ac9861" /**< digest of the model */
-#define PR2_PAIR_bd8d8810d31355f1 1 /**< header and source that were written together have the same */
+#define PR2_PAIR_502da0e9d513122a 1 /**< header and source that were written together have the same */
+#define PR2_WHEELS 8 /**< how many wheels the robot has */
 #define PR2_FL_L_X 0.2246f /**< [m] pivot, forward of P */
 #define PR2_FL_L_Y 0.2246f /**< [m] pivot, to the left of P */
 #define PR2_FL_L_RADIUS 0.074792f /**< [m] radius */

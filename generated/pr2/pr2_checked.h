@@ -20,7 +20,7 @@
 
 #include "pr2.h"
 
-#if !defined(PR2_PAIR_bd8d8810d31355f1)
+#if !defined(PR2_PAIR_502da0e9d513122a)
 #error "pr2_checked.h and pr2.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(SSL_PARSIAN_PAIR_a35d039f1348218e)
+#if !defined(SSL_PARSIAN_PAIR_32a79b50d4c2721a)
 #error "ssl_parsian.c and ssl_parsian.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

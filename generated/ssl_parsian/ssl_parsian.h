@@ -32,7 +32,8 @@
 
 #define SSL_PARSIAN_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SSL_PARSIAN_MODEL_HASH "a020ee1500a9ae1be61841f7bb2b3204" /**< digest of the model */
-#define SSL_PARSIAN_PAIR_a35d039f1348218e 1 /**< header and source that were written together have the same */
+#define SSL_PARSIAN_PAIR_32a79b50d4c2721a 1 /**< header and source that were written together have the same */
+#define SSL_PARSIAN_WHEELS 4 /**< how many wheels the robot has */
 #define SSL_PARSIAN_WHEEL1_X 0.045f /**< [m] pivot, forward of P */
 #define SSL_PARSIAN_WHEEL1_Y 0.07794229f /**< [m] pivot, to the left of P */
 #define SSL_PARSIAN_WHEEL1_RADIUS 0.027f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "ssl_parsian.h"
 
-#if !defined(SSL_PARSIAN_PAIR_a35d039f1348218e)
+#if !defined(SSL_PARSIAN_PAIR_32a79b50d4c2721a)
 #error "ssl_parsian_checked.h and ssl_parsian.h were not generated together: copy both"
 #endif
 

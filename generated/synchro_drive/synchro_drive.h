@@ -29,7 +29,8 @@
 
 #define SYNCHRO_DRIVE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define SYNCHRO_DRIVE_MODEL_HASH "ab49bf8c09b6e7abf530225cb461af34" /**< digest of the model */
-#define SYNCHRO_DRIVE_PAIR_6418264a591d5290 1 /**< header and source that were written together have the same */
+#define SYNCHRO_DRIVE_PAIR_2532cbff526fe348 1 /**< header and source that were written together have the same */
+#define SYNCHRO_DRIVE_WHEELS 3 /**< how many wheels the robot has */
 #define SYNCHRO_DRIVE_W1_X 0.3f /**< [m] pivot, forward of P */
 #define SYNCHRO_DRIVE_W1_Y 0.0f /**< [m] pivot, to the left of P */
 #define SYNCHRO_DRIVE_W1_RADIUS 0.1f /**< [m] radius */

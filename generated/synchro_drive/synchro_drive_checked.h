@@ -21,7 +21,7 @@
 
 #include "synchro_drive.h"
 
-#if !defined(SYNCHRO_DRIVE_PAIR_6418264a591d5290)
+#if !defined(SYNCHRO_DRIVE_PAIR_2532cbff526fe348)
 #error "synchro_drive_checked.h and synchro_drive.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_ba4d04e3921644d0)
 #error "textbook_differential.c and textbook_differential.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

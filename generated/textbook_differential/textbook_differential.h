@@ -29,7 +29,8 @@
 
 #define TEXTBOOK_DIFFERENTIAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_DIFFERENTIAL_MODEL_HASH "8547782c5885db632f7cb36396c10209" /**< digest of the model */
-#define TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_DIFFERENTIAL_PAIR_ba4d04e3921644d0 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_DIFFERENTIAL_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_Y (-0.6f) /**< [m] pivot, to the left of P */
 #define TEXTBOOK_DIFFERENTIAL_RIGHT_RADIUS 0.1f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "textbook_differential.h"
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_ba4d04e3921644d0)
 #error "textbook_differential_checked.h and textbook_differential.h were not generated together: copy both"
 #endif
 

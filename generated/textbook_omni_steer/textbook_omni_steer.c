@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_f9213ff6226ebf55)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_46eb08acc2d4ac53)
 #error "textbook_omni_steer.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -29,7 +29,8 @@
 
 #define TEXTBOOK_OMNI_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNI_STEER_MODEL_HASH "1994e5e090be63d9b4375cef95cd9d01" /**< digest of the model */
-#define TEXTBOOK_OMNI_STEER_PAIR_f9213ff6226ebf55 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNI_STEER_PAIR_46eb08acc2d4ac53 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNI_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNI_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNI_STEER_FRONT_Y 0.0f /**< [m] pivot, to the left of P */
 #define TEXTBOOK_OMNI_STEER_FRONT_RADIUS 0.1f /**< [m] radius */

@@ -31,7 +31,8 @@
 
 #define TEXTBOOK_OMNIDIRECTIONAL_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_OMNIDIRECTIONAL_MODEL_HASH "7b8e8a758822c6bf2abc060a1cb41302" /**< digest of the model */
-#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_c7eda649838333fa 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNIDIRECTIONAL_PAIR_b29fe0eb696b6fa6 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_OMNIDIRECTIONAL_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_X 0.175f /**< [m] pivot, forward of P */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_Y 0.3031089f /**< [m] pivot, to the left of P */
 #define TEXTBOOK_OMNIDIRECTIONAL_W1_RADIUS 0.08f /**< [m] radius */

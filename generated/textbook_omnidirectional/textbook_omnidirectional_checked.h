@@ -21,7 +21,7 @@
 
 #include "textbook_omnidirectional.h"
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_c7eda649838333fa)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b29fe0eb696b6fa6)
 #error "textbook_omnidirectional_checked.h and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

@@ -29,7 +29,8 @@
 
 #define TEXTBOOK_TRICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TRICYCLE_MODEL_HASH "65153ce14c02648c8cd74ccdd57f0c67" /**< digest of the model */
-#define TEXTBOOK_TRICYCLE_PAIR_6cf403cf5d795902 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TRICYCLE_PAIR_c3cc2eb021250181 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TRICYCLE_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_Y 0.4f /**< [m] pivot, to the left of P */
 #define TEXTBOOK_TRICYCLE_REAR_LEFT_RADIUS 0.11f /**< [m] radius */

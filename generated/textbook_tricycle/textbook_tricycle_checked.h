@@ -21,7 +21,7 @@
 
 #include "textbook_tricycle.h"
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_6cf403cf5d795902)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_c3cc2eb021250181)
 #error "textbook_tricycle_checked.h and textbook_tricycle.h were not generated together: copy both"
 #endif
 

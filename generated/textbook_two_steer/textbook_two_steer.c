@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_ff375eb66c5e07f7)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_da7f5d92f97e6d94)
 #error "textbook_two_steer.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

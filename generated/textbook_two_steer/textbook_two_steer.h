@@ -29,7 +29,8 @@
 
 #define TEXTBOOK_TWO_STEER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TEXTBOOK_TWO_STEER_MODEL_HASH "c9c3fd5367949eb8837aa8f3f75a1679" /**< digest of the model */
-#define TEXTBOOK_TWO_STEER_PAIR_ff375eb66c5e07f7 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TWO_STEER_PAIR_da7f5d92f97e6d94 1 /**< header and source that were written together have the same */
+#define TEXTBOOK_TWO_STEER_WHEELS 3 /**< how many wheels the robot has */
 #define TEXTBOOK_TWO_STEER_FRONT_X 0.3f /**< [m] pivot, forward of P */
 #define TEXTBOOK_TWO_STEER_FRONT_Y 0.1f /**< [m] pivot, to the left of P */
 #define TEXTBOOK_TWO_STEER_FRONT_RADIUS 0.1f /**< [m] radius */

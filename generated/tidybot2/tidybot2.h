@@ -35,7 +35,8 @@
 
 #define TIDYBOT2_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TIDYBOT2_MODEL_HASH "d4f8958843919ec8b5949f16520b2622" /**< digest of the model */
-#define TIDYBOT2_PAIR_edf427546ef2eadf 1 /**< header and source that were written together have the same */
+#define TIDYBOT2_PAIR_0dc98a21e7bcac45 1 /**< header and source that were written together have the same */
+#define TIDYBOT2_WHEELS 4 /**< how many wheels the robot has */
 #define TIDYBOT2_CASTER_1_X 0.19015f /**< [m] pivot, forward of P */
 #define TIDYBOT2_CASTER_1_Y (-0.17015f) /**< [m] pivot, to the left of P */
 #define TIDYBOT2_CASTER_1_RADIUS 0.0508f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "tidybot2.h"
 
-#if !defined(TIDYBOT2_PAIR_edf427546ef2eadf)
+#if !defined(TIDYBOT2_PAIR_0dc98a21e7bcac45)
 #error "tidybot2_checked.h and tidybot2.h were not generated together: copy both"
 #endif
 

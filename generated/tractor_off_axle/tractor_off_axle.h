@@ -30,7 +30,8 @@
 
 #define TRACTOR_OFF_AXLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TRACTOR_OFF_AXLE_MODEL_HASH "b94a98b4ea591fedad2e7f2b9740fc53" /**< digest of the model */
-#define TRACTOR_OFF_AXLE_PAIR_1cd6e83d1589b170 1 /**< header and source that were written together have the same */
+#define TRACTOR_OFF_AXLE_PAIR_7648f56c60866958 1 /**< header and source that were written together have the same */
+#define TRACTOR_OFF_AXLE_WHEELS 3 /**< how many wheels the robot has */
 #define TRACTOR_OFF_AXLE_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TRACTOR_OFF_AXLE_LEFT_Y 0.27f /**< [m] pivot, to the left of P */
 #define TRACTOR_OFF_AXLE_LEFT_RADIUS 0.11f /**< [m] radius */

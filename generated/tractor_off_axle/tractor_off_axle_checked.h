@@ -21,7 +21,7 @@
 
 #include "tractor_off_axle.h"
 
-#if !defined(TRACTOR_OFF_AXLE_PAIR_1cd6e83d1589b170)
+#if !defined(TRACTOR_OFF_AXLE_PAIR_7648f56c60866958)
 #error "tractor_off_axle_checked.h and tractor_off_axle.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_fdd9c838d3961898)
+#if !defined(TURTLEBOT3_BURGER_PAIR_c0274b45a1b4ea6b)
 #error "turtlebot3_burger.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

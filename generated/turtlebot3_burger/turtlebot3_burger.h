@@ -29,7 +29,8 @@
 
 #define TURTLEBOT3_BURGER_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define TURTLEBOT3_BURGER_MODEL_HASH "36e9454ba987f697af29b5a2285b861d" /**< digest of the model */
-#define TURTLEBOT3_BURGER_PAIR_fdd9c838d3961898 1 /**< header and source that were written together have the same */
+#define TURTLEBOT3_BURGER_PAIR_c0274b45a1b4ea6b 1 /**< header and source that were written together have the same */
+#define TURTLEBOT3_BURGER_WHEELS 3 /**< how many wheels the robot has */
 #define TURTLEBOT3_BURGER_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define TURTLEBOT3_BURGER_LEFT_Y 0.08f /**< [m] pivot, to the left of P */
 #define TURTLEBOT3_BURGER_LEFT_RADIUS 0.033f /**< [m] radius */

@@ -21,7 +21,7 @@
 
 #include "turtlebot3_burger.h"
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_fdd9c838d3961898)
+#if !defined(TURTLEBOT3_BURGER_PAIR_c0274b45a1b4ea6b)
 #error "turtlebot3_burger_checked.h and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(UNICYCLE_PAIR_f0b1d3903d56aa7d)
+#if !defined(UNICYCLE_PAIR_eef1d3f42265e5a2)
 #error "unicycle.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

@@ -27,7 +27,8 @@
 
 #define UNICYCLE_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define UNICYCLE_MODEL_HASH "5e795311d9d926060f0b993d5e246301" /**< digest of the model */
-#define UNICYCLE_PAIR_f0b1d3903d56aa7d 1 /**< header and source that were written together have the same */
+#define UNICYCLE_PAIR_eef1d3f42265e5a2 1 /**< header and source that were written together have the same */
+#define UNICYCLE_WHEELS 1 /**< how many wheels the robot has */
 #define UNICYCLE_WHEEL_X 0.0f /**< [m] pivot, forward of P */
 #define UNICYCLE_WHEEL_Y 0.0f /**< [m] pivot, to the left of P */
 #define UNICYCLE_WHEEL_RADIUS 0.1f /**< [m] radius */

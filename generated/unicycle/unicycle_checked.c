@@ -10,7 +10,7 @@
 #include <float.h>
 #include <stdbool.h>
 
-#if !defined(UNICYCLE_PAIR_f0b1d3903d56aa7d)
+#if !defined(UNICYCLE_PAIR_eef1d3f42265e5a2)
 #error "unicycle_checked.c and unicycle.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))

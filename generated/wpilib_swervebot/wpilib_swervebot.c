@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#if !defined(WPILIB_SWERVEBOT_PAIR_e687a3af5da83ac7)
+#if !defined(WPILIB_SWERVEBOT_PAIR_e72c03ec1a35af1f)
 #error "wpilib_swervebot.c and wpilib_swervebot.h were not generated together: copy both"
 #endif
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__)

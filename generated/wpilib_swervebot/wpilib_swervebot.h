@@ -32,7 +32,8 @@
 
 #define WPILIB_SWERVEBOT_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define WPILIB_SWERVEBOT_MODEL_HASH "d0deb69502fe92d73ec634e7577d70e7" /**< digest of the model */
-#define WPILIB_SWERVEBOT_PAIR_e687a3af5da83ac7 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_PAIR_e72c03ec1a35af1f 1 /**< header and source that were written together have the same */
+#define WPILIB_SWERVEBOT_WHEELS 4 /**< how many wheels the robot has */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_X 0.381f /**< [m] pivot, forward of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_Y 0.381f /**< [m] pivot, to the left of P */
 #define WPILIB_SWERVEBOT_FRONT_LEFT_RADIUS 0.0508f /**< [m] radius */

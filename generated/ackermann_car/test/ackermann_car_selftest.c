@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ACKERMANN_CAR_PAIR_1dcccafcd8195cf7)
+#if !defined(ACKERMANN_CAR_PAIR_e81b895b41825c93)
 #error "ackermann_car_selftest.c and ackermann_car.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(AGILEX_RANGER_PAIR_c3e9d54652e2fcc4)
+#if !defined(AGILEX_RANGER_PAIR_65993a2f16d1cd4c)
 #error "agilex_ranger_selftest.c and agilex_ranger.h were not generated together: copy both"
 #endif
 

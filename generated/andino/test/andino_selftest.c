@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(ANDINO_PAIR_51c676cf1078e2a5)
+#if !defined(ANDINO_PAIR_ec52e51a78a6d8e7)
 #error "andino_selftest.c and andino.h were not generated together: copy both"
 #endif
 

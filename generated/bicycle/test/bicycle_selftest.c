@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(BICYCLE_PAIR_3da7db63ffc27087)
+#if !defined(BICYCLE_PAIR_a7aec45c18d49d60)
 #error "bicycle_selftest.c and bicycle.h were not generated together: copy both"
 #endif
 

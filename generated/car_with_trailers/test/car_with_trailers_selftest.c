@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CAR_WITH_TRAILERS_PAIR_39381386ff0dc527)
+#if !defined(CAR_WITH_TRAILERS_PAIR_cca6c8e4dc2666fb)
 #error "car_with_trailers_selftest.c and car_with_trailers.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CARE_O_BOT_4_PAIR_45eea3f527ab0297)
+#if !defined(CARE_O_BOT_4_PAIR_70298e1ea2f168e4)
 #error "care_o_bot_4_selftest.c and care_o_bot_4.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_DO100_PAIR_a4208413680ff270)
+#if !defined(CLEARPATH_DO100_PAIR_e01844f8b454ed46)
 #error "clearpath_do100_selftest.c and clearpath_do100.h were not generated together: copy both"
 #endif
 

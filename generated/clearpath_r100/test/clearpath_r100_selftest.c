@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(CLEARPATH_R100_PAIR_cdf6c0741054bbc3)
+#if !defined(CLEARPATH_R100_PAIR_29f69cc6b521c7cd)
 #error "clearpath_r100_selftest.c and clearpath_r100.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(F1TENTH_PAIR_f1e78e9e892b1f5f)
+#if !defined(F1TENTH_PAIR_dd662bc339168d43)
 #error "f1tenth_selftest.c and f1tenth.h were not generated together: copy both"
 #endif
 

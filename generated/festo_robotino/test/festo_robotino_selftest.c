@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(FESTO_ROBOTINO_PAIR_a764b66937dca7ca)
+#if !defined(FESTO_ROBOTINO_PAIR_d22ea1f002ab3fca)
 #error "festo_robotino_selftest.c and festo_robotino.h were not generated together: copy both"
 #endif
 

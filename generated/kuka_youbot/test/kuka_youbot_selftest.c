@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(KUKA_YOUBOT_PAIR_3f955cdefc78fe78)
+#if !defined(KUKA_YOUBOT_PAIR_1f62ee4107e382aa)
 #error "kuka_youbot_selftest.c and kuka_youbot.h were not generated together: copy both"
 #endif
 

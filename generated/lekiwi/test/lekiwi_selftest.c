@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LEKIWI_PAIR_ca347fdd027beb6e)
+#if !defined(LEKIWI_PAIR_947b49e0e98a99af)
 #error "lekiwi_selftest.c and lekiwi.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(LOCKED_BICYCLE_PAIR_5b6caa4efb6d51ac)
+#if !defined(LOCKED_BICYCLE_PAIR_357b53cb62a5a7d7)
 #error "locked_bicycle_selftest.c and locked_bicycle.h were not generated together: copy both"
 #endif
 

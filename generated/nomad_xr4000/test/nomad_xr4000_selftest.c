@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(NOMAD_XR4000_PAIR_752c4aff9ac81a3a)
+#if !defined(NOMAD_XR4000_PAIR_7fbbd930ceaab3ad)
 #error "nomad_xr4000_selftest.c and nomad_xr4000.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(OFFICE_CHAIR_PAIR_7940eac3b805f3ce)
+#if !defined(OFFICE_CHAIR_PAIR_447a06a96a8d17fa)
 #error "office_chair_selftest.c and office_chair.h were not generated together: copy both"
 #endif
 

@@ -23,7 +23,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(PR2_PAIR_bd8d8810d31355f1)
+#if !defined(PR2_PAIR_502da0e9d513122a)
 #error "pr2_selftest.c and pr2.h were not generated together: copy both"
 #endif
 

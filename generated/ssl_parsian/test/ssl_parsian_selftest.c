@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SSL_PARSIAN_PAIR_a35d039f1348218e)
+#if !defined(SSL_PARSIAN_PAIR_32a79b50d4c2721a)
 #error "ssl_parsian_selftest.c and ssl_parsian.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(SYNCHRO_DRIVE_PAIR_6418264a591d5290)
+#if !defined(SYNCHRO_DRIVE_PAIR_2532cbff526fe348)
 #error "synchro_drive_selftest.c and synchro_drive.h were not generated together: copy both"
 #endif
 

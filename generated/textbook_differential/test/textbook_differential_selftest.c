@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_63d8332806719091)
+#if !defined(TEXTBOOK_DIFFERENTIAL_PAIR_ba4d04e3921644d0)
 #error "textbook_differential_selftest.c and textbook_differential.h were not generated together: copy both"
 #endif
 

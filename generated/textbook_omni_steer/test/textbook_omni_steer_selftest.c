@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNI_STEER_PAIR_f9213ff6226ebf55)
+#if !defined(TEXTBOOK_OMNI_STEER_PAIR_46eb08acc2d4ac53)
 #error "textbook_omni_steer_selftest.c and textbook_omni_steer.h were not generated together: copy both"
 #endif
 

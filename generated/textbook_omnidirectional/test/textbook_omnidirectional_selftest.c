@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_c7eda649838333fa)
+#if !defined(TEXTBOOK_OMNIDIRECTIONAL_PAIR_b29fe0eb696b6fa6)
 #error "textbook_omnidirectional_selftest.c and textbook_omnidirectional.h were not generated together: copy both"
 #endif
 

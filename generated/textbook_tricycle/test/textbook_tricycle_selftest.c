@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TRICYCLE_PAIR_6cf403cf5d795902)
+#if !defined(TEXTBOOK_TRICYCLE_PAIR_c3cc2eb021250181)
 #error "textbook_tricycle_selftest.c and textbook_tricycle.h were not generated together: copy both"
 #endif
 

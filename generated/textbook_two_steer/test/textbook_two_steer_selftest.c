@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TEXTBOOK_TWO_STEER_PAIR_ff375eb66c5e07f7)
+#if !defined(TEXTBOOK_TWO_STEER_PAIR_da7f5d92f97e6d94)
 #error "textbook_two_steer_selftest.c and textbook_two_steer.h were not generated together: copy both"
 #endif
 

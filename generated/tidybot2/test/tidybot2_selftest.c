@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TIDYBOT2_PAIR_edf427546ef2eadf)
+#if !defined(TIDYBOT2_PAIR_0dc98a21e7bcac45)
 #error "tidybot2_selftest.c and tidybot2.h were not generated together: copy both"
 #endif
 

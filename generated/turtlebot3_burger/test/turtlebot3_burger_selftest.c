@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(TURTLEBOT3_BURGER_PAIR_fdd9c838d3961898)
+#if !defined(TURTLEBOT3_BURGER_PAIR_c0274b45a1b4ea6b)
 #error "turtlebot3_burger_selftest.c and turtlebot3_burger.h were not generated together: copy both"
 #endif
 

@@ -24,7 +24,7 @@
 #define WMRGEN_FLASH
 #endif
 
-#if !defined(UNICYCLE_PAIR_f0b1d3903d56aa7d)
+#if !defined(UNICYCLE_PAIR_eef1d3f42265e5a2)
 #error "unicycle_selftest.c and unicycle.h were not generated together: copy both"
 #endif
 

@@ -91,3 +91,15 @@ def test_wmrgen_leaves_a_budget_where_it_stands(tmp_path: Path) -> None:
     assert (place / BUDGET).read_bytes() == b"{}"
     (place / "other.json").write_bytes(b"{}")
     assert [d.path.name for d in differences(place, {"a.c": b"2"})] == ["other.json"]
+
+
+@pytest.mark.parametrize(
+    ("robot", "fit", "most"), [("pioneer3dx", "forward", 350), ("wpilib_swervebot", "forward_slip", 1200)]
+)
+def test_the_loop_with_covariance(robot: str, fit: str, most: int) -> None:
+    """From measured joints to commands, as budget.json has it, counters too."""
+    budget = budgets.read(budgets.GENERATED / robot / BUDGET)
+    assert budget is not None
+    loop = ("joints_from_counts", fit, "forward_covariance", "odometry_covariance", "limit_twist",
+            "limit_acceleration", "inverse", "desaturate")  # fmt: skip
+    assert 300 < sum(budget["functions"][name]["instructions"] for name in loop) <= most

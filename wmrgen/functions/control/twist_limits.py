@@ -28,7 +28,7 @@ from wmrgen.symbolic import Expr, add, maximum, number, select, signal, subtract
 
 # Of the way that a step may go: no rounding carries it past the wanted twist.
 SHORT = Exact(1 - Fraction(1, 2**21))
-INSTANT = Exact(Fraction(1, 10**20))  # s
+INSTANT = Exact(Fraction(1, 2**10))  # s
 _WANTED = tuple(
     Port(f"{p.name}_wanted", Role.COMMAND, p.unit, f"{p.name} that is to be reached") for p in TWIST
 )
@@ -65,6 +65,8 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
 
     The step takes the time t = max(change / limit over all components). The wanted twist is reached, to the bit, where
     t <= dt; else the change is that times dt / t (and times `SHORT`, so that the result lies between both twists).
+    Where steps are shorter than `INSTANT`, t counts as no less: what is left of a change is then approached in steps
+    that grow smaller with it, and nothing is divided by what may be zero.
     """
     limits = _limits(robot, mobility, "limit_acceleration", "_rate", "{vx_rate: 1, omega_rate: 2}")
     names = Locals()

@@ -33,6 +33,10 @@ static void step(void)
     hardware();
 }
 
+/* Weak: a firmware that compiles every file of this folder has a main of its own. */
+#if defined(__GNUC__)
+__attribute__((weak))
+#endif
 int main(void)
 {
     int k;

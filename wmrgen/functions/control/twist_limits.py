@@ -24,7 +24,7 @@ from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import TWIST, Limits, Port, Role
-from wmrgen.symbolic import Expr, add, maximum, number, select, signal, subtract, times
+from wmrgen.symbolic import Expr, add, maximum, minimum, number, select, signal, subtract, times
 
 # Of the way that a step may go: no rounding carries it past the wanted twist.
 SHORT = Exact(1 - Fraction(1, 2**21))
@@ -76,7 +76,8 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     }
     step = names.define("step", maximum(signal(_DT.name), sympy.S.Zero))
     time = names.define("time", most(sympy.S.Zero, ((changes[name], limits[name]) for name in limits)))
-    share = names.define("share", times(number(SHORT), step) / maximum(number(INSTANT), time))
+    part = names.define("part", times(number(SHORT), step) / maximum(number(INSTANT), time))
+    share = names.define("share", minimum(sympy.S.One, part))  # more is not taken, and would widen bounds
     twist = {
         name: select(step, time, add(signal(name), times(share, change)), signal(f"{name}_wanted"))
         for name, change in changes.items()

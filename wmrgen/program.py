@@ -149,12 +149,23 @@ def for_c(module: Module, robot: Robot, functions: Iterable[str], passive: bool 
     return replace(kept, joints=tuple(name for name in joints if name in named))
 
 
+_OF_LIMIT = {"spin": "spin", "steer": "steer", "steer_rate": "steer"}
+
+
 def _joints(robot: Robot, every: bool = False) -> tuple[str, ...]:
-    """Contract names of the joints that are driven, sensed or have a limit of their own, in the file's order."""
+    """Contract names of the joints that are driven, sensed or have a limit or encoder of their own, in the file's
+    order; and the steering angles of steered wheels with such a joint, or coupled to one, which `inverse` goes by."""
+    own = [
+        {"spin", "steer"}
+        if every
+        else {*w.actuated, *w.sensed, *w.encoders, *map(_OF_LIMIT.__getitem__, w.limits)}
+        for w in robot.wheels
+    ]
+    steered = {lead for w, lead in zip(robot.wheels, robot.steer_group, strict=True) if own[w.index]}
     names = []
     for w in robot.wheels:
-        own = {"spin" if name == "spin" else "steer" for name in w.limits}
-        wanted = {"spin", "steer"} if every else {*w.actuated, *w.sensed, *own}
+        steers = w.kind.steers and robot.steer_group[w.index] in steered
+        wanted = own[w.index] | ({"steer"} if steers else set())
         names += [
             f"{w.name}.{j}" for j in ("spin", "steer", "steer_rate") if j.removesuffix("_rate") in wanted
         ]
@@ -176,5 +187,6 @@ def _parts(function: Function, absent: frozenset[str], passive: bool) -> list[Fu
 def _with_read_inputs(function: Function, absent: frozenset[str]) -> Function:
     """``function`` without those inputs among ``absent`` that it does not read."""
     read = {node.name for node in function.nodes if node.op is Op.INPUT}
-    inputs = tuple(port for port in function.inputs if port.name in read or port.name not in absent)
+    unread = tuple(name for name in absent if name not in read)
+    inputs = tuple(port for port in function.inputs if port.name in read or not port.name.startswith(unread))
     return replace(function, inputs=inputs)

@@ -1,4 +1,5 @@
-"""The limits of joints count in every checked function that takes joints, not in `inverse` and `forward` alone."""
+"""The limits of joints count in every checked function that takes joints, not in `inverse` and `forward` alone; and
+which joints these are where a coupling or an encoder brings them in."""
 
 from __future__ import annotations
 
@@ -69,6 +70,43 @@ RATES = """
     EXPECT(probed_desaturate_checked(&asked, &scale) == PROBED_OK);
     EXPECT(fabsf(asked.rear.spin - 20.0f) < 1e-4f);
 """
+# The first wheel of the pair has the motor of the wheel, the second that of the steering; the castor has an encoder.
+COUPLED = """
+wmrgen: 1
+name: probed
+wheels:
+  - {name: a, type: steered, x: 0.3,  y: 0.3, heading: 0, r: 0.1, actuated: [spin]}
+  - {name: b, type: steered, x: -0.3, y: 0.3, heading: 0, r: 0.1, actuated: [steer]}
+  - {name: tail, type: castor, x: 0, y: 0, heading: 0, d: -0.03, r: 0.05, encoder: {steer: {counts: 100}}}
+  - {name: loose, type: steered, x: 0.1, y: 0, heading: 0, r: 0.05, actuated: []}
+couplings: [{equal: [a.steer, b.steer]}]
+limits: {vx: 1, vy: 1, spin: 14, steer_rate: 4}
+functions: [desaturate, compensate_steering, steer_toward, joints_from_counts]
+"""
+ONE_TYPE = """
+    const probed_twist sideways = {0.0f, 0.5f, 0.0f};
+    const probed_counters before = {{0}};
+    probed_counters counters = {{25}};
+    probed_wheels now, out;
+    (void)bad;
+    (void)k;
+    memset(&now, 0, sizeof now);
+    memset(&out, 0, sizeof out);
+    probed_joints_from_counters(&counters, &before, &now);
+    EXPECT(fabsf(now.tail.steer - 1.5707964f) < 1e-6f);
+    now.a.steer = now.b.steer = 1.0f;
+    probed_inverse(&sideways, &now, &out);
+    EXPECT(fabsf(out.b.steer - 1.5707964f) < 1e-6f && out.a.steer == out.b.steer && fabsf(out.a.spin - 5.0f) < 1e-5f);
+    probed_compensate_steering(&out, &now);
+    EXPECT(fabsf(out.a.spin - 5.0f * cosf(0.57079633f)) < 1e-5f);
+    probed_steer_toward(&now, &out, 0.01f, &out);
+    EXPECT(fabsf(out.b.steer - 1.04f) < 1e-6f && out.a.steer == out.b.steer);
+"""
+
+
+def test_every_joint_that_the_loop_reads_is_of_the_shared_type(tmp_path: Path) -> None:
+    """Without a struct of one function alone, which the example would leave at 0, dt in it too."""
+    assert printed(tmp_path, COUPLED, ONE_TYPE) == ""
 
 
 @pytest.mark.parametrize("function", ["posture", "configuration"])

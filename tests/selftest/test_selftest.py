@@ -19,6 +19,7 @@ from wmrgen.emit import site
 from wmrgen.errors import EnvironmentFailure
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate
+from wmrgen.ir.kernels.choice import TARGETS
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.selftest.vectors import tables
 
@@ -32,6 +33,16 @@ def test_passes_on_the_host(compiler: str, tmp_path: Path) -> None:
     write(tmp_path, FEW)
     printed = run_program(compile_program(tmp_path, [EVERY], compiler, (*STRICT, "-O1")), "")
     assert len(printed.splitlines()) == len(FEW) and failures(printed) == []
+
+
+@needs_compiler
+@pytest.mark.parametrize("target", TARGETS)
+def test_passes_with_the_code_of_every_target(target: str, tmp_path: Path) -> None:
+    """Of a robot that takes the cosine of a difference of commands: sines in integers lose digits beyond 100 rad."""
+    robot = "wpilib_swervebot"
+    put(tmp_path, files_of(robot, target=target))
+    sources, main = [f"{robot}.c", place_of(robot)], f"-D{robot.upper()}_SELFTEST_MAIN"
+    run_program(compile_program(tmp_path, sources, None, (*STRICT, "-O1", main)), "")
 
 
 FUSED = ("-O2", "-ffp-contract=fast", "-march=native")

@@ -31,6 +31,7 @@ _LARGE = 600  # operations: beyond, what takes long to derive has a smaller pool
 _BEYOND = 1 + 2.0**-11
 _STEPS = (2.0**-11, 4.0)  # s
 _FAINT = 2.0**-13
+_ANGLED = (".steer", ".steer_wanted")  # no faster than others: tolerances hold for sines of up to 100 rad
 
 
 class Grid:
@@ -55,7 +56,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
     """The points of ``function``; ``ports`` are the inputs that vary."""
     grid = Grid(ports, site)
     moving = np.array([p.role is Role.COMMAND for p in ports])
-    timed = np.array([p.unit == "s" for p in ports])
+    scaled = moving & np.array([p.unit != "s" and not p.name.endswith(_ANGLED) for p in ports])
     yield "all zero", np.zeros(len(ports))
     yield "standstill", np.where(moving, 0.0, grid.rows[3])
     for column in np.flatnonzero(moving)[:_ALONE].tolist():
@@ -73,7 +74,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
         if row < generic // 2:
             yield "the same backwards", np.where(moving, -grid.rows[row], grid.rows[row])
     for power, text in ((-14, "very slow"), (7, "fast"), (12, "very fast")):
-        factor = np.where(moving & ~timed, 2.0**power, 1.0)
+        factor = np.where(scaled, 2.0**power, 1.0)
         yield text, grid.rows[17 + power] * factor
     free = Grid(ports, NO_SITE)  # limits must not hide what the code does beyond them
     stretch = np.array([{"m/s": 8.0, "rad/s": 0.25}.get(p.unit, 1.0) for p in ports])

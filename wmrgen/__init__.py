@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
+    from wmrgen.spec.records import RobotSpec
 
 __version__ = "0.1.0"
 __all__ = ["__version__", "derive", "load"]
@@ -24,13 +25,18 @@ __all__ = ["__version__", "derive", "load"]
 
 def load(path: str | PathLike[str]) -> Robot:
     """The robot that a file describes. RobotFileError, with the place, where the file cannot be accepted."""
+    return read(path)[1]
+
+
+def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
+    """What a file says, each value with its place, and the robot that it describes. RobotFileError as `load`."""
     from wmrgen.functions.registry import check
     from wmrgen.layout import build
     from wmrgen.spec.load import read_robot
 
     spec = read_robot(os.fspath(path))
     check(spec.functions)
-    return build(spec)
+    return spec, build(spec)
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:

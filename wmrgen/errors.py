@@ -25,7 +25,7 @@ class WmrgenError(Exception):
 
 
 class StaleError(WmrgenError):
-    """A file under the output directory is not what the robot files give today."""
+    """A file under the output directory is not what the robot files give today; also the code of findings."""
 
     exit_code = 1
 
@@ -43,12 +43,12 @@ class RobotFileError(WmrgenError):
         self.what, self.mark, self.why, self.instead = what, mark, why, instead
 
     def __str__(self) -> str:
-        lines = _at(self.mark, self.what)
+        lines = placed(self.mark, self.what)
         lines += [f"  {text}" for text in (self.why, self.instead) if text]
         return "\n".join(lines)
 
 
-def _at(mark: Mark | None, what: str) -> list[str]:
+def placed(mark: Mark | None, what: str) -> list[str]:
     """What is wrong, with its place and the line that it stands on."""
     lines = [f"{mark}: {what}" if mark else what]
     if mark and mark.text:
@@ -75,7 +75,7 @@ class NotDerivableError(WmrgenError):
 
     def __str__(self) -> str:
         first, *rest = self.what.split("\n")
-        return "\n".join([*_at(self.mark, first), *rest])
+        return "\n".join([*placed(self.mark, first), *rest])
 
 
 class EnvironmentFailure(WmrgenError):

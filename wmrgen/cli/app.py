@@ -19,7 +19,7 @@ app = typer.Typer(
 
     Compile a wheel layout into a verified kinematic model.
     """,
-    epilog="Exit codes: 0 ok, 1 stale output, 2 bad robot file or usage, 3 not derivable, 4 environment.",
+    epilog="Exit codes: 0 ok, 1 stale output or findings, 2 bad robot file or usage, 3 not derivable, 4 environment.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -161,6 +161,27 @@ def check(
     """Example:  wmrgen check
 
     Say which generated files are not what the robot files give today. Exit code 1 when there are any.
+    """
+
+
+@verb("lint", "Say what is likely wrong with a robot.")
+def lint(
+    robots: Annotated[list[Path], argument("ROBOT.yaml...", "Robot files.")], as_json: Json = False
+) -> None:
+    """Example:  wmrgen lint robots/pioneer3dx.yaml
+
+    Say what is likely wrong with robots that can be derived, each finding with a code. Exit code 1 when there are
+    any. The comment # wmrgen: ignore CODE on a line keeps it as it is.
+    """
+
+
+@verb("lint", "Explain a finding, with a wrong and a right example.")
+def explain(
+    code: Annotated[str | None, argument("[CODE]", "WMR012; none lists all.")] = None, as_json: Json = False
+) -> None:
+    """Example:  wmrgen explain WMR012
+
+    Say what a rule of `wmrgen lint` looks for and why, with a wrong and a right robot file.
     """
 
 

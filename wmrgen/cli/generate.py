@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.cli import console
-from wmrgen.cli.loading import noted, warn_of_gains
+from wmrgen.cli.loading import linted, noted, warn_of_gains
 from wmrgen.errors import EnvironmentFailure, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
+    from wmrgen.spec.records import RobotSpec
 
 FOLDER, ERRATA = "textbook", "errata.md"  # of the textbook library, in the output directory
 _WHY = {
@@ -49,14 +50,13 @@ def derive(
     chosen = choice(scalar, math, target)
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
-        for robot in _load_all(robots):
+        for spec, robot in _load_all(robots):
             step(f"deriving {robot.name} ({len(results) + 1} of {len(robots)})")
             noted(robot)
             warn_of_gains(robot)
             derivation = wmrgen.derive(robot)
-            for singularity in derivation.mobility.singularities:
-                if singularity.everywhere:
-                    console.note(f"{robot.name}: warning: {singularity.meaning}")
+            for finding in linted(spec, derivation):
+                console.note(str(finding))
             results.append((derivation, artifacts(derivation, chosen, fuzz)))
     packages = [
         (out / kind.folder / d.robot.name, packaged(kind, d, chosen, files))
@@ -77,11 +77,11 @@ def derive(
     return 0
 
 
-def _load_all(paths: Sequence[Path]) -> list[Robot]:
+def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:
     """All robots, before any is derived: a bad file must leave nothing behind. Names are unique."""
-    robots = [wmrgen.load(path) for path in paths]
+    robots = [wmrgen.read(path) for path in paths]
     seen: dict[str, Path] = {}
-    for robot, path in zip(robots, paths, strict=True):
+    for (_, robot), path in zip(robots, paths, strict=True):
         if robot.name in seen:
             raise UsageError(f"{path} and {seen[robot.name]} both describe a robot called {robot.name}")
         seen[robot.name] = path

@@ -12,7 +12,9 @@ from wmrgen.cli import console
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
+    from wmrgen.lint import Finding
     from wmrgen.robot import Derivation
+    from wmrgen.spec.records import RobotSpec
 
 
 def noted(robot: Robot) -> Robot:
@@ -37,3 +39,10 @@ def derived(path: Path, functions: Sequence[str] | None = None) -> Iterator[Deri
     with console.progress() as step:
         step(f"deriving {path}")
         yield wmrgen.derive(noted(wmrgen.load(path)), functions)
+
+
+def linted(spec: RobotSpec, derivation: Derivation) -> list[Finding]:
+    """What is likely wrong with a robot, but for what its file says is to be ignored."""
+    from wmrgen.lint import Subject, findings
+
+    return findings(Subject(spec, derivation.robot, derivation.mobility))

@@ -1,0 +1,84 @@
+"""lint and explain as contracted; derive says the same findings on stderr and nothing else on stdout."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Outcome
+
+Cli = Callable[..., Outcome]
+
+
+@pytest.fixture
+def swapped(robot_file: Path) -> Path:
+    """A differential drive whose right wheel has beta = 0."""
+    robot_file.write_text(robot_file.read_text().replace("beta: pi", "beta: 0"))
+    return robot_file
+
+
+def test_a_finding_has_place_line_caret_and_help(wmrgen_cli: Cli, swapped: Path) -> None:
+    done = wmrgen_cli("lint", swapped)
+    assert done.code == 1
+    place, line, caret, instead = done.out.splitlines()
+    assert place.startswith(f"{swapped}:7:5: warning[WMR012]: left and right turn against each other")
+    assert line.strip().startswith("- {name: right") and caret.index("^") == line.index("{")
+    assert "beta: pi" in instead
+    assert "wmrgen explain" in done.err
+
+
+def test_no_finding_is_success(wmrgen_cli: Cli, robot_file: Path) -> None:
+    done = wmrgen_cli("lint", robot_file)
+    assert (done.code, done.out, done.err) == (0, "1 robot: no findings\n", "")
+
+
+def test_derive_says_the_same_and_writes_what_it_wrote(
+    wmrgen_cli: Cli, swapped: Path, tmp_path: Path
+) -> None:
+    told = wmrgen_cli("lint", swapped).out
+    first = wmrgen_cli("derive", swapped, "-o", tmp_path / "a")
+    assert first.code == 0 and told in first.err and "WMR" not in first.out
+    swapped.write_text(swapped.read_text().rstrip() + "  # wmrgen: ignore WMR012\n")
+    again = wmrgen_cli("derive", swapped, "-o", tmp_path / "a")
+    assert again.err == "" and "all up to date" in again.out
+
+
+def test_one_json_object_with_findings_and_errors(wmrgen_cli: Cli, swapped: Path, tmp_path: Path) -> None:
+    bad = tmp_path / "bad.yaml"
+    bad.write_text("wmrgen: 1\nname: bad\nwheels: []\nwheelz: 3\n")
+    done = wmrgen_cli("lint", swapped, bad, "--json")
+    told = json.loads(done.out)
+    assert done.code == 2 and done.err == ""
+    (finding,), (error,) = told["findings"], told["errors"]
+    assert (finding["code"], finding["file"], finding["line"], finding["column"]) == (
+        "WMR012",
+        str(swapped),
+        7,
+        5,
+    )
+    assert (error["line"], error["column"], error["exit_code"]) == (4, 1, 2)
+    assert "wheelz" in error["what"]
+
+
+def test_explain(wmrgen_cli: Cli) -> None:
+    done = wmrgen_cli("explain", "wmr012")
+    assert done.code == 0
+    assert done.out.startswith("WMR012: wheels that roll against each other\n")
+    assert "\nwrong:\n" in done.out and "\nright:\n" in done.out and "# wmrgen: ignore WMR012" in done.out
+    told = json.loads(wmrgen_cli("explain", "WMR012", "--json").out)
+    assert told["wrong"] != told["right"] and told["code"] == "WMR012"
+
+
+def test_explain_lists_all_codes(wmrgen_cli: Cli) -> None:
+    lines = wmrgen_cli("explain").out.splitlines()
+    rules = json.loads(wmrgen_cli("explain", "--json").out)["rules"]
+    assert [line.split()[0] for line in lines] == [rule["code"] for rule in rules]
+    assert all(f"## {rule['code']}" in (ROOT / "docs" / "lint.md").read_text() for rule in rules)
+
+
+def test_an_unknown_code_names_the_nearest(wmrgen_cli: Cli) -> None:
+    done = wmrgen_cli("explain", "WMR0012")
+    assert done.code == 2 and "Did you mean WMR012?" in done.err

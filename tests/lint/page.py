@@ -1,0 +1,42 @@
+"""docs/lint.md, from the table of rules: ``python -m tests.lint.page`` writes it."""
+
+from __future__ import annotations
+
+from tests.conftest import ROOT
+from wmrgen.lint import RULES, Rule
+
+INTRO = """# Likely mistakes
+
+`wmrgen lint ROBOT.yaml...` says what is likely wrong with a robot that can be derived, each finding with its place and
+a code; `wmrgen derive` says the same on stderr and derives. `wmrgen explain WMR012` prints what stands here of one
+code. Exit code 1 means that there are findings.
+
+What is right about a robot keeps its line by a comment on it, and a sentence that says why:
+
+```yaml
+wheels:   # base_link lies behind the axle
+  - {name: left, type: fixed, x: 18.5 mm, y: 67.5 mm, heading: 0, r: 33.1 mm}   # wmrgen: ignore WMR014
+```
+
+Several codes stand one after the other. A finding about the whole robot stands at its first wheel concerned.
+"""
+
+
+def page() -> str:
+    """The whole page."""
+    rows = [f"| [{code}](#{code.lower()}) | {rule.title} |" for code, rule in RULES.items()]
+    sections = map(_section, RULES.values())
+    return "\n".join([INTRO, "| code | mistake |", "|---|---|", *rows, *sections])
+
+
+def _section(rule: Rule) -> str:
+    examples = (
+        f"{word}:\n\n```yaml\n{text}```\n" for word, text in (("Wrong", rule.wrong), ("Right", rule.right))
+    )
+    return "\n".join(
+        [f"\n## {rule.code}\n\n{rule.title[0].upper()}{rule.title[1:]}. {rule.text}\n", *examples]
+    )
+
+
+if __name__ == "__main__":
+    (ROOT / "docs" / "lint.md").write_text(page(), encoding="utf-8")

@@ -1,0 +1,79 @@
+"""Rules: each finds its mistake and nothing in the mended robot; findings of the gallery are defended in its files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import wmrgen
+from tests.conftest import GALLERY, ROOT
+from wmrgen.lint import RULES, Finding, Rule, Subject, findings
+
+HEAD = "wmrgen: 1\nname: tried\n"
+EACH = pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+
+
+def linted(path: Path) -> list[Finding]:
+    spec, robot = wmrgen.read(path)
+    return findings(Subject(spec, robot, wmrgen.derive(robot).mobility))
+
+
+def codes(path: Path, text: str) -> list[str]:
+    path.write_text(HEAD + text, encoding="utf-8")
+    return [f.code for f in linted(path)]
+
+
+@EACH
+def test_the_wrong_example_has_the_finding_and_the_right_one_none(rule: Rule, tmp_path: Path) -> None:
+    assert set(codes(tmp_path / "wrong.yaml", rule.wrong)) == {rule.code}
+    assert codes(tmp_path / "right.yaml", rule.right) == []
+
+
+@EACH
+def test_a_comment_beside_the_line_ignores_that_finding_alone(rule: Rule, tmp_path: Path) -> None:
+    path = tmp_path / "wrong.yaml"
+    path.write_text(HEAD + rule.wrong, encoding="utf-8")
+    lines = path.read_text(encoding="utf-8").split("\n")
+    for finding in linted(path):
+        lines[finding.mark.line - 1] += f"   # wmrgen: ignore {rule.code}"
+    kept = "\n".join(lines)
+    path.write_text(kept, encoding="utf-8")
+    assert linted(path) == []
+    path.write_text(kept.replace(f"ignore {rule.code}", "ignore WMR999"), encoding="utf-8")
+    assert {f.code for f in linted(path)} == {rule.code}
+
+
+def test_codes_of_several_rules_stand_in_one_comment(tmp_path: Path) -> None:
+    wheel = "  - {name: left, type: fixed, x: 0.1, y: 0, heading: 0, r: 0.1}"
+    bad = f"wheels:\n{wheel}"
+    assert codes(tmp_path / "a.yaml", f"{bad}\n") == ["WMR014", "WMR020"]
+    assert codes(tmp_path / "a.yaml", f"{bad}  # wmrgen: ignore WMR014, WMR020\n") == []
+    assert codes(tmp_path / "a.yaml", f"{bad}  # wmrgen: ignore WMR020\n") == ["WMR014"]
+    assert codes(tmp_path / "a.yaml", f"{bad}  # WMR014 WMR020\n") == ["WMR014", "WMR020"]
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+def test_nothing_in_the_gallery(path: Path) -> None:
+    assert [str(f) for f in linted(path)] == []
+
+
+def test_every_comment_of_the_gallery_is_needed(tmp_path: Path) -> None:
+    for path in GALLERY:
+        text = path.read_text(encoding="utf-8")
+        bare = tmp_path / path.name
+        bare.write_text(text.replace("# wmrgen: ignore", "#"), encoding="utf-8")
+        there = {(f.mark.line, f.code) for f in linted(bare)}
+        said = {
+            (n, code)
+            for n, line in enumerate(text.split("\n"), 1)
+            if "# wmrgen: ignore" in line
+            for code in line.split("ignore")[1].split()
+        }
+        assert there == said, path
+
+
+def test_the_page_is_printed_from_the_table() -> None:
+    from tests.lint.page import page
+
+    assert (ROOT / "docs" / "lint.md").read_text(encoding="utf-8") == page(), "python -m tests.lint.page"

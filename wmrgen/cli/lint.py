@@ -1,0 +1,85 @@
+"""``wmrgen lint`` and ``wmrgen explain``: what is likely wrong with a robot, and why it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import wmrgen
+from wmrgen.cli import console
+from wmrgen.cli.loading import linted
+from wmrgen.errors import StaleError, WmrgenError
+
+if TYPE_CHECKING:
+    from wmrgen.errors import Mark
+    from wmrgen.lint import Finding, Rule
+
+
+def lint(robots: Sequence[Path], as_json: bool) -> int:
+    """Print the findings of all robots. Exit code 1 where there are some, an error's where a file is bad."""
+    findings: list[Finding] = []
+    errors: list[WmrgenError] = []
+    for path in robots:
+        try:
+            spec, robot = wmrgen.read(path)
+            findings += linted(spec, wmrgen.derive(robot))
+        except WmrgenError as error:
+            errors.append(error)
+    if as_json:
+        console.data({"findings": [_as_data(f) for f in findings], "errors": [_error(e) for e in errors]})
+    else:
+        for finding in findings:
+            console.result(str(finding))
+        for failure in errors:
+            console.failure(str(failure))
+        if findings:
+            console.note(
+                "Mend them, or write # wmrgen: ignore CODE on the line. `wmrgen explain CODE` says more."
+            )
+        elif not errors:
+            console.result(f"{len(robots)} robot{'s' * (len(robots) != 1)}: no findings")
+    return errors[0].exit_code if errors else (StaleError.exit_code if findings else 0)
+
+
+def explain(code: str | None, as_json: bool) -> int:
+    """Print a rule with its examples; without a code, all of them in a line each."""
+    from wmrgen.lint import RULES, rule_called
+
+    rules = [rule_called(code)] if code else list(RULES.values())
+    if as_json:
+        data = [_told(rule) for rule in rules]
+        console.data(data[0] if code else {"rules": data})
+    elif code:
+        console.result("\n".join(_lines(rules[0])))
+    else:
+        for rule in rules:
+            console.result(f"{rule.code}  {rule.title}")
+    return 0
+
+
+def _lines(rule: Rule) -> Iterable[str]:
+    from textwrap import fill, indent
+
+    yield f"{rule.code}: {rule.title}"
+    yield fill(rule.text, 100)
+    for word, example in (("wrong", rule.wrong), ("right", rule.right)):
+        yield f"\n{word}:\n{indent(example.rstrip(), '    ')}"
+    yield f"\nTo keep a line as it is, write beside it: # wmrgen: ignore {rule.code}"
+
+
+def _told(rule: Rule) -> dict[str, str]:
+    return {key: getattr(rule, key) for key in ("code", "title", "text", "wrong", "right")}
+
+
+def _as_data(finding: Finding) -> dict[str, Any]:
+    return {"code": finding.code, **_at(finding.mark), "what": finding.what, "instead": finding.instead}
+
+
+def _error(error: WmrgenError) -> dict[str, Any]:
+    parts = {key: getattr(error, key, "") for key in ("what", "why", "instead")}
+    return {**_at(getattr(error, "mark", None)), **parts, "exit_code": error.exit_code}
+
+
+def _at(mark: Mark | None) -> dict[str, Any]:
+    return {key: getattr(mark, key, None) for key in ("file", "line", "column")}

@@ -1,0 +1,236 @@
+"""Numbers that were likely meant otherwise: degrees without their unit, millimetres, diameters, full tracks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import combinations
+from math import dist, tau
+
+from wmrgen.layout.records import Wheel
+from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.spec.records import Limit, Quantity
+
+LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
+FASTEST = 10 * tau  # a body that turns faster is no robot [rad/s]
+_ANGLES = ("alpha", "beta", "heading", "gamma")
+_UNIT = re.compile(r"deg|rad|°|pi|π|/s")
+_SPANS = {
+    "x": re.compile(r"(wheel_?)?base(?!_?(radius|link))|length"),
+    "y": re.compile(r"track|width|separation|gauge"),
+}
+_CLOSE = 1e-6
+
+
+def _without_unit(quantity: Quantity) -> bool:
+    return not _UNIT.search(quantity.text)
+
+
+@rule(
+    "WMR001",
+    "an angle of more than a turn",
+    """An angle without a unit is in radians unless the file says `angles: deg`. One of more than a turn is most likely
+    in degrees.""",
+    """
+wheels:
+  - {name: left,  type: fixed, l: 0.2, alpha: 90,      beta: 0,       r: 0.1}
+  - {name: right, type: fixed, l: 0.2, alpha: -90 deg, beta: 180 deg, r: 0.1}
+""",
+    """
+wheels:
+  - {name: left,  type: fixed, l: 0.2, alpha: 90 deg,  beta: 0,       r: 0.1}
+  - {name: right, type: fixed, l: 0.2, alpha: -90 deg, beta: 180 deg, r: 0.1}
+""",
+)
+def turns(subject: Subject) -> Iterator[Finding]:
+    for w in subject.spec.wheels:
+        for key in _ANGLES:
+            quantity: Quantity | None = getattr(w, key)
+            if quantity and _without_unit(quantity) and abs(value := subject.value(quantity)) > tau + _CLOSE:
+                yield Finding(
+                    quantity.mark,
+                    f"{w.name}: {key} = {quantity.text} is {value:.4g} rad, {abs(value) / tau:.3g} turns",
+                    f"Did you mean {quantity.text} deg?",
+                )
+
+
+def _limits(subject: Subject) -> Iterator[tuple[str, Limit]]:
+    yield from (("the robot", limit) for limit in subject.spec.limits)
+    yield from ((w.name, limit) for w in subject.spec.wheels for limit in w.limits)
+
+
+@rule(
+    "WMR002",
+    "a limit that no robot reaches",
+    """A steering limit of more than a turn, or a body that turns ten times a second: without a unit both are in
+    radians, and degrees were likely meant.""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
+  - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], limits: {steer: [-35, 35]}}
+""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
+  - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], limits: {steer: [-35 deg, 35 deg]}}
+""",
+)
+def limits(subject: Subject) -> Iterator[Finding]:
+    for name, limit in _limits(subject):
+        bound, unit = {"steer": (tau, "rad"), "omega": (FASTEST, "rad/s")}.get(limit.name, (0.0, ""))
+        worst = max((limit.low, limit.high), key=lambda q: abs(subject.value(q)))
+        if bound and _without_unit(worst) and abs(value := subject.value(worst)) > bound:
+            yield Finding(
+                limit.mark,
+                f"{name}: a limit {limit.name} of {value:.4g} {unit}, {abs(value) / tau:.3g} "
+                f"turns{' a second' if unit == 'rad/s' else ''}",
+                f"Did you mean {unit.replace('rad', 'deg')}? Write the unit.",
+            )
+
+
+def _place(w: Wheel) -> tuple[float, float]:
+    return float(w.nominal.x), float(w.nominal.y)
+
+
+def _extent(subject: Subject) -> tuple[float, Wheel]:
+    """The largest distance of two pivots [m], and the second wheel of them; 0 for a single wheel."""
+    pairs = combinations(subject.robot.wheels, 2)
+    return max(
+        ((dist(_place(a), _place(b)), b) for a, b in pairs),
+        key=lambda p: p[0],
+        default=(0.0, subject.robot.wheels[0]),
+    )
+
+
+@rule(
+    "WMR003",
+    "a robot larger than 20 m",
+    """Lengths without a unit are in metres; a base of more than 20 m was likely written in millimetres.""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 165,  heading: 0, r: 97}
+  - {name: right, type: fixed, x: 0, y: -165, heading: 0, r: 97}
+""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 165 mm,  heading: 0, r: 97 mm}
+  - {name: right, type: fixed, x: 0, y: -165 mm, heading: 0, r: 97 mm}
+""",
+)
+def huge(subject: Subject) -> Iterator[Finding]:
+    extent, wheel = _extent(subject)
+    largest = max(subject.robot.wheels, key=lambda w: float(w.nominal.r))
+    if (r := float(largest.nominal.r)) > LARGEST:
+        yield Finding(
+            subject.mark(largest),
+            f"{largest.name}: a wheel of radius {r:.4g} m",
+            "Did you mean mm? Write the unit.",
+        )
+    elif extent > LARGEST:
+        yield Finding(
+            subject.mark(wheel),
+            f"the wheels stand up to {extent:.4g} m apart",
+            "Did you mean mm? Write the unit.",
+        )
+
+
+@rule(
+    "WMR004",
+    "sizes a hundred times apart",
+    """Radii of the wheels and the distance between them that differ by more than a factor of 100 were likely written in
+    different units.""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1 mm}
+""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+""",
+)
+def sizes(subject: Subject) -> Iterator[Finding]:
+    extent, _ = _extent(subject)
+    wheels = [w for w in subject.robot.wheels if w.nominal.r]
+    for w in wheels:
+        radius = float(w.nominal.r)
+        others = [float(other.nominal.r) for other in wheels if other is not w] + [extent] * bool(extent)
+        usual = sorted(others)[len(others) // 2] if others else radius
+        if not 1 / APART < radius / usual < APART:
+            yield Finding(
+                subject.mark(w),
+                f"{w.name}: a radius of {radius:.4g} m on a robot with sizes of {usual:.4g} m",
+                "Write the unit where it is not metres: 97 mm.",
+            )
+
+
+@rule(
+    "WMR005",
+    "a full track or a diameter for a half",
+    """A parameter that is called track, wheelbase or width is the distance between wheels; one called diameter is twice
+    a radius. Where a wheel stands that far from the middle, or has that radius, the robot is twice as large as meant,
+    and it turns half as fast. Divide by 2, or call the parameter half_track where it is the half.""",
+    """
+parameters: {track: 0.331, diameter: 0.195}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: track,  heading: 0, r: diameter}
+  - {name: right, type: fixed, x: 0, y: -track, heading: 0, r: diameter}
+""",
+    """
+parameters: {track: 0.331, diameter: 0.195}
+wheels:
+  - {name: left,  type: fixed, x: 0, y: track/2,  heading: 0, r: diameter/2}
+  - {name: right, type: fixed, x: 0, y: -track/2, heading: 0, r: diameter/2}
+""",
+)
+def full(subject: Subject) -> Iterator[Finding]:
+    places = [_place(w) for w in subject.robot.wheels]
+    for p in subject.spec.parameters:
+        size, name = subject.value(p.value), p.name.lower()
+        if "half" in name:
+            continue
+        for axis, pattern in _SPANS.items():
+            at = [place["xy".index(axis)] for place in places]
+            if pattern.search(name) and abs(max(at) - min(at) - 2 * size) < _CLOSE * abs(size):
+                yield Finding(
+                    p.value.mark,
+                    f"{p.name} = {p.value.text}, and the wheels stand twice as far apart in {axis}",
+                    f"Write {p.name}/2 in the places of the wheels, or call it half_{p.name}.",
+                )
+        for w in subject.spec.wheels if "diameter" in name else ():
+            if w.r and w.r.text == p.name:
+                yield Finding(
+                    w.r.mark, f"{w.name}: the radius is {p.name}, a diameter", f"Write r: {p.name}/2."
+                )
+
+
+@rule(
+    "WMR006",
+    "wheels that stand in one another",
+    """Two wheels that roll along one line are nearer to each other than their radii: the radii are likely diameters, or
+    the distance is.""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0,    y: 0, heading: 0, r: 0.34}
+  - {name: front, type: steered, x: 0.55, y: 0, heading: 0, r: 0.34, actuated: [steer]}
+""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0,   y: 0, heading: 0, r: 0.34}
+  - {name: front, type: steered, x: 1.1, y: 0, heading: 0, r: 0.34, actuated: [steer]}
+""",
+)
+def overlapping(subject: Subject) -> Iterator[Finding]:
+    for a, b in combinations([w for w in subject.robot.wheels if w.kind.directed and not w.kind.swivels], 2):
+        dx, dy = (p - q for p, q in zip(_place(b), _place(a), strict=True))
+        ch, sh = float(a.nominal.ch), float(a.nominal.sh)
+        turned = abs(ch * float(b.nominal.sh) - sh * float(b.nominal.ch))
+        ahead, aside = abs(dx * ch + dy * sh), abs(dy * ch - dx * sh) + abs(float(a.nominal.o - b.nominal.o))
+        room = float(a.nominal.r + b.nominal.r)
+        if turned < 1e-3 and aside < 0.05 * room and 0.05 * room < ahead < room:
+            yield Finding(
+                subject.mark(b),
+                f"{b.name} stands {ahead:.4g} m from {a.name}, in line with it, and their radii add up to {room:.4g} m",
+                "r is the radius, not the diameter; x and y are distances from P.",
+            )

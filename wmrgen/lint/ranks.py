@@ -1,0 +1,197 @@
+"""Layouts that cannot move, move by sliding, or do so only because of how their numbers are rounded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from wmrgen.constraints import nominal_view, rolling_row
+from wmrgen.exact.number import ZERO
+from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.mobility.admissible import zero_heading
+from wmrgen.mobility.ranks import to_array
+from wmrgen.mobility.reasons import listed
+from wmrgen.mobility.records import Singularity
+
+NARROW, FLAT = (
+    1e-2,
+    10.0,
+)  # relative singular values: the smallest that is no accident; the ratio of good ones
+_MECANUM = (
+    "Rollers at the ground must form an O: gamma -45 deg at the front left and rear right, 45 deg at the others. "
+    "The rollers on top, which one sees, then form an X."
+)
+
+
+@rule(
+    "WMR030",
+    "nothing can move",
+    """The axles meet in no common point, whatever the steering: every motion slides a wheel, and kinematics by rolling
+    do not exist. `derive` refuses such a robot with exit code 3 unless the finding is ignored.""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0,   y: 0.2,  heading: 0,      r: 0.1}
+  - {name: right, type: fixed, x: 0,   y: -0.2, heading: 10 deg, r: 0.1}
+  - {name: front, type: fixed, x: 0.3, y: 0,    heading: 0,      r: 0.1}
+""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+  - {name: front, type: castor, x: 0.3, y: 0, d: -0.04, r: 0.1}
+""",
+)
+def stuck(subject: Subject) -> Iterator[Finding]:
+    if not subject.mobility.degree_of_mobility:
+        why = next(
+            (r for r in subject.mobility.reasons if "nothing can move" in r), "no motion is free of sliding"
+        )
+        yield Finding(
+            subject.mark(subject.robot.wheels[0]),
+            why.rstrip("."),
+            "Look at headings and places of the fixed wheels.",
+        )
+
+
+@rule(
+    "WMR031",
+    "skid-steer",
+    """Fixed wheels on several parallel axles roll straight ahead only; the robot turns by skidding. Its kinematics are
+    least squares and `slip` says what is left. Where that is the robot, as a Husky is, the finding is to be ignored;
+    else a wheel is a castor or steers.""",
+    """
+wheels:
+  - {name: front_left,  type: fixed, x: 0.3,  y: 0.2,  heading: 0, r: 0.1}
+  - {name: front_right, type: fixed, x: 0.3,  y: -0.2, heading: 0, r: 0.1}
+  - {name: back_left,   type: fixed, x: -0.3, y: 0.2,  heading: 0, r: 0.1}
+  - {name: back_right,  type: fixed, x: -0.3, y: -0.2, heading: 0, r: 0.1}
+""",
+    """
+wheels:
+  - {name: front_left,  type: steered, x: 0.6, y: 0.2,  heading: 0, r: 0.1, actuated: [steer]}
+  - {name: front_right, type: steered, x: 0.6, y: -0.2, heading: 0, r: 0.1, actuated: [steer]}
+  - {name: back_left,   type: fixed,   x: 0,   y: 0.2,  heading: 0, r: 0.1}
+  - {name: back_right,  type: fixed,   x: 0,   y: -0.2, heading: 0, r: 0.1}
+""",
+)
+def skids(subject: Subject) -> Iterator[Finding]:
+    if any("skid-steer" in r for r in subject.mobility.reasons) and not list(narrow(subject)):
+        fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
+        names = listed([w.name for w in fixed])
+        what = f"{names} stand on parallel axles: the robot turns only by skidding (skid-steer)"
+        yield Finding(
+            subject.mark(fixed[0]), what, "Kinematics are least squares. Ignore this where that is the robot."
+        )
+
+
+@rule(
+    "WMR032",
+    "mecanum rollers that form an X",
+    """Seen at the ground, the rollers of four mecanum wheels form an O: their lines run around the middle. Those of an
+    X pass near it, so that the wheels hardly turn the robot, and not at all where wheelbase and track are equal. gamma
+    is the angle at the ground; the rollers on top, which one sees, lie the other way.""",
+    """
+wheels:
+  - {name: fl, type: swedish, x: 0.2,  y: 0.25,  heading: 0, gamma: 45 deg,  r: 0.1}
+  - {name: fr, type: swedish, x: 0.2,  y: -0.25, heading: 0, gamma: -45 deg, r: 0.1}
+  - {name: bl, type: swedish, x: -0.2, y: 0.25,  heading: 0, gamma: -45 deg, r: 0.1}
+  - {name: br, type: swedish, x: -0.2, y: -0.25, heading: 0, gamma: 45 deg,  r: 0.1}
+""",
+    """
+wheels:
+  - {name: fl, type: swedish, x: 0.2,  y: 0.25,  heading: 0, gamma: -45 deg, r: 0.1}
+  - {name: fr, type: swedish, x: 0.2,  y: -0.25, heading: 0, gamma: 45 deg,  r: 0.1}
+  - {name: bl, type: swedish, x: -0.2, y: 0.25,  heading: 0, gamma: 45 deg,  r: 0.1}
+  - {name: br, type: swedish, x: -0.2, y: -0.25, heading: 0, gamma: -45 deg, r: 0.1}
+""",
+)
+def crossed(subject: Subject) -> Iterator[Finding]:
+    rollers = [w for w in subject.robot.wheels if w.kind.rollers and float(w.nominal.sg)]
+    if len(rollers) < 3:
+        return
+    middle = sum(complex(float(w.nominal.x), float(w.nominal.y)) for w in rollers) / len(rollers)
+    ways = []
+    for w in rollers:
+        arm = complex(float(w.nominal.x), float(w.nominal.y)) - middle
+        gamma = complex(float(w.nominal.cg), float(w.nominal.sg))
+        lever, other = (abs((arm.conjugate() * zero_heading(w) * g).imag) for g in (gamma, gamma.conjugate()))
+        ways.append(lever < other - 1e-9)
+    if all(ways):
+        what = f"the rollers of {listed([w.name for w in rollers])} form an X at the ground"
+        yield Finding(subject.mark(rollers[0]), what, _MECANUM)
+
+
+def _lost(subject: Subject) -> Singularity | None:
+    return next((s for s in subject.mobility.singularities if s.everywhere), None)
+
+
+@rule(
+    "WMR033",
+    "wheels that cannot drive every motion",
+    """The robot could move every way, and its wheels cannot drive it so: one motion turns no wheel, or hardly turns
+    one. `forward` then tells that motion badly: small errors of the wheels become large ones.""",
+    """
+wheels:
+  - {name: w1, type: swedish, x: 0.2,  y: 0.003,  heading: 0,    gamma: 0, r: 0.05}
+  - {name: w2, type: swedish, x: -0.2, y: -0.003, heading: 0,    gamma: 0, r: 0.05}
+  - {name: w3, type: swedish, x: 0,    y: 0.2,    heading: pi/2, gamma: 0, r: 0.05}
+""",
+    """
+wheels:
+  - {name: w1, type: swedish, x: 0.2,  y: 0.2,  heading: 0,    gamma: 0, r: 0.05}
+  - {name: w2, type: swedish, x: -0.2, y: -0.2, heading: 0,    gamma: 0, r: 0.05}
+  - {name: w3, type: swedish, x: 0,    y: 0.2,  heading: pi/2, gamma: 0, r: 0.05}
+""",
+)
+def conditioned(subject: Subject) -> Iterator[Finding]:
+    wheels = [w for w in subject.robot.wheels if w.kind.rollers]
+    lost = _lost(subject)
+    if lost:
+        yield Finding(subject.mark(wheels[0]), lost.meaning)
+    elif len(wheels) > 2 and subject.mobility.degree_of_mobility == 3:
+        rows = to_array([[p.constant or ZERO for p in rolling_row(w, nominal_view(w)).row] for w in wheels])
+        places = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in wheels])
+        x, y = places.mean(axis=0)
+        reach = float(np.sqrt(((places - (x, y)) ** 2).sum(axis=1).mean())) or 1.0
+        about = np.column_stack(
+            [rows[:, 0], rows[:, 1], (rows[:, 2] + y * rows[:, 0] - x * rows[:, 1]) / reach]
+        )
+        values = np.linalg.svd(about, compute_uv=False)
+        if values[2] * FLAT < values[0]:
+            worse = values[0] / values[2]
+            what = f"one motion hardly turns the wheels: forward multiplies errors of theirs by {worse:.3g}"
+            yield Finding(subject.mark(wheels[0]), what, "Look at headings, gamma and places of the wheels.")
+
+
+@rule(
+    "WMR034",
+    "a rank by a hair's breadth",
+    """Two axles that miss each other by a little more than rounding: the robot is taken for one with two axles, which
+    hardly turns, where one axle was likely meant. Write numbers alike, or with all their digits.""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0.0005, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0,      y: -0.2, heading: 0, r: 0.1}
+""",
+    """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+""",
+)
+def narrow(subject: Subject) -> Iterator[Finding]:
+    fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
+    for name, rank in (("C1f", subject.mobility.rank_C1f), ("C1", subject.mobility.rank_C1)):
+        if not rank.value:
+            continue
+        least, most = rank.singular_values[rank.value - 1], rank.singular_values[0]
+        if rank.disagrees or least < NARROW * most:
+            what = f"rank {name} is {rank.value} by a hair's breadth: singular values {_shown(rank.singular_values)}"
+            place = (fixed or list(subject.robot.wheels))[-1 if fixed else 0]
+            yield Finding(subject.mark(place), what, "Look for decimals that were rounded.")
+            return
+
+
+def _shown(values: tuple[float, ...]) -> str:
+    return ", ".join(f"{v:.3g}" for v in values)

@@ -1,0 +1,108 @@
+"""A rule, what it looks at, and what it finds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+from wmrgen.errors import Mark, UsageError, placed
+from wmrgen.layout.expressions import Scope
+from wmrgen.layout.records import Robot, Wheel
+from wmrgen.mobility import Mobility
+from wmrgen.spec.records import Quantity, RobotSpec, WheelSpec
+from wmrgen.spec.text import quoted
+
+_IGNORED = re.compile(r"#\s*wmrgen:\s*ignore\s+(WMR\d+(?:[,\s]+WMR\d+)*)")
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A robot: what its file says, its layout, and what that can do."""
+
+    spec: RobotSpec
+    robot: Robot
+    mobility: Mobility
+
+    @property
+    def wheels(self) -> tuple[tuple[WheelSpec, Wheel], ...]:
+        """Each wheel as written and as laid out."""
+        return tuple(zip(self.spec.wheels, self.robot.wheels, strict=True))
+
+    def mark(self, wheel: Wheel) -> Mark:
+        """The place of a wheel."""
+        return self.spec.wheels[wheel.index].mark
+
+    def value(self, quantity: Quantity) -> float:
+        """What a quantity is worth at the nominal parameters, SI units."""
+        scope = Scope({p.name: p.value for p in self.robot.parameters}, {})
+        return float(scope.number(scope.poly(quantity)))
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """``what`` is likely wrong at ``mark``, and what to write instead. ``code``: of the rule."""
+
+    mark: Mark
+    what: str
+    instead: str = ""
+    code: str = ""
+
+    def __str__(self) -> str:
+        lines = placed(self.mark, f"warning[{self.code}]: {self.what}")
+        return "\n".join([*lines, *([f"  {self.instead}"] if self.instead else [])])
+
+
+Check = Callable[[Subject], Iterator[Finding]]
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """``title``: the mistake. ``text``: why it is one, and when it is none. ``wrong``, ``right``: robot files without
+    their first two lines; the rule finds something in the first, and no rule anything in the second."""
+
+    code: str
+    title: str
+    text: str
+    wrong: str
+    right: str
+    check: Check
+
+
+RULES: dict[str, Rule] = {}
+
+
+def rule(code: str, title: str, text: str, wrong: str, right: str) -> Callable[[Check], Check]:
+    """Enter a check into `RULES`."""
+
+    def register(check: Check) -> Check:
+        if code in RULES:
+            raise ValueError(f"there are two rules {code}")
+        RULES[code] = Rule(code, title, " ".join(text.split()), wrong.lstrip("\n"), right.lstrip("\n"), check)
+        for other in sorted(RULES):  # the order in which they are listed
+            RULES[other] = RULES.pop(other)
+        return check
+
+    return register
+
+
+def findings(subject: Subject) -> list[Finding]:
+    """What all rules find, in order of place; without what the file says is to be ignored on its line."""
+    every = [replace(f, code=r.code) for r in RULES.values() for f in r.check(subject)]
+    told = [f for f in every if f.code not in _ignored(f.mark)]
+    return sorted(dict.fromkeys(told), key=lambda f: (f.mark.line, f.mark.column, f.code))
+
+
+def _ignored(mark: Mark) -> list[str]:
+    """The codes of the comment ``# wmrgen: ignore WMR012`` on a line."""
+    match = _IGNORED.search(mark.text)
+    return re.findall(r"WMR\d+", match[1]) if match else []
+
+
+def rule_called(code: str) -> Rule:
+    """The rule of a code, in any case. UsageError where there is none."""
+    if code.upper() not in RULES:
+        near = "".join(f" Did you mean {c}?" for c in get_close_matches(code.upper()[:20], RULES, 1))
+        raise UsageError(f"{quoted(code)} is not the code of a rule.{near} `wmrgen explain` lists them.")
+    return RULES[code.upper()]

@@ -46,6 +46,8 @@ HOMES = {
     "subprocess": {"compiler"},
     "rich": {"cli/console"},
     "typer": {"cli/app"},
+    "defusedxml": {"importing/read"},
+    "xacro": {"importing/xacro"},
 }
 WRITERS = {"artifacts", "compiler"}
 WRITING = {

@@ -123,6 +123,29 @@ def derive(
     """
 
 
+@verb("importing", "Make a robot file of a URDF.", "import")
+def import_robot(
+    file: Annotated[Path, argument("FILE", "A robot description: URDF.")],
+    arguments: Annotated[Words, argument("[NAME:=VALUE]...", "Arguments of a xacro file.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--out", metavar="ROBOT.yaml", help="Write the robot file; otherwise it is printed."
+        ),
+    ] = None,
+    base: Annotated[str | None, option("The link that is the robot's frame.", "LINK")] = None,
+    package: Annotated[
+        list[str] | None, option("The folder of a package that the file finds.", "NAME=DIR")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen import my_robot.urdf -o my_robot.yaml
+
+    Make a robot file of a robot description. Wheels are told by geometry; what the file does not say stands as TODO
+    with its question, and derive refuses the file until it is answered.
+    """
+
+
 @verb("evaluate", "Compute a function of a robot's model.", "eval")
 def evaluate(
     robot: Robot,

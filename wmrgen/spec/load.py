@@ -12,6 +12,7 @@ from wmrgen.spec.expressions import parse_value, read_quantity, scalar_of
 from wmrgen.spec.fields import Mapped, Text, Version
 from wmrgen.spec.keys import CG, GAINS, PARAMETER, ROBOT, TRAILER, VIRTUAL
 from wmrgen.spec.numbers import Kind, Scope, facts_of, parameters_in, plain_number
+from wmrgen.spec.questions import refuse_questions
 from wmrgen.spec.reader import read_tree
 from wmrgen.spec.records import (
     FunctionSpec,
@@ -70,6 +71,7 @@ def read_text(text: str, file_name: str) -> RobotSpec:
         )
     table = table_of(tree, ROBOT)
     _check_format(table)
+    refuse_questions(tree)
     table.require_all("the robot file")
     name = robot_name(scalar_of(table.values["name"], "name"))
     scope = Scope(degrees=table.word("angles"))

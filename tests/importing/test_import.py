@@ -1,0 +1,360 @@
+"""Robot descriptions to robot files: wheels by geometry, values as written, questions for what is not said.
+
+What is expected was worked out by hand. The descriptions are written in the spirit of published ones, each with the
+peculiarity that it tests.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.conftest import Outcome
+from tests.importing.urdf import cylinder, joint, link, pair, robot, wheel
+
+Cli = Callable[..., Outcome]
+Import = Callable[..., dict[str, Any]]
+SWIVEL = link("fork") + joint("swivel", "base_link", "fork", "-0.3 0 0.2", axis="0 0 1")
+MESH = '<mesh filename="package://x/wheel.stl"/>'
+CORNERS = {"fl": (0.3, 0.25), "fr": (0.3, -0.25), "rl": (-0.3, 0.25), "rr": (-0.3, -0.25)}
+
+
+@pytest.fixture
+def read(wmrgen_cli: Cli, tmp_path: Path) -> Import:
+    """What `wmrgen import --json` says of a text, wheels by name."""
+
+    def call(text: str, *options: str) -> dict[str, Any]:
+        (tmp_path / "probe.urdf").write_text(text, encoding="utf-8")
+        done = wmrgen_cli(
+            "import", tmp_path / "probe.urdf", "-o", tmp_path / "probe.yaml", "--json", *options
+        )
+        assert done.code == 0, done.err
+        said = json.loads(done.out)
+        return {**said, "wheels": {w["name"]: w for w in said["wheels"]}, "notes": done.err}
+
+    return call
+
+
+def four(**by_name: str) -> str:
+    return "".join(wheel(name, f"{x} {y} 0.1") + by_name.get(name, "") for name, (x, y) in CORNERS.items())
+
+
+def test_a_pair_is_written_as_the_file_has_it(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
+    said = read(robot(pair()))
+    assert (said["base"], said["questions"]) == ("base_link", [])
+    assert said["wheels"]["left"] == {
+        "name": "left", "joint": "left_joint", "steer_joint": None, "type": "fixed", "x": 0.05, "y": 0.25,
+        "heading": 0.0, "r": 0.1, "d": None, "offset_y": None, "gamma": None, "actuated": None,
+    }  # fmt: skip
+    lines = (tmp_path / "probe.yaml").read_text(encoding="utf-8").splitlines()
+    assert "    y: 0.25" in lines
+    assert "    r: 0.1   # collision cylinder of joint 'left_joint'" in lines
+    done = wmrgen_cli("derive", tmp_path / "probe.yaml", "-o", tmp_path / "out", "--json")
+    assert done.code == 0 and json.loads(done.out)["robot_type"] == [2, 0]
+
+
+def test_decimals_are_added_not_floats(read: Import, tmp_path: Path) -> None:
+    """0.1 + 0.2 is 0.3, across a rotated link and noise of a printer of floats."""
+    plate = link("plate") + joint("plate", "base_link", "plate", "0.1 0 0", "fixed", rpy="0 0 1.57079632679")
+    wheels = "".join(
+        wheel(n, f"{y} -0.20000000000000001 0.1", parent="plate", axis="1 0 0")
+        for n, y in (("a", 0.3), ("b", -0.3))
+    )
+    said = read(robot(plate, wheels.replace(cylinder("0.1"), '<sphere radius="0.1"/>')))
+    assert "    x: 0.3 " in (tmp_path / "probe.yaml").read_text(encoding="utf-8")
+    assert [w["y"] for w in said["wheels"].values()] == [0.3, -0.3]
+
+
+def test_1_57_is_snapped_before_frames_are_composed(read: Import) -> None:
+    """A chassis turned by 1.57 and back by -1.5708: wheels 2.8 m ahead of it must not leave the axle."""
+    chassis = link("chassis") + joint("c", "base_link", "chassis", "0 0 0", "fixed", rpy="0 0 1.57")
+    wheels = "".join(
+        wheel(n, f"{y} -2.86 0.1", parent="chassis", axis="1 0 0", rpy="0 0 0")
+        for n, y in (("a", 0.7), ("b", -0.7))
+    )
+    said = read(robot(chassis, wheels.replace('rpy="1.57 0 0"', 'rpy="0 1.57 0"')))
+    assert [(w["x"], w["y"], w["heading"]) for w in said["wheels"].values()] == [
+        (2.86, 0.7, 0.0),
+        (2.86, -0.7, 0.0),
+    ]
+
+
+@pytest.mark.parametrize(("axis", "heading"), [("0 1 0", 0), ("0 -2 0", math.pi), ("1 0 0", -math.pi / 2)])
+def test_the_sign_of_the_joint_is_kept(read: Import, axis: str, heading: float) -> None:
+    """Heading is axis x z; nothing is flipped forward."""
+    wheels = pair(axis=axis).replace(cylinder("0.1"), '<sphere radius="0.1"/>')
+    assert {w["heading"] for w in read(robot(wheels))["wheels"].values()} == {heading}
+
+
+def test_steered_castor_and_offset(read: Import, tmp_path: Path) -> None:
+    castor = SWIVEL + wheel("tail", "-0.04 0 -0.1", parent="fork")
+    side = link("arm") + joint("turn", "base_link", "arm", "0.5 0 0.3", axis="0 0 -1")
+    said = read(robot(pair(), castor, side, wheel("front", "0 0.03 -0.2", parent="arm")))["wheels"]
+    tail, front = said["tail"], said["front"]
+    assert (tail["type"], tail["x"], tail["d"], tail["steer_joint"]) == ("castor", -0.3, -0.04, "swivel")
+    assert (front["type"], front["x"], front["y"]) == ("steered", 0.5, 0.0)
+    assert (front["d"], front["offset_y"]) == (0.0, 0.03)
+    text = (tmp_path / "probe.yaml").read_text(encoding="utf-8")
+    assert "type: TODO" not in text and "'turn' points down: its angle is -front.steer" in text
+
+
+@pytest.mark.parametrize(("control", "type_"), [("", "castor"), ("turn", "steered")])
+def test_a_small_trail_is_a_castor_unless_something_steers_it(read: Import, control: str, type_: str) -> None:
+    arm = link("arm") + joint("turn", "base_link", "arm", "0.5 0 0.3", axis="0 0 1")
+    names = "".join(f'<transmission><joint name="{n}"/></transmission>' for n in ("left_joint", control))
+    said = read(robot(pair(), arm, wheel("front", "0.006 0 -0.2", parent="arm"), names))
+    assert said["wheels"]["front"]["type"] == type_
+    assert [q["key"] for q in said["questions"]] == ["type"] * (type_ == "steered")
+
+
+def test_what_drives(read: Import) -> None:
+    """ros2_control by its command interfaces, a plugin; one that only publishes states drives nothing."""
+    control = '<ros2_control><joint name="left_joint"><command_interface name="velocity"/></joint>'
+    control += '<joint name="right_joint"><state_interface name="velocity"/></joint></ros2_control>'
+    states = '<gazebo><plugin filename="libjoint_state_publisher.so"><j>right_joint</j></plugin></gazebo>'
+    said = read(robot(pair(), control, states))["wheels"]
+    assert (said["left"]["actuated"], said["right"]["actuated"]) == (["spin"], [])
+    plugin = '<gazebo><plugin filename="diff.so"><left> right_joint </left></plugin></gazebo>'
+    assert read(robot(pair(), plugin))["wheels"]["right"]["actuated"] == ["spin"]
+
+
+def test_a_silent_car_is_asked_what_drives_it(read: Import) -> None:
+    arms = "".join(
+        link(f"{n}_arm") + joint(f"{n}_turn", "base_link", f"{n}_arm", f"1 {y} 0.1", "revolute", "0 0 1",
+                                 more='<limit lower="-0.6" upper="0.6"/>')
+        + wheel(f"{n}_front", "0 0 0", parent=f"{n}_arm")
+        for n, y in (("l", 0.25), ("r", -0.25))
+    )  # fmt: skip
+    said = read(robot(pair(), arms))
+    assert [(q["wheel"], q["key"]) for q in said["questions"]] == [
+        ("l_front", "actuated"),
+        ("r_front", "actuated"),
+    ]
+
+
+def test_only_what_stands_on_the_ground_and_turns_level_is_a_wheel(read: Import) -> None:
+    """Not: a driver's steering wheel, an arm's roll joint, a lidar, what carries moving parts, what has limits."""
+    decoys = (
+        wheel("steering_wheel", "0.2 0 0.9")
+        + wheel("lidar", "0 0 0.1", axis="0 0 1")
+        + wheel("hip", "0.3 0.1 0.1")
+        + wheel("knee", "0 0 0", parent="hip_link", kind="prismatic")
+        + wheel("flap", "0.3 0 0.1", kind="revolute", more='<limit lower="-7.85" upper="7.85"/>')
+    )
+    assert list(read(robot(pair(), decoys))["wheels"]) == ["left", "right"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "limits"),
+    [("continuous", "-1 1"), ("continuous", "0 0"), ("revolute", "-1e16 1e16"), ("revolute", "0 0")],
+)
+def test_limits_that_do_not_stop_a_wheel(read: Import, kind: str, limits: str) -> None:
+    low, high = limits.split()
+    more = f'<limit lower="{low}" upper="{high}"/>'
+    assert len(read(robot(pair(kind=kind, more=more)))["wheels"]) == 2
+
+
+def test_suspension_is_taken_at_zero_and_told(read: Import) -> None:
+    strut = link("strut") + joint("spring", "base_link", "strut", "0.2 0.3 0", "prismatic", axis="0 0 1")
+    said = read(robot(pair(), strut, wheel("sprung", "0 0 0.1", parent="strut")))
+    sprung = said["wheels"]["sprung"]
+    assert (sprung["type"], sprung["x"], sprung["y"], sprung["steer_joint"]) == ("fixed", 0.2, 0.3, None)
+    assert "'spring' moves above wheels and is taken at zero" in said["notes"]
+
+
+def test_the_wheel_is_where_its_largest_cylinder_is(read: Import) -> None:
+    """Off the joint along the axle; a smaller hub, a visual and what is not coaxial do not count."""
+    body = '<link name="odd">' + "".join(
+        f'<{role}><origin xyz="{xyz}" rpy="{rpy}"/><geometry>{cylinder(r)}</geometry></{role}>'
+        for role, xyz, rpy, r in (
+            ("visual", "0 0 0", "1.5708 0 0", "0.5"), ("collision", "0 0 0", "1.5708 0 0", "0.04"),
+            ("collision", "0 0.045 0", "1.5708 0 0", "0.1"), ("collision", "0 0 0", "0 0 0", "0.3"),
+        )
+    ) + "</link>"  # fmt: skip
+    odd = read(robot(pair(), body, joint("odd", "base_link", "odd", "-0.2 0.3 0.1")))["wheels"]["odd"]
+    assert (odd["y"], odd["r"]) == (0.345, 0.1)
+
+
+def test_a_mesh_leaves_the_radius_open(read: Import, wmrgen_cli: Cli, tmp_path: Path) -> None:
+    foot = link("base_footprint") + joint("foot", "base_footprint", "base_link", "0 0 0", "fixed")
+    said = read(robot(pair(geometry=MESH), foot))
+    assert said["base"] == "base_link" and said["wheels"]["left"]["r"] is None
+    assert [(q["wheel"], q["key"]) for q in said["questions"]] == [("left", "r"), ("right", "r")]
+    assert said["questions"][0]["hints"] == [
+        "the axle is 0.1 m above base_footprint, which may be the ground"
+    ]
+    path = tmp_path / "probe.yaml"
+    done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
+    assert done.code == 2 and "r is an open question" in done.err and "first of 2" in done.err
+    assert not (tmp_path / "out").exists()
+    path.write_text(path.read_text(encoding="utf-8").replace("r: TODO", "r: 0.1"), encoding="utf-8")
+    assert wmrgen_cli("derive", path, "-o", tmp_path / "out").code == 0
+
+
+def friction(name: str, direction: str, where: str = ' expressed_in="base_link"') -> str:
+    return f'<gazebo reference="{name}_link"><mu1>1.0</mu1><mu2>0</mu2><fdir1{where}>{direction}</fdir1></gazebo>'
+
+
+def test_gamma_is_the_direction_of_full_friction(read: Import) -> None:
+    directions = {"fl": "1 -1 0", "fr": "1 1 0", "rl": "1 1 0", "rr": "-1 1 0"}
+    wheels = four(**{name: friction(name, d) for name, d in directions.items()})
+    said = read(robot(wheels))
+    assert said["questions"] == [] and {w["type"] for w in said["wheels"].values()} == {"swedish"}
+    assert [said["wheels"][n]["gamma"] * 4 / math.pi for n in CORNERS] == pytest.approx([-1, 1, 1, -1])
+
+
+@pytest.mark.parametrize("why", ["plugin", "turning fdir1"])
+def test_gamma_is_never_guessed(read: Import, wmrgen_cli: Cli, tmp_path: Path, why: str) -> None:
+    plugin = '<gazebo><plugin filename="libmecanum.so" name="drive"/></gazebo>'
+    turning = four(**{name: friction(name, "1 -1 0", "") for name in CORNERS})
+    said = read(robot(four() + plugin if why == "plugin" else turning))
+    assert {(w["type"], w["gamma"]) for w in said["wheels"].values()} == {("swedish", None)}
+    assert [q["key"] for q in said["questions"]] == ["gamma"] * 4
+    path = tmp_path / "probe.yaml"
+    assert wmrgen_cli("derive", path, "-o", tmp_path / "out").code == 2
+    text = path.read_text(encoding="utf-8")
+    for sign in ("-", "", "", "-"):
+        text = text.replace("gamma: TODO", f"gamma: {sign}pi/4", 1)
+    path.write_text(text, encoding="utf-8")
+    done = wmrgen_cli("derive", path, "-o", tmp_path / "out", "--json")
+    assert json.loads(done.out)["robot_type"] == [3, 0]
+
+
+def test_rollers_in_the_file_say_gamma(read: Import) -> None:
+    """Six rollers on the rim: the axis of the lowest, at the ground. They are no wheels themselves."""
+    rollers = ""
+    for k in range(6):
+        a = math.pi * k / 3
+        rollers += link(f"r{k}") + joint(f"r{k}", "third_link", f"r{k}", f"{0.1 * math.cos(a)} 0 {0.1 * math.sin(a)}",
+                                         axis=f"{-math.sin(a)} 0 {math.cos(a)}")  # fmt: skip
+    rollers = rollers.replace(f"0 {0.1 * math.sin(4 * math.pi / 3)}", "0 -0.101")  # the lowest of the six
+    said = read(robot(pair(), wheel("third", "-0.3 0 0.1"), rollers))
+    assert list(said["wheels"]) == ["left", "right", "third"]
+    third = said["wheels"]["third"]
+    assert third["type"] == "swedish" and third["gamma"] == pytest.approx(0, abs=1e-9)
+
+
+def test_three_axles_that_meet_are_omni_wheels_with_a_question(read: Import) -> None:
+    turns = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
+    axes = [(math.cos(a), math.sin(a)) for a in turns]
+    wheels = "".join(
+        wheel(f"w{k}", f"{0.2 * x} {0.2 * y} 0.1", geometry=MESH, axis=f"{x} {y} 0")
+        for k, (x, y) in enumerate(axes)
+    )
+    said = read(robot(wheels))
+    assert {w["type"] for w in said["wheels"].values()} == {"swedish"}
+    assert [w["heading"] for w in said["wheels"].values()] == pytest.approx(
+        [-math.pi / 2, math.pi / 6, 5 * math.pi / 6]
+    )
+    assert {q["key"] for q in said["questions"]} == {"gamma", "r"}
+
+
+def test_wheels_on_fixed_joints_are_asked_about(read: Import) -> None:
+    said = read(robot(pair(kind="fixed", axis="").replace("left", "left_hub").replace("right", "right_hub")))
+    assert [(w["joint"], w["heading"], w["r"]) for w in said["wheels"].values()] == [(None, 0.0, 0.1)] * 2
+    assert [q["key"] for q in said["questions"]] == ["type", "type"]
+
+
+def test_a_missing_axis_is_asked_about(read: Import) -> None:
+    """1 0 0 by the rules of URDF, across the cylinder's; and a swivel without one, which would roll."""
+    said = read(robot(pair(), wheel("odd", "-0.2 0 0.1", axis="")))
+    assert said["wheels"]["odd"]["heading"] is None
+    assert [(q["wheel"], q["key"]) for q in said["questions"]] == [("odd", "heading")]
+    castor = SWIVEL.replace('<axis xyz="0 0 1"/>', "") + wheel("tail", "-0.04 0 -0.1", parent="fork")
+    said = read(robot(pair(), castor))
+    assert (said["wheels"]["tail"]["type"], said["wheels"]["tail"]["d"]) == ("castor", -0.04)
+    assert [(q["wheel"], q["key"]) for q in said["questions"]] == [("tail", "type")]
+
+
+def test_base_is_the_callers_choice(read: Import) -> None:
+    deck = link("deck") + joint("deck", "base_link", "deck", "0.05 0 0.4", "fixed", rpy="0 0 3.14159265")
+    said = read(robot(pair(), deck), "--base", "deck")
+    assert (said["base"], said["wheels"]["left"]["y"], said["wheels"]["left"]["heading"]) == (
+        "deck",
+        -0.25,
+        math.pi,
+    )
+
+
+def test_mimic_one_to_one_is_a_coupling(read: Import, tmp_path: Path) -> None:
+    read(
+        robot(
+            pair().replace("</joint>", "</joint>", 1)
+            + wheel("back", "-0.3 0.25 0.1", more='<mimic joint="left_joint"/>')
+        )
+    )
+    assert "  - {equal: [left.spin, back.spin]}" in (tmp_path / "probe.yaml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"),
+    [
+        (pair() + wheel("left", "0.3 0 0.1").replace('"left_link"', '"again_link"'), "several joints have this name"),
+        (pair() + joint("second", "right_link", "left_link", "0 0 0"), "has a parent already"),
+        (pair() + link("deck") + joint("deck", "base_link", "deck", "", "fixed"), "xyz is empty"),
+        (pair().replace('<origin xyz="0.05 0.25', '<origin xzy="1 1 1" xyz="0.05 0.25'), "'xzy'"),
+        (pair() + '<gazebo reference="left_link"><fdir1>0 1 0"</fdir1></gazebo>', "this fdir1 is not read"),
+        (pair() + '<mobile type="x"/>' + joint("odd", "base_link", "o", "0 0 0", "screw") + link("o"), "'screw'"),
+    ],
+)  # fmt: skip
+def test_mistakes_in_files_are_told_and_do_not_stop(read: Import, parts: str, words: str) -> None:
+    assert words in read(robot(parts))["notes"]
+
+
+LAUGHS = '<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><robot name="&b;"/>'
+OUTSIDE = '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/hostname">]><robot name="&a;"/>'
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "not XML"),
+        ("<robot>", "not XML"),
+        (LAUGHS, "document type"),
+        (OUTSIDE, "document type"),
+        ('<sdf version="1.6"/>', "SDF is not"),
+        ('<robot name="empty"/>', "has no link"),
+        (robot(), "0 joints are wheels"),
+        (robot(wheel("left", "0 0 0.1")), "1 joints are wheels"),
+        (robot(pair()).replace('"0.1"', '"${radius}"'), "xacro"),
+        (robot(pair(), '<xacro:include xmlns:xacro="http://www.ros.org/wiki/xacro" filename="/etc/passwd"/>'), "xacro"),
+        (robot(pair()).replace('radius="0.1"', 'radius="1e99"'), "too large"),
+        (robot(pair()).replace('radius="0.1"', 'radius="1e999999999"'), "not a number"),
+        (robot(pair()).replace('radius="0.1"', 'radius="__import__(1)"'), "not a number"),
+        (robot(pair()).replace('"0.05 0.25 0.1"', '"0.05 0.25"'), "three numbers"),
+        (robot(pair(), joint("lost", "base_link", "nowhere", "0 0 0")), "no link 'nowhere'"),
+        (robot(link("a"), link("b"), joint("a", "a", "b", "0 0 0"), joint("b", "b", "a", "0 0 0")), "circle"),
+        (robot("<a>" * 70 + "</a>" * 70), "deeper than 64"),
+        (robot("<a/>" * 100_001), "100000 elements"),
+        (robot(" " * 4_200_000), "larger than 4 MiB"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_read_is_refused_and_nothing_written(
+    wmrgen_cli: Cli, tmp_path: Path, text: str, words: str
+) -> None:
+    (tmp_path / "probe.urdf").write_text(text, encoding="utf-8")
+    done = wmrgen_cli("import", tmp_path / "probe.urdf", "-o", tmp_path / "probe.yaml")
+    assert (done.code, done.out) == (2, "") and words in done.err, done.err
+    assert not (tmp_path / "probe.yaml").exists()
+
+
+@pytest.mark.parametrize("options", [("--base", "no"), ("--package", "x"), ("a=1",), ("a:=1",)])
+def test_bad_words(wmrgen_cli: Cli, tmp_path: Path, options: tuple[str, ...]) -> None:
+    (tmp_path / "probe.urdf").write_text(robot(pair()), encoding="utf-8")
+    assert wmrgen_cli("import", tmp_path / "probe.urdf", *options).code == 2
+
+
+def test_names_of_the_file_stay_in_their_comments(read: Import, tmp_path: Path) -> None:
+    """A line end in a name does not end its comment; the file is read all the same."""
+    read(robot(pair().replace("left_joint", "left&#10;evil: [&#x202e;"), name="a&#10;b"))
+    text = (tmp_path / "probe.yaml").read_text(encoding="utf-8")
+    assert "\nevil" not in text and "\u202e" not in text and "\nname: a_b\n" in text
+
+
+def test_a_file_that_is_not_there(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    assert wmrgen_cli("import", tmp_path / "none.urdf").code == 2

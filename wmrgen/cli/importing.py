@@ -1,0 +1,43 @@
+"""``wmrgen import``: a robot description of another tool to a robot file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from wmrgen.artifacts import write_file
+from wmrgen.cli import console
+from wmrgen.errors import UsageError
+from wmrgen.importing.robot_file import as_json as imported_json
+from wmrgen.importing.robot_file import text
+from wmrgen.importing.source import description_of
+from wmrgen.importing.wheels import import_wheels
+
+
+def import_robot(
+    file: Path,
+    arguments: Sequence[str] | None,
+    out: Path | None,
+    base: str | None,
+    package: Sequence[str] | None,
+    as_json: bool,
+) -> int:
+    """Write or print the robot file; say what is open."""
+    robot = import_wheels(description_of(file, arguments or (), package or ()), base)
+    for note in robot.notes:
+        console.note(f"{file.name}: note: {note}")
+    written = text(robot, file.name)
+    if out is not None:
+        try:
+            write_file(out, written.encode())
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+    if as_json:
+        console.data(imported_json(robot))
+    elif out is None:
+        console.result(written.rstrip("\n"))
+    else:
+        console.result(f"{out}: {len(robot.wheels)} wheels, {len(robot.questions)} open questions")
+    for question in robot.questions:
+        console.note(f"open: {question.wheel}.{question.key}: {question.text}")
+    return 0

@@ -1,0 +1,117 @@
+"""Frames composed exactly: rotations by quarter turns are, others are kept to 30 digits.
+
+Angles within `TOLERANCE` of a multiple of pi/12 are taken for it here, before frames are composed: 1.57 in one joint of
+a car would put its rear wheels on two axles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+
+from wmrgen.importing.records import Frame, Joint, Matrix, Vector
+from wmrgen.layout.expressions import TOLERANCE
+
+_QUARTERS = {0: (0, 1), 1: (1, 0), 2: (0, -1), 3: (-1, 0)}  # sine, cosine
+_DIGITS = 10**30
+_ZERO, _ONE = Fraction(0), Fraction(1)
+IDENTITY = Frame(((_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE)), (_ZERO, _ZERO, _ZERO))
+
+
+def _sine_cosine(angle: Fraction) -> tuple[Fraction, Fraction]:
+    value = float(angle)
+    step = round(value / (math.pi / 12))
+    if abs(value - step * math.pi / 12) < TOLERANCE:
+        if step % 6 == 0:
+            sine, cosine = _QUARTERS[step // 6 % 4]
+            return Fraction(sine), Fraction(cosine)
+        value = step * math.pi / 12
+    return Fraction(math.sin(value)), Fraction(math.cos(value))
+
+
+def frame(xyz: Vector, rpy: Vector) -> Frame:
+    """The frame at ``xyz``, turned by roll, pitch and yaw about fixed axes [rad]: Rz Ry Rx."""
+    (sr, cr), (sp, cp), (sy, cy) = map(_sine_cosine, rpy)
+    rotation = (
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    )
+    return Frame(_tame(rotation), xyz)
+
+
+def _tame(rows: Matrix) -> Matrix:
+    a, b, c = (_tamed(row) for row in rows)
+    return a, b, c
+
+
+def _tamed(vector: Vector) -> Vector:
+    x, y, z = (v if v.denominator < _DIGITS else Fraction(round(v * _DIGITS), _DIGITS) for v in vector)
+    return x, y, z
+
+
+def turned(rotation: Matrix, vector: Vector) -> Vector:
+    x, y, z = (sum((a * b for a, b in zip(row, vector, strict=True)), Fraction(0)) for row in rotation)
+    return x, y, z
+
+
+def plus(a: Vector, b: Vector, factor: Fraction | int = 1) -> Vector:
+    return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
+
+
+def dot(a: Vector, b: Vector) -> Fraction:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def transposed(m: Matrix) -> Matrix:
+    a, b, c = zip(*m, strict=True)
+    return a, b, c
+
+
+def composed(outer: Frame, inner: Frame) -> Frame:
+    """A frame ``inner``, given in ``outer``, in what ``outer`` is given in."""
+    columns = [turned(outer.rotation, column) for column in transposed(inner.rotation)]
+    rotation = transposed((columns[0], columns[1], columns[2]))
+    return Frame(_tame(rotation), _tamed(plus(turned(outer.rotation, inner.origin), outer.origin)))
+
+
+def inverse(of: Frame) -> Frame:
+    back = transposed(of.rotation)
+    x, y, z = turned(back, of.origin)
+    return Frame(back, (-x, -y, -z))
+
+
+def unit(vector: Vector) -> Vector:
+    """The vector of length 1; one along a coordinate axis stays exact. ValueError for none."""
+    size = max(map(abs, vector))
+    if not size:
+        raise ValueError("no direction")
+    x, y, z = (v / size for v in vector)
+    length = dot((x, y, z), (x, y, z))
+    if length == 1:
+        return x, y, z
+    root = Fraction(math.sqrt(length))
+    return _tamed((x / root, y / root, z / root))
+
+
+def parents(joints: tuple[Joint, ...]) -> Mapping[str, Joint]:
+    """Link -> the joint that carries it."""
+    return {joint.child: joint for joint in joints}
+
+
+def ancestors(link: str, above: Mapping[str, Joint]) -> list[Joint]:
+    """The joints from a link to the root, nearest first."""
+    chain = []
+    while link in above:
+        chain.append(above[link])
+        link = above[link].parent
+    return chain
+
+
+def pose(link: str, above: Mapping[str, Joint]) -> Frame:
+    """The frame of a link in that of its root, all joints at zero."""
+    result = IDENTITY
+    for joint in ancestors(link, above):
+        result = composed(joint.frame, result)
+    return result

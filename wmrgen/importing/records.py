@@ -1,0 +1,124 @@
+"""What a URDF says, as far as wheels need it. Lengths in metres, frames exact wherever the file is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+KINDS = "continuous revolute prismatic floating planar fixed".split()  # of joints; the last is rigid
+Vector = tuple[Fraction, Fraction, Fraction]
+Matrix = tuple[Vector, Vector, Vector]  # by rows
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A frame in another: p = rotation p' + origin."""
+
+    rotation: Matrix
+    origin: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A cylinder along its frame's z, a sphere, or (``radius`` None) a mesh or box; ``role``: collision or visual."""
+
+    kind: str
+    role: str
+    frame: Frame
+    radius: Fraction | None
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """``axis`` in the child's frame, None where the file has none; ``limits`` [rad] where it has any."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    frame: Frame
+    axis: Vector | None
+    limits: tuple[Fraction, Fraction] | None
+    mimic: tuple[str, Fraction, Fraction] | None
+
+    @property
+    def turns(self) -> bool:
+        return self.kind in ("continuous", "revolute")
+
+    @property
+    def moves(self) -> bool:
+        return self.kind != KINDS[-1]
+
+    @property
+    def spins(self) -> bool:
+        """It turns without end: a continuous joint keeps no limits, whatever the file writes beside it."""
+        low, high = self.limits or (Fraction(0), Fraction(0))
+        return self.kind == "continuous" or (
+            self.kind == "revolute" and (low == high == 0 or high - low >= 100)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Friction:
+    """Directions of friction that a simulator is told: ``direction`` (fdir1) of mu1 in the frame ``link``."""
+
+    direction: Vector
+    link: str
+    mu1: Fraction
+    mu2: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """``driven``: joints that ros2_control, a transmission or a plugin names, None where the file has none of these.
+    ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers."""
+
+    name: str
+    links: tuple[str, ...]
+    joints: tuple[Joint, ...]
+    shapes: dict[str, tuple[Shape, ...]]
+    frictions: dict[str, Friction]
+    driven: frozenset[str] | None
+    words: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What the file does not say; ``key`` is that of the robot file, ``hints`` are not taken."""
+
+    wheel: str
+    key: str
+    text: str
+    hints: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """A wheel in the base frame. None is what the file does not say. ``remarks``: key -> where its value is from."""
+
+    name: str
+    joint: str | None
+    steer_joint: str | None
+    type: str
+    x: Fraction
+    y: Fraction
+    heading: float | None
+    r: Fraction | None
+    d: Fraction | None
+    offset_y: Fraction | None
+    gamma: float | None
+    actuated: tuple[str, ...] | None
+    remarks: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """What was read of a file; ``couplings`` are pairs of steering joints, as `<wheel>.steer`."""
+
+    name: str
+    base: str
+    wheels: tuple[Wheel, ...]
+    questions: tuple[Question, ...]
+    couplings: tuple[tuple[str, str], ...]
+    notes: tuple[str, ...]

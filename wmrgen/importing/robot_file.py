@@ -1,0 +1,145 @@
+"""An imported robot as a robot file: every value with its source, every question where its answer belongs."""
+
+from __future__ import annotations
+
+import math
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import Any
+
+from wmrgen.errors import Mark, RobotFileError
+from wmrgen.importing.records import Imported, Question, Wheel
+from wmrgen.spec.questions import OPEN
+from wmrgen.spec.tables import robot_name
+from wmrgen.spec.text import Scalar, quoted
+from wmrgen.wheels import WHEEL_TYPES
+
+DIGITS = 12  # decimals of a length; those of floating point noise are dropped
+_SAME = 1e-9  # [rad]
+_WIDTH = 100
+
+
+def as_json(robot: Imported) -> dict[str, Any]:
+    """Base, wheels and questions: metres and radians in the base frame, None for what the file does not say."""
+    return {
+        "base": robot.base,
+        "wheels": [_wheel_json(wheel) for wheel in robot.wheels],
+        "questions": [
+            {"wheel": q.wheel, "key": q.key, "text": q.text, "hints": list(q.hints)} for q in robot.questions
+        ],
+    }
+
+
+def _wheel_json(wheel: Wheel) -> dict[str, Any]:
+    lengths = {"x": wheel.x, "y": wheel.y, "r": wheel.r, "d": wheel.d, "offset_y": wheel.offset_y}
+    values = {key: None if value is None else float(_rounded(value)) for key, value in lengths.items()}
+    return {
+        "name": wheel.name,
+        "joint": wheel.joint,
+        "steer_joint": wheel.steer_joint,
+        "type": wheel.type,
+        "x": values["x"],
+        "y": values["y"],
+        "heading": wheel.heading,
+        "r": values["r"],
+        "d": values["d"],
+        "offset_y": values["offset_y"],
+        "gamma": wheel.gamma,
+        "actuated": None if wheel.actuated is None else list(wheel.actuated),
+    }
+
+
+def text(robot: Imported, source: str) -> str:
+    """The robot file; ``source`` is the name of the file that was read."""
+    lines = [
+        *_comment(f"Imported from {quoted(source)}. Frame: link {quoted(robot.base)}, x forward."),
+        *(line for note in robot.notes for line in _comment(f"note: {note}")),
+    ]
+    if robot.questions:
+        lines += _comment(
+            f"{len(robot.questions)} questions are open: put an answer in the place of each {OPEN}, "
+            "or delete the wheel that is none. wmrgen derive refuses the file until then."
+        )
+    lines += ["wmrgen: 1", f"name: {_robot_name(robot.name)}", "wheels:"]
+    for wheel in robot.wheels:
+        lines += _wheel(wheel, [q for q in robot.questions if q.wheel == wheel.name])
+    if robot.couplings:
+        lines += ["couplings:", *(f"  - {{equal: [{a}, {b}]}}   # mimic" for a, b in robot.couplings)]
+    return "\n".join(lines) + "\n"
+
+
+def _comment(words: str, indent: str = "") -> list[str]:
+    return textwrap.wrap(words, _WIDTH, initial_indent=f"{indent}# ", subsequent_indent=f"{indent}#   ")
+
+
+def _robot_name(name: str) -> str:
+    near = re.sub("[^a-z0-9]+", "_", name.lower()).strip("_")[:31].strip("_")
+    try:
+        return robot_name(Scalar(Mark("", 0, 0, ""), near, True))
+    except RobotFileError:
+        return "imported_robot"
+
+
+def _wheel(wheel: Wheel, questions: Sequence[Question]) -> Iterator[str]:
+    values = dict(_values(wheel))
+    asked = {q.key: q for q in questions}
+    for key in asked:
+        values.setdefault(key, OPEN)
+    for position, (key, value) in enumerate(values.items()):
+        indent = "  - " if position == 0 else "    "
+        question = asked.get(key)
+        if question:
+            yield from _comment(f"? {question.text}", "    ")
+            for hint in question.hints:
+                yield from _comment(f"  hint: {hint}", "    ")
+        remark = wheel.remarks.get(key, "")
+        shown = OPEN if question else value
+        yield f"{indent}{key}: {shown}" + (f"   # {remark}" if remark else "")
+
+
+def _values(wheel: Wheel) -> Iterator[tuple[str, str]]:
+    """Key and value of all that is known and is not the default of the type."""
+    kind = WHEEL_TYPES[wheel.type]
+    yield "name", wheel.name
+    yield "type", wheel.type
+    yield "x", _length(wheel.x)
+    yield "y", _length(wheel.y)
+    if wheel.heading is not None:
+        yield "heading", _angle(wheel.heading)
+    if wheel.r is not None:
+        yield "r", _length(wheel.r)
+    if "d" in kind.required and wheel.d is not None:
+        yield "d", _length(wheel.d)
+    if wheel.offset_y and _rounded(wheel.offset_y):
+        yield "offset_y", _length(wheel.offset_y)
+    if wheel.gamma is not None:
+        yield "gamma", _angle(wheel.gamma)
+    if wheel.actuated is not None and wheel.actuated != kind.actuated:
+        yield "actuated", f"[{', '.join(wheel.actuated)}]"
+
+
+def _rounded(value: Fraction) -> Fraction:
+    return Fraction(round(value * 10**DIGITS), 10**DIGITS)
+
+
+def _length(value: Fraction) -> str:
+    """A decimal number, exactly what the file says where that has no more than `DIGITS` decimals."""
+    units = abs(round(value * 10**DIGITS))
+    whole, part = divmod(units, 10**DIGITS)
+    decimals = f"{part:0{DIGITS}d}".rstrip("0")
+    sign = "-" if value < 0 and units else ""
+    return f"{sign}{whole}" + (f".{decimals}" if decimals else "")
+
+
+def _angle(value: float) -> str:
+    """An angle [rad]: a multiple of pi/12 as that."""
+    steps = round(value / (math.pi / 12))
+    if abs(value - steps * math.pi / 12) > _SAME:
+        return _length(Fraction(value))
+    share = Fraction(steps, 12)
+    if not share:
+        return "0"
+    head = {1: "pi", -1: "-pi"}.get(share.numerator, f"{share.numerator}*pi")
+    return head if share.denominator == 1 else f"{head}/{share.denominator}"

@@ -1,0 +1,276 @@
+"""What the wheels are: type, place, heading, radius, trail, rollers, motors, and what must be asked."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+
+from wmrgen.errors import Mark, RobotFileError
+from wmrgen.importing.candidates import Candidate, Robot, X, base_link, candidates
+from wmrgen.importing.frames import dot, plus, turned, unit
+from wmrgen.importing.read import refuse
+from wmrgen.importing.records import Description, Imported, Question, Vector, Wheel
+from wmrgen.spec.tables import wheel_name
+from wmrgen.spec.text import Scalar, quoted
+from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
+
+TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
+UNSAID = "not in the file"
+_GROUND = ("base_footprint",)
+_SAYS_ROLLERS = re.compile("mecanum|omni|planar_?move", re.IGNORECASE)
+
+
+def import_wheels(description: Description, base: str | None) -> Imported:
+    """The wheels of a description in the frame of its link ``base``. RobotFileError where there are fewer than two."""
+    robot = Robot(description, base_link(description, base))
+    wheels = candidates(robot)
+    if len(wheels) < 2:
+        raise refuse(
+            f"{len(wheels)} joints are wheels",
+            "A wheel's joint turns without end about a level axis and is the lowest of all.",
+            "Give the link that is the base frame with --base, or write the robot file by hand.",
+        )
+    names = _names(wheels)
+    rolling = _rollers_said(robot, wheels)
+    read = [_wheel(robot, c, name, rolling) for c, name in zip(wheels, names, strict=True)]
+    result = [wheel for wheel, _ in read]
+    questions = [question for _, asked in read for question in asked]
+    questions += _motors_unknown(result)
+    couplings, notes = _couplings(description, result)
+    passed = sorted({j.name for c in wheels for j in c.via})
+    notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in passed]
+    return Imported(
+        description.name, robot.base, tuple(result), tuple(questions), couplings, (*description.notes, *notes)
+    )
+
+
+def _names(wheels: Sequence[Candidate]) -> list[str]:
+    """Names for robot files, near those of the joints, none twice."""
+    names: list[str] = []
+    for number, wheel in enumerate(wheels, 1):
+        near = re.sub("[^a-z0-9]+", "_", wheel.joint.name.lower()).strip("_")
+        short = re.sub("(_(joint|link|wheel|spin|axle|hinge))+$", "", near)[:28].strip("_")
+        try:
+            name = wheel_name(Scalar(Mark("", 0, 0, ""), short, True))
+        except RobotFileError:
+            name = f"wheel_{number}"
+        names.append(name if name not in names else f"{name[:26]}_{number}")
+    return names
+
+
+def _heading(axis: Vector) -> Vector:
+    """The direction in which a wheel rolls that turns about ``axis`` at a positive rate: axis x z, level."""
+    return unit((axis[1], -axis[0], Fraction(0)))
+
+
+def _angle(direction: Vector) -> float:
+    return math.atan2(direction[1], direction[0])
+
+
+def _rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
+    """What says, of the whole robot, that its wheels have rollers; empty where nothing does."""
+    if any(wheel.steer for wheel in wheels):
+        return ""
+    for word in robot.description.words:
+        if _SAYS_ROLLERS.search(word):
+            return f"the file says {quoted(word)}"
+    axles = [_angle(_heading(w.axis)) for w in wheels if not w.unsure]
+    if len(axles) > 2 and any(abs(math.sin(a - b)) > 0.2 for a in axles for b in axles):
+        return "plain wheels on axles that are not parallel could not roll"
+    return ""
+
+
+def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, list[Question]]:
+    joint, steer = c.joint, c.steer
+    questions = [] if not c.doubt else [_doubt(c, name)]
+    e = X if c.unsure else _heading(c.axis)
+    x, y, _ = c.centre
+    d = offset = None
+    where = f"joint {quoted(joint.name)}" if joint.moves else f"link {quoted(joint.child)}"
+    place = (
+        f"centre of the {c.shape.words} of {where}"
+        if c.shape
+        else f"{where}; a mesh, whose middle may lie off it"
+    )
+    remarks = {"x": place, "heading": f"axis of {where}"}
+    if steer is not None:
+        foot, tilt = _pivot(robot, steer.child, robot.axis(steer), c.centre)
+        lever = plus(c.centre, foot, -1)
+        d, offset = dot(lever, e), dot(lever, (-e[1], e[0], Fraction(0)))
+        x, y, _ = foot
+        remarks["x"] = f"steering axis of joint {quoted(steer.name)}, wheel: {place}"
+        if robot.axis(steer)[2] < 0:
+            remarks["type"] = f"joint {quoted(steer.name)} points down: its angle is -{name}.steer"
+        if tilt > 1:
+            questions.append(_tilted(name, foot, tilt))
+    actuated = _actuated(robot.description, c)
+    gamma, source = _gamma(robot, c, e)
+    kind, why = _type(c, d, actuated, rolling if source == UNSAID else source)
+    if why:
+        remarks["type"] = "; ".join(filter(None, [remarks.get("type", ""), why]))
+    if kind == SWEDISH.name:
+        remarks["gamma"] = source
+        if gamma is None:
+            questions.append(_rollers_asked(name, why))
+    elif kind == STEERED.name and d and abs(d) > TRAIL:
+        questions.append(_trail_asked(name, d))
+    if c.shape:
+        remarks["r"] = f"{c.shape.words} of {where}"
+    else:
+        questions.append(_radius_asked(robot, c, name))
+    wheel = Wheel(
+        name,
+        joint.name if joint.moves else None,
+        steer.name if steer else None,
+        kind,
+        x,
+        y,
+        None if c.unsure else _angle(e),
+        c.shape.radius if c.shape else None,
+        d,
+        offset,
+        gamma if kind == SWEDISH.name else None,
+        actuated,
+        remarks,
+    )
+    return wheel, questions
+
+
+def _pivot(robot: Robot, link: str, axis: Vector, centre: Vector) -> tuple[Vector, float]:
+    """Where a steering axis passes the height of the wheel's centre, and its inclination [deg]."""
+    point = robot.frame(link).origin
+    foot = plus(point, axis, (centre[2] - point[2]) / axis[2])
+    return foot, math.degrees(math.acos(min(1.0, abs(float(axis[2])))))
+
+
+def _actuated(description: Description, c: Candidate) -> tuple[str, ...] | None:
+    driven = description.driven
+    if driven is None:
+        return None
+    leads = {j.name: j.mimic[0] for j in description.joints if j.mimic}
+    joints = (("spin", c.joint.name), ("steer", c.steer.name if c.steer else ""))
+    return tuple(key for key, name in joints if name in driven or leads.get(name) in driven)
+
+
+def _type(
+    c: Candidate, d: Fraction | None, actuated: tuple[str, ...] | None, rolling: str
+) -> tuple[str, str]:
+    """The type, and what it is taken from where that is not plain."""
+    if c.rollers:
+        return SWEDISH.name, f"{len(c.rollers)} rollers turn on it"
+    if d is not None:
+        least = c.radius / 10 + Fraction(3, 2000) if actuated and "steer" in actuated else TRAIL
+        if abs(d) > least:
+            return CASTOR.name, ""
+        return (
+            STEERED.name,
+            f"its contact lies {float(d):.2g} m off the steering axis, taken as 0" if d else "",
+        )
+    return (SWEDISH.name, rolling) if rolling else (FIXED.name, "")
+
+
+def _gamma(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str]:
+    """The direction of the roller at the ground from the heading, modulo pi in (-pi/2, pi/2], and its source."""
+    if c.rollers:
+        lowest = min(c.rollers, key=lambda j: robot.frame(j.child).origin[2])
+        return _modulo(
+            _angle(robot.axis(lowest)) - _angle(e)
+        ), f"axis of the lowest roller {quoted(lowest.name)}"
+    slanting = _slanting_friction(robot, c, e)
+    if slanting is None:
+        return None, UNSAID
+    gamma, link = slanting
+    if link == c.joint.child:
+        return (
+            None,
+            f"fdir1 stands in {quoted(link)}, which turns: {gamma:.6g} rad holds at joint angle 0 alone",
+        )
+    return gamma, f"fdir1 in {quoted(link)}: full friction along the roller's axis"
+
+
+def _slanting_friction(robot: Robot, c: Candidate, e: Vector) -> tuple[float, str] | None:
+    """The angle from the heading in which the wheel grips, and whose frame says so; None unless that is aslant."""
+    friction = robot.description.frictions.get(c.joint.child)
+    if not friction or friction.mu2 > friction.mu1 / 10 or friction.link not in robot.description.links:
+        return None
+    angle = _modulo(_angle(turned(robot.frame(friction.link).rotation, friction.direction)) - _angle(e))
+    return (angle, friction.link) if 20 <= abs(math.degrees(angle)) <= 70 else None
+
+
+def _modulo(angle: float) -> float:
+    turned_back = math.remainder(angle, math.pi)
+    if abs(turned_back) < 1e-12:
+        return 0.0
+    return turned_back if turned_back > -math.pi / 2 + 1e-12 else math.pi / 2
+
+
+# ---- what must be asked
+
+
+def _doubt(c: Candidate, name: str) -> Question:
+    return Question(
+        name,
+        "heading" if c.unsure else "type",
+        f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?",
+    )
+
+
+def _tilted(name: str, foot: Vector, tilt: float) -> Question:
+    text = f"the steering axis leans by {tilt:.3g} deg: is the pivot at the height of the axle, or on the ground?"
+    return Question(name, "x", text, (f"at the axle x = {float(foot[0]):.6g}, y = {float(foot[1]):.6g}",))
+
+
+def _rollers_asked(name: str, why: str) -> Question:
+    text = (
+        "which way do the rollers stand? Look at the wheel from above, through it at the roller that touches the "
+        "ground (those on top cross it): gamma is the angle from the rolling direction to that roller's axis, "
+        "counter-clockwise"
+    )
+    hints = ("0 for an omni wheel", "pi/4 or -pi/4 for a mecanum wheel; diagonal wheels have the same", why)
+    return Question(name, "gamma", text, tuple(filter(None, hints)))
+
+
+def _trail_asked(name: str, d: Fraction) -> Question:
+    text = f"the contact lies {float(d):.6g} m off the steering axis along the rolling direction: meant, or drawn so?"
+    return Question(name, "type", text, ("steered (then it is 0)", f"castor, with d: {float(d):.6g}"))
+
+
+def _radius_asked(robot: Robot, c: Candidate, name: str) -> Question:
+    text = "no cylinder or sphere about the axle gives the radius: measure it, ground to axle under load"
+    hints = [
+        f"the axle is {float(c.centre[2] - robot.frame(link).origin[2]):.6g} m above {link}, which may be the ground"
+        for link in _GROUND
+        if link in robot.description.links and robot.reaches(link)
+    ]
+    return Question(name, "r", text, tuple(hints))
+
+
+def _motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:
+    """Where the file drives nothing, and some wheels steer and others not: by default all would be driven."""
+    steering = [w for w in wheels if w.type == STEERED.name]
+    if any(w.actuated is not None for w in wheels) or not any(w.type == FIXED.name for w in wheels):
+        return []
+    text = "the file does not say which joints are driven"
+    return [Question(w.name, "actuated", text, ("[steer]", "[spin, steer]")) for w in steering]
+
+
+def _couplings(
+    description: Description, wheels: Sequence[Wheel]
+) -> tuple[tuple[tuple[str, str], ...], list[str]]:
+    """Joints of wheels that mimic another's one to one; notes on those that do otherwise."""
+    roles = {w.joint: f"{w.name}.spin" for w in wheels if w.joint}
+    roles |= {w.steer_joint: f"{w.name}.steer" for w in wheels if w.steer_joint}
+    pairs, notes = [], []
+    for joint in description.joints:
+        if joint.mimic and joint.name in roles:
+            leader, factor, offset = joint.mimic
+            same = leader in roles and roles[leader].split(".")[1] == roles[joint.name].split(".")[1]
+            if same and factor == 1 and not offset:
+                pairs.append((roles[leader], roles[joint.name]))
+            else:
+                notes.append(
+                    f"joint {quoted(joint.name)} mimics {quoted(leader)} in a way that is not taken over"
+                )
+    return tuple(pairs), notes

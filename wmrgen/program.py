@@ -154,7 +154,7 @@ _OF_LIMIT = {"spin": "spin", "steer": "steer", "steer_rate": "steer"}
 
 def _joints(robot: Robot, every: bool = False) -> tuple[str, ...]:
     """Contract names of the joints that are driven, sensed or have a limit or encoder of their own, in the file's
-    order; and the steering angles of steered wheels with such a joint, or coupled to one, which `inverse` goes by."""
+    order; and the steering angles of wheels with such a joint, or coupled to one, which `inverse` goes by."""
     own = [
         {"spin", "steer"}
         if every
@@ -164,8 +164,8 @@ def _joints(robot: Robot, every: bool = False) -> tuple[str, ...]:
     steered = {lead for w, lead in zip(robot.wheels, robot.steer_group, strict=True) if own[w.index]}
     names = []
     for w in robot.wheels:
-        steers = w.kind.steers and robot.steer_group[w.index] in steered
-        wanted = own[w.index] | ({"steer"} if steers else set())
+        steers = robot.steer_group[w.index] in steered if w.kind.steers else "spin" in own[w.index]
+        wanted = own[w.index] | ({"steer"} if steers and (w.kind.steers or w.kind.swivels) else set())
         names += [
             f"{w.name}.{j}" for j in ("spin", "steer", "steer_rate") if j.removesuffix("_rate") in wanted
         ]

@@ -78,6 +78,7 @@ wheels:
   - {name: a, type: steered, x: 0.3,  y: 0.3, heading: 0, r: 0.1, actuated: [spin]}
   - {name: b, type: steered, x: -0.3, y: 0.3, heading: 0, r: 0.1, actuated: [steer]}
   - {name: tail, type: castor, x: 0, y: 0, heading: 0, d: -0.03, r: 0.05, encoder: {steer: {counts: 100}}}
+  - {name: fast, type: castor, x: 0, y: 0, heading: 0, d: -0.03, r: 0.05, limits: {spin: 40}}
   - {name: loose, type: steered, x: 0.1, y: 0, heading: 0, r: 0.05, actuated: []}
 couplings: [{equal: [a.steer, b.steer]}]
 limits: {vx: 1, vy: 1, spin: 14, steer_rate: 4}
@@ -95,8 +96,10 @@ ONE_TYPE = """
     probed_joints_from_counters(&counters, &before, &now);
     EXPECT(fabsf(now.tail.steer - 1.5707964f) < 1e-6f);
     now.a.steer = now.b.steer = 1.0f;
+    now.fast.steer = 1.5707964f;
     probed_inverse(&sideways, &now, &out);
     EXPECT(fabsf(out.b.steer - 1.5707964f) < 1e-6f && out.a.steer == out.b.steer && fabsf(out.a.spin - 5.0f) < 1e-5f);
+    EXPECT(fabsf(out.fast.spin - 10.0f) < 1e-5f); /* of no motor, but limited: along its angle as it stands */
     probed_compensate_steering(&out, &now);
     EXPECT(fabsf(out.a.spin - 5.0f * cosf(0.57079633f)) < 1e-5f);
     probed_steer_toward(&now, &out, 0.01f, &out);

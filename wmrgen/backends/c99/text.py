@@ -172,7 +172,7 @@ def _commented(declaration: str, indent: str, column: int, note: str) -> list[st
 def _group(wheel: str, members: list[_Row]) -> list[_Row]:
     """The nested struct of a wheel: on one line when it has one member."""
     if len(members) == 1:
-        return [("    ", f"struct {{ {members[0][1]} }} {wheel};", members[0][2])]
+        return [("    ", f"struct {{ {members[0][1]} }} {wheel};", members[0][2] or f"of {wheel}")]
     inner: list[_Row] = [("        ", declaration, note) for _, declaration, note in members]
     return [("    ", "struct {", ""), *inner, ("    ", f"}} {wheel};", f"joints of {wheel}")]
 

@@ -36,7 +36,7 @@
 
 #define PIONEER3DX_WMRGEN_VERSION "0.1.0" /**< version of wmrgen that wrote this file */
 #define PIONEER3DX_MODEL_HASH "01ed44083bd5954f2e9fb904ad4ed214" /**< digest of the model */
-#define PIONEER3DX_PAIR_30b3868da0468945 1 /**< header and source that were written together have the same */
+#define PIONEER3DX_PAIR_2d847ea73dadc361 1 /**< header and source that were written together have the same */
 #define PIONEER3DX_WHEELS 3 /**< how many wheels the robot has */
 #define PIONEER3DX_LEFT_X 0.0f /**< [m] pivot, forward of P */
 #define PIONEER3DX_LEFT_Y 0.1655f /**< [m] pivot, to the left of P */
@@ -124,15 +124,15 @@ typedef struct {
  * spin_counts: counts since the last step, the difference of a counter that may wrap. */
 typedef struct {
     float dt;                            /**< [s] duration of the step, above 0 */
-    struct { float spin_counts; } left;
-    struct { float spin_counts; } right;
+    struct { float spin_counts; } left;  /**< of left */
+    struct { float spin_counts; } right; /**< of right */
 } pioneer3dx_joints_from_counts_in;
 
 /** Counters of encoders as they stand; they may wrap.
  * spin: counter of the wheel's turn. */
 typedef struct {
-    struct { uint16_t spin; } left;
-    struct { uint16_t spin; } right;
+    struct { uint16_t spin; } left;  /**< of left */
+    struct { uint16_t spin; } right; /**< of right */
 } pioneer3dx_counters;
 
 /** Joints in the order of pioneer3dx_wheels. */

@@ -123,9 +123,9 @@ def derive(
     """
 
 
-@verb("importing", "Make a robot file of a URDF.", "import")
+@verb("importing", "Make a robot file of a URDF or xacro.", "import")
 def import_robot(
-    file: Annotated[Path, argument("FILE", "A robot description: URDF.")],
+    file: Annotated[Path, argument("FILE", "A robot description: URDF or xacro.")],
     arguments: Annotated[Words, argument("[NAME:=VALUE]...", "Arguments of a xacro file.")] = None,
     out: Annotated[
         Path | None,

@@ -1,5 +1,6 @@
 """Robot descriptions of others to robot files: URDF, and xacro by the package of that name.
 
-``read`` takes untrusted XML to records, ``frames`` composes its joints, ``wheels`` tells by geometry which joints are
-wheels, ``robot_file`` writes them down with their open questions.
+``source`` opens the file and ``xacro`` resolves it where it is one, ``read`` takes untrusted XML to records, ``frames``
+composes its joints, ``candidates`` and ``wheels`` tell by geometry which are wheels and of what kind, ``robot_file``
+writes them down with their open questions.
 """

@@ -166,9 +166,8 @@ def _spin(robot: Robot, joint: Joint) -> Candidate | None:
     if abs(candidate.axis[2]) <= LEVEL:
         return _without_axis(robot, candidate)
     if abs(candidate.axis[2]) >= UPRIGHT and steer is not None and above and above[0] == steer:
-        return replace(
-            candidate, shape=None, doubt="its axis is upright, as that of the steering joint above it"
-        )
+        why = "its axis is upright, as that of the steering joint above it"
+        return replace(candidate, shape=None, doubt=why, unsure=True)
     return None
 
 

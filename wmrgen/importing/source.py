@@ -7,26 +7,38 @@ from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError, UsageError
-from wmrgen.importing.read import MAX_BYTES, describe, parse, refuse
+from wmrgen.importing.read import MAX_BYTES, children, describe, parse, refuse
 from wmrgen.importing.records import Description
+from wmrgen.importing.xacro import macros, resolve
 from wmrgen.spec.text import printable, quoted, read_at_most
-
-_XACRO = ("http://www.ros.org/wiki/xacro", "http://wiki.ros.org/xacro", "http://ros.org/wiki/xacro")
 
 
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
-    given = _pairs(arguments, ":=")
-    _pairs(packages, "=")
+    values = _pairs(arguments, ":=")
+    folders = {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
     name = printable(file.name)
     root = parse(_bytes(file), name)
-    if _is_xacro(root):
+    if not _is_xacro(root):
+        if values:
+            raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")
+        return describe(root, name)
+    resolved = parse(resolve(file, values, _own_package(file) | folders), name)
+    if not children(resolved, "link") and (defined := macros(file)):
         raise refuse(
-            f"{name}: is xacro, which is not read yet", "", "Resolve it first: xacro FILE > robot.urdf"
+            f"{name}: only defines macros ({printable(', '.join(defined))[:200]}) and uses none",
+            "A macro is no robot.",
+            "Give the file that includes it, or write one that calls the macro.",
         )
-    if given:
-        raise UsageError(f"{name} is no xacro, and takes no {next(iter(given))}:=")
-    return describe(root, name)
+    return describe(resolved, name)
+
+
+def _own_package(file: Path) -> dict[str, Path]:
+    """The package in which a file stands: the nearest folder above with a package.xml, by the folder's name."""
+    for folder in file.resolve().parents:
+        if (folder / "package.xml").is_file():
+            return {folder.name: folder}
+    return {}
 
 
 def _pairs(words: Sequence[str], sign: str) -> dict[str, str]:
@@ -53,9 +65,8 @@ def _bytes(file: Path) -> bytes:
 def _is_xacro(root: Element) -> bool:
     """An element or attribute outside comments is xacro's, whatever the file is called."""
     return any(
-        isinstance(element.tag, str)
-        and (element.tag.startswith(tuple(f"{{{space}" for space in _XACRO)) or _substitutes(element))
-        for element in root.iter()
+        isinstance(e.tag, str) and ("xacro" in e.tag.partition("}")[0] or _substitutes(e))
+        for e in root.iter()
     )
 
 

@@ -1,0 +1,134 @@
+"""Xacro files: resolved by the package xacro, with packages, arguments and doors shut."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import Outcome
+from tests.importing.urdf import link, pair, robot
+
+Cli = Callable[..., Outcome]
+HEAD = '<robot name="probe" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+WHEELS = pair().replace('radius="0.1"', 'radius="${size.wheel / 2}"').replace('"0.05 ', '"$(arg ahead) ')
+
+
+def write(place: Path, *parts: str) -> Path:
+    path = place / "urdf" / "probe.urdf"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(HEAD + link("base_link") + "".join(parts) + "</robot>", encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "size.yaml").write_text("wheel: 0.2\n", encoding="utf-8")
+    text = f"{HEAD}<xacro:macro name='wheels'>{WHEELS}</xacro:macro></robot>"
+    (tmp_path / "parts" / "wheels.xacro").write_text(text, encoding="utf-8")
+    return tmp_path / "parts"
+
+
+PARTS = (
+    "<xacro:property name='size' value=\"${xacro.load_yaml('$(find parts)/size.yaml')}\"/>",
+    "<xacro:include filename='$(find parts)/wheels.xacro'/>",
+    "<xacro:wheels/>",
+)
+
+
+def test_packages_arguments_macros_and_yaml(wmrgen_cli: Cli, tmp_path: Path, package: Path) -> None:
+    """In a file that is called .urdf; an empty package that is only named in a path may be no folder."""
+    path = write(tmp_path, *PARTS, "<gazebo><p>$(find other)/x.yaml</p></gazebo>")
+    words = (
+        "import",
+        path,
+        "--package",
+        f"parts={package}",
+        "--package",
+        f"other={tmp_path}/none",
+        "ahead:=0.07",
+    )
+    done = wmrgen_cli(*words, "--json")
+    assert done.code == 0, done.err
+    wheels = json.loads(done.out)["wheels"]
+    assert [(w["x"], w["y"], w["r"]) for w in wheels] == [(0.07, 0.25, 0.1), (0.07, -0.25, 0.1)]
+
+
+def test_missing_arguments_are_all_named(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    path = write(tmp_path, pair().replace('"0.05 0.25', '"$(arg ahead) $(arg side)'))
+    done = wmrgen_cli("import", path)
+    assert done.code == 2 and "ahead:=VALUE side:=VALUE" in done.err
+
+
+def test_a_package_that_was_not_given_is_named(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    done = wmrgen_cli("import", write(tmp_path, *PARTS), "ahead:=1")
+    assert done.code == 2 and "--package parts=DIR" in done.err
+
+
+def test_the_package_of_the_file_is_known(wmrgen_cli: Cli, package: Path) -> None:
+    (package / "package.xml").write_text("<package/>", encoding="utf-8")
+    assert wmrgen_cli("import", write(package, *PARTS), "ahead:=0").code == 0
+
+
+def test_macros_alone_are_no_robot(wmrgen_cli: Cli, package: Path) -> None:
+    done = wmrgen_cli("import", package / "wheels.xacro")
+    assert done.code == 2 and "only defines macros (wheels)" in done.err
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        ("$(eval open('PLACE/evil', 'w').write('x'))", "runs any Python"),
+        ("${(lambda: ().__class__)()}", "refused"),
+        ("${[x.__class__ for x in [1]]}", "refused"),
+        ("${(x for x in [1]).gi_frame}", "refused"),
+        ("${'x'.format_map(1)}", "refused"),
+        ("${9**9**9}", "refused"),
+        ("${__import__('os')}", "refused"),
+        ("${open('PLACE/evil', 'w')}", "open"),
+        ("$(env HOME)", "environment"),
+        ("${xacro.load_yaml('/etc/hostname')}", "outside the packages"),
+        ("${xacro.load_yaml('../../secret.yaml')}", "outside the packages"),
+        ("${xacro.load_yaml('link.yaml')}", "outside the packages"),
+    ],
+)
+def test_a_hostile_file_does_nothing(wmrgen_cli: Cli, tmp_path: Path, value: str, words: str) -> None:
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    (tmp_path / "secret.yaml").write_text("a: 1\n", encoding="utf-8")
+    path = write(
+        inside,
+        pair(),
+        f'<xacro:property name="p" value="{value.replace("PLACE", str(tmp_path))}"/><a b="${{p}}"/>',
+    )
+    (path.parent / "link.yaml").symlink_to(tmp_path / "secret.yaml")
+    done = wmrgen_cli("import", path, "-o", tmp_path / "out.yaml")
+    assert done.code == 2 and words in done.err, done.err
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["inside", "secret.yaml"]
+
+
+def test_includes_stay_inside_and_have_no_entities(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    (tmp_path / "outside.xacro").write_text(robot(pair()), encoding="utf-8")
+    done = wmrgen_cli("import", write(tmp_path, '<xacro:include filename="../outside.xacro"/>'))
+    assert done.code == 2 and "outside the packages" in done.err
+    bomb = '<!DOCTYPE r [<!ENTITY a "aaaa">]><robot name="&a;"/>'
+    path = write(tmp_path, '<xacro:include filename="bomb.xacro"/>')
+    (path.parent / "bomb.xacro").write_text(bomb, encoding="utf-8")
+    done = wmrgen_cli("import", path)
+    assert done.code == 2 and "document type" in done.err
+
+
+def test_the_package_is_as_it_was_afterwards(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    import xacro
+    from xacro import substitution_args
+
+    before = {**vars(xacro)}, {**vars(substitution_args)}
+    wmrgen_cli("import", write(tmp_path, pair(), "<a b='${1}'/>"))
+    after = vars(xacro), vars(substitution_args)
+    for now, then in zip(after, before, strict=True):
+        assert {k: v for k, v in now.items() if callable(v)} == {k: v for k, v in then.items() if callable(v)}
+    assert "open" not in vars(xacro) and os.environ

@@ -1,0 +1,174 @@
+"""Xacro to URDF by the package xacro, kept from what a file of strangers must not do.
+
+The package evaluates Python: `${…}` under a check that nested functions pass by, `$(eval …)` under none. Here the
+second is refused and the first is limited to expressions without functions, private names or the insides of frames;
+files are read only in the folders of the packages given and of the file itself, the environment is not read. How long a
+macro runs is not limited.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import errno
+import io
+import re
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from wmrgen.errors import EnvironmentFailure, RobotFileError
+from wmrgen.importing.read import MAX_BYTES, parse, refuse
+from wmrgen.spec.text import printable, quoted, read_at_most
+
+_INSIDES = re.compile("_|(gi|cr|ag|tb|co|f|func)_|(format|format_map|mro)$")
+_REFUSED = (ast.Lambda, ast.GeneratorExp, ast.Await, ast.NamedExpr, ast.JoinedStr, ast.Yield, ast.YieldFrom)
+_MOST_CHARACTERS, _MOST_POWER, _MOST_MISSING = 2_000, 64, 20
+
+
+def resolve(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> bytes:
+    """The URDF that a xacro file makes. RobotFileError where it does not, with the arguments that it lacks."""
+    try:
+        import xacro
+    except ImportError:
+        raise EnvironmentFailure(
+            "xacro is resolved by the package xacro: pip install 'wmrgen[import]'"
+        ) from None
+    roots = [file.resolve().parent, *(folder.resolve() for folder in packages.values())]
+    values = {name: _found(value, packages) for name, value in arguments.items()}
+    missing: list[str] = []
+    with _kept(xacro, roots, packages), contextlib.redirect_stderr(io.StringIO()):
+        while len(missing) < _MOST_MISSING:
+            try:
+                document = xacro.process_file(
+                    str(file.resolve()), mappings={**values, **dict.fromkeys(missing, "1")}
+                )
+                break
+            except Exception as error:
+                name = _undefined(error)
+                if name is None or name in missing:
+                    if missing:
+                        break
+                    raise _failed(file, error) from None
+                missing.append(name)
+    if missing:
+        words = " ".join(f"{name}:=VALUE" for name in missing)
+        raise refuse(
+            f"{printable(file.name)}: these arguments have no default: {printable(', '.join(missing))}",
+            "",
+            f"Give them behind the file: {printable(words)}.",
+        )
+    text: bytes = document.toxml(encoding="utf-8")
+    return text
+
+
+def macros(file: Path) -> list[str]:
+    """The names of the macros that a file defines."""
+    root = parse(read_at_most(file, MAX_BYTES + 1), printable(file.name))
+    return [e.get("name", "") for e in root.iter() if isinstance(e.tag, str) and e.tag.endswith("}macro")]
+
+
+def _failed(file: Path, error: Exception) -> RobotFileError:
+    for cause in _causes(error):
+        if isinstance(cause, RobotFileError):
+            return refuse(f"{printable(file.name)}: {cause.what}", cause.why, cause.instead)
+    words = re.sub(r"\s+", " ", str(error) or type(error).__name__)
+    return refuse(f"{printable(file.name)}: xacro: {quoted(words, 300)[1:-1]}")
+
+
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    """An error of xacro, and what it wraps."""
+    while error is not None:
+        yield error
+        error = getattr(error, "exc", None)
+
+
+def _undefined(error: Exception) -> str | None:
+    """The argument that an error misses."""
+    return next((str(e.args[0]) for e in _causes(error) if type(e).__name__ == "ArgException"), None)
+
+
+def _found(value: str, packages: Mapping[str, Path]) -> str:
+    return re.sub(r"\$\(find ([^)\s]+)\)", lambda match: _package(match[1], packages), value)
+
+
+def _package(name: str, packages: Mapping[str, Path]) -> str:
+    if name not in packages:
+        raise refuse(f"the package {quoted(name)} is not known", "", f"Give --package {printable(name)}=DIR.")
+    return str(packages[name].resolve())
+
+
+@contextlib.contextmanager
+def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path]) -> Iterator[None]:
+    """The package with its doors shut; as it was, afterwards."""
+    from xacro import substitution_args
+
+    evaluate = xacro.safe_eval
+    doors: list[tuple[Any, str, Callable[..., Any]]] = [
+        (xacro, "open", lambda path, *_: _opened(Path(path), roots)),
+        (xacro, "safe_eval", lambda text, *scopes: evaluate(_checked(text), *scopes)),
+        (substitution_args, "_eval", _no_code),
+        (substitution_args, "_eval_find", lambda name: _package(name, packages)),
+        (substitution_args, "_eval_env", _no_environment),
+        (substitution_args, "_eval_optenv", lambda name, default="": default),
+    ]
+    before = [(module, name, vars(module).get(name)) for module, name, _ in doors]
+    try:
+        for module, name, door in doors:
+            setattr(module, name, door)
+        yield
+    finally:
+        for module, name, original in before:
+            if original is None:
+                delattr(module, name)
+            else:
+                setattr(module, name, original)
+
+
+def _no_code(text: str, _: object) -> str:
+    raise refuse(f"$(eval {quoted(text)[1:-1]}) runs any Python, and is refused", "", "Write ${…}.")
+
+
+def _no_environment(name: str) -> str:
+    raise refuse(f"$(env {quoted(name)[1:-1]}) reads the environment, which import does not")
+
+
+def _opened(path: Path, roots: list[Path]) -> io.StringIO:
+    """The text of a file below one of ``roots``; XML without document type."""
+    where = path.resolve()
+    if not any(where.is_relative_to(root) for root in roots):
+        why = "outside the packages given (--package NAME=DIR)"
+        raise PermissionError(errno.EACCES, why, printable(str(path)))
+    try:
+        data = read_at_most(where, MAX_BYTES + 1)
+    except ValueError as error:
+        raise refuse(f"{printable(path.name)}: {error}") from None
+    if where.suffix not in (".yaml", ".yml"):
+        parse(data, printable(path.name))
+    elif len(data) > MAX_BYTES:
+        raise refuse(f"{printable(path.name)}: larger than {MAX_BYTES // 1024 // 1024} MiB")
+    return io.StringIO(data.decode("utf-8-sig"))
+
+
+def _checked(text: str) -> str:
+    """An expression of xacro, when it is plain. RobotFileError otherwise."""
+    if len(text) > _MOST_CHARACTERS:
+        raise refuse(f"an expression of {len(text)} characters")
+    try:
+        nodes = list(ast.walk(ast.parse(text.strip(), mode="eval")))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise refuse(f"{quoted(text)} is not an expression") from None
+    for node in nodes:
+        name = node.attr if isinstance(node, ast.Attribute) else ""
+        name = node.id if isinstance(node, ast.Name) and node.id.startswith("__") else name
+        power = isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and not _small(node.right)
+        if isinstance(node, _REFUSED) or _INSIDES.match(name) or power:
+            raise refuse(f"the expression {quoted(text)} is refused: it may do more than compute")
+    return text
+
+
+def _small(exponent: ast.expr) -> bool:
+    if isinstance(exponent, ast.UnaryOp):
+        return _small(exponent.operand)
+    value = exponent.value if isinstance(exponent, ast.Constant) else None
+    return isinstance(value, int | float) and abs(value) <= _MOST_POWER

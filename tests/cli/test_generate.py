@@ -115,11 +115,12 @@ def test_snap_notes_go_to_stderr(wmrgen_cli: Cli, robot_file: Path, tmp_path: Pa
 def test_mirrored_mecanum_on_a_square_is_warned_of(
     wmrgen_cli: Cli, tmp_path: Path, tunable: str, b: str
 ) -> None:
-    """Tzafestas (2.81) as printed, d1 = d2: rank 2. On a rectangle the rank is 3."""
+    """Tzafestas (2.81) as printed, d1 = d2: rank 2. On a rectangle the rank is 3, by little."""
     path = tmp_path / "mirrored.yaml"
     path.write_text(MIRRORED.format(tunable, b), encoding="utf-8")
     done = wmrgen_cli("derive", path, "-o", tmp_path / "out")
     assert done.code == 0 and ("rank 2" in done.err) == (b == "0.2")
+    assert ("WMR032" in done.err) == (b != "0.2")
 
 
 def test_a_missing_robot_file(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT, Outcome
+from wmrgen.lint import RULES
 
 Cli = Callable[..., Outcome]
 
@@ -44,6 +45,17 @@ def test_derive_says_the_same_and_writes_what_it_wrote(
     swapped.write_text(swapped.read_text().rstrip() + "  # wmrgen: ignore WMR012\n")
     again = wmrgen_cli("derive", swapped, "-o", tmp_path / "a")
     assert again.err == "" and "all up to date" in again.out
+
+
+def test_derive_refuses_what_cannot_move_unless_asked(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    path, out = tmp_path / "stuck.yaml", tmp_path / "out"
+    path.write_text("wmrgen: 1\nname: stuck\n" + RULES["WMR030"].wrong)
+    done = wmrgen_cli("derive", path, "-o", out)
+    assert (done.code, done.out) == (3, "") and not out.exists()
+    assert f"{path}:4:5: " in done.err and "# wmrgen: ignore WMR030" in done.err
+    path.write_text(path.read_text().replace("0,      r: 0.1}", "0, r: 0.1}  # wmrgen: ignore WMR030", 1))
+    done = wmrgen_cli("derive", path, "-o", out)
+    assert done.code == 0 and "mobility 0" in done.out
 
 
 def test_one_json_object_with_findings_and_errors(wmrgen_cli: Cli, swapped: Path, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.cli import console
 from wmrgen.cli.loading import linted, noted, warn_of_gains
-from wmrgen.errors import EnvironmentFailure, StaleError, UsageError, WmrgenError
+from wmrgen.errors import EnvironmentFailure, NotDerivableError, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Robot
@@ -56,6 +56,11 @@ def derive(
             warn_of_gains(robot)
             derivation = wmrgen.derive(robot)
             for finding in linted(spec, derivation):
+                if finding.stops:
+                    text = (
+                        f"  To derive it all the same write beside the line: # wmrgen: ignore {finding.code}"
+                    )
+                    raise NotDerivableError(f"{finding.what}\n{text}", finding.mark)
                 console.note(str(finding))
             results.append((derivation, artifacts(derivation, chosen, fuzz)))
     packages = [

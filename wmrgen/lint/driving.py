@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import degrees, pi
+
+import numpy as np
 
 from wmrgen.kinematics.sensing import generic_rank, measurements
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.mobility.admissible import zero_heading
+from wmrgen.mobility.configure import pivot_velocity
 from wmrgen.mobility.reasons import listed
+from wmrgen.mobility.records import Array
+
+NEAR = 2e-3  # a limit written as 1.57 reaches pi/2 [rad]
 
 
 def _first(subject: Subject) -> Wheel:
@@ -119,3 +127,59 @@ def _seen(robot: Robot) -> int:
     """How many components of the twist the sensed joints tell."""
     measured = measurements(robot)
     return generic_rank(measured) if measured.all else 0
+
+
+@rule(
+    "WMR023",
+    "a motion beyond the steering limits",
+    """The limits of vx, vy and omega promise a motion that the limits of steering do not reach: a car whose omega is
+    too large even at its highest speed, a base told to drive sideways whose wheels do not turn so far. Headings half a
+    turn apart count as one, for the wheel may roll backwards.""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
+  - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], limits: {steer: 30 deg}}
+limits: {vx: 1, omega: 1}
+""",
+    """
+wheels:
+  - {name: rear,  type: fixed,   x: 0, y: 0, heading: 0, r: 0.3}
+  - {name: front, type: steered, x: 1, y: 0, heading: 0, r: 0.3, actuated: [steer], limits: {steer: 30 deg}}
+limits: {vx: 1, omega: 0.5}
+""",
+)
+def beyond(subject: Subject) -> Iterator[Finding]:
+    for motion, twist in _promised(subject):
+        for spec, w in subject.wheels:
+            limit, speed = subject.robot.limit(w, "steer"), pivot_velocity(w, twist)
+            if not (limit and w.kind.steers) or abs(speed) < 1e-9 * float(np.abs(twist).max()):
+                continue
+            angle = float(np.angle(speed / zero_heading(w)))
+            turned = [angle + k * pi for k in range(-4, 5)]
+            if not any(float(limit.low) - NEAR <= a <= float(limit.high) + NEAR for a in turned):
+                own = (v for v in (*spec.limits, *subject.spec.limits) if v.name == "steer")
+                least = degrees(min(turned, key=abs))
+                what = f"{motion} is out of reach: {w.name} would have to steer {least:.4g} deg"
+                yield Finding(
+                    next(own).mark, what, "Write a smaller limit of the motion, or a larger one of steering."
+                )
+                return
+
+
+def _promised(subject: Subject) -> Iterator[tuple[str, Array]]:
+    """Motions that the limits of the twist promise, in words and as a twist."""
+    limits, free = subject.robot.limits, subject.mobility.admissible
+    most = {name: max(abs(float(limits[name].low)), abs(float(limits[name].high))) for name in limits}
+    vx, vy, omega = (most.get(name, 0.0) for name in ("vx", "vy", "omega"))
+    if not free.linear or any(joint == "steer" for joint, _ in subject.robot.couplings):
+        return
+    if free.dimension == 3 and vy:
+        yield "driving sideways", np.array([0.0, vy, 0.0])
+    if free.dimension == 3 and omega:
+        yield "turning on the spot", np.array([0.0, 0.0, omega])
+    if free.dimension == 2 and vx and omega:
+        known = free.basis[:, [0, 2]]
+        if abs(float(np.linalg.det(known))) > 1e-9:
+            for rate in (omega, -omega):
+                twist = np.linalg.solve(known.T, np.array([vx, rate])) @ free.basis
+                yield f"omega = {rate:.4g} rad/s at vx = {vx:.4g} m/s or less", twist

@@ -20,6 +20,7 @@ _SPANS = {
     "y": re.compile(r"track|width|separation|gauge"),
 }
 _CLOSE = 1e-6
+ROUNDED = 2e-3  # a turn written as 6.28 or 6.2832 [rad]
 
 
 def _without_unit(quantity: Quantity) -> bool:
@@ -46,7 +47,7 @@ def turns(subject: Subject) -> Iterator[Finding]:
     for w in subject.spec.wheels:
         for key in _ANGLES:
             quantity: Quantity | None = getattr(w, key)
-            if quantity and _without_unit(quantity) and abs(value := subject.value(quantity)) > tau + _CLOSE:
+            if quantity and _without_unit(quantity) and abs(value := subject.value(quantity)) > tau + ROUNDED:
                 yield Finding(
                     quantity.mark,
                     f"{w.name}: {key} = {quantity.text} is {value:.4g} rad, {abs(value) / tau:.3g} turns",
@@ -151,18 +152,18 @@ wheels:
 """,
 )
 def sizes(subject: Subject) -> Iterator[Finding]:
-    extent, _ = _extent(subject)
-    wheels = [w for w in subject.robot.wheels if w.nominal.r]
-    for w in wheels:
-        radius = float(w.nominal.r)
-        others = [float(other.nominal.r) for other in wheels if other is not w] + [extent] * bool(extent)
-        usual = sorted(others)[len(others) // 2] if others else radius
-        if not 1 / APART < radius / usual < APART:
-            yield Finding(
-                subject.mark(w),
-                f"{w.name}: a radius of {radius:.4g} m on a robot with sizes of {usual:.4g} m",
-                "Write the unit where it is not metres: 97 mm.",
-            )
+    wheels = [w for w in subject.robot.wheels if float(w.nominal.r) > 0]
+    if not wheels:
+        return
+    radii = sorted(float(w.nominal.r) for w in wheels)
+    usual, extent = radii[len(radii) // 2], _extent(subject)[0]
+    odd = [w for w in wheels if not 1 / APART < float(w.nominal.r) / usual < APART]
+    for w in odd:
+        what = f"{w.name}: a radius of {float(w.nominal.r):.4g} m beside one of {usual:.4g} m"
+        yield Finding(subject.mark(w), what, "Write the unit where it is not metres: 97 mm.")
+    if extent and not odd and not 1 / APART < usual / extent < APART:
+        what = f"wheels of a radius of {usual:.4g} m stand {extent:.4g} m apart"
+        yield Finding(subject.mark(wheels[0]), what, "Write the unit where it is not metres: 97 mm.")
 
 
 @rule(

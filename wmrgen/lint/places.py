@@ -74,8 +74,8 @@ def _claims(name: str) -> Iterator[tuple[str, int, str]]:
         elif len(low) == 2 and low[0] in _LETTERS and low[1] in _SIDES:
             yield *_LETTERS[low[0]], word
             yield *_SIDES[low[1]], word
-        elif len(low) == 2 and low[0] == "l" and low[1] in _LETTERS:
-            yield *_SIDES["l"], word
+        elif len(low) == 2 and low[0] in _SIDES and low[1] in _LETTERS:
+            yield *_SIDES[low[0]], word
             yield *_LETTERS[low[1]], word
 
 

@@ -41,6 +41,7 @@ wheels:
   - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
   - {name: front, type: castor, x: 0.3, y: 0, d: -0.04, r: 0.1}
 """,
+    stops=True,
 )
 def stuck(subject: Subject) -> Iterator[Finding]:
     if not subject.mobility.degree_of_mobility:
@@ -108,7 +109,7 @@ wheels:
 )
 def crossed(subject: Subject) -> Iterator[Finding]:
     rollers = [w for w in subject.robot.wheels if w.kind.rollers and float(w.nominal.sg)]
-    if len(rollers) < 3:
+    if len(rollers) < 3 or _lost(subject):
         return
     middle = sum(complex(float(w.nominal.x), float(w.nominal.y)) for w in rollers) / len(rollers)
     ways = []
@@ -153,7 +154,7 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
         rows = to_array([[p.constant or ZERO for p in rolling_row(w, nominal_view(w)).row] for w in wheels])
         places = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in wheels])
         x, y = places.mean(axis=0)
-        reach = float(np.sqrt(((places - (x, y)) ** 2).sum(axis=1).mean())) or 1.0
+        reach = float(np.hypot(*(places - (x, y)).T).max()) or 1.0
         about = np.column_stack(
             [rows[:, 0], rows[:, 1], (rows[:, 2] + y * rows[:, 0] - x * rows[:, 1]) / reach]
         )

@@ -49,6 +49,11 @@ class Finding:
     instead: str = ""
     code: str = ""
 
+    @property
+    def stops(self) -> bool:
+        """`derive` goes on only where the file says to ignore it."""
+        return RULES[self.code].stops
+
     def __str__(self) -> str:
         lines = placed(self.mark, f"warning[{self.code}]: {self.what}")
         return "\n".join([*lines, *([f"  {self.instead}"] if self.instead else [])])
@@ -60,7 +65,8 @@ Check = Callable[[Subject], Iterator[Finding]]
 @dataclass(frozen=True, slots=True)
 class Rule:
     """``title``: the mistake. ``text``: why it is one, and when it is none. ``wrong``, ``right``: robot files without
-    their first two lines; the rule finds something in the first, and no rule anything in the second."""
+    their first two lines; the rule finds something in the first, and no rule anything in the second.
+    ``stops``: `derive` goes on only where the file says to ignore it."""
 
     code: str
     title: str
@@ -68,18 +74,23 @@ class Rule:
     wrong: str
     right: str
     check: Check
+    stops: bool = False
 
 
 RULES: dict[str, Rule] = {}
 
 
-def rule(code: str, title: str, text: str, wrong: str, right: str) -> Callable[[Check], Check]:
+def rule(
+    code: str, title: str, text: str, wrong: str, right: str, stops: bool = False
+) -> Callable[[Check], Check]:
     """Enter a check into `RULES`."""
 
     def register(check: Check) -> Check:
         if code in RULES:
             raise ValueError(f"there are two rules {code}")
-        RULES[code] = Rule(code, title, " ".join(text.split()), wrong.lstrip("\n"), right.lstrip("\n"), check)
+        RULES[code] = Rule(
+            code, title, " ".join(text.split()), wrong.lstrip("\n"), right.lstrip("\n"), check, stops
+        )
         for other in sorted(RULES):  # the order in which they are listed
             RULES[other] = RULES.pop(other)
         return check

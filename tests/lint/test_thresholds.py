@@ -1,0 +1,145 @@
+"""Both sides of what rules decide by, and robots that are right although a careless rule would speak."""
+
+from __future__ import annotations
+
+from math import atan2, degrees
+from pathlib import Path
+
+import pytest
+
+from tests.lint.test_rules import codes
+
+PAIR = "  - {name: left, type: fixed, x: 0, y: 0.2, heading: 0, r: 0.1}\n"
+PAIR += "  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}\n"
+
+
+def wheels(*entries: str, after: str = "") -> str:
+    return "wheels:\n" + "".join(f"  - {{{entry}}}\n" for entry in entries) + after
+
+
+def differential(y: str = "0.2", x: str = "0", r: str = "0.1", heading: str = "0", head: str = "") -> str:
+    both = (
+        f"name: {n}, type: fixed, x: {x}, y: {s}{y}, heading: {heading}, r: {r}"
+        for n, s in (("left", ""), ("right", "-"))
+    )
+    return head + wheels(*both)
+
+
+def polar(alpha: str, head: str = "") -> str:
+    turned = f"name: left, type: fixed, l: 0.2, alpha: {alpha}, heading: 0, r: 0.1"
+    return head + wheels(turned, "name: right, type: fixed, l: 0.2, alpha: 3*pi/2, heading: 0, r: 0.1")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (polar("90"), ["WMR001", "WMR031"]),
+        (polar("90 deg"), []),
+        (polar("quarter", "parameters: {quarter: 90}\n"), ["WMR001", "WMR031"]),
+        (polar("450", "angles: deg\n").replace("3*pi/2", "270"), ["WMR001"]),
+        (polar("90", "angles: deg\n").replace("3*pi/2", "270"), []),
+        (polar("5*pi/2"), []),
+        (differential(heading="6.29"), ["WMR001", "WMR001", "WMR034"]),
+        (differential(heading="6.2832"), []),  # a turn, rounded
+        (differential("10"), ["WMR004"]),
+        (differential("4.9"), []),
+        (differential("10.1", r="1"), ["WMR003"]),
+        (differential("9.9", r="1"), []),
+        (differential("b", head="parameters: {b: 0.2}\n"), []),
+        (differential("half_track", head="parameters: {half_track: 0.2}\n"), []),
+        (differential("track", head="parameters: {track: 0.2}\n"), ["WMR005"]),
+        (differential("track_width/2", head="parameters: {track_width: 0.4}\n"), []),
+        (differential(r="wheel_diameter", head="parameters: {wheel_diameter: 0.2}\n"), ["WMR005", "WMR005"]),
+        (differential(r="wheel_diameter/2", head="parameters: {wheel_diameter: 0.2}\n"), []),
+        (differential(x="-0.05"), ["WMR014"]),
+        (differential(x="-0.0"), []),
+        (differential(heading="pi"), []),  # both backwards: not against each other
+    ],
+)  # fmt: skip
+def test_differential_drives(text: str, expected: list[str], tmp_path: Path) -> None:
+    assert sorted(codes(tmp_path / "robot.yaml", text)) == expected
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (("fl", "fr", "bl", "br"), 0),
+        (("lf", "rf", "lb", "rb"), 0),
+        (("front_left", "front_right", "rear_left", "rear_right"), 0),
+        (("front_left_wheel", "right_front", "left_hind", "back_right"), 0),
+        (("a", "b", "c", "d"), 0),
+        (("fr", "fl", "bl", "br"), 2),
+        (("rf", "lf", "lr", "rr"), 2),
+        (("bl", "fr", "fl", "br"), 2),
+        # Simulation of the Neobotix MPO-700: back_left at the front right, back_right at the back left.
+        (("front_left", "back_left", "back_right", "front_right"), 3),
+        (("bright", "leftover", "rearm", "fright"), 0),
+    ],
+)  # fmt: skip
+def test_names_and_places(names: tuple[str, ...], expected: int, tmp_path: Path) -> None:
+    """Wheels at the front left, front right, back left and back right."""
+    places = ((0.3, 0.2), (0.3, -0.2), (-0.3, 0.2), (-0.3, -0.2))
+    entries = (
+        f"name: {n}, type: steered, x: {x}, y: {y}, heading: 0, r: 0.1"
+        for n, (x, y) in zip(names, places, strict=True)
+    )
+    assert codes(tmp_path / "robot.yaml", wheels(*entries)) == ["WMR011"] * expected
+
+
+def test_omni_wheels_that_run_around_the_middle_do_not_roll_against_each_other(tmp_path: Path) -> None:
+    around = [
+        f"name: w{k}, type: swedish, l: 0.2, alpha: {45 + 90 * k} deg, beta: 0, gamma: 0, r: 0.05"
+        for k in range(4)
+    ]
+    assert codes(tmp_path / "robot.yaml", wheels(*around)) == []
+
+
+@pytest.mark.parametrize(
+    ("castor", "expected"),
+    [
+        ("d: 0.04", ["WMR013"]),
+        ("heading: 0, d: 0.04", ["WMR013"]),
+        ("heading: pi, d: 0.04", []),
+        ("heading: pi/2, d: 0.04", []),
+        ("heading: 0, d: -0.04", []),
+    ],
+)
+def test_castors(castor: str, expected: list[str], tmp_path: Path) -> None:
+    tail = f"  - {{name: tail, type: castor, x: -0.3, y: 0, {castor}, r: 0.05}}\n"
+    assert codes(tmp_path / "robot.yaml", f"wheels:\n{PAIR}{tail}") == expected
+
+
+def car(limit: str, omega: float) -> str:
+    """Wheelbase 1.2 m, at most 1.5 m/s."""
+    rear = "name: rear, type: fixed, x: 0, y: 0, heading: 0, r: 0.3"
+    front = "name: front, type: steered, x: 1.2, y: 0, heading: 0, r: 0.3, actuated: [steer], limits: {steer: LIMIT}"
+    return wheels(rear, front.replace("LIMIT", limit), after=f"limits: {{vx: 1.5, omega: {omega}}}\n")
+
+
+NEEDED = degrees(atan2(1.2 * 0.8, 1.5))  # steering of that car at 0.8 rad/s
+
+
+@pytest.mark.parametrize(
+    ("limit", "expected"),
+    [
+        (f"{NEEDED + 0.01} deg", []),
+        (f"{NEEDED - 0.2} deg", ["WMR023"]),
+        (f"[-{NEEDED + 0.01} deg, {NEEDED - 0.2} deg]", ["WMR023"]),
+        (f"[-{NEEDED - 0.2} deg, {NEEDED + 0.01} deg]", ["WMR023"]),
+        ("[-35, 35]", ["WMR002"]),
+        ("[-35 deg, 35]", ["WMR002"]),
+        ("[-6.2, 6.2]", []),
+    ],
+)
+def test_steering_limits_of_a_car(limit: str, expected: list[str], tmp_path: Path) -> None:
+    assert codes(tmp_path / "robot.yaml", car(limit, 0.8)) == expected
+
+
+@pytest.mark.parametrize(("limit", "expected"), [("1.57", []), ("1.56", ["WMR023"]), ("[0, pi]", [])])
+def test_sideways_with_four_steered_wheels(limit: str, expected: list[str], tmp_path: Path) -> None:
+    places = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+    entries = (
+        f"name: w{k}, type: steered, x: {x}, y: {y}, heading: 0, r: 0.1" for k, (x, y) in enumerate(places)
+    )
+    text = wheels(*entries, after=f"limits: {{vx: 1, vy: 1, omega: 1, steer: {limit}}}\n")
+    assert codes(tmp_path / "robot.yaml", text) == expected

@@ -32,7 +32,7 @@ def test_a_bug_is_one_line_and_a_log(
     def broken(path: Path) -> None:
         raise ZeroDivisionError("one\ntwo")
 
-    monkeypatch.setattr(wmrgen, "load", broken)
+    monkeypatch.setattr(wmrgen, "read", broken)
     done = wmrgen_cli("derive", robot_file)
     assert done.code == 70
     assert done.out == ""
@@ -118,7 +118,7 @@ def test_an_interrupt_is_no_stack_trace(
     def interrupted(path: Path) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(wmrgen, "load", interrupted)
+    monkeypatch.setattr(wmrgen, "read", interrupted)
     assert wmrgen_cli("derive", robot_file) == Outcome(130, "", "interrupted\n")
 
 

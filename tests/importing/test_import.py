@@ -364,3 +364,31 @@ def test_an_upright_wheel_below_a_steering_joint_is_asked_about(read: Import) ->
     front = said["wheels"]["front"]
     assert (front["type"], front["x"], front["heading"], front["r"]) == ("steered", 0.5, None, None)
     assert {"heading", "r"} <= {q["key"] for q in said["questions"]}
+
+
+def test_a_wheel_that_only_steers_is_no_silence(read: Import) -> None:
+    """A limited upright joint that carries a wheel fixed to it: found, and asked about. One in the air is none."""
+    steered = wheel(
+        "front", "0.5 0 0.1", kind="revolute", axis="0 0 1", more='<limit lower="-0.6" upper="0.6"/>'
+    )
+    mast = steered.replace("front", "mast").replace("0.5 0 0.1", "0 0 0.9")
+    said = read(robot(pair(), steered, mast))
+    front = said["wheels"]["front"]
+    assert list(said["wheels"]) == ["left", "right", "front"]
+    assert (front["joint"], front["steer_joint"], front["type"]) == (None, "front_joint", "steered")
+    assert (front["x"], front["heading"], front["r"], front["d"]) == (0.5, 0.0, 0.1, 0.0)
+    assert ("front", "type") in [(q["wheel"], q["key"]) for q in said["questions"]]
+
+
+@pytest.mark.parametrize(
+    ("shape", "height", "asked"), [("sphere", "0.098", 2), ("sphere", "0.0995", 0), ("cylinder", "0.098", 0)]
+)
+def test_a_sphere_and_a_height_that_differ_are_asked_about(
+    read: Import, tmp_path: Path, shape: str, height: str, asked: int
+) -> None:
+    wheels = pair().replace("cylinder", shape).replace('0.25 0.1"', f'0.25 {height}"')
+    said = read(robot(wheels))
+    assert [q["key"] for q in said["questions"]] == ["r"] * asked
+    assert {w["r"] for w in said["wheels"].values()} == {0.1}
+    text = (tmp_path / "probe.yaml").read_text(encoding="utf-8")
+    assert ("the axle is 0.098 m above" in text) == (height == "0.098")

@@ -24,7 +24,7 @@ from wmrgen.importing.frames import (
     unit,
 )
 from wmrgen.importing.read import refuse
-from wmrgen.importing.records import Description, Frame, Joint, Vector
+from wmrgen.importing.records import KINDS, Description, Frame, Joint, Vector
 from wmrgen.spec.text import quoted
 
 LEVEL, UPRIGHT = math.sin(math.radians(12)), math.cos(math.radians(15))
@@ -41,6 +41,7 @@ class Round:
     radius: Fraction
     centre: Vector
     words: str
+    cylinder: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,14 +138,16 @@ class Robot:
             off = plus(reach, axis, -share)
             if dot(off, off) <= (radius / 5) ** 2 and (kind == "sphere" or abs(dot(along, axis)) >= COAXIAL):
                 centre = plus(origin, axis, share)
-                shapes.append((role == "collision", radius, Round(radius, centre, f"{role} {kind}")))
+                shapes.append(
+                    (role == "collision", radius, Round(radius, centre, f"{role} {kind}", kind == "cylinder"))
+                )
         return max(shapes, key=lambda s: s[:2])[2] if shapes else None
 
 
 def candidates(robot: Robot) -> list[Candidate]:
     """The wheels, in the order of the file."""
     joints = [j for j in robot.description.joints if robot.reaches(j.child)]
-    spins = [c for joint in joints if (c := _spin(robot, joint))]
+    spins = [c for joint in joints if (c := _spin(robot, joint) or _steer_only(robot, joint))]
     rollers = {roller.child for c in spins for roller in c.rollers}
     wheels = _on_ground([c for c in spins if c.joint.child not in rollers])
     if len(wheels) < 2:
@@ -187,22 +190,39 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
     return candidate
 
 
+def _steer_only(robot: Robot, joint: Joint) -> Candidate | None:
+    """A wheel that its joint steers and that has none to roll about: its axis is that of its cylinder."""
+    if joint.spins or not robot.upright(joint) or robot.moving_below(joint.child):
+        return None
+    axis = _level_cylinder(robot, joint.child)
+    if axis is None:
+        return None
+    body = replace(joint, name=joint.child, kind=KINDS[-1])
+    above = robot.moving_above(joint)
+    candidate = _candidate(robot, body, axis, joint, above, ())
+    return replace(candidate, doubt="it steers, and the file has no joint about which the wheel turns")
+
+
+def _level_cylinder(robot: Robot, link: str) -> Vector | None:
+    """The axis of the first cylinder of a link, the sense chosen forward; None where it is not level."""
+    along = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(link) if kind == "cylinder"]
+    if not along or abs(along[0][2]) > LEVEL:
+        return None
+    axis = unit(along[0])
+    forward = axis[1] > 0 or (axis[1] == 0 and axis[0] < 0)
+    return axis if forward else (-axis[0], -axis[1], -axis[2])
+
+
 def _fixed(robot: Robot, joint: Joint) -> Candidate | None:
     """A wheel without a joint of its own: its axis is that which the fixed joint bears, or that of its cylinder."""
     if robot.moving_below(joint.child):
         return None
     if joint.axis is not None:
-        axis = robot.axis(joint)
-    elif re.search("wheel|hub", f"{joint.name} {joint.child}", re.IGNORECASE):
-        along = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(joint.child) if kind == "cylinder"]
-        if not along:
-            return None
-        axis = unit(along[0])
-        forward = axis[1] > 0 or (axis[1] == 0 and axis[0] < 0)
-        axis = axis if forward else (-axis[0], -axis[1], -axis[2])
+        axis: Vector | None = robot.axis(joint)
     else:
-        return None
-    if abs(axis[2]) > LEVEL:
+        named = re.search("wheel|hub", f"{joint.name} {joint.child}", re.IGNORECASE)
+        axis = _level_cylinder(robot, joint.child) if named else None
+    if axis is None or abs(axis[2]) > LEVEL:
         return None
     above = robot.moving_above(joint)
     candidate = _candidate(robot, joint, axis, next((j for j in above if robot.upright(j)), None), above, ())

@@ -17,6 +17,7 @@ from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 
 TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
+CONFLICT = Fraction(1, 100)  # part of a radius by which two sources may differ
 UNSAID = "not in the file"
 _GROUND = ("base_footprint",)
 _SAYS_ROLLERS = re.compile("mecanum|omni|planar_?move", re.IGNORECASE)
@@ -118,6 +119,10 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
         questions.append(_trail_asked(name, d))
     if c.shape:
         remarks["r"] = f"{c.shape.words} of {where}"
+        if height := _other_height(robot, c):
+            remarks["r"] += f"; the axle is {float(height):.6g} m above what seems the ground"
+            if c.doubt or not c.shape.cylinder:
+                questions.append(_radius_doubted(c, name, height))
     else:
         questions.append(_radius_asked(robot, c, name))
     wheel = Wheel(
@@ -245,6 +250,22 @@ def _radius_asked(robot: Robot, c: Candidate, name: str) -> Question:
         if link in robot.description.links and robot.reaches(link)
     ]
     return Question(name, "r", text, tuple(hints))
+
+
+def _other_height(robot: Robot, c: Candidate) -> Fraction | None:
+    """The height of an axle above the frame that seems to be the ground, where it is near the radius, but not that."""
+    link = next((link for link in _GROUND if link in robot.description.links), robot.base)
+    height = c.centre[2] - robot.frame(link).origin[2]
+    near = Fraction(1, 2) < height / c.radius < Fraction(3, 2)
+    return height if near and abs(height / c.radius - 1) > CONFLICT else None
+
+
+def _radius_doubted(c: Candidate, name: str, height: Fraction) -> Question:
+    """A sphere is seldom drawn as large as the wheel; a cylinder is believed."""
+    text = "the radius that is drawn is not the height of the axle above what seems the ground: which is it?"
+    return Question(
+        name, "r", text, (f"{float(c.radius):.6g} as drawn", f"{float(height):.6g} above the ground")
+    )
 
 
 def _motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:

@@ -143,3 +143,40 @@ def test_sideways_with_four_steered_wheels(limit: str, expected: list[str], tmp_
     )
     text = wheels(*entries, after=f"limits: {{vx: 1, vy: 1, omega: 1, steer: {limit}}}\n")
     assert codes(tmp_path / "robot.yaml", text) == expected
+
+
+@pytest.mark.parametrize(("off", "expected"), [("0", []), ("0.004", ["WMR034"]), ("0.1", ["WMR031"])])
+def test_two_axles_that_nearly_are_one(off: str, expected: list[str], tmp_path: Path) -> None:
+    """What is a skid-steer robot by an axle of its own is a slip of the pen by 4 mm."""
+    text = differential().replace("x: 0, y: -0.2", f"x: {off}, y: -0.2")
+    assert codes(tmp_path / "robot.yaml", text) == expected
+
+
+@pytest.mark.parametrize(
+    ("half_track", "gamma", "expected"),
+    [
+        ("0.25", "45", ["WMR032"]),  # on oblong bases too
+        ("0.201", "45", ["WMR032", "WMR033"]),
+        ("0.2", "45", ["WMR033"]),  # rank 2: said once
+        ("0.25", "-45", []),
+        ("0.2", "-45", []),
+    ],
+)
+def test_mecanum_rollers(half_track: str, gamma: str, expected: list[str], tmp_path: Path) -> None:
+    text = f"angles: deg\nparameters: {{b: {half_track}, g: {gamma}}}\nwheels:\n"
+    for name, x, y, g in (
+        ("fl", "", "", ""),
+        ("fr", "", "-", "-"),
+        ("bl", "-", "", "-"),
+        ("br", "-", "-", ""),
+    ):
+        text += f"  - {{name: {name}, type: swedish, x: {x}0.2, y: {y}b, heading: 0, gamma: {g}g, r: 0.05}}\n"
+    assert codes(tmp_path / "robot.yaml", text) == expected
+
+
+@pytest.mark.parametrize("exponent", ["1e30**4", "1e-30**4", "1e30**4*1e30**4*1e30**2"])
+def test_sizes_at_the_ends_of_doubles_stop_no_rule_but_their_own(exponent: str, tmp_path: Path) -> None:
+    text = differential("c", head=f"parameters: {{c: {exponent}}}\n")
+    assert "WMR004" in codes(tmp_path / "robot.yaml", text) or "WMR003" in codes(
+        tmp_path / "robot.yaml", text
+    )

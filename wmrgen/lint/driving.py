@@ -41,7 +41,8 @@ wheels:
 """,
 )
 def short(subject: Subject) -> Iterator[Finding]:
-    if subject.mobility.degree_of_mobility:
+    lost = any(s.everywhere for s in subject.mobility.singularities)  # another rule speaks of it
+    if subject.mobility.degree_of_mobility and not lost:
         for sentence in subject.mobility.actuation:
             if "short by" in sentence:
                 yield Finding(

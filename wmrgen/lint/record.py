@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
+import numpy as np
+
 from wmrgen.errors import Mark, UsageError, placed
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Robot, Wheel
@@ -100,9 +102,17 @@ def rule(
 
 def findings(subject: Subject) -> list[Finding]:
     """What all rules find, in order of place; without what the file says is to be ignored on its line."""
-    every = [replace(f, code=r.code) for r in RULES.values() for f in r.check(subject)]
+    every = [replace(f, code=rule.code) for rule in RULES.values() for f in _checked(rule, subject)]
     told = [f for f in every if f.code not in _ignored(f.mark)]
     return sorted(dict.fromkeys(told), key=lambda f: (f.mark.line, f.mark.column, f.code))
+
+
+def _checked(rule: Rule, subject: Subject) -> list[Finding]:
+    """What a rule finds; nothing where a size is beyond the range of doubles, which must not stop `derive`."""
+    try:
+        return list(rule.check(subject))
+    except (OverflowError, np.linalg.LinAlgError):
+        return []
 
 
 def _ignored(mark: Mark) -> list[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -392,3 +393,22 @@ def test_a_sphere_and_a_height_that_differ_are_asked_about(
     assert {w["r"] for w in said["wheels"].values()} == {0.1}
     text = (tmp_path / "probe.yaml").read_text(encoding="utf-8")
     assert ("the axle is 0.098 m above" in text) == (height == "0.098")
+
+
+def test_a_hub_is_driven_by_the_fixed_joint_that_carries_it(read: Import) -> None:
+    rims = "".join(
+        link(f"{n}_rim") + joint(f"{n}_rim", "base_link", f"{n}_rim", f"0 {y} 0.1", "fixed", axis="")
+        + wheel(f"{n}_hub", "0 0 0", parent=f"{n}_rim", kind="fixed", axis="")
+        for n, y in (("left", 0.2), ("right", -0.2))
+    )  # fmt: skip
+    plugin = '<gazebo><plugin filename="diff.so"><a>left_rim</a><b>right_rim</b></plugin></gazebo>'
+    assert [w["actuated"] for w in read(robot(rims, plugin))["wheels"].values()] == [["spin"], ["spin"]]
+
+
+def test_without_the_packages_that_read(
+    wmrgen_cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "defusedxml.common", None)
+    (tmp_path / "probe.urdf").write_text(robot(pair()), encoding="utf-8")
+    done = wmrgen_cli("import", tmp_path / "probe.urdf")
+    assert done.code == 4 and "pip install 'wmrgen[import]'" in done.err

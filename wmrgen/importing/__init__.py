@@ -1,6 +1,6 @@
 """Robot descriptions of others to robot files: URDF, and xacro by the package of that name.
 
 ``source`` opens the file and ``xacro`` resolves it where it is one, ``read`` takes untrusted XML to records, ``frames``
-composes its joints, ``candidates`` and ``wheels`` tell by geometry which are wheels and of what kind, ``robot_file``
-writes them down with their open questions.
+composes its joints, ``candidates`` and ``wheels`` tell by geometry which are wheels and of what kind, ``questions``
+asks what the file does not say, ``robot_file`` writes it all down.
 """

@@ -9,7 +9,17 @@ from fractions import Fraction
 
 from wmrgen.errors import Mark, RobotFileError
 from wmrgen.importing.candidates import Candidate, Robot, X, base_link, candidates
-from wmrgen.importing.frames import dot, plus, turned, unit
+from wmrgen.importing.frames import ancestors, dot, plus, turned, unit
+from wmrgen.importing.questions import (
+    doubt,
+    motors_unknown,
+    other_height,
+    radius_asked,
+    radius_doubted,
+    rollers_asked,
+    tilted,
+    trail_asked,
+)
 from wmrgen.importing.read import refuse
 from wmrgen.importing.records import Description, Imported, Question, Vector, Wheel
 from wmrgen.spec.tables import wheel_name
@@ -17,9 +27,7 @@ from wmrgen.spec.text import Scalar, quoted
 from wmrgen.wheels.types import CASTOR, FIXED, STEERED, SWEDISH
 
 TRAIL = Fraction(1, 1000)  # [m] what trails less is no castor
-CONFLICT = Fraction(1, 100)  # part of a radius by which two sources may differ
 UNSAID = "not in the file"
-_GROUND = ("base_footprint",)
 _SAYS_ROLLERS = re.compile("mecanum|omni|planar_?move", re.IGNORECASE)
 
 
@@ -38,7 +46,7 @@ def import_wheels(description: Description, base: str | None) -> Imported:
     read = [_wheel(robot, c, name, rolling) for c, name in zip(wheels, names, strict=True)]
     result = [wheel for wheel, _ in read]
     questions = [question for _, asked in read for question in asked]
-    questions += _motors_unknown(result)
+    questions += motors_unknown(result)
     couplings, notes = _couplings(description, result)
     passed = sorted({j.name for c in wheels for j in c.via})
     notes += [f"joint {quoted(name)} moves above wheels and is taken at zero" for name in passed]
@@ -85,7 +93,7 @@ def _rollers_said(robot: Robot, wheels: Sequence[Candidate]) -> str:
 
 def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, list[Question]]:
     joint, steer = c.joint, c.steer
-    questions = [] if not c.doubt else [_doubt(c, name)]
+    questions = [] if not c.doubt else [doubt(c, name)]
     e = X if c.unsure else _heading(c.axis)
     x, y, _ = c.centre
     d = offset = None
@@ -105,8 +113,8 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
         if robot.axis(steer)[2] < 0:
             remarks["type"] = f"joint {quoted(steer.name)} points down: its angle is -{name}.steer"
         if tilt > 1:
-            questions.append(_tilted(name, foot, tilt))
-    actuated = _actuated(robot.description, c)
+            questions.append(tilted(name, foot, tilt))
+    actuated = _actuated(robot, c)
     gamma, source = _gamma(robot, c, e)
     kind, why = _type(c, d, actuated, rolling if source == UNSAID else source)
     if why:
@@ -114,17 +122,17 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
     if kind == SWEDISH.name:
         remarks["gamma"] = source
         if gamma is None:
-            questions.append(_rollers_asked(name, why))
+            questions.append(rollers_asked(name, why))
     elif kind == STEERED.name and d and abs(d) > TRAIL:
-        questions.append(_trail_asked(name, d))
+        questions.append(trail_asked(name, d))
     if c.shape:
         remarks["r"] = f"{c.shape.words} of {where}"
-        if height := _other_height(robot, c):
+        if height := other_height(robot, c):
             remarks["r"] += f"; the axle is {float(height):.6g} m above what seems the ground"
             if c.doubt or not c.shape.cylinder:
-                questions.append(_radius_doubted(c, name, height))
+                questions.append(radius_doubted(c, name, height))
     else:
-        questions.append(_radius_asked(robot, c, name))
+        questions.append(radius_asked(robot, c, name))
     wheel = Wheel(
         name,
         joint.name if joint.moves else None,
@@ -150,13 +158,18 @@ def _pivot(robot: Robot, link: str, axis: Vector, centre: Vector) -> tuple[Vecto
     return foot, math.degrees(math.acos(min(1.0, abs(float(axis[2])))))
 
 
-def _actuated(description: Description, c: Candidate) -> tuple[str, ...] | None:
-    driven = description.driven
+def _actuated(robot: Robot, c: Candidate) -> tuple[str, ...] | None:
+    """The joints that the file drives; of a wheel on a fixed joint, by the fixed joints that carry it."""
+    driven = robot.description.driven
     if driven is None:
         return None
-    leads = {j.name: j.mimic[0] for j in description.joints if j.mimic}
-    joints = (("spin", c.joint.name), ("steer", c.steer.name if c.steer else ""))
-    return tuple(key for key, name in joints if name in driven or leads.get(name) in driven)
+    leads = {j.name: j.mimic[0] for j in robot.description.joints if j.mimic}
+    spins = {c.joint.name}
+    if not c.joint.moves:
+        rigid = (*ancestors(c.joint.child, robot.above), *robot.under(c.joint.child, rigid=True))
+        spins |= {joint.name for joint in rigid if not joint.moves}
+    joints = (("spin", spins), ("steer", {c.steer.name} if c.steer else set()))
+    return tuple(key for key, names in joints if driven & (names | {leads.get(n, "") for n in names}))
 
 
 def _type(
@@ -209,72 +222,6 @@ def _modulo(angle: float) -> float:
     if abs(turned_back) < 1e-12:
         return 0.0
     return turned_back if turned_back > -math.pi / 2 + 1e-12 else math.pi / 2
-
-
-# ---- what must be asked
-
-
-def _doubt(c: Candidate, name: str) -> Question:
-    return Question(
-        name,
-        "heading" if c.unsure else "type",
-        f"joint {quoted(c.joint.name)}: {c.doubt}. Is it a wheel that stands so?",
-    )
-
-
-def _tilted(name: str, foot: Vector, tilt: float) -> Question:
-    text = f"the steering axis leans by {tilt:.3g} deg: is the pivot at the height of the axle, or on the ground?"
-    return Question(name, "x", text, (f"at the axle x = {float(foot[0]):.6g}, y = {float(foot[1]):.6g}",))
-
-
-def _rollers_asked(name: str, why: str) -> Question:
-    text = (
-        "which way do the rollers stand? Look at the wheel from above, through it at the roller that touches the "
-        "ground (those on top cross it): gamma is the angle from the rolling direction to that roller's axis, "
-        "counter-clockwise"
-    )
-    hints = ("0 for an omni wheel", "pi/4 or -pi/4 for a mecanum wheel; diagonal wheels have the same", why)
-    return Question(name, "gamma", text, tuple(filter(None, hints)))
-
-
-def _trail_asked(name: str, d: Fraction) -> Question:
-    text = f"the contact lies {float(d):.6g} m off the steering axis along the rolling direction: meant, or drawn so?"
-    return Question(name, "type", text, ("steered (then it is 0)", f"castor, with d: {float(d):.6g}"))
-
-
-def _radius_asked(robot: Robot, c: Candidate, name: str) -> Question:
-    text = "no cylinder or sphere about the axle gives the radius: measure it, ground to axle under load"
-    hints = [
-        f"the axle is {float(c.centre[2] - robot.frame(link).origin[2]):.6g} m above {link}, which may be the ground"
-        for link in _GROUND
-        if link in robot.description.links and robot.reaches(link)
-    ]
-    return Question(name, "r", text, tuple(hints))
-
-
-def _other_height(robot: Robot, c: Candidate) -> Fraction | None:
-    """The height of an axle above the frame that seems to be the ground, where it is near the radius, but not that."""
-    link = next((link for link in _GROUND if link in robot.description.links), robot.base)
-    height = c.centre[2] - robot.frame(link).origin[2]
-    near = Fraction(1, 2) < height / c.radius < Fraction(3, 2)
-    return height if near and abs(height / c.radius - 1) > CONFLICT else None
-
-
-def _radius_doubted(c: Candidate, name: str, height: Fraction) -> Question:
-    """A sphere is seldom drawn as large as the wheel; a cylinder is believed."""
-    text = "the radius that is drawn is not the height of the axle above what seems the ground: which is it?"
-    return Question(
-        name, "r", text, (f"{float(c.radius):.6g} as drawn", f"{float(height):.6g} above the ground")
-    )
-
-
-def _motors_unknown(wheels: Sequence[Wheel]) -> list[Question]:
-    """Where the file drives nothing, and some wheels steer and others not: by default all would be driven."""
-    steering = [w for w in wheels if w.type == STEERED.name]
-    if any(w.actuated is not None for w in wheels) or not any(w.type == FIXED.name for w in wheels):
-        return []
-    text = "the file does not say which joints are driven"
-    return [Question(w.name, "actuated", text, ("[steer]", "[spin, steer]")) for w in steering]
 
 
 def _couplings(

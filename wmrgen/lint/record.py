@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
+import numpy as np
+
 from wmrgen.errors import Mark, UsageError, placed
 from wmrgen.layout.expressions import Scope
 from wmrgen.layout.records import Robot, Wheel
@@ -108,7 +110,8 @@ def findings(subject: Subject) -> list[Finding]:
 def _checked(rule: Rule, subject: Subject) -> list[Finding]:
     """What a rule finds; nothing where a size is beyond the range of doubles, which must not stop `derive`."""
     try:
-        return list(rule.check(subject))
+        with np.errstate(all="ignore"):
+            return list(rule.check(subject))
     except (OverflowError, ValueError):  # of infinities and of NaN, LinAlgError among them
         return []
 

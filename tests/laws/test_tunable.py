@@ -47,7 +47,8 @@ def written(folder: Path, wheels: list[str], values: dict[str, float], tunable: 
         if tunable
         else "wmrgen: 1\nname: robot\nsnap: false\n"
     )
-    path.write_text(top + "wheels:\n" + "".join(f"  - {line}\n" for line in lines), encoding="utf-8")
+    ignored = "  # wmrgen: ignore WMR030"  # four fixed wheels may lock each other
+    path.write_text(top + "wheels:\n" + "".join(f"  - {line}{ignored}\n" for line in lines), encoding="utf-8")
     return path
 
 

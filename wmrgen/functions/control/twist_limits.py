@@ -24,11 +24,11 @@ from wmrgen.kinematics.records import Formula, Locals, twist_ports
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.mobility.records import Mobility
 from wmrgen.ports import TWIST, Limits, Port, Role
-from wmrgen.symbolic import Expr, add, maximum, minimum, number, select, signal, subtract, times
+from wmrgen.symbolic import Expr, add, maximum, number, select, signal, subtract, times
 
 # Of the way that a step may go: no rounding carries it past the wanted twist.
 SHORT = Exact(1 - Fraction(1, 2**21))
-INSTANT = Exact(Fraction(1, 2**10))  # s
+INSTANT = Exact(Fraction(1, 10**20))  # s
 _WANTED = tuple(
     Port(f"{p.name}_wanted", Role.COMMAND, p.unit, f"{p.name} that is to be reached") for p in TWIST
 )
@@ -65,8 +65,6 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
 
     The step takes the time t = max(change / limit over all components). The wanted twist is reached, to the bit, where
     t <= dt; else the change is that times dt / t (and times `SHORT`, so that the result lies between both twists).
-    Where steps are shorter than `INSTANT`, t counts as no less: what is left of a change is then approached in steps
-    that grow smaller with it, and nothing is divided by what may be zero.
     """
     limits = _limits(robot, mobility, "limit_acceleration", "_rate", "{vx_rate: 1, omega_rate: 2}")
     names = Locals()
@@ -76,8 +74,7 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
     }
     step = names.define("step", maximum(signal(_DT.name), sympy.S.Zero))
     time = names.define("time", most(sympy.S.Zero, ((changes[name], limits[name]) for name in limits)))
-    part = names.define("part", times(number(SHORT), step) / maximum(number(INSTANT), time))
-    share = names.define("share", minimum(sympy.S.One, part))  # more is not taken, and would widen bounds
+    share = names.define("share", times(number(SHORT), step) / maximum(number(INSTANT), time))
     twist = {
         name: select(step, time, add(signal(name), times(share, change)), signal(f"{name}_wanted"))
         for name, change in changes.items()

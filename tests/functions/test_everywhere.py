@@ -12,6 +12,7 @@ import pytest
 import wmrgen
 from tests.c.harness import of_all_parts
 from tests.conftest import GALLERY
+from tests.depth import everyday
 from tests.functions.motion.common import CAR, DIFFERENTIAL, FOUR_WS, MECANUM_T, OMNI_K, SKEWED, TRICYCLE
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import declaration, names
@@ -38,6 +39,7 @@ TEXTS = {
 }
 TEXTS |= {p.stem: p.read_text(encoding="utf-8") for p in GALLERY}
 MADE = [name for name in TEXTS if name not in {p.stem for p in GALLERY}]
+FEW = ("car", "skewed", "four_ws")  # whose cases are everyday
 TINY = 1e-9
 
 
@@ -67,7 +69,7 @@ def test_a_function_can_be_tried() -> None:
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("name", everyday(TEXTS, FEW))
 def test_every_function_is_defined_everywhere(name: str, function: str) -> None:
     """No division or root without proof; finite in float at rest and far out; Jacobians without NaN."""
     derived = derivation(name, function)
@@ -104,7 +106,11 @@ CASTORS_AND_COUPLINGS = [
 
 
 @pytest.mark.parametrize(
-    ("name", "function"), [*((n, f) for n in MADE for f in FUNCTIONS), *CASTORS_AND_COUPLINGS]
+    ("name", "function"),
+    [
+        *(pytest.param(n, f, marks=() if n in FEW else pytest.mark.slow) for n in MADE for f in FUNCTIONS),
+        *CASTORS_AND_COUPLINGS,
+    ],
 )
 def test_backends_agree(name: str, function: str) -> None:
     derived = derivation(name, function)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pkgutil
+import re
 from collections.abc import Callable
 from importlib import import_module
 from inspect import isfunction, signature
@@ -13,7 +14,9 @@ import pytest
 import wmrgen
 import wmrgen.cli
 from tests.conftest import Outcome
+from wmrgen.cli import declare
 from wmrgen.cli.app import app
+from wmrgen.cli.declare import GROUPS
 
 Cli = Callable[..., Outcome]
 
@@ -24,7 +27,7 @@ COMMANDS = [command.callback for command in app.registered_commands if command.c
 MODULES = [
     import_module(f"wmrgen.cli.{m.name}")
     for m in pkgutil.iter_modules(wmrgen.cli.__path__)
-    if m.name != "app"
+    if m.name not in ("app", "declare", "verbs")
 ]
 
 
@@ -35,6 +38,26 @@ def test_help_starts_with_an_example(wmrgen_cli: Cli, command: tuple[str, ...]) 
     lines = [line.strip() for line in done.out.splitlines() if line.strip()]
     assert lines[0].startswith("Usage: wmrgen")
     assert lines[1].startswith("Example:  wmrgen")
+
+
+def test_help_lists_every_command_once_in_its_group(wmrgen_cli: Cli) -> None:
+    group, listed = "", {}
+    for line in wmrgen_cli("--help").out.splitlines():
+        if not line.startswith(" "):  # a blank line ends a section
+            group = line.removesuffix(":")
+        elif group in GROUPS and re.match(r"  [a-z]", line):
+            name = line.split()[0]
+            assert name not in listed
+            listed[name] = group
+    names = [command.name or command.callback.__name__ for command in app.registered_commands]
+    assert sorted(listed) == sorted(names)
+    assert tuple(dict.fromkeys(listed.values())) == GROUPS
+    assert (listed["import"], listed["derive"], listed["eval"], listed["prove"]) == GROUPS
+
+
+def test_a_group_that_help_does_not_have_is_refused() -> None:
+    with pytest.raises(ValueError, match="no group Analyze"):
+        declare.group("Analyze")
 
 
 def test_no_words_at_all_are_a_question(wmrgen_cli: Cli) -> None:

@@ -45,7 +45,11 @@ HOMES = {
     "yaml": {"spec/reader"},
     "subprocess": {"compiler"},
     "rich": {"cli/console"},
-    "typer": {"cli/app"},
+    "typer": {
+        "cli/app",
+        "cli/declare",
+        *(f"cli/verbs/{v}" for v in "analyse compute generate inputs".split()),
+    },
     "defusedxml": {"importing/read"},
     "xacro": {"importing/xacro"},
 }

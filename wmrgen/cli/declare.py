@@ -1,0 +1,110 @@
+"""How a command is declared: its group in the help, arguments and options that several have, where its work stands."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+from typer.core import TyperGroup
+
+from wmrgen.cli import console
+
+Declared = Callable[..., None]
+GROUPS = ("Robot files", "Generate", "Compute", "Analyse")  # in the order of the help
+
+
+class Commands(TyperGroup):
+    """All commands, which help lists in groups."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the groups, each with its commands in the order of their declaration."""
+        longest = max(map(len, self.commands))
+        for title in GROUPS:
+            rows = [
+                (f"{name:<{longest}}", command.get_short_help_str(formatter.width - longest - 6))
+                for name, command in self.commands.items()
+                if getattr(command, "rich_help_panel", None) == title
+            ]
+            with formatter.section(title):
+                formatter.write_dl(rows)
+
+
+app = typer.Typer(
+    cls=Commands,
+    help="""Example:  wmrgen derive robots/pioneer3dx.yaml
+
+    Compile a wheel layout into a verified kinematic model.
+    """,
+    epilog="Exit codes: 0 ok, 1 stale output or findings, 2 bad robot file or usage, 3 not derivable, 4 environment.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def group(title: str) -> Callable[..., Callable[[Declared], Declared]]:
+    """The decorator `_verb` of the commands that help lists under ``title``."""
+    if title not in GROUPS:
+        raise ValueError(f"help has no group {title}")
+    return functools.partial(_verb, title)
+
+
+def _verb(
+    title: str, module: str, short_help: str, name: str | None = None
+) -> Callable[[Declared], Declared]:
+    """A command ``name``, else called as the function that it decorates, which declares options and help. The function
+    of the same name and parameters in ``wmrgen.cli.<module>``, which is imported when the command runs, does the work
+    and returns an exit code; no failure shows a stack trace."""
+
+    def register(declared: Declared) -> Declared:
+        @functools.wraps(declared)
+        def run(**options: Any) -> None:
+            def work() -> int:
+                return int(getattr(import_module(f"wmrgen.cli.{module}"), declared.__name__)(**options))
+
+            raise typer.Exit(console.outcome(work))
+
+        app.command(name, short_help=short_help, rich_help_panel=title)(run)
+        return declared
+
+    return register
+
+
+# ---- arguments and options that several commands have
+
+
+def argument(metavar: str, text: str | None = None) -> Any:
+    """A positional argument; help shows no default."""
+    return typer.Argument(metavar=metavar, help=text, show_default=False)
+
+
+def words(text: str) -> Any:
+    """An argument of NAME=VALUE words, which ``text`` names."""
+    return argument("[NAME=VALUE]...", text)
+
+
+def option(text: str, metavar: str | None = None) -> Any:
+    """An option with a value; help shows no default."""
+    return typer.Option(metavar=metavar, help=text, show_default=False)
+
+
+Words = list[str] | None
+Robot = Annotated[Path, argument("ROBOT.yaml")]
+Robots = Annotated[list[Path], argument("ROBOT.yaml...", "Robot files.")]
+Out = Annotated[Path, typer.Option("-o", "--out", metavar="DIR", help="Where the robots' folders stand.")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Scalar = Literal["float", "double"]
+Math = Annotated[
+    Literal["inline", "libm"] | None,
+    typer.Option(help="Sines and arctangents of the C: own float kernels (default), or libm's (for double)."),
+]
+Target = Annotated[
+    Literal["m4f", "m0", "avr", "host"],
+    typer.Option(help="Processor of the C: m4f has fused multiply-add, host is any with an FPU."),
+]

@@ -1,0 +1,98 @@
+"""What a robot is and can: models, proofs, likely mistakes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import typer
+
+from wmrgen.cli.declare import Json, Robot, Robots, Words, argument, group, words
+
+verb = group("Analyse")
+
+
+@verb("model", "Print a model of a robot: state, inputs, equations, singular sets.")
+def model(
+    robot: Robot,
+    form: Annotated[
+        Literal["posture", "configuration", "eta", "zeta", "trailer", "chained"],
+        typer.Option(help="Driven speeds, all joints, null-space inputs, front wheel, trailers, chained."),
+    ] = "posture",
+    as_latex: Annotated[bool, typer.Option("--latex", help="Print LaTeX.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen model robots/bicycle.yaml --form posture
+
+    Print a model x' = G(x) u of a robot: state, inputs, equations, vector fields, and where it is singular.
+    """
+
+
+@verb("model", "Say what integrates, what Lie brackets reach, what is flat or chained.")
+def structure(robot: Robot, as_json: Json = False) -> None:
+    """Example:  wmrgen structure robots/bicycle.yaml
+
+    Test every rolling constraint by Frobenius, proof printed, and all together; relations that they integrate to;
+    Lie brackets with the growth vector; flat outputs; the chained form, or why there is none.
+    """
+
+
+@verb("lint", "Say what is likely wrong with a robot.")
+def lint(robots: Robots, as_json: Json = False) -> None:
+    """Example:  wmrgen lint robots/pioneer3dx.yaml
+
+    Say what is likely wrong with robots that can be derived, each finding with a code. Exit code 1 when there are
+    any. The comment # wmrgen: ignore CODE on a line keeps it as it is.
+    """
+
+
+@verb("lint", "Explain a finding, with a wrong and a right example.")
+def explain(
+    code: Annotated[str | None, argument("[CODE]", "WMR012; none lists all.")] = None, as_json: Json = False
+) -> None:
+    """Example:  wmrgen explain WMR012
+
+    Say what a rule of `wmrgen lint` looks for and why, with a wrong and a right robot file.
+    """
+
+
+@verb("prove", "Prove ranges and rounding errors of the generated C.")
+def prove(robot: Robot, as_json: Json = False) -> None:
+    """Example:  wmrgen prove robots/pioneer3dx.yaml
+
+    Prove, for all inputs within the limits of the robot file, that no function of the generated C divides by zero or
+    gives NaN or infinity; the range of every output; and a bound of its rounding error. Frama-C Eva looks for alarms,
+    too, where it is installed. Exit code 3 when something is not proved or limits are missing.
+    """
+
+
+@verb("design", "Say how far a robot is from tipping over.")
+def stability(
+    robot: Robot,
+    values: Annotated[
+        Words, words("Specific force a - g at the centre of gravity: fx fy fz; <wheel>.steer of castors.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen stability my_robot.yaml fx=0 fy=4
+
+    Say how far a robot is from tipping over about each edge of its support polygon, and about which line it lifts
+    off. The robot file gives the centre of gravity: cg: {x: 0, y: 0, z: 0.6}.
+    """
+
+
+@verb("design", "Judge gains of the polar feedback law.")
+def gains(
+    values: Annotated[
+        Words,
+        argument(
+            "[ROBOT.yaml] [NAME=VALUE]...",
+            "k_rho k_alpha k_beta [1/s]; what is not given is the robot file's or the text's.",
+        ),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen gains k_rho=3 k_alpha=8 k_beta=-1.5
+
+    Judge gains of the polar feedback law of goto_pose: stable near the goal, and from how far, with the conditions
+    violated and the eigenvalues (Siegwart (3.60)-(3.65), corrected). Decided exactly.
+    """

@@ -1,0 +1,57 @@
+"""What is made of a robot file: models, code, reports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wmrgen.cli.declare import Math, Out, Robots, Scalar, Target, argument, group, option
+
+verb = group("Generate")
+
+
+@verb("generate", "Derive robots and write their model, report and code.")
+def derive(
+    robots: Robots,
+    out: Out = Path("generated"),
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print model.json; a list when there are several.")
+    ] = False,
+    scalar: Annotated[Scalar, typer.Option(help="Scalar type of the generated C.")] = "float",
+    math: Math = None,
+    target: Target = "m4f",
+    fuzz: Annotated[bool, typer.Option("--fuzz", help="Write a libFuzzer harness of the C too.")] = False,
+    package: Annotated[
+        list[str] | None,
+        option(
+            "Write DIR/package-KIND/<name>/ too: cmake, arduino, platformio, esp-idf, zephyr, ros2, rust.",
+            "KIND",
+        ),
+    ] = None,
+) -> None:
+    """Example:  wmrgen derive robots/pioneer3dx.yaml -o build
+
+    Derive robots and write DIR/<name>/: model, report, C, CasADi, NumPy.
+    """
+
+
+@verb("generate", "Say which generated files are out of date.")
+def check(
+    robots: Annotated[list[Path] | None, argument("ROBOT.yaml...", "Default: robots/*.yaml.")] = None,
+    out: Out = Path("generated"),
+) -> None:
+    """Example:  wmrgen check
+
+    Say which generated files are not what the robot files give today. Exit code 1 when there are any.
+    """
+
+
+@verb("generate", "Write the library of textbook formulas and the errata of the texts.")
+def textbook(out: Out = Path("generated")) -> None:
+    """Example:  wmrgen textbook -o generated
+
+    Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (misprints of
+    the texts, each with the check that decides it). `wmrgen eval textbook FUNCTION` computes one of the formulas.
+    """

@@ -11,9 +11,9 @@ import pytest
 
 import wmrgen
 from tests.conftest import Outcome
-from tests.laws.common import derived
-from tests.mobility.test_couplings import AXLE
 from tests.oracle.harness import Model
+from wmrgen.layout import build
+from wmrgen.spec.load import read_text
 
 ROBOT = """\
 wmrgen: 1
@@ -163,17 +163,32 @@ def test_the_heading_as_written_decides(tmp_path: Path, alpha: str, beta: str) -
     assert (m.degree_of_mobility, m.degree_of_steerability) == (2, 0)
 
 
-@pytest.mark.parametrize(
-    ("degrees", "snapped"), [(0.05, True), (0.0571, True), (0.0575, False), (0.2, False)]
-)
+PLACES = {
+    "alpha": "type: fixed, l: 0.2, alpha: {}, heading: 0",
+    "beta": "type: fixed, l: 0.2, alpha: pi/2, beta: {}",
+    "heading": "type: fixed, x: 0, y: 0.2, heading: {}",
+    "gamma": "type: swedish, x: 0, y: 0.2, heading: 0, gamma: {}",
+}
+
+
+@pytest.mark.parametrize("key", PLACES)
 @pytest.mark.parametrize("side", [1, -1])
-def test_an_angle_snaps_within_a_thousandth(degrees: float, snapped: bool, side: int) -> None:
-    """1 mrad is 0.0573 degrees."""
-    angle = side * math.radians(degrees)
-    wheels = [AXLE[0], AXLE[1] | {"heading": angle}]
-    model = derived({"wheels": wheels, "couplings": []})
-    assert model.robot.wheels[1].heading == pytest.approx(0.0 if snapped else angle, abs=1e-12)
-    assert any("taken as 0" in note for note in model.robot.notes) == snapped
+@pytest.mark.parametrize(
+    ("off", "snapped"), [(0.0008, True), (0.00199, True), (0.00201, False), (0.004, False)]
+)
+def test_an_angle_snaps_within_two_thousandths(key: str, side: int, off: float, snapped: bool) -> None:
+    angle = math.pi / 4 + side * off
+    text = f"wmrgen: 1\nname: drive\nwheels:\n  - {{name: a, {PLACES[key].format(repr(angle))}, r: 0.1}}\n"
+    robot = build(read_text(text, "drive.yaml"))
+    assert getattr(robot.wheels[0], key) == pytest.approx(math.pi / 4 if snapped else angle, abs=1e-12)
+    assert any("taken as" in note for note in robot.notes) == snapped
+    assert any("kept as written" in note for note in robot.notes) != snapped
+
+
+def test_3_14_is_pi() -> None:
+    text = "wmrgen: 1\nname: one\nwheels:\n  - {name: a, type: fixed, x: 0, y: 1, heading: 3.14, r: 0.1}\n"
+    wheel = build(read_text(text, "one.yaml")).wheels[0].nominal
+    assert (wheel.ch, wheel.sh) == (-1, 0)
 
 
 @pytest.mark.parametrize(("alpha", "beta"), [(0.7, -1.1), (-2.9, 0.4), (2.0, 2.5), (-0.3, -2.2)])

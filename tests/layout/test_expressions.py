@@ -35,8 +35,8 @@ def test_an_angle_is_taken_as_what_it_stands_for(k: int, side: str) -> None:
 @pytest.mark.parametrize("side", ["", "-"])
 def test_both_sides_of_the_thresholds(k: int, side: str) -> None:
     for error, words in (
-        ("0.00099", "taken as"),
-        ("0.00101", "kept as written"),
+        ("0.00199", "taken as"),
+        ("0.00201", "kept as written"),
         ("0.0049", "kept as written"),
     ):
         angle, note = snap(near(k, side + error), {}, NONE, "x")

@@ -37,7 +37,7 @@ BEFORE = {  # (m4f, m0)
     "locked_bicycle": (620, 1544),
     "mir_100": (904, 2312),
     "neobotix_mp_400": (900, 2320),
-    "neobotix_mpo_700": (1708, 4136),
+    "neobotix_mpo_700": (2052, 4704),
     "nexus_4wd": (744, 1584),
     "nomad_xr4000": (1648, 4096),
     "office_chair": (924, 2124),

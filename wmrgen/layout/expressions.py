@@ -1,6 +1,6 @@
 """Expression trees of the robot file to exact polynomials in the parameters; angles that were meant to be special.
 
-An unsnapped 1.57 turns a differential drive into a robot that cannot move. Within 1e-3 rad of a multiple of pi/12 an
+An unsnapped 1.57 turns a differential drive into a robot that cannot move. Within 2e-3 rad of a multiple of pi/12 an
 angle is taken as that multiple, and a note says so; a little farther away a note says that it was kept.
 """
 
@@ -27,8 +27,8 @@ from wmrgen.layout.records import Length
 from wmrgen.spec.records import Binary, Call, Expr, Neg, Num, Param, Pi, Quantity
 
 PI = Poly.gen("pi")
-TOLERANCE = Fraction(1, 1000)
-SUSPICIOUS = Fraction(1, 200)  # nearer than this, but not snapped: 3.14 for pi
+TOLERANCE = Fraction(1, 500)
+SUSPICIOUS = Fraction(1, 200)  # nearer than this and not snapped: a note says so
 _SAME = Fraction(1, 10**35)
 _ELSE = "Change the expression or the parameters that it takes."
 

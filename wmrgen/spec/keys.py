@@ -99,8 +99,9 @@ WHEEL = Section(
             "d", _LENGTH, "castor offset: steering axis to contact point, along the rolling direction",
             aliases=dict.fromkeys(("trail", "offset", "offset_x", "castor_offset"), ""),
             missing=(
-                "d is how far the contact point trails the steering axis; with d = 0 it is a steered wheel.",
-                "Write d: and the trail, such as d: 40 mm, or type: steered.",
+                "d runs from the steering axis to the contact point, along the rolling direction; with d = 0 the wheel is "
+                "a steered one.",
+                "Write d: -40 mm for a wheel that trails by 40 mm where it rolls along its heading, or type: steered.",
             ),
             misfit=("d is the castor offset from the steering axis, and this wheel has none.", _NO_STEERING_AXIS),
         ),
@@ -236,7 +237,7 @@ ROBOT = Section(
         ),
         Field(
             "snap", Word(YES, "true"),
-            "angles within 1e-3 rad of a multiple of pi/12 are taken for that multiple",
+            "angles within 2e-3 rad of a multiple of pi/12 are taken for that multiple",
         ),
         Field("parameters", Mapped(PARAMETER, 256), "named lengths, angles and numbers"),
         Field(

@@ -52,7 +52,7 @@ STEERED = WheelType(
 # The castor: its contact point trails its steering axis, so it follows any motion (Siegwart (3.17), (3.18)).
 CASTOR = WheelType(
     name="castor",
-    meaning="a wheel whose contact point trails its steering axis by d",
+    meaning="a wheel whose contact point stands off its steering axis by d, along the rolling direction",
     noun="castor",
     joints=("spin", "steer"),
     keys=("offset_y",),

@@ -99,8 +99,8 @@ WHEEL = Section(
             "d", _LENGTH, "castor offset: steering axis to contact point, along the rolling direction",
             aliases=dict.fromkeys(("trail", "offset", "offset_x", "castor_offset"), ""),
             missing=(
-                "d runs from the steering axis to the contact point, along the rolling direction; with d = 0 the wheel is "
-                "a steered one.",
+                "d runs from the steering axis to the contact point, along the rolling direction; with d = 0 the wheel "
+                "is a steered one.",
                 "Write d: -40 mm for a wheel that trails by 40 mm where it rolls along its heading, or type: steered.",
             ),
             misfit=("d is the castor offset from the steering axis, and this wheel has none.", _NO_STEERING_AXIS),

@@ -14,8 +14,7 @@ import sympy
 from textbook.library import Textbook, textbook
 from textbook.report import report
 from wmrgen import __version__
-from wmrgen.backends.packages import unasked
-from wmrgen.backends.registry import Facts
+from wmrgen.backends.registry import Facts, unasked
 from wmrgen.backends.report.markdown import page
 from wmrgen.ports import Port
 

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, SupportsFloat
 import sympy
 
 from wmrgen import __version__
-from wmrgen.backends.packages import Package, packaged, unasked
-from wmrgen.backends.registry import BACKENDS, Entry, Facts
+from wmrgen.backends.registry import BACKENDS, Entry, Facts, unasked
 from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
@@ -21,6 +20,7 @@ from wmrgen.ports import JOINTS, TWIST, Site
 from wmrgen.wheels import WheelType
 
 if TYPE_CHECKING:
+    from wmrgen.backends.packages import Package
     from wmrgen.robot import Derivation
 
 MODEL = "model.json"
@@ -61,6 +61,8 @@ def package(
     kind: Package, derivation: Derivation, choice: Choice, files: Mapping[str, bytes]
 ) -> dict[str, bytes]:
     """File name -> content of a package of the robot; ``files``: its `artifacts`."""
+    from wmrgen.backends.packages import packaged
+
     common = facts(derivation, choice, files[MODEL])
     if kind.backend:
         return _written(BACKENDS[kind.backend], derivation, common, choice)

@@ -15,6 +15,7 @@ from tests.conftest import DIFFERENTIAL, ROOT, Outcome, put, tree
 from tests.packages.made import KINDS, files_of, of_gallery, run
 from tests.tools import need
 from wmrgen.backends.packages import PACKAGES, SOURCES
+from wmrgen.backends.registry import BACKENDS
 
 SAID = "5\" wheels & 'casters' <50 % off; $HOME \\n #1: {x} é"
 
@@ -48,6 +49,11 @@ def test_a_package_is_made_only_on_request(wmrgen_cli: Callable[..., Outcome], r
     out = robot_file.parent / "out"
     assert wmrgen_cli("derive", robot_file, "-o", out).code == 0
     assert [p.name for p in out.iterdir()] == ["pair"]
+
+
+def test_the_backends_that_wait_for_a_package_are_those_that_are_one() -> None:
+    waiting = {entry.name for entry in BACKENDS.values() if entry.package}
+    assert waiting == {package.backend for package in PACKAGES.values() if package.backend}
 
 
 def test_an_unknown_kind_is_refused_before_anything_is_written(

@@ -135,7 +135,8 @@ class Entry:
     ``itself`` (a backend for readers). ``word``: what `wmrgen eval --backend` calls it; nothing where it computes
     nothing. ``files``: what it writes. ``reserved``: words that its language keeps. ``options``: of what `derive` and
     `eval` let the user choose, the names that it takes; ``switches``: the same of `derive` alone. ``proved``: the
-    proofs are about its code, and it writes them down.
+    proofs are about its code, and it writes them down. ``package``: it writes only where
+    `derive --package` asks for it.
     """
 
     name: str
@@ -147,6 +148,7 @@ class Entry:
     options: tuple[str, ...] = ()
     switches: tuple[str, ...] = ()
     proved: bool = False
+    package: bool = False
 
     def load(self) -> Backend:
         return cast(Backend, import_module(self.module))
@@ -182,6 +184,11 @@ def register(entry: Entry) -> None:
     if entry.word == EXACT_WORD:
         raise ValueError(f"{EXACT_WORD} is the word of exact arithmetic")
     BACKENDS[entry.name] = entry
+
+
+def unasked() -> list[Entry]:
+    """The backends that write without being asked for a package."""
+    return [entry for entry in BACKENDS.values() if not entry.package]
 
 
 def why_reserved(word: str) -> str:
@@ -230,7 +237,7 @@ for _entry in (
     ),
     Entry(
         "rust", "wmrgen.backends.rust", "c_module", "rust",
-        reserved=(RUST,), options=("scalar", "math", "target"), proved=True,
+        reserved=(RUST,), options=("scalar", "math", "target"), proved=True, package=True,
     ),
     Entry("drawing", "wmrgen.backends.drawing", "itself", files=(Files(("layout.svg",)),)),
     Entry("report", "wmrgen.backends.report", "itself", files=(Files(("report.md",)),)),

@@ -18,6 +18,7 @@ from wmrgen.cli.loading import linted, noted, warn_of_gains
 from wmrgen.errors import EnvironmentFailure, NotDerivableError, StaleError, UsageError, WmrgenError
 
 if TYPE_CHECKING:
+    from wmrgen.backends.packages import Package
     from wmrgen.layout.records import Robot
     from wmrgen.robot import Derivation
     from wmrgen.spec.records import RobotSpec
@@ -41,12 +42,11 @@ def derive(
     package: Sequence[str] | None,
 ) -> int:
     """Derive every robot, then write every robot, then print."""
-    from wmrgen.backends.packages import of_kinds
     from wmrgen.emit import MODEL, artifacts
     from wmrgen.emit import package as packaged
     from wmrgen.ir.kernels.choice import choice
 
-    kinds = of_kinds(package or ())
+    kinds = _kinds(package) if package else []
     chosen = choice(scalar, math, target)
     results: list[tuple[Derivation, dict[str, bytes]]] = []
     with console.progress() as step:
@@ -80,6 +80,12 @@ def derive(
     for folder, files in packages:
         console.result(f"  {folder.as_posix()}/: {' '.join(files)}")
     return 0
+
+
+def _kinds(words: Sequence[str]) -> list[Package]:
+    from wmrgen.backends.packages import of_kinds
+
+    return of_kinds(words)
 
 
 def _load_all(paths: Sequence[Path]) -> list[tuple[RobotSpec, Robot]]:

@@ -11,7 +11,6 @@ from wmrgen.backends.c99.checked import checked
 from wmrgen.backends.c99.counters import counting
 from wmrgen.backends.c99.example import example
 from wmrgen.backends.c99.functions import printed_kernels, shared_structs, steps_of
-from wmrgen.backends.c99.fuzz import fuzz
 from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.text import comment_lines, literal
@@ -50,6 +49,8 @@ def emit(module: Module, facts: Facts) -> dict[str, bytes]:
     }
     apart = {"_selftest.c": selftest(module, functions, facts.site, common)}
     if facts.options.get("fuzz"):
+        from wmrgen.backends.c99.fuzz import fuzz
+
         apart["_fuzz.c"] = fuzz(module, functions, facts.site, common)
     named = {module.name + ending: text for ending, text in files.items()}
     named |= {f"{TEST}/{module.name}{ending}": text for ending, text in apart.items()}

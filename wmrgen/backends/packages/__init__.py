@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from wmrgen.backends.packages.kinds import PACKAGES, SOURCES, Package, of_kinds, packaged, unasked
+from wmrgen.backends.packages.kinds import PACKAGES, SOURCES, Package, of_kinds, packaged
 
-__all__ = ["PACKAGES", "SOURCES", "Package", "of_kinds", "packaged", "unasked"]
+__all__ = ["PACKAGES", "SOURCES", "Package", "of_kinds", "packaged"]

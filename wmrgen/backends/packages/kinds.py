@@ -15,7 +15,7 @@ from xml.sax.saxutils import escape
 
 from wmrgen.backends.packages import arduino, ros2
 from wmrgen.backends.packages.cpp import header
-from wmrgen.backends.registry import BACKENDS, Entry, Facts
+from wmrgen.backends.registry import Facts
 from wmrgen.errors import UsageError
 from wmrgen.ir.nodes import Module
 from wmrgen.render import render
@@ -86,12 +86,6 @@ PACKAGES = {
         Package("rust", (), backend="rust"),
     )
 }
-
-
-def unasked() -> list[Entry]:
-    """The backends that write without being asked for a package."""
-    apart = {package.backend for package in PACKAGES.values()}
-    return [entry for entry in BACKENDS.values() if entry.name not in apart]
 
 
 def of_kinds(words: Sequence[str]) -> list[Package]:

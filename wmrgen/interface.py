@@ -51,6 +51,11 @@ class Argument:
     reads: Mapping[str, str]
     writes: Mapping[str, str]
 
+    @property
+    def by_value(self) -> bool:
+        """It is a scalar that is read."""
+        return not self.kind and not self.writes
+
 
 @dataclass(frozen=True, slots=True)
 class _Place:

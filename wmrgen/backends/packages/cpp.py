@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from wmrgen.interface import Argument, arguments, members
 from wmrgen.ir.nodes import Function, Module, Role
 from wmrgen.render import render
 
-PREPARED = Argument("prepared", "prepared", {}, {})
-PARAMS = Argument("params", "params", {}, {})
+_PREPARED = Argument("prepared", "prepared", {}, {})
+_PARAMS = Argument("params", "params", {}, {})
 _FILLED = {"x": "x"}  # of an argument that a function fills, whatever with
 
 
@@ -28,28 +29,32 @@ def header(module: Module, scalar: str) -> str:
             (_name(kind), len(ports), ", ".join(f"&of.{port.name}" for port in ports))
             for kind, ports in shared.items()
         ],
-        functions=[line for name, own in _functions(module) for line in _wrapped(module.name, name, own)],
+        functions=[
+            line for name, own in _functions(module).items() for line in _wrapped(module.name, name, own)
+        ],
     )
 
 
 def passed(module: Module, function: Function) -> tuple[Argument, ...]:
     """The arguments of a function of ``module``, what `prepare` gives among them."""
     reads = any(port.role is Role.PREPARED for port in function.inputs)
-    return (*([PREPARED] if reads else []), *arguments(function, module.joints))
+    return (*([_PREPARED] if reads else []), *arguments(function, module.joints))
 
 
-def _functions(module: Module) -> Iterator[tuple[str, tuple[Argument, ...]]]:
-    """Every C function: name and arguments."""
-    if module.prepare:
-        filled = Argument("prepared", "prepared", {}, _FILLED)
-        if module.prepare.inputs:
-            yield "params_default", (Argument("params", "params", {}, _FILLED),)
-            yield "prepare", (PARAMS, filled)
-        else:
-            yield "prepare", (filled,)
-    for function in module.functions:
-        if function.outputs:
-            yield function.name, passed(module, function)
+def preparing(module: Module) -> dict[str, tuple[Argument, ...]]:
+    """Name -> arguments of what is called before functions that read what `prepare` gives."""
+    if not module.prepare:
+        return {}
+    params, prepared = (replace(argument, writes=_FILLED) for argument in (_PARAMS, _PREPARED))
+    if not module.prepare.inputs:
+        return {"prepare": (prepared,)}
+    return {"params_default": (params,), "prepare": (_PARAMS, prepared)}
+
+
+def _functions(module: Module) -> dict[str, tuple[Argument, ...]]:
+    """Name -> arguments of every C function."""
+    steps = {function.name: passed(module, function) for function in module.functions if function.outputs}
+    return preparing(module) | steps
 
 
 def _name(kind: str) -> str:
@@ -59,12 +64,9 @@ def _name(kind: str) -> str:
 
 def _wrapped(robot: str, name: str, own: tuple[Argument, ...]) -> Iterator[str]:
     declared = ", ".join(_declared(robot, name, argument) for argument in own)
-    words = ", ".join(
-        argument.name if not argument.kind and not argument.writes else f"&{argument.name}"
-        for argument in own
-    )
+    words = ", ".join(f"{'' if argument.by_value else '&'}{argument.name}" for argument in own)
     yield from (f"inline void {name}({declared}) noexcept", "{", f"    ::{robot}_{name}({words});", "}")
-    if any(argument.reads or argument is PARAMS for argument in own):
+    if any(argument.reads or argument is _PARAMS for argument in own):
         head = f"[[nodiscard]] inline Status {name}_checked({declared}) noexcept"
         yield from (head, "{", f"    return ::{robot}_{name}_checked({words});", "}")
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from wmrgen.backends.packages.cpp import passed
+from wmrgen.backends.packages.cpp import passed, preparing
 from wmrgen.errors import NotDerivableError
+from wmrgen.interface import Argument
 from wmrgen.ir.nodes import Module
 from wmrgen.loop import Stage
 from wmrgen.loop import loop as stages_of
@@ -57,36 +58,28 @@ def loop(module: Module, scalar: str, covariances: bool = True) -> Loop:
             "packages, cmake for one."
         )
 
-    def call(stage: Stage) -> Call:
+    def call(name: str, arguments: Sequence[Argument], called: Mapping[str, str]) -> Call:
         words, variables = [], {}
-        for argument in passed(module, functions[stage.function]):
-            variable = stage.variables.get(argument.name, argument.name)
+        for argument in arguments:
+            variable = called.get(argument.name, argument.name)
             variable = _ONE.get(variable, variable)
-            by_value = not argument.kind and not argument.writes
-            words.append(variable if by_value else f"&{variable}")
-            if not by_value:
+            words.append(f"{'' if argument.by_value else '&'}{variable}")
+            if not argument.by_value:
                 variables[variable] = f"{module.name}_{argument.kind}" if argument.kind else scalar
-        return Call(f"{module.name}_{stage.function}", tuple(words), variables)
+        return Call(f"{module.name}_{name}", tuple(words), variables)
+
+    def calls(stages: Sequence[Stage]) -> tuple[Call, ...]:
+        return tuple(
+            call(stage.function, passed(module, functions[stage.function]), stage.variables)
+            for stage in stages
+        )
 
     stages = stages_of(module, functions.keys() - set(_COMPARE), covariances)
     called = {stage.function for stage in (*stages.senses, *stages.acts)}
     return Loop(
-        _prepare(module),
-        tuple(map(call, stages.senses)),
-        tuple(map(call, stages.acts)),
+        tuple(call(name, arguments, {}) for name, arguments in preparing(module).items()),
+        calls(stages.senses),
+        calls(stages.acts),
         "driven" if "limit_acceleration" in called else "wanted",
         "odometry_covariance" in called,
-    )
-
-
-def _prepare(module: Module) -> tuple[Call, ...]:
-    if not module.prepare:
-        return ()
-    robot = module.name
-    types = {name: f"{robot}_{name}" for name in ("params", "prepared")}
-    if not module.prepare.inputs:
-        return (Call(f"{robot}_prepare", ("&prepared",), {"prepared": types["prepared"]}),)
-    return (
-        Call(f"{robot}_params_default", ("&params",), {"params": types["params"]}),
-        Call(f"{robot}_prepare", ("&params", "&prepared"), types),
     )

@@ -20,6 +20,7 @@ from typing import TypeVar
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row
 from wmrgen.layout.records import Geometry, Robot, Wheel
+from wmrgen.ports import TWIST_NAMES
 
 T = TypeVar("T", Poly, Exact)
 View = Callable[[Wheel], Geometry[Poly]]
@@ -155,7 +156,7 @@ def pfaffian_rates(c: Constraints) -> tuple[str, ...]:
     joints = (f"{c.robot.wheels[i].name}.{rates[joint]}" for i, joint in c.joints)
     slipping = (*c.rolling, *c.sliding) if c.robot.slip else ()
     slips = (f"{row.wheel.name}.slip_{'x' if row.kind == 'rolling' else 'y'}" for row in slipping)
-    return ("vx", "vy", "omega", *joints, *slips)
+    return (*TWIST_NAMES, *joints, *slips)
 
 
 def pfaffian(c: Constraints, slip: bool) -> list[list[Poly]]:

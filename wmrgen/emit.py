@@ -16,7 +16,7 @@ from wmrgen.backends.registry import BACKENDS, Entry, Facts, unasked
 from wmrgen.bounds.robot import header_lines, reach
 from wmrgen.ir.kernels.choice import DEFAULT, Choice
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import JOINTS, TWIST, Site
+from wmrgen.ports import JOINTS, TWIST, TWIST_NAMES, Site
 from wmrgen.wheels import WheelType
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def site(derivation: Derivation) -> Site:
     A virtual wheel steers between the wheels that it stands for.
     """
     robot = derivation.robot
-    limits = {name: limit for name, limit in robot.limits.items() if name in ("vx", "vy", "omega")}
+    limits = {name: limit for name, limit in robot.limits.items() if name in TWIST_NAMES}
     for wheel in robot.wheels:
         joints = (*(["spin"] if wheel.has_spin else []), *(["steer", "steer_rate"] if wheel.turns else []))
         for joint in joints:

@@ -7,7 +7,6 @@ from fractions import Fraction
 
 from wmrgen.exact.number import Exact
 
-TWIST = ("vx", "vy", "omega")
 _GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu xi rho sigma tau phi psi omega".split()
 )

@@ -55,11 +55,13 @@ TWIST = (
     output("vy", "m/s", "velocity of P to the left, robot frame"),
     output("omega", "rad/s", "yaw rate, counter-clockwise"),
 )
+TWIST_NAMES = tuple(port.name for port in TWIST)
 POSE = (
     Port("x", Role.STATE, "m", "position of P in the world frame"),
     Port("y", Role.STATE, "m", "position of P in the world frame"),
     Port("theta", Role.STATE, "rad", "heading of the robot, counter-clockwise from world x"),
 )
+DT = Port("dt", Role.COMMAND, "s", "duration of the step")
 
 
 def _covariance(of: tuple[Port, ...], per: str, what: str) -> tuple[Port, ...]:

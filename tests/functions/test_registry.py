@@ -17,9 +17,9 @@ from wmrgen.exact.number import Exact
 from wmrgen.functions import registry
 from wmrgen.functions.registry import Kind, declaration, has_function, names, optional_names
 from wmrgen.kinematics.pose import SINC
-from wmrgen.kinematics.records import Formula, Locals, twist_ports
+from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.lower import lower
-from wmrgen.ports import Limits, Port, Role, output
+from wmrgen.ports import TWIST, Limits, Port, Role, output
 from wmrgen.spec.schema import json_schema
 from wmrgen.symbolic import Expr, local, parameter, signal
 
@@ -110,7 +110,7 @@ def half_twist(robot, mobility):
     half = number(Exact(Fraction(1, 2)))
     out = (Port(f"half.{n}", Role.COMMAND, "m/s", "half") for n in ("vx", "omega"))
     results = (times(half, signal(n)) for n in ("vx", "omega"))
-    return Formula("half_twist", twist_ports()[::2], (), tuple(zip(out, results)), "half the twist")
+    return Formula("half_twist", TWIST[::2], (), tuple(zip(out, results)), "half the twist")
 '''
 USE = """
 import sys; sys.path.insert(0, sys.argv[1])
@@ -166,7 +166,7 @@ VX, VY = signal("vx"), signal("vy")
     ],
 )
 def test_what_is_no_operation_is_told(value: Expr, words: str) -> None:
-    formula = Formula("wrong", twist_ports(), (), ((output("value", "m", ""), value),), "")
+    formula = Formula("wrong", TWIST, (), ((output("value", "m", ""), value),), "")
     with pytest.raises(ValueError, match=f"wrong ({words})"):
         lower(formula)
 
@@ -174,7 +174,7 @@ def test_what_is_no_operation_is_told(value: Expr, words: str) -> None:
 def test_a_condition_may_be_written_from_either_side() -> None:
     out = output("value", "m", "")
     least, turned = (
-        lower(Formula("least", twist_ports(), (), ((out, sympy.Piecewise((VX, less), (VY, True))),), ""))
+        lower(Formula("least", TWIST, (), ((out, sympy.Piecewise((VX, less), (VY, True))),), ""))
         for less in (sympy.StrictLessThan(VX, VY), sympy.StrictGreaterThan(VY, VX))
     )
     assert least == turned and len(least.nodes) == 3
@@ -216,7 +216,7 @@ def test_a_formula_of_which_no_code_can_be_written(
 ) -> None:  # fmt: skip
     def build(robot: object, mobility: object) -> Formula:
         del robot, mobility
-        given = (*twist_ports(), *(Port(called, Role.COMMAND, "m") for called in inputs))
+        given = (*TWIST, *(Port(called, Role.COMMAND, "m") for called in inputs))
         return Formula(name, given, (), tuple((output(called, "m", ""), VX) for called in outputs), "")
 
     declared = registry.Declaration("mine", build, "ours", Kind.OPTIONAL, Limits.NONE, lambda _: True)

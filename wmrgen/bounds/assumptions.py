@@ -25,7 +25,7 @@ from wmrgen.ir.kernels.trigonometry import Worst, worst
 from wmrgen.ir.nodes import Function, Limits, Op, Port, Role
 from wmrgen.ir.rounding import to_float32, to_float64
 from wmrgen.layout.records import Robot
-from wmrgen.ports import timeless, tuned
+from wmrgen.ports import TWIST_NAMES, timeless, tuned
 
 _EXPONENT = 0x7FF << 52  # of a double
 _LEAST = 2.0**-1000
@@ -143,11 +143,10 @@ _POSE = {
     "x": (-100.0, 100.0), "y": (-100.0, 100.0), "theta": (-TURNS, TURNS), "dt": (0.0, 0.1),
     "x_rest": (-4e-6, 4e-6), "y_rest": (-4e-6, 4e-6), "theta_rest": (-5e-7, 5e-7),  # half a last place of the pose
     "slip": (0.0, 1.0),
-    **{n + n: (0.0, 1.0) for n in ("x", "y", "theta", "vx", "vy", "omega")},
+    **{n + n: (0.0, 1.0) for n in ("x", "y", "theta", *TWIST_NAMES)},
     **dict.fromkeys(("xy", "xtheta", "ytheta", "vxvy", "vxomega", "vyomega"), (-1.0, 1.0)),
 }  # fmt: skip
 BEYOND = 4.0
-_TWIST = ("vx", "vy", "omega")
 _JOINTS = ("spin", "steer", "steer_rate")
 _RATES = {"spin_step": "spin", "steer_step": "steer_rate"}
 _EXAMPLES = {"vx": "1.0", "omega": "2.0", "spin": "20.0", "steer_rate": "2.0", "steer": "60 deg"}
@@ -188,7 +187,7 @@ class Domain:
         if port.name.rpartition(".")[2] in ("spin", "steer_rate"):
             return self.commanded.get(port.name)
         usual = self._range(port)
-        if port.name not in _TWIST or usual is None:
+        if port.name not in TWIST_NAMES or usual is None:
             return usual
         return BEYOND * usual[0], BEYOND * usual[1]
 
@@ -222,7 +221,7 @@ class Domain:
 
 def domain(robot: Robot) -> Domain:
     """The declared limits, those of a wheel before those of the robot."""
-    declared = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name in _TWIST}
+    declared = {name: _floats(i.low, i.high) for name, i in robot.limits.items() if name in TWIST_NAMES}
     for wheel in robot.wheels:
         for joint in _JOINTS:
             limit = robot.limit(wheel, joint)

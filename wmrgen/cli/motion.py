@@ -14,7 +14,7 @@ from wmrgen.cli.loading import derived
 from wmrgen.cli.values import from_file, from_words, note_zeros, spelled
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ONE, ZERO, Exact
-from wmrgen.ports import Port, Role
+from wmrgen.ports import TWIST_NAMES, Port, Role
 
 if TYPE_CHECKING:
     from wmrgen.functions.motion.segments import Phase
@@ -162,7 +162,7 @@ def icr(robot: Path, values: Sequence[str] | None, as_json: bool) -> int:
 def _twist(derivation: Derivation, words: Sequence[str]) -> dict[str, Any]:
     values = from_words(words, derivation.formula("icr").inputs)
     centre = _floats(derivation.evaluate("icr", values))
-    twist = {k: v for k, v in values.items() if k in ("vx", "vy", "omega")}
+    twist = {k: v for k, v in values.items() if k in TWIST_NAMES}
     slip = float(derivation.evaluate("inverse", twist)["slip"])
     if slip > _TOLERANCE:
         console.note(f"{derivation.robot.name}: the wheels forbid this twist: {slip:.6g} m/s slides")

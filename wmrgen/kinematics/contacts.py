@@ -13,9 +13,9 @@ import sympy
 from wmrgen.constraints import along, rolling_direction, working_view
 from wmrgen.exact.number import Exact
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.records import Formula, Locals, signal_poly, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import Port, Role
+from wmrgen.ports import TWIST, Port, Role
 from wmrgen.symbolic import (
     Expr,
     absolute,
@@ -51,7 +51,7 @@ def contacts(robot: Robot) -> Formula | None:
     if not outputs:
         return None
     text = "twist of P in the robot frame to roller rates and the rolling of spheres"
-    return names.formula("contacts", (*twist_ports(), *tunable_ports(robot)), outputs, text)
+    return names.formula("contacts", (*TWIST, *tunable_ports(robot)), outputs, text)
 
 
 def _roller(w: Wheel, twist: Row) -> tuple[Port, Expr]:

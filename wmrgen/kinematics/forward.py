@@ -17,19 +17,12 @@ from wmrgen.exact.evaluate import fix
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Matrix, norm, pseudo_inverse
-from wmrgen.kinematics.records import (
-    Formula,
-    Locals,
-    joint_port,
-    slip_port,
-    tunable_ports,
-    twist_ports,
-)
+from wmrgen.kinematics.records import Formula, Locals, joint_port, slip_port, tunable_ports
 from wmrgen.kinematics.rigid import fit_rigid
 from wmrgen.kinematics.sensing import Measured, Twist, measurements, sensed_joints, solve_general
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import decide, unit_of
-from wmrgen.ports import Role
+from wmrgen.ports import TWIST, Role
 from wmrgen.symbolic import Expr, expression
 
 FEW_ROWS = 16  # beyond, residuals are never zero or one relation in practice: not worth expanding
@@ -58,7 +51,7 @@ def forward(robot: Robot) -> Formula:
     kind = "weighted least-squares" if measured.weighted else "least-squares"
     inputs = tuple(joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w))
     outputs = (
-        *zip(twist_ports(), twist, strict=True),
+        *zip(TWIST, twist, strict=True),
         (slip_port(f"norm of the {kind} residual over all known rows"), slip),
     )
     text = f"sensed joint rates to the twist of P in the robot frame, {kind.replace('-', ' ')}"

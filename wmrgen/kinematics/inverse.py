@@ -21,20 +21,12 @@ import sympy
 from wmrgen.constraints import rolling_row, steer_gens, working_view
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, norm, project
-from wmrgen.kinematics.records import (
-    Formula,
-    Locals,
-    joint_port,
-    signal_poly,
-    slip_port,
-    tunable_ports,
-    twist_ports,
-)
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, slip_port, tunable_ports
 from wmrgen.kinematics.steer import Target, hysteresis, pivot, turned_by
 from wmrgen.kinematics.steer_groups import nearest_steering
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role
 from wmrgen.symbolic import Expr, add, expression, root, square, subtract, times
 
 _MANY = 3  # castors of one offset from which dividing all velocities by it takes fewer operations
@@ -89,7 +81,7 @@ def joint_commands(robot: Robot, mobility: Mobility, steering: Steering, name: s
         )
     )
     steers = tuple(joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns)
-    inputs = (*twist_ports(), *steers, *tunable_ports(robot))
+    inputs = (*TWIST, *steers, *tunable_ports(robot))
     return names.formula(name, inputs, outputs, text)
 
 
@@ -98,7 +90,7 @@ def _named_twist(projection: Projection, names: Locals) -> Row:
     plain = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
     parts = [
         p if p == q or not p else names.poly(f"{n}_driven", p)
-        for p, q, n in zip(projection.twist, plain, ("vx", "vy", "omega"), strict=True)
+        for p, q, n in zip(projection.twist, plain, TWIST_NAMES, strict=True)
     ]
     return parts[0], parts[1], parts[2]
 

@@ -19,17 +19,16 @@ import sympy
 
 from wmrgen.constraints import sliding_row, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, Role
+from wmrgen.ports import DT, POSE, TWIST, Port, Role
 from wmrgen.symbolic import Expr, absolute, add, expression, maximum, select, signal, square, subtract
 
 # The largest h with h**8 / 9! <= 2**-53, rounded down to few bits: a float holds it.
 SWITCH = sympy.Rational(3, 64)
 WORST_ERROR = float(SWITCH) ** 8 / 362880
 
-DT = Port("dt", Role.COMMAND, "s", "duration of the step")
 RATES = (
     Port("x_rate", Role.COMMAND, "m/s", "velocity of P along world x"),
     Port("y_rate", Role.COMMAND, "m/s", "velocity of P along world y"),
@@ -115,4 +114,4 @@ def odometry() -> Formula:
     steps = increments(names)
     outputs = ((port, add(signal(port.name), step)) for port, step in zip(POSE, steps, strict=True))
     text = "pose after driving a constant twist for dt"
-    return names.formula("odometry", (*POSE, *twist_ports(), DT), outputs, text)
+    return names.formula("odometry", (*POSE, *TWIST, DT), outputs, text)

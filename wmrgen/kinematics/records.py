@@ -9,7 +9,7 @@ import sympy
 
 from wmrgen.exact.poly import Poly
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.ports import JOINTS, TWIST, Limits, Port, Role
+from wmrgen.ports import JOINTS, Limits, Port, Role
 from wmrgen.symbolic import Expr, Local, expression, local, rotated, signal, substituted, times
 
 
@@ -140,11 +140,6 @@ class Locals:
             args = tuple(substituted(a, values, memo) for a in call.args)
             self.calls.append(Call(call.kernel, args, tuple(values[r] for r in call.results)))
         return {port.name: substituted(value, values, memo) for port, value in formula.outputs}
-
-
-def twist_ports(role: Role = Role.COMMAND) -> tuple[Port, ...]:
-    """vx, vy, omega."""
-    return tuple(replace(port, role=role) for port in TWIST)
 
 
 def joint_port(wheel: Wheel, joint: str, role: Role) -> Port:

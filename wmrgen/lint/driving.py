@@ -15,6 +15,7 @@ from wmrgen.mobility.admissible import zero_heading
 from wmrgen.mobility.configure import pivot_velocity
 from wmrgen.mobility.reasons import listed
 from wmrgen.mobility.records import Array
+from wmrgen.ports import TWIST_NAMES
 
 NEAR = 2e-3  # a limit written as 1.57 reaches pi/2 [rad]
 
@@ -171,7 +172,7 @@ def _promised(subject: Subject) -> Iterator[tuple[str, Array]]:
     """Motions that the limits of the twist promise, in words and as a twist."""
     limits, free = subject.robot.limits, subject.mobility.admissible
     most = {name: max(abs(float(limits[name].low)), abs(float(limits[name].high))) for name in limits}
-    vx, vy, omega = (most.get(name, 0.0) for name in ("vx", "vy", "omega"))
+    vx, vy, omega = (most.get(name, 0.0) for name in TWIST_NAMES)
     if not free.linear or any(joint == "steer" for joint, _ in subject.robot.couplings):
         return
     if free.dimension == 3 and vy:

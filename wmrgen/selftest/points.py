@@ -16,12 +16,11 @@ import numpy as np
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Op, Port, Role, prune
 from wmrgen.ir.rounding import nearest_float32, to_float64
-from wmrgen.ports import NO_SITE, Limits, Site
+from wmrgen.ports import NO_SITE, TWIST_NAMES, Limits, Site
 
 Array = Any
 Point = tuple[str, Array]  # what it is, one value per port
 
-TWIST = ("vx", "vy", "omega")
 BRANCH = "branch"  # a point of the pool: kept where it takes branches that no other takes
 _SIZE = {"m/s": 1.5, "rad/s": 2.0, "rad": 3.0, "m": 2.0, "s": 0.25}
 _GENERIC, _POOL, _ROWS = 6, 320, 64
@@ -66,7 +65,7 @@ def points(function: Function, ports: Sequence[Port], site: Site) -> Iterator[Po
         if moving.sum() <= 4:
             backwards = np.where(moving, 0.0 - alone, grid.rows[3])
             yield f"{ports[column].name} alone, backwards", backwards
-            if ports[column].name in TWIST and len(ports) <= _MANY:
+            if ports[column].name in TWIST_NAMES and len(ports) <= _MANY:
                 yield f"{ports[column].name} alone, beside -0", np.where(backwards == 0, -0.0, backwards)
     generic = _GENERIC if len(ports) <= _MANY else _GENERIC - 1
     for row in range(generic):
@@ -135,9 +134,9 @@ def _single(values: Array) -> Array:
 
 def _centres(ports: Sequence[Port], site: Site, grid: Grid) -> Iterator[Point]:
     names = [p.name for p in ports]
-    if not set(TWIST) <= set(names):
+    if not set(TWIST_NAMES) <= set(names):
         return
-    where = [names.index(n) for n in TWIST]
+    where = [names.index(n) for n in TWIST_NAMES]
     for row, (name, x, y) in enumerate(site.pivots):
         for off, text in ((1 / 64, "near"), (0.0, "on")):
             point = grid.rows[(row + 5) % _ROWS].copy()

@@ -19,8 +19,8 @@ from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.ir.nodes import Function, Module, Port, contract
 from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
-from wmrgen.ports import NO_SITE, Site
-from wmrgen.selftest.points import BRANCH, TWIST, Grid, Point, near_thresholds, points
+from wmrgen.ports import NO_SITE, TWIST_NAMES, Site
+from wmrgen.selftest.points import BRANCH, Grid, Point, near_thresholds, points
 from wmrgen.selftest.rounding_bounds import UNITS, Array, bounds, outputs, rounding_of
 
 _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything
@@ -207,15 +207,15 @@ def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[s
     ports = contract(inverse)
     names = _names(ports)
     names_there = {*names, *(p.name for p in inverse.outputs)}
-    if not (set(TWIST) <= set(names) and {p.name for p in contract(forward)} <= names_there):
+    if not (set(TWIST_NAMES) <= set(names) and {p.name for p in contract(forward)} <= names_there):
         return None
     tried = list(_there_and_back(ports, site))
     # Zeros of both signs are one number to the law: which way a wheel then rolls does not matter.
     columns = _columns(ports, [(text, row + 0.0) for text, row in tried], prepared)
     there = outputs(inverse, bounds(inverse, columns, scalar, len(tried)))
     back = outputs(forward, bounds(forward, {**columns, **there}, scalar, len(tried)))
-    results = {n: Bounded(columns[n].value, back[n].error) for n in TWIST}
-    missed = np.logical_or.reduce([np.abs(back[n].value - columns[n].value) > 1e-9 for n in TWIST])
+    results = {n: Bounded(columns[n].value, back[n].error) for n in TWIST_NAMES}
+    missed = np.logical_or.reduce([np.abs(back[n].value - columns[n].value) > 1e-9 for n in TWIST_NAMES])
     sound = np.flatnonzero(_sound(results.values(), scalar) & ~missed).tolist()
     generic = [k for k in sound if tried[k][0] == THERE]
     picked = generic[:_LAWS] + [k for k in sound if tried[k][0] != THERE]
@@ -224,7 +224,7 @@ def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[s
         return {n: Exact(Fraction(float(x))) for n, x in zip(names, point, strict=True)}
 
     vectors = tuple(_vectors(tried, results, picked, scalar, exactly))
-    return Table((name, "forward"), names, TWIST, vectors, law=True)
+    return Table((name, "forward"), names, TWIST_NAMES, vectors, law=True)
 
 
 def _there_and_back(ports: Sequence[Port], site: Site) -> Iterator[Point]:
@@ -237,9 +237,9 @@ def _there_and_back(ports: Sequence[Port], site: Site) -> Iterator[Point]:
         yield THERE, row
     angles = np.array([port.unit == "rad" for port in ports])
     quarter = nearest_float32(np.pi / 2)
-    for command in TWIST:
+    for command in TWIST_NAMES:
         for side, wheels in ((-1.0, 0.0), (1.0, quarter)) if angles.any() else ((-1.0, 0.0),):
             row = np.where(angles, wheels, 0.0)
-            row[[names.index(n) for n in TWIST]] = -0.0
+            row[[names.index(n) for n in TWIST_NAMES]] = -0.0
             row[names.index(command)] = side
             yield "there and back beside -0", row

@@ -17,14 +17,23 @@ from wmrgen.ir.calls import hand_through
 from wmrgen.ir.interval import inside
 from wmrgen.ir.nodes import Function, Limits, Module, Port, contract
 from wmrgen.ir.rounding import to_float64
-from wmrgen.ports import OVERSHOOT, POSE_COVARIANCE, SPAN, SPREAD, Site, overshot, timeless, tuned
+from wmrgen.ports import (
+    OVERSHOOT,
+    POSE_COVARIANCE,
+    SPAN,
+    SPREAD,
+    TWIST_NAMES,
+    Site,
+    overshot,
+    timeless,
+    tuned,
+)
 from wmrgen.render import render
 from wmrgen.selftest.rounding_bounds import LARGEST_ANGLE
 
 LARGEST = {"float": 1e9, "double": 1e100}
 # A step of odometry turns by no more than an angle that the kernels take: omega dt <= 2000 rad.
 _TURNING = {"float": {"omega": 200.0, "dt": 10.0}, "double": {"omega": 1e6, "dt": 1e2}}
-_TWIST = ("vx", "vy", "omega")
 ABOUT = (
     "The functions of {0}.h for inputs that nobody vouches for: a sensor that failed, a command from a network. "
     "Each returns {1}_OK and the outputs of the function, to the last bit, or a status and safe outputs: joint rates, "
@@ -130,12 +139,12 @@ def _range(port: Port, limits: Limits, scalar: str, site: Site) -> Range:
     name = timeless(port.name)
     size = _TURNING[scalar].get(name) or (LARGEST_ANGLE if port.unit == "rad" else LARGEST)[scalar]
     low, high = -size, size
-    if name in _TWIST and limits is Limits.COMMANDED:
+    if name in TWIST_NAMES and limits is Limits.COMMANDED:
         low, high = site.limits.get(name, (low, high))
-    elif name in _TWIST and limits is Limits.MEASURED:
+    elif name in TWIST_NAMES and limits is Limits.MEASURED:
         reach = site.reach.get(name, (low, high))
         low, high = max(low, reach[0]), min(high, reach[1])
-    elif name in site.limits and name not in _TWIST and limits is not Limits.ASKED:
+    elif name in site.limits and name not in TWIST_NAMES and limits is not Limits.ASKED:
         low, high = overshot(*site.limits[name])
     return Range(port, _number(low, scalar), _number(high, scalar))
 

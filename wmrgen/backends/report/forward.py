@@ -15,6 +15,7 @@ from wmrgen.kinematics.forward import nominal_rank, normal_equations
 from wmrgen.kinematics.pose import SWITCH, WORST_ERROR
 from wmrgen.kinematics.rigid import spread
 from wmrgen.kinematics.sensing import Contact, Measured, Measurements, generic_rank, measurements
+from wmrgen.ports import TWIST_NAMES
 from wmrgen.printing import symbol_names
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def _closed(d: Derivation) -> list[str]:
     outputs = {p.name: e.xreplace(vectors) for p, e in formula.outputs}
     fits = {symbol.name.removesuffix("_fit"): e.xreplace(vectors) for symbol, e in formula.locals}
     lines = []
-    for name in notation.TWIST:
+    for name in TWIST_NAMES:
         parts = summands(terms(fits.get(name, outputs[name]), ports))
         shown = [*parts[:_TERMS], r"+\cdots"] if len(parts) > _TERMS else parts
         lines.append(f"{notation.port(name)} &= {wrapped(shown)}")
@@ -259,7 +260,7 @@ def _posture(d: Derivation) -> list[str]:
         *math(r"\frac{d}{dt}\begin{bmatrix} x \\ y \\ \theta \end{bmatrix} = R(\theta)^T N\,\eta"
               + (r", \qquad \frac{d}{dt}\psi_i = \dot{\psi}_i" if steering else "")),
         "Here, with the values of section 1 put in,",
-        *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(notation.TWIST, rates, strict=True)),
+        *aligned(f"{notation.port(n)} &= {broken(p)}" for n, p in zip(TWIST_NAMES, rates, strict=True)),
     ]  # fmt: skip
     if not steering:
         return blocks

@@ -13,6 +13,7 @@ from wmrgen.constraints import TWIST, along, driving_row, seen, sliding_row, sym
 from wmrgen.exact.poly import Poly, Row, dot
 from wmrgen.kinematics.least_squares import Projection, project
 from wmrgen.kinematics.steer import NARROW, turning_points
+from wmrgen.ports import TWIST_NAMES
 
 if TYPE_CHECKING:
     from wmrgen.layout.records import Interval, Robot, Wheel
@@ -64,7 +65,7 @@ def _driven(projection: Projection) -> Row:
     """The twist that is driven; components that the projection changed carry a star."""
     vx, vy, omega = (
         p if p == q or not p else Poly.gen("input", f"{n}_driven")
-        for p, q, n in zip(projection.twist, TWIST, notation.TWIST, strict=True)
+        for p, q, n in zip(projection.twist, TWIST, TWIST_NAMES, strict=True)
     )
     return vx, vy, omega
 
@@ -73,7 +74,7 @@ def _projection(projection: Projection) -> list[str]:
     """The nearest admissible twist, where it is not the commanded one."""
     if projection.twist == TWIST:
         return []
-    parts = zip(projection.twist, TWIST, notation.TWIST, strict=True)
+    parts = zip(projection.twist, TWIST, TWIST_NAMES, strict=True)
     return [
         "Not every ξ is admissible. The part that the wheels forbid is taken away first, and the rest is driven:",
         *aligned(f"{notation.port(n)}^{{*}} &= {broken(p)}" for p, q, n in parts if p != q),

@@ -23,6 +23,8 @@ no stops.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy
 
 from wmrgen.functions.registry import function, underivable
@@ -30,10 +32,10 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import present
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Limits, Port, Role
+from wmrgen.ports import DT, Limits, Port, Role
 from wmrgen.symbolic import Expr, add, kept_between, maximum, minimum, number, signal, subtract, times
 
-DT = Port("dt", Role.COMMAND, "s", "duration of the step; what is below 0 counts as 0")
+_STEP = replace(DT, text="duration of the step; what is below 0 counts as 0")
 _WANTED = "steering angle that is to be reached, as inverse commands it"
 
 
@@ -50,7 +52,7 @@ def steer_toward(robot: Robot, _: Mobility) -> Formula:
     standing = [joint_port(w, "steer", Role.STATE) for w, limit in rates if limit is not None]
     wanted = [Port(f"{w.name}.steer_wanted", Role.COMMAND, "rad", _WANTED) for w, _ in rates]
     text = "present and wanted steering angles to those commanded next, inside the limits of steer_rate"
-    return names.formula("steer_toward", (*standing, *wanted, DT), outputs, text)
+    return names.formula("steer_toward", (*standing, *wanted, _STEP), outputs, text)
 
 
 @function("Siegwart (3.12) at the present angle; cosineScale of WPILib", limits=Limits.ASKED, in_place=True)

@@ -12,6 +12,7 @@ the limits of acceleration, so that the robot stops along the path that it drive
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import sympy
@@ -20,10 +21,10 @@ from wmrgen.exact.number import Exact
 from wmrgen.functions.control.wheel_limits import most, refuse_one_sided, scaled
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.least_squares import project
-from wmrgen.kinematics.records import Formula, Locals, twist_ports
+from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Interval, Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import TWIST, Limits, Port, Role
+from wmrgen.ports import DT, TWIST, TWIST_NAMES, Limits, Port, Role
 from wmrgen.symbolic import Expr, add, maximum, number, select, signal, subtract, times
 
 # Of the way that a step may go: no rounding carries it past the wanted twist.
@@ -32,7 +33,7 @@ INSTANT = Exact(Fraction(1, 10**20))  # s
 _WANTED = tuple(
     Port(f"{p.name}_wanted", Role.COMMAND, p.unit, f"{p.name} that is to be reached") for p in TWIST
 )
-_DT = Port("dt", Role.COMMAND, "s", "time since the last command; what is below 0 counts as 0")
+_STEP = replace(DT, text="time since the last command; what is below 0 counts as 0")
 
 
 @function("ours; the texts have none", limits=Limits.ASKED, in_place=True)
@@ -56,7 +57,7 @@ def limit_twist(robot: Robot, mobility: Mobility) -> Formula:
         text += f"; below {float(robot.deadband):g} of them in all components it is standstill"
     scale = names.define("scale", scale)
     twist = {name: scaled(signal(name), limit, scale) for name, limit in limits.items()}
-    return names.formula("limit_twist", twist_ports(), _whole(twist), text)
+    return names.formula("limit_twist", TWIST, _whole(twist), text)
 
 
 @function("ours; the texts have none", limits=Limits.COMMANDED, in_place=True)
@@ -72,7 +73,7 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
         name: names.define(f"{name}_change", subtract(signal(f"{name}_wanted"), signal(name)))
         for name in limits
     }
-    step = names.define("step", maximum(signal(_DT.name), sympy.S.Zero))
+    step = names.define("step", maximum(signal(DT.name), sympy.S.Zero))
     time = names.define("time", most(sympy.S.Zero, ((changes[name], limits[name]) for name in limits)))
     share = names.define("share", times(number(SHORT), step) / maximum(number(INSTANT), time))
     twist = {
@@ -80,12 +81,13 @@ def limit_acceleration(robot: Robot, mobility: Mobility) -> Formula:
         for name, change in changes.items()
     }
     text = "the last commanded twist to the next, straight towards the wanted one, inside the limits of acceleration"
-    return names.formula("limit_acceleration", (*twist_ports(Role.STATE), *_WANTED, _DT), _whole(twist), text)
+    present = (replace(port, role=Role.STATE) for port in TWIST)
+    return names.formula("limit_acceleration", (*present, *_WANTED, _STEP), _whole(twist), text)
 
 
 def _whole(twist: dict[str, Expr]) -> list[tuple[Port, Expr]]:
     """All three components: 0 for one that the robot cannot drive."""
-    return [(port, twist.get(port.name, sympy.S.Zero)) for port in twist_ports()]
+    return [(port, twist.get(port.name, sympy.S.Zero)) for port in TWIST]
 
 
 def _limits(
@@ -95,7 +97,7 @@ def _limits(
 
     NotDerivableError where there is none, or a one-sided one.
     """
-    limits = {name: robot.limits.get(f"{name}{ending}") for name in (p.name for p in TWIST)}
+    limits = {name: robot.limits.get(f"{name}{ending}") for name in TWIST_NAMES}
     limits["vy"] = limits["vy"] or limits["vx"]
     driven = zip(limits, project(robot, mobility).twist, strict=True)
     limits = {name: limits[name] for name, component in driven if component}

@@ -36,16 +36,8 @@ from wmrgen.exact.poly import Gen, Poly, Row, by_angle, derivative, dot
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import JOINT_ROLE, forward, nominal_rank, normal_equations
 from wmrgen.kinematics.least_squares import pseudo_inverse
-from wmrgen.kinematics.pose import DT, increments
-from wmrgen.kinematics.records import (
-    Formula,
-    Locals,
-    joint_port,
-    signal_poly,
-    slip_port,
-    tunable_ports,
-    twist_ports,
-)
+from wmrgen.kinematics.pose import increments
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, slip_port, tunable_ports
 from wmrgen.kinematics.sensing import (
     EDGE,
     FLOOR,
@@ -60,7 +52,7 @@ from wmrgen.kinematics.sensing import (
 )
 from wmrgen.layout.records import Noise, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, POSE_COVARIANCE, TWIST_COVARIANCE, Limits, Port
+from wmrgen.ports import DT, POSE, POSE_COVARIANCE, TWIST, TWIST_COVARIANCE, Limits, Port
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -127,7 +119,7 @@ def _inputs(robot: Robot, names: Locals, slips: bool) -> list[Port]:
     """Sensed joints; the twist as far as errors depend on it; slip; tunable parameters."""
     used = {symbol for _, value in names.items for symbol in value.free_symbols}
     joints = [joint_port(w, j, JOINT_ROLE[j]) for w in robot.wheels for j in sensed_joints(w)]
-    twist = [port for port in twist_ports() if signal(port.name) in used]
+    twist = [port for port in TWIST if signal(port.name) in used]
     slip = [slip_port("residual of forward")] if slips else []
     return [*joints, *twist, *slip, *tunable_ports(robot)]
 
@@ -266,7 +258,7 @@ def odometry_covariance(_: Robot, __: Mobility) -> Formula:
         rates[1],
         add(before["thetatheta"], times(4, half, swing)),
     )
-    inputs = (*POSE, *POSE_COVARIANCE, *twist_ports(), *TWIST_COVARIANCE, DT)
+    inputs = (*POSE, *POSE_COVARIANCE, *TWIST, *TWIST_COVARIANCE, DT)
     outputs = (*pose, *zip(POSE_COVARIANCE, after, strict=True))
     text = "pose and its covariance after driving a constant twist, known with a covariance, for dt"
     return names.formula("odometry_covariance", inputs, outputs, text)

@@ -14,12 +14,11 @@ import sympy
 
 from wmrgen.functions.motion.paths import SHORTEST
 from wmrgen.functions.registry import function, underivable
-from wmrgen.kinematics.pose import DT
 from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.sensing import sensed_joints
 from wmrgen.layout.records import Encoder, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role
+from wmrgen.ports import DT, Port, Role
 from wmrgen.symbolic import maximum, number, signal, times
 
 _DIFFERENCE = "counts since the last step, the difference of a counter that may wrap"
@@ -50,9 +49,9 @@ def joints_from_counts(robot: Robot, _: Mobility) -> Formula:
         outputs.append(
             (joint_port(w, joint, Role.COMMAND), times(rate, angle) if _COUNTERS[joint][2] else angle)
         )
-    timed = (replace(DT, text="duration of the step, above 0"),)
+    step = replace(DT, text="duration of the step, above 0")
     text = "counts of encoders to the joint rates and angles that forward takes"
-    dt = timed if any(_COUNTERS[joint][2] for _, joint, _ in joints) else ()
+    dt = (step,) if any(_COUNTERS[joint][2] for _, joint, _ in joints) else ()
     return names.formula("joints_from_counts", (*counters, *dt), outputs, text)
 
 

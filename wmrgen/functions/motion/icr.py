@@ -19,14 +19,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wmrgen.functions.motion.paths import FARTHEST, SLOWEST, TWIST, path
+from wmrgen.functions.motion.paths import FARTHEST, SLOWEST, path
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.inverse import inverse
-from wmrgen.kinematics.records import Formula, Locals, twist_ports
+from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.ranks import numeric_rank, unit_rows
 from wmrgen.mobility.records import Array, Mobility
-from wmrgen.ports import Port, Role, output
+from wmrgen.ports import TWIST, TWIST_NAMES, Port, Role, output
 from wmrgen.symbolic import absolute, add, maximum, over, root, signal, square, subtract, times
 
 POINT = (
@@ -51,7 +51,7 @@ def centre_ports(unit: str = "m/s", weight: str = "rad/s") -> tuple[Port, Port, 
 def icr(_: Robot, __: Mobility) -> Formula:
     """Twist and a point of the body to the ICR, the curvature of P and the velocity and radius of the point."""
     names = Locals()
-    vx, vy, omega = (signal(n) for n in TWIST)
+    vx, vy, omega = (signal(n) for n in TWIST_NAMES)
     facts = path((vx, vy, omega), names)
     a = names.define("point_x_rate", subtract(vx, omega * signal("point.y")))
     b = names.define("point_y_rate", add(vy, omega * signal("point.x")))
@@ -68,7 +68,7 @@ def icr(_: Robot, __: Mobility) -> Formula:
         (output("point.radius", "m", "distance of the point from the centre, at most 1e9"), over(speed, turning)),
     )  # fmt: skip
     text = "instantaneous centre of rotation of a twist; radius and velocity of a point of the body"
-    return names.formula("icr", (*twist_ports(), *POINT), outputs, text)
+    return names.formula("icr", (*TWIST, *POINT), outputs, text)
 
 
 @function("Kelly 4.2.1.2 (Jeantaud), 4.2.2.1.1")

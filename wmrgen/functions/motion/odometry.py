@@ -20,11 +20,11 @@ import sympy
 
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.forward import forward
-from wmrgen.kinematics.pose import DT, increments, odometry
-from wmrgen.kinematics.records import Formula, Locals, twist_ports
+from wmrgen.kinematics.pose import increments, odometry
+from wmrgen.kinematics.records import Formula, Locals
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Limits, Port, Role, output
+from wmrgen.ports import DT, POSE, TWIST, Limits, Port, Role, output
 from wmrgen.symbolic import Compensated, Expr, add, rounding_error, select, signal, subtract
 
 _INCREMENTS = (
@@ -40,7 +40,7 @@ def odometry_increment(_: Robot, __: Mobility) -> Formula:
     names = Locals()
     outputs = zip(_INCREMENTS, increments(names), strict=True)
     text = "what driving a constant twist for dt adds to the pose, world frame"
-    return names.formula("odometry_increment", (POSE[2], *twist_ports(), DT), outputs, text)
+    return names.formula("odometry_increment", (POSE[2], *TWIST, DT), outputs, text)
 
 
 _RESTS = tuple(
@@ -63,7 +63,7 @@ def odometry_compensated(_: Robot, __: Mobility) -> Formula:
     rests[2] = add(rests[2], lost)
     outputs = (*zip(POSE, sums, strict=True), *zip(_RESTS, rests, strict=True))
     text = "pose after driving a constant twist for dt, with what its roundings lost; heading in [-pi, pi]"
-    return names.formula("odometry_compensated", (*POSE, *_RESTS, *twist_ports(), DT), outputs, text)
+    return names.formula("odometry_compensated", (*POSE, *_RESTS, *TWIST, DT), outputs, text)
 
 
 def _wrapped(theta: Expr, names: Locals) -> tuple[Expr, Expr]:
@@ -91,7 +91,7 @@ def odometry_from_angles(robot: Robot, _: Mobility) -> Formula:
     names, measured = Locals(), forward(robot)
     steps = {p.name: _as_step(p) for p in measured.inputs}
     values = names.adopt(measured, {name: signal(port.name) for name, port in steps.items()})
-    twist = {p.name: names.define(f"{p.name}_step", values[p.name]) for p in twist_ports()}
+    twist = {p.name: names.define(f"{p.name}_step", values[p.name]) for p in TWIST}
     after = names.adopt(odometry(), {**twist, "dt": sympy.S.One})
     return names.formula(
         "odometry_from_angles",

@@ -20,6 +20,7 @@ and is dt sinc(theta / 2) times the velocity, so
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import sympy
@@ -29,12 +30,12 @@ from wmrgen.exact.poly import Poly, Row
 from wmrgen.functions.registry import function, underivable
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.pose import odometry
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.kinematics.sensing import measurements
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.ranks import numeric_rank, unit_of
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, Role, output
+from wmrgen.ports import DT, POSE, TWIST, TWIST_NAMES, Port, Role, output
 from wmrgen.symbolic import (
     Expr,
     absolute,
@@ -51,7 +52,6 @@ from wmrgen.symbolic import (
     times,
 )
 
-TWIST = ("vx", "vy", "omega")
 FARTHEST = sympy.Integer(10**9)  # [m] a radius that counts as straight
 SLOWEST = sympy.Rational(1, 10**12)  # [rad/s] a yaw rate that counts as none, [m/s] a speed that does
 SHORTEST = sympy.Rational(1, 10**9)  # [s] a duration below counts as this, a chord this short as none
@@ -66,7 +66,7 @@ def named(outputs: Mapping[str, Expr], suffix: str, names: Locals) -> tuple[Expr
     """The twist among outputs as intermediate results ``<name>_<suffix>``; a zero stays zero."""
     vx, vy, omega = (
         value if (value := outputs[name]) is sympy.S.Zero else names.define(f"{name}_{suffix}", value)
-        for name in TWIST
+        for name in TWIST_NAMES
     )
     return vx, vy, omega
 
@@ -88,7 +88,7 @@ def motion(robot: Robot, _: Mobility) -> Formula:
     names = Locals()
     joints, twist = driven(robot, names)
     step = odometry()
-    end = names.adopt(step, dict(zip(TWIST, twist, strict=True)))
+    end = names.adopt(step, dict(zip(TWIST_NAMES, twist, strict=True)))
     return names.formula(
         "motion",
         (*joints, *POSE, step.inputs[-1], *tunable_ports(robot)),
@@ -162,12 +162,12 @@ def reach(_: Robot, __: Mobility) -> Formula:
         Port("x", Role.COMMAND, "m", "forward, robot frame at the start"),
         Port("y", Role.COMMAND, "m", "to the left, robot frame at the start"),
         Port("theta", Role.COMMAND, "rad", "turn, at most pi in size"),
-        Port("dt", Role.COMMAND, "s", "duration of the motion, above 0"),
+        replace(DT, text="duration of the motion, above 0"),
     )
     return names.formula(
         "reach",
         inputs,
-        zip(twist_ports(), (vx, vy, over(theta, time)), strict=True),
+        zip(TWIST, (vx, vy, over(theta, time)), strict=True),
         "constant twist that displaces the robot by x y theta in dt",
     )
 

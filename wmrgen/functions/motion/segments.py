@@ -14,6 +14,7 @@ from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.functions.registry import underivable
 from wmrgen.layout.records import Robot, Wheel
+from wmrgen.ports import TWIST_NAMES
 
 Values = Mapping[str, Exact]
 Triple = tuple[Exact, Exact, Exact]  # a twist or a pose
@@ -21,10 +22,9 @@ Call = Callable[[str, Values], Values]  # function name and inputs to outputs
 FORBIDDEN = Exact(Fraction(1, 10**9))  # [m/s] sliding that is more than rounding
 STILL = Exact(Fraction(1, 10**12))  # [rad] a turn that is none
 
-TWIST = ("vx", "vy", "omega")
 RATES = ("x_rate", "y_rate", "theta_rate")
 POSE = ("x", "y", "theta")
-KINDS = {"twist": TWIST, "world": RATES, "displacement": POSE}
+KINDS = {"twist": TWIST_NAMES, "world": RATES, "displacement": POSE}
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ def plan(robot: Robot, segments: Sequence[Segment], call: Call, start: Triple, s
     for k, part in enumerate(segments):
         twist = _twist(part, pose, call)
         present = {f"{name}.steer": angle for name, angle in now.items()}
-        joints = call("inverse", dict(zip(TWIST, twist, strict=True)) | present)
+        joints = call("inverse", dict(zip(TWIST_NAMES, twist, strict=True)) | present)
         target = {w.name: joints[f"{w.name}.steer"] for w in robot.wheels if w.kind.steers}
         if any(abs(angle - now[name]) > STILL for name, angle in target.items()):
             phases.append(_wait(robot, k, now, target, pose))
@@ -119,7 +119,7 @@ def _twist(part: Segment, pose: Triple, call: Call) -> Triple:
 
 
 def _moved(pose: Triple, twist: Triple, dt: Exact, call: Call) -> Triple:
-    values = dict(zip((*POSE, *TWIST), (*pose, *twist), strict=True))
+    values = dict(zip((*POSE, *TWIST_NAMES), (*pose, *twist), strict=True))
     end = call("odometry", values | {"dt": dt})
     return end["x"], end["y"], end["theta"]
 

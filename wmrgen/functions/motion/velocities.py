@@ -23,15 +23,15 @@ import sympy
 
 from wmrgen.constraints import View, arm, heading, rolling_row, sliding_row, symbolic_view, working_view
 from wmrgen.exact.poly import Poly, Row, dot
-from wmrgen.functions.motion.paths import TWIST, named
+from wmrgen.functions.motion.paths import named
 from wmrgen.functions.registry import function
 from wmrgen.kinematics.forward import forward
 from wmrgen.kinematics.inverse import inverse
 from wmrgen.kinematics.pose import RATES
-from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, joint_port, signal_poly, tunable_ports
 from wmrgen.layout.records import Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Limits, Port, Role, output
+from wmrgen.ports import POSE, TWIST, TWIST_NAMES, Limits, Port, Role, output
 from wmrgen.symbolic import Expr, expression, matrix, rotated, rotated_back, signal
 
 ZERO, ONE = Poly({}), Poly.of(1)
@@ -54,7 +54,7 @@ def inverse_world(robot: Robot, mobility: Mobility) -> Formula:
     commands = names.adopt(formula, twist)
     return names.formula(
         "inverse_world",
-        (POSE[2], *RATES, *(p for p in formula.inputs if p.name not in TWIST)),
+        (POSE[2], *RATES, *(p for p in formula.inputs if p.name not in TWIST_NAMES)),
         ((port, commands[port.name]) for port, _ in formula.outputs),
         "velocity of P in the world frame to joint commands",
     )
@@ -147,7 +147,7 @@ def contact_velocity(robot: Robot, _: Mobility) -> Formula:
     )
     return names.formula(
         "contact_velocity",
-        (*twist_ports(), *_joints(points, headings=False), *tunable_ports(robot)),
+        (*TWIST, *_joints(points, headings=False), *tunable_ports(robot)),
         outputs,
         "velocity of every contact point in the robot frame: H xi + Q steer_rate",
     )
@@ -179,7 +179,7 @@ def projections(robot: Robot, _: Mobility) -> Formula:
         ]
     return names.formula(
         "projections",
-        (*twist_ports(), POSE[2], *_joints(points, headings=True), *tunable_ports(robot)),
+        (*TWIST, POSE[2], *_joints(points, headings=True), *tunable_ports(robot)),
         outputs,
         "contact velocities along and across each wheel, and in the world",
     )
@@ -203,7 +203,7 @@ def slip_inverse(robot: Robot, _: Mobility) -> Formula:
     The twist is not projected: what the wheels do not roll they slip.
     """
     twist: Row = (signal_poly("vx"), signal_poly("vy"), signal_poly("omega"))
-    inputs = [*twist_ports()]
+    inputs = [*TWIST]
     inputs += [joint_port(w, "steer", Role.STATE) for w in robot.wheels if w.turns]
     inputs += [joint_port(w, "steer_rate", Role.COMMAND) for w in robot.wheels if _swings(w)]
     outputs: list[tuple[Port, Expr]] = []

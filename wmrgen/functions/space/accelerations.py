@@ -28,7 +28,7 @@ from wmrgen.kinematics.records import Formula, Locals, joint_port
 from wmrgen.kinematics.steer import Velocity, pivot
 from wmrgen.layout.records import Interval, Robot, Wheel
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, Role, output
+from wmrgen.ports import TWIST_NAMES, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, maximum, number, select, subtract, times
 
 RATES = (
@@ -104,7 +104,7 @@ def motion_of(driven: Row) -> Motion:
 
     def renamed(suffix: str) -> Row:
         def value(gen: Gen) -> Poly | None:
-            commanded = gen.kind == "input" and gen.name in ("vx", "vy", "omega")
+            commanded = gen.kind == "input" and gen.name in TWIST_NAMES
             return Poly.gen("input", f"{gen.name}_{suffix}") if commanded else None
 
         a, b, c = (p.substitute(value) for p in driven)

@@ -19,10 +19,10 @@ import sympy
 from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
 from wmrgen.functions.trailers.train import TrainTerms, V, terms_of, train
-from wmrgen.kinematics.records import Formula, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import Port, output
+from wmrgen.ports import TWIST, Port, output
 from wmrgen.symbolic import Expr, add, signal, subtract, times
 
 Outputs = tuple[tuple[Port, Expr], ...]
@@ -102,7 +102,7 @@ def _commands(w: TrainTerms, v: Expr, turning: Expr) -> Outputs:
     omega = w.names.define("yaw_rate", omega)
     twist = (*w.train.axle.velocity_of_p(v, omega), omega)
     steering = () if w.curvature is None else ((w.train.turning, turning),)
-    return ((V, v), *zip(twist_ports(), twist, strict=True), *steering)
+    return ((V, v), *zip(TWIST, twist, strict=True), *steering)
 
 
 @function(SOURCE)

@@ -15,10 +15,10 @@ from wmrgen.errors import NotDerivableError
 from wmrgen.functions.registry import function
 from wmrgen.functions.system import Gate, rate_port
 from wmrgen.functions.trailers.train import Steering, Train, V, train
-from wmrgen.kinematics.records import Formula, Locals, tunable_ports, twist_ports
+from wmrgen.kinematics.records import Formula, Locals, tunable_ports
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, output
+from wmrgen.ports import POSE, TWIST, Port, output
 from wmrgen.symbolic import (
     Expr,
     add,
@@ -108,7 +108,7 @@ def _pose(robot: Robot) -> Formula:
     rates = tuple(rate_port(p) for p in POSE)
     x, y, turn = (signal(p.name) for p in rates)
     values = (*rotated_back(sympy.cos(theta), sympy.sin(theta), x, y), turn)
-    outputs = tuple(zip(twist_ports(), values, strict=True))
+    outputs = tuple(zip(TWIST, values, strict=True))
     return Formula(
         "flat", (POSE[2], *rates, *tunable_ports(robot)), (), outputs,
         "flat outputs x, y, theta: their rates to the twist of P",
@@ -133,7 +133,7 @@ def _axle(robot: Robot, t: Train, claim: Flatness) -> Formula:
         (POSE[1], subtract(signal("y"), y)),
         (POSE[2], angle_of(s, c)),
         (V, v),
-        *zip(twist_ports(), twist, strict=True),
+        *zip(TWIST, twist, strict=True),
     ]
     if t.steering is not None:
         kappa = names.define("curvature", times(omega, over))

@@ -26,16 +26,16 @@ from wmrgen.functions.system import Gate
 from wmrgen.functions.trailers.series import NARROW, Link, Path, path
 from wmrgen.functions.trailers.trailer import Axle, Vector, check_trailers, fixed_axle, in_view, state_ports
 from wmrgen.functions.trailers.trailer_geometry import behind
-from wmrgen.kinematics.records import Locals, twist_ports
+from wmrgen.kinematics.records import Locals
 from wmrgen.layout.records import Robot
 from wmrgen.mobility.analyse import fixed
 from wmrgen.mobility.records import Mobility
-from wmrgen.ports import POSE, Port, Role, output
+from wmrgen.ports import POSE, TWIST, Port, Role, output
 from wmrgen.symbolic import Expr, add, expression, rotated, signal, subtract, times
 
 SMALL = 1e-9
 V = output("v", "m/s", "speed of the centre of the axle, along the direction of travel")
-OMEGA = twist_ports()[2]
+OMEGA = TWIST[2]
 
 
 @dataclass(frozen=True, slots=True)

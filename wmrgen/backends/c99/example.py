@@ -49,7 +49,7 @@ def example(module: Module, unit: Unit, common: Mapping[str, object]) -> str:
         prepare=[f"{step.call()};" for step in before],
         sensing=sensing,
         acting=acting,
-        hardware=[*_hardware(module, unit, "commands" in variables)],
+        hardware=[*_hardware(module, unit)],
         counts="counters" in variables,
         steps=STEPS,
         dt=_number(unit, 1 / PER_SECOND),
@@ -62,31 +62,27 @@ def _number(unit: Unit, value: float) -> str:
     return f"{value:.9g}" + ("f" if unit.choice.scalar == "float" else "")
 
 
-def _hardware(module: Module, unit: Unit, apart: bool) -> Iterator[str]:
-    """The statements of motors and sensors: joints are what is commanded, and encoders count them.
-
-    ``apart``: commands are another variable than what is measured.
-    """
+def _hardware(module: Module, unit: Unit) -> Iterator[str]:
+    """The statements of motors and sensors: joints are what is commanded, and encoders count them."""
     bits = {}
     if unit.counting is not None:
         bits = {port.name: port.bits for port in module.function(COUNTS).inputs if port.bits}
         yield "counters_before = counters;"
-    commands = "commands" if apart else "wheels"
     for joint in unit.joints:
         rate, width = f"{joint}_rate", bits.get(f"{joint}_counts")
         swivels = rate in unit.joints  # its rate is what is commanded
         if width is None and swivels:
-            yield f"wheels.{joint} += dt * {commands}.{rate};"
-        elif width is None and apart:
-            yield f"wheels.{joint} = {commands}.{joint};"
-        elif width and (swivels or joint.endswith(".spin")):
+            yield f"wheels.{joint} += dt * commands.{rate};"
+        elif width is None:
+            yield f"wheels.{joint} = commands.{joint};"
+        elif swivels or joint.endswith(".spin"):
             per_radian = _number(unit, _counts(module, f"{joint}_counts"))
-            moved = f"{commands}.{rate if swivels else joint}"
+            moved = f"commands.{rate if swivels else joint}"
             counted = f"counted(dt * {moved} * {per_radian}, &rest.{joint})"
             yield f"counters.{joint} = (uint{width}_t)(counters.{joint} + (uint{width}_t){counted});"
-        elif width and joint.endswith(".steer"):
+        elif joint.endswith(".steer"):
             per_radian = _number(unit, _counts(module, f"{joint}_counts"))
-            yield f"counters.{joint} = (uint{width}_t)(int{width}_t)({commands}.{joint} * {per_radian});"
+            yield f"counters.{joint} = (uint{width}_t)(int{width}_t)(commands.{joint} * {per_radian});"
 
 
 def _counts(module: Module, port: str) -> float:

@@ -15,7 +15,7 @@ from tests.c.harness import robot_module
 from tests.conftest import GALLERY
 from wmrgen import derive, load
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.text import block_comment, comment_text, literal, rounded, struct
+from wmrgen.backends.c99.text import block_comment, comment_text, literal, struct
 from wmrgen.backends.registry import Facts
 from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import SQRT2, Exact
@@ -23,7 +23,7 @@ from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.facts import findings
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.nodes import Module, Port, Role
-from wmrgen.ir.rounding import to_float32
+from wmrgen.ir.rounding import constant, to_float32
 
 LIBC = ctypes.CDLL(None)
 LIBC.strtof.restype = ctypes.c_float
@@ -70,7 +70,7 @@ def test_a_double_literal_reads_back(value: Fraction) -> None:
 def test_rounding_goes_once() -> None:
     # 1 + 2**-24 + 2**-60: float64 rounds it to the tie 1 + 2**-24, and the tie to 1.
     above = Exact(1 + Fraction(1, 2**24) + Fraction(1, 2**60))
-    assert rounded(above, "float") == 1 + 2**-23
+    assert constant(above, single=True) == 1 + 2**-23
     assert literal(SQRT2, "float") == "1.4142135f"
     assert literal(Exact(3), "float") == "3.0f"
     assert literal(Exact(Fraction(1, 10**12)), "double") == "1e-12"

@@ -21,7 +21,7 @@ from wmrgen.interface import arguments
 from wmrgen.ir.calls import inlined_calls
 from wmrgen.ir.nodes import Function, Module, Role, contract
 from wmrgen.ir.ops.analysis import Bounded
-from wmrgen.selftest.rounding_bounds import UNITS, bounds, outputs
+from wmrgen.selftest.rounding_bounds import UNITS, bounds
 from wmrgen.selftest.vectors import prepared_of
 
 Array = Any
@@ -167,7 +167,7 @@ class Judge:
             scale = 2.0 ** random.integers(-6, 2, POINTS) * (random.random(POINTS) > 0.05)
             values = (size * scale * random.uniform(-1, 1, POINTS)).astype(np.float32).astype(np.float64)
             columns[port.name] = Bounded(values, np.zeros((2, POINTS)))
-        bounded = outputs(function, bounds(function, columns, "float", POINTS))
+        bounded = function.outputs_of(bounds(function, columns, "float", POINTS))
         good = [b.error[0] <= 2.0**13 * UNITS["float"] * (1 + np.abs(b.value)) for b in bounded.values()]
         prepared = [p.name for p in function.inputs if p.role is Role.PREPARED]
         given = {"prepared": {name: columns[name].value.astype(np.float32) for name in prepared}}

@@ -7,11 +7,14 @@ the IR, node by node.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from wmrgen.exact.number import Exact
-from wmrgen.ir.nodes import Function, Node
+from wmrgen.ir.calls import hand_through, inlined_calls
+from wmrgen.ir.kernels import with_kernels
+from wmrgen.ir.kernels.choice import Choice
+from wmrgen.ir.nodes import Cost, Function, Module, Node, count
 from wmrgen.ir.ops import Conditional, Op
 
 _LONGEST = 44  # characters of an expression printed in place
@@ -38,6 +41,14 @@ class Style:
     scalar: str = ""
 
 
+def expanded(module: Module, choice: Choice) -> tuple[Module, dict[str, Cost]]:
+    """``module`` as the processor of ``choice`` computes it, with a `prepare` that hands raw values through; and how
+    many operations the formula of each function takes."""
+    module = hand_through(module)
+    costs = {f.name: count(f) for f in inlined_calls(module).every}
+    return with_kernels(module, choice.scalar, choice.math, choice.target), costs
+
+
 @dataclass(frozen=True, slots=True)
 class Results:
     """What the calls of a kernel look like: its ``function``, the ``type`` of what that returns, and its members."""
@@ -45,6 +56,24 @@ class Results:
     function: str
     type: str
     members: tuple[str, ...]
+
+
+# Types of results; a kernel with others has one that is called as it is.
+_TYPES: dict[tuple[str, ...], str] = {("x", "y"): "vector", ("spin", "steer"): "wheel"}
+
+
+def results_of(
+    kernels: Iterable[Function], scalar: str, type_name: Callable[[str], str]
+) -> dict[str, Results]:
+    """How the results of each kernel are called; ``type_name``: of a type, as the language has it."""
+    results = {}
+    for kernel in kernels:
+        members = tuple(port.name for port in kernel.outputs)
+        several = type_name(_TYPES.get(members, f"{kernel.name}_result"))
+        results[kernel.name] = Results(
+            f"wmrgen_{kernel.name}", scalar if len(members) == 1 else several, members
+        )
+    return results
 
 
 @dataclass(frozen=True, slots=True)

@@ -111,8 +111,7 @@ def _columns(function: Function, inputs: Mapping[str, Any]) -> dict[str, Any]:
     values = values_of(function, arrays, np.float64)
     shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     return {
-        port.name: np.broadcast_to(values[r], shape).copy()[()]
-        for port, r in zip(function.outputs, function.results, strict=True)
+        name: np.broadcast_to(value, shape).copy()[()] for name, value in function.outputs_of(values).items()
     }
 
 

@@ -145,8 +145,7 @@ def defaults(function: Function) -> dict[str, float]:
 
 def nominal(module: Module) -> dict[str, float]:
     """Nominal values of the tunable parameters of ``module``."""
-    functions = (*module.functions, *((module.prepare,) if module.prepare else ()))
-    return {name: value for f in functions for name, value in defaults(f).items()}
+    return {name: value for f in module.every for name, value in defaults(f).items()}
 
 
 def complete(function: Function, case: Mapping[str, float]) -> list[float]:

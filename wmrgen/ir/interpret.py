@@ -96,8 +96,7 @@ def evaluate_nodes(function: Function, inputs: Mapping[str, Number], arithmetic:
 
 def evaluate(function: Function, inputs: Mapping[str, Number], arithmetic: Arithmetic) -> dict[str, Any]:
     """Output name to value: `Exact` in exact arithmetic, float (a float32 as float) otherwise."""
-    values = evaluate_nodes(function, inputs, arithmetic)
-    return {port.name: values[i] for port, i in zip(function.outputs, function.results, strict=True)}
+    return function.outputs_of(evaluate_nodes(function, inputs, arithmetic))
 
 
 def evaluate_module(

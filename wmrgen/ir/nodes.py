@@ -10,11 +10,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, replace
+from typing import TypeVar
 
 from wmrgen.exact.number import Exact
 from wmrgen.ir.ops import Op
 from wmrgen.ports import Limits, Port, Role
 
+T = TypeVar("T")
 __all__ = ["Function", "Limits", "Module", "Node", "Op", "Port", "Role"]
 
 
@@ -55,6 +57,10 @@ class Function:
     limits: Limits = Limits.NONE
     in_place: bool = False
 
+    def outputs_of(self, values: Sequence[T]) -> dict[str, T]:
+        """The outputs by name; ``values``: one of each node."""
+        return {port.name: values[k] for port, k in zip(self.outputs, self.results, strict=True)}
+
 
 @dataclass(frozen=True, slots=True)
 class Module:
@@ -70,6 +76,11 @@ class Module:
     prepare: Function | None = None
     kernels: tuple[Function, ...] = ()
     joints: tuple[str, ...] | None = None
+
+    @property
+    def every(self) -> tuple[Function, ...]:
+        """`prepare`, where there is one, and the functions."""
+        return (*((self.prepare,) if self.prepare else ()), *self.functions)
 
     def function(self, name: str) -> Function:
         """The function called ``name``; KeyError when there is none."""

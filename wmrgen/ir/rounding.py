@@ -5,8 +5,9 @@ from __future__ import annotations
 import ctypes
 from fractions import Fraction
 from functools import lru_cache
-from math import inf, ldexp
+from math import inf, isinf, ldexp
 
+from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 
 
@@ -53,6 +54,16 @@ def to_float32(value: Exact) -> float:
 def to_float64(value: Exact) -> float:
     """The float64 nearest to ``value``."""
     return _round(value, 53, -1074, 1024)
+
+
+@lru_cache(maxsize=4096)
+def constant(value: Exact, single: bool) -> float:
+    """``value`` as a float32 or float64. NotDerivableError where it leaves the range of the type."""
+    rounded = to_float32(value) if single else to_float64(value)
+    if isinf(rounded) or (rounded == 0.0 and value):
+        why = "does not fit float; use --scalar double" if single else "does not fit double"
+        raise NotDerivableError(f"the constant {value} {why}")
+    return rounded
 
 
 def nearest_float32(value: float) -> float:

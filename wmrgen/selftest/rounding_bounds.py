@@ -64,11 +64,6 @@ def bounds(function: Function, inputs: Mapping[str, Bounded], scalar: str, count
     return nodes
 
 
-def outputs(function: Function, nodes: list[Bounded]) -> dict[str, Bounded]:
-    """The outputs by name."""
-    return {port.name: nodes[i] for port, i in zip(function.outputs, function.results, strict=True)}
-
-
 def _within(wave: Bounded, angle: Bounded, largest: float) -> Bounded:
     """No bound where the angle is beyond ``largest``."""
     return Bounded(wave.value, np.where(np.abs(angle.value) <= largest, wave.error, np.inf))

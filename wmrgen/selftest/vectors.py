@@ -21,7 +21,7 @@ from wmrgen.ir.ops.analysis import Bounded
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 from wmrgen.ports import NO_SITE, TWIST_NAMES, Site
 from wmrgen.selftest.points import BRANCH, Grid, Point, near_thresholds, points
-from wmrgen.selftest.rounding_bounds import UNITS, Array, bounds, outputs, rounding_of
+from wmrgen.selftest.rounding_bounds import UNITS, Array, bounds, rounding_of
 
 _WORST = 2.0**13  # units of rounding: what loses more is too ill-conditioned to test anything
 _SLACK = 1.05  # the printed tolerance above the bound: second-order terms, rounding of the printed numbers
@@ -87,10 +87,10 @@ def _names(ports: Sequence[Port]) -> tuple[str, ...]:
 
 def prepared_of(module: Module, scalar: str) -> dict[str, Bounded]:
     """Tunable parameters at their nominal values, and what prepare() makes of them; one point."""
-    ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
+    ports = [port for function in module.every for port in function.inputs]
     nominal = {p.name: _nominal(p, scalar) for p in ports if p.default is not None}
     if module.prepare is not None:
-        nominal |= outputs(module.prepare, bounds(module.prepare, nominal, scalar, 1))
+        nominal |= module.prepare.outputs_of(bounds(module.prepare, nominal, scalar, 1))
     return nominal
 
 
@@ -112,7 +112,7 @@ def _table(
     nodes_of = [bounds(function, columns, scalar, len(tried)) for function in group]
     results: dict[str, Bounded] = {}
     for function, nodes in zip(group, nodes_of, strict=True):
-        for name, b in outputs(function, nodes).items():
+        for name, b in function.outputs_of(nodes).items():
             before = results.get(name, b)
             results[name] = Bounded(before.value, np.maximum(before.error, b.error))
     rows = _kept([b for nodes in nodes_of for b in nodes], tried, _sound(results.values(), scalar))
@@ -212,8 +212,8 @@ def _law(module: Module, name: str, scalar: str, site: Site, prepared: Mapping[s
     tried = list(_there_and_back(ports, site))
     # Zeros of both signs are one number to the law: which way a wheel then rolls does not matter.
     columns = _columns(ports, [(text, row + 0.0) for text, row in tried], prepared)
-    there = outputs(inverse, bounds(inverse, columns, scalar, len(tried)))
-    back = outputs(forward, bounds(forward, {**columns, **there}, scalar, len(tried)))
+    there = inverse.outputs_of(bounds(inverse, columns, scalar, len(tried)))
+    back = forward.outputs_of(bounds(forward, {**columns, **there}, scalar, len(tried)))
     results = {n: Bounded(columns[n].value, back[n].error) for n in TWIST_NAMES}
     missed = np.logical_or.reduce([np.abs(back[n].value - columns[n].value) > 1e-9 for n in TWIST_NAMES])
     sound = np.flatnonzero(_sound(results.values(), scalar) & ~missed).tolist()

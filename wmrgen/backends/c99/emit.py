@@ -15,13 +15,13 @@ from wmrgen.backends.c99.records import Unit
 from wmrgen.backends.c99.selftest import selftest
 from wmrgen.backends.c99.text import comment_lines, literal
 from wmrgen.backends.c99.trace import traced
+from wmrgen.backends.expression import expanded
 from wmrgen.backends.registry import Facts
 from wmrgen.exact.number import Exact
-from wmrgen.ir.calls import hand_through, inlined_calls
-from wmrgen.ir.kernels import rounds, with_kernels
+from wmrgen.ir.kernels import rounds
 from wmrgen.ir.kernels.choice import AVR, DEFAULT, INLINE, M0, Choice
 from wmrgen.ir.kernels.trigonometry import worst
-from wmrgen.ir.nodes import Function, Module, Op, count
+from wmrgen.ir.nodes import Function, Module, Op
 from wmrgen.ir.ops import integer
 from wmrgen.ports import JOINTS
 from wmrgen.render import render
@@ -70,12 +70,10 @@ def unit(module: Module, choice: Choice = DEFAULT, formulas: Sequence[Function] 
     ``formulas``: the functions as lowered, whose intermediate results comments name.
     """
     written = frozenset(node.op for function in module.functions for node in function.nodes)
-    module = hand_through(module)
-    plain = inlined_calls(module)
-    costs = {f.name: count(f) for f in (*plain.functions, *((plain.prepare,) if plain.prepare else ()))}
     named = (*module.kernels, *formulas) if formulas else ()
     scalar = choice.scalar
-    module = traced(with_kernels(module, scalar, choice.math, choice.target), named)
+    module, costs = expanded(module, choice)
+    module = traced(module, named)
     shared = shared_structs(module, scalar)
     steps, kernels = steps_of(module, scalar, costs, shared), printed_kernels(module, scalar)
     joints = module.joints or ()

@@ -11,15 +11,12 @@ from functools import cache, partial
 from wmrgen.backends.c99.records import Kernel, Parameter, Step
 from wmrgen.backends.c99.text import Struct, block_comment, literal, prototype, struct
 from wmrgen.backends.c99.trace import quantity
-from wmrgen.backends.expression import Body, Results, Style, body
+from wmrgen.backends.expression import Body, Results, Style, body, results_of
 from wmrgen.interface import IN, OUT, Argument, arguments, members
 from wmrgen.ir.calls import called
 from wmrgen.ir.nodes import Cost, Function, Module, Op, Role, pruned
 
 _NOTE = 60  # characters of a comment behind a statement
-_PREFIX = "wmrgen_"  # of kernels and their types
-# Types of results; a kernel with others has one that is called as it is.
-_TYPES: dict[tuple[str, ...], str] = {("x", "y"): "vector", ("spin", "steer"): "wheel"}
 
 
 def _prepare_steps(module: Module, scalar: str, costs: Mapping[str, Cost]) -> tuple[Step, ...]:
@@ -80,7 +77,7 @@ def steps_of(
     """params_default and prepare where a parameter is tunable, then every function that has outputs."""
     steps = list(_prepare_steps(module, scalar, costs))
     prepared = steps[-1].structs[-1] if steps else None
-    kernels = _results_of(module.kernels, scalar)
+    kernels = results_of(module.kernels, scalar, "wmrgen_{}".format)
     for function in (f for f in module.functions if f.outputs):
         name = f"{module.name}_{function.name}"
         parameters: list[Parameter] = []
@@ -227,23 +224,12 @@ def _names(function: Function, taken: set[str]) -> dict[int, str]:
 # ---- kernels
 
 
-def _results_of(kernels: Sequence[Function], scalar: str) -> dict[str, Results]:
-    """How the results of each kernel are named in C."""
-    results = {}
-    for kernel in kernels:
-        members = tuple(port.name for port in kernel.outputs)
-        several = _PREFIX + _TYPES.get(members, f"{kernel.name}_result")
-        kind = scalar if len(members) == 1 else several
-        results[kernel.name] = Results(_PREFIX + kernel.name, kind, members)
-    return results
-
-
 def printed_kernels(module: Module, scalar: str) -> tuple[Kernel, ...]:
     """The kernels of ``module``, those that are called before those that call.
 
     One that a single function calls, at one place, stands there whatever the user's build asks for: a call only costs.
     """
-    results = _results_of(module.kernels, scalar)
+    results = results_of(module.kernels, scalar, "wmrgen_{}".format)
     calls = Counter(n.name for f in module.functions for n in f.nodes if n.op is Op.CALL)
     inner = called(module.kernels)
     once = {name for name, count in calls.items() if count == 1 and name not in inner}

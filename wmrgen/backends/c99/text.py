@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
-from math import isinf
 
-from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Port
-from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
+from wmrgen.ir.rounding import constant, nearest_float32, to_float32
 
 WIDTH = 100  # columns of generated C
 NO_TYPES: Mapping[str, str] = {}
@@ -69,15 +67,6 @@ def prototype(head: str, parameters: Sequence[str], separator: str = ",\n    ") 
     return line if len(line) < WIDTH else f"{head}(\n    {separator.join(parameters)})"
 
 
-@lru_cache(maxsize=4096)
-def rounded(value: Exact, scalar: str) -> float:
-    """``value`` in the target type. NotDerivableError when it leaves the type's range."""
-    result = to_float32(value) if scalar == "float" else to_float64(value)
-    if isinf(result) or (result == 0.0 and value):
-        raise NotDerivableError(f"the constant {value} does not fit the C type {scalar}; use --scalar double")
-    return result
-
-
 def _shortest_single(value: float) -> str:
     for digits in range(1, 9):
         text = f"{value:.{digits}g}"
@@ -96,7 +85,7 @@ def _positional(text: str) -> str:
 @lru_cache(maxsize=4096)
 def literal(value: Exact, scalar: str) -> str:
     """The shortest decimal that reads back as the correctly rounded value; negative ones in parentheses."""
-    number = rounded(value, scalar)
+    number = constant(value, single=scalar == "float")
     text = _positional(_shortest_single(number) if scalar == "float" else repr(number))
     if not set(text) & set(".e"):
         text += ".0"

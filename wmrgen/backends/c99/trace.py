@@ -18,12 +18,10 @@ from typing import Any
 import numpy as np
 
 from wmrgen.backends.registry import Place
-from wmrgen.exact.number import Exact
-from wmrgen.ir.calls import Kernels, with_places
+from wmrgen.ir.calls import Kernels, nominal, with_places
 from wmrgen.ir.calls import by_name as kernels_by_name
 from wmrgen.ir.interpret import values_of
 from wmrgen.ir.nodes import Function, Module, Op, contract
-from wmrgen.ir.rounding import to_float64
 from wmrgen.ports import NO_SITE
 from wmrgen.selftest.points import Grid
 
@@ -43,12 +41,11 @@ def _inputs(function: Function) -> dict[str, Array]:
 @np.errstate(all="ignore")
 def _tunables(module: Module) -> dict[str, Array]:
     """Nominal values of the tunable parameters, and what prepare() makes of them."""
-    ports = [p for f in (*module.functions, *([module.prepare] if module.prepare else [])) for p in f.inputs]
-    values = {p.name: np.full(1, to_float64(Exact.of(p.default))) for p in ports if p.default is not None}
+    values = {name: np.full(1, value) for name, value in nominal(module).items()}
     if module.prepare is not None:
-        prepared = values_of(module.prepare, values, np.float64)
-        outputs = zip(module.prepare.outputs, module.prepare.results, strict=True)
-        values |= {port.name: np.atleast_1d(prepared[r]) for port, r in outputs}
+        values |= module.prepare.outputs_of(
+            list(map(np.atleast_1d, values_of(module.prepare, values, np.float64)))
+        )
     return values
 
 

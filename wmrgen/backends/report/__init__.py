@@ -75,7 +75,7 @@ def _cost(d: Derivation, facts: Facts, number: int) -> list[str]:
     """The last section, cost and files, and the foot of the page."""
     module = inlined_calls(d.c_module)
     rows = []
-    for f in (*([module.prepare] if module.prepare else []), *module.functions):
+    for f in module.every:
         c = count(f)
         cells = (c.additions, c.multiplications, c.divisions, c.roots, c.sines, c.arctangents, c.comparisons)
         rows.append([code(f.name), _GIVES.get(f.name, f.text), *map(str, cells)])

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from wmrgen.backends.expression import Results, Style, body
+from wmrgen.backends.expression import Results, Style, body, expanded, results_of
 from wmrgen.backends.rust.records import Kernel, Parameter, Step, Unit
 from wmrgen.backends.rust.types import (
     SCALARS,
@@ -21,16 +21,12 @@ from wmrgen.backends.rust.types import (
     wrapped,
 )
 from wmrgen.interface import IN, OUT, Argument, arguments, members
-from wmrgen.ir.calls import hand_through, inlined_calls
-from wmrgen.ir.kernels import with_kernels
 from wmrgen.ir.kernels.choice import Choice
 from wmrgen.ir.kernels.trigonometry import SOFT
-from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, count, pruned
+from wmrgen.ir.nodes import Function, Module, Node, Op, Port, Role, pruned
 
 # In Rust the arithmetic of floats has the bits that C gets from integers on processors without floating point.
 _HARD = {soft: op for op, soft in SOFT.items()}
-# Types of a kernel's results; a kernel with others has one that is called as it is.
-_TYPES: dict[tuple[str, ...], str] = {("x", "y"): "Vector", ("spin", "steer"): "Wheel"}
 _ABOUT = {
     "pose": "Where P is in the world frame, and the heading.",
     "pose_covariance": "The covariance of a pose: its upper triangle.",
@@ -44,15 +40,12 @@ _ABOUT = {
 
 def unit(module: Module, choice: Choice) -> Unit:
     """The Rust functions of ``module``: `prepare` first where a parameter is tunable."""
-    module = hand_through(module)
-    plain = inlined_calls(module)
-    costs = {f.name: f"Operations of the formula: {count(f)}." for f in plain.functions}
-    module = with_kernels(module, choice.scalar, choice.math, choice.target)
+    module, costs = expanded(module, choice)
     scalar = SCALARS[choice.scalar]
     shared = {
         kind: struct(type_name(kind), ports, scalar, _ABOUT[kind]) for kind, ports in members(module).items()
     }
-    printer = _Printer(scalar, _style(scalar), _results_of(module.kernels, scalar))
+    printer = _Printer(scalar, _style(scalar), results_of(module.kernels, scalar, type_name))
     structs, steps, nominal = [*shared.values()], list[Step](), dict[str, str]()
     prepare = module.prepare
     if prepare is not None and prepare.outputs:
@@ -73,7 +66,8 @@ def unit(module: Module, choice: Choice) -> Unit:
         handed = {p.name: p.name for p in function.inputs if p.role is Role.PREPARED}
         if handed:
             parameters.insert(0, Parameter("prepared", shared["prepared"], handed, {}))
-        steps.append(printer.step(function, parameters, costs[function.name]))
+        cost = f"Operations of the formula: {costs[function.name]}."
+        steps.append(printer.step(function, parameters, cost))
     kernels = tuple(map(printer.kernel, module.kernels))
     return Unit(module.name, choice, tuple(structs), nominal, tuple(steps), kernels)
 
@@ -98,16 +92,6 @@ def _own(function: Function, argument: Argument, scalar: str) -> Struct:
     text = _ABOUT[argument.kind].format(identifier(function.name))
     name = type_name(function.name, argument.kind)
     return struct(name, [port for port in ports if port.name in carried], scalar, text)
-
-
-def _results_of(kernels: Sequence[Function], scalar: str) -> dict[str, Results]:
-    """How the results of each kernel are called."""
-    results = {}
-    for kernel in kernels:
-        names = tuple(port.name for port in kernel.outputs)
-        several = _TYPES.get(names) or type_name(kernel.name, "result")
-        results[kernel.name] = Results(f"wmrgen_{kernel.name}", scalar if len(names) == 1 else several, names)
-    return results
 
 
 def _style(scalar: str) -> Style:

@@ -6,14 +6,12 @@ import re
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isinf
 
 import numpy as np
 
-from wmrgen.errors import NotDerivableError
 from wmrgen.exact.number import Exact
 from wmrgen.ir.nodes import Port
-from wmrgen.ir.rounding import to_float32, to_float64
+from wmrgen.ir.rounding import constant
 
 WIDTH = 100  # columns
 _LONGEST = 12  # digits of a number without an exponent
@@ -58,10 +56,7 @@ def number(value: float, scalar: str) -> str:
 
 def literal(value: Exact, scalar: str) -> str:
     """``value``, rounded once. NotDerivableError where it leaves the range of the type."""
-    rounded = to_float32(value) if scalar == "f32" else to_float64(value)
-    if isinf(rounded) or (rounded == 0.0 and value):
-        raise NotDerivableError(f"the constant {value} does not fit {scalar}; use --scalar double")
-    return number(rounded, scalar)
+    return number(constant(value, single=scalar == "f32"), scalar)
 
 
 def doc(text: str) -> str:

@@ -1,9 +1,12 @@
-"""What a URDF says, as far as wheels need it. Lengths in metres, frames exact wherever the file is."""
+"""What a URDF and the parameters of its controllers say of wheels. In metres, frames exact where the file is."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
+
+from wmrgen.errors import Mark
 
 KINDS = "continuous revolute prismatic floating planar fixed".split()  # of joints; the last is rigid
 Vector = tuple[Fraction, Fraction, Fraction]
@@ -122,3 +125,43 @@ class Imported:
     questions: tuple[Question, ...]
     couplings: tuple[tuple[str, str], ...]
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A number: m or a factor; ``key`` and ``mark`` (None in XML): where it is written."""
+
+    value: Fraction
+    key: str
+    mark: Mark | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A joint that is named, without arguments that have no value; ``role``, as "front left", as far as its parameter
+    or its name says it."""
+
+    joint: str
+    role: str
+    steers: bool
+    mark: Mark | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """One controller, driver or plugin.
+
+    ``kind``: differential, mecanum, ackermann, bicycle, tricycle, omni, swerve, "" where the file does not say;
+    ``type`` as written. ``lengths``: by the keys of `controllers.LENGTHS`, diameters halved; ``multipliers``, by the
+    same keys, are not applied. ``joints``: in the order of the file. ``signs``: joint -> 1, -1.
+    ``places``: joint or role -> x, y of its pivot.
+    """
+
+    name: str
+    kind: str
+    type: str
+    lengths: Mapping[str, Setting] = field(default_factory=dict)
+    multipliers: Mapping[str, Setting] = field(default_factory=dict)
+    joints: tuple[Named, ...] = ()
+    signs: Mapping[str, Setting] = field(default_factory=dict)
+    places: Mapping[str, tuple[Setting, Setting]] = field(default_factory=dict)

@@ -1,7 +1,7 @@
 """YAML text to a raw tree, under caps. The only module that knows yaml.
 
 PyYAML's pure-Python scanner is run event by event; nothing is resolved or constructed, so a scalar is the
-text that was written. Anchors, aliases, tags and directives stop the scanner where they stand.
+text that was written. Tags and directives, in robot files anchors and aliases too, stop the scanner where they stand.
 """
 
 from __future__ import annotations
@@ -154,6 +154,32 @@ class _Composer(Reader, Scanner, Parser):
         return key
 
 
+class _Aliased(_Composer):
+    """Files of others, with anchors. What an alias stands for counts again: a few lines cannot mean very many nodes."""
+
+    fetch_anchor = Scanner.fetch_anchor
+    fetch_alias = Scanner.fetch_alias
+
+    def __init__(self, text: str, source: Source) -> None:
+        super().__init__(text, source)
+        self._anchored: dict[str, tuple[Node, int]] = {}  # with the number of its nodes
+
+    def _node(self, depth: int) -> Node:
+        event, before = self.peek_event(), self._nodes
+        if not isinstance(event, yaml.AliasEvent):
+            node = super()._node(depth)
+            if event.anchor:
+                self._anchored[event.anchor] = node, self._nodes - before
+            return node
+        self.get_event()
+        name = str(event.anchor)
+        if name not in self._anchored:
+            raise RobotFileError(f"nothing above is called {quoted('&' + name)}", self.mark_here())
+        node, count = self._anchored[name]
+        self._nodes += count
+        return node
+
+
 def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
     problem = str(error.problem or error.context or "")
     plain = [(what, instead) for part, what, instead in _PLAIN_WORDS if part in problem]
@@ -168,11 +194,11 @@ def _from_yaml(error: yaml.MarkedYAMLError, source: Source) -> RobotFileError:
     return RobotFileError(what, source.mark(mark.line, mark.column) if mark else None, why, instead)
 
 
-def read_tree(text: str, file: str) -> tuple[Node | None, Source]:
-    """The raw tree of ``text`` (None for an empty file), and its lines."""
+def read_tree(text: str, file: str, aliases: bool = False) -> tuple[Node | None, Source]:
+    """The raw tree of ``text`` (None for an empty file), and its lines. ``aliases``: of files of others."""
     text = normalise(text, file)
     source = Source.of(text, file)
-    composer = _Composer(text, source)
+    composer = (_Aliased if aliases else _Composer)(text, source)
     try:
         return composer.document(), source
     except yaml.MarkedYAMLError as error:

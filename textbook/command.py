@@ -22,7 +22,7 @@ def library(name: str) -> Textbook:
     return textbook(name)
 
 
-def run(out: Path) -> int:
+def run(out: Path, as_json: bool = False) -> int:
     """Write both, then say what was written."""
     with console.progress() as step:
         step("writing down the library")
@@ -31,6 +31,12 @@ def run(out: Path) -> int:
         page = errata()
     written = write_tree(out / FOLDER, files)
     changed = write_file(out / ERRATA, page)
+    if as_json:
+        kinds = ("changed", "unchanged", "removed")
+        lists = {kind: [f"{FOLDER}/{name}" for name in getattr(written, kind)] for kind in kinds}
+        lists["changed" if changed else "unchanged"].append(ERRATA)
+        console.data(lists)
+        return 0
     state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
     console.result(f"{(out / FOLDER).as_posix()}/ ({state}): {len(files)} files")
     console.result(f"{(out / ERRATA).as_posix()} ({'new or changed' if changed else 'up to date'})")

@@ -21,7 +21,7 @@ def test_importing_it_runs_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "code"), [(("--version",), 0), (("schema", "--json", "--markdown"), 2), (("--none",), 2)]
+    ("words", "code"), [(("--version",), 0), (("check", "x.yaml", "-o", "y"), 2), (("--none",), 2)]
 )
 def test_running_it_ends_with_the_code_of_the_verb(words: tuple[str, ...], code: int) -> None:
     done = run("-m", "wmrgen", *words)

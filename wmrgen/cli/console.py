@@ -15,11 +15,12 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import FrameType
 from typing import BinaryIO, TextIO, cast
 
 from wmrgen import __version__
+from wmrgen.cli.failures import as_data
 from wmrgen.errors import EnvironmentFailure, UsageError, WmrgenError
 
 PATIENCE = 1.0  # seconds after which a progress line appears
@@ -194,29 +195,34 @@ def _stop(number: int, _: FrameType | None) -> None:
     raise Stopped(signal.Signals(number).name, number)
 
 
-def stopped(stop: Stopped) -> int:
+def stopped(stop: Stopped, as_json: bool = False) -> int:
     """The exit code after a signal, as shells have it."""
-    failure(_WORDS[stop.name])
-    return 128 + stop.number
+    return failed(_WORDS[stop.name], 128 + stop.number, as_json)
 
 
-def outcome(work: Callable[[], int]) -> int:
-    """The exit code of ``work``; an error is told in words, one of ours in one line."""
+def outcome(work: Callable[[], int], as_json: bool = False) -> int:
+    """The exit code of ``work``; an error is told in words, one of ours in one line, and ``as_json`` on stdout too."""
     try:
         return work()
     except WmrgenError as error:
-        failure(str(error))
-        return error.exit_code
+        return failed(str(error), error.exit_code, as_json, [error])
     except OverflowError:
-        failure("a result is beyond the range of a double. Give smaller values.")
-        return UsageError.exit_code
+        text = "a result is beyond the range of a double. Give smaller values."
+        return failed(text, UsageError.exit_code, as_json)
     except KeyboardInterrupt:
-        return stopped(Stopped("SIGINT", 2))
+        return stopped(Stopped("SIGINT", 2), as_json)
     except Stopped as stop:
-        return stopped(stop)
+        return stopped(stop, as_json)
     except (Exception, RecursionError) as error:
-        failure(_bug(error))
-        return _BUG
+        return failed(_bug(error), _BUG, as_json)
+
+
+def failed(text: str, code: int, as_json: bool, errors: Sequence[WmrgenError] = ()) -> int:
+    """Tell a failure, ``as_json`` as the one object on stdout too; its exit code."""
+    failure(text)
+    if as_json:
+        data(as_data(text, code, errors))
+    return code
 
 
 def _bug(error: BaseException) -> str:

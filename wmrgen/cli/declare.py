@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,7 +19,25 @@ GROUPS = ("Robot files", "Generate", "Compute", "Analyse")  # in the order of th
 
 
 class Commands(TyperGroup):
-    """All commands, which help lists in groups."""
+    """All commands, which help lists in groups. Words that they do not have get the nearest that they do."""
+
+    def main(self, args: Sequence[str] | None = None, *rest: Any, **more: Any) -> Any:
+        """Run the command that ``args`` name and exit with its code, 2 where no command can be called so."""
+        words = sys.argv[1:] if args is None else list(args)
+        try:
+            sys.exit(super().main(args, *rest, **{**more, "standalone_mode": False}))
+        except Exception as error:
+            if not hasattr(error, "format_message"):  # of the classes of errors that typer has for usage
+                raise
+            sys.exit(_unusable(error, "--json" in words))
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that the first of ``args`` names; typer's error for usage where there is none."""
+        if args[0] not in self.commands and not ctx.resilient_parsing:
+            from wmrgen.spec.text import quoted, suggestion
+
+            ctx.fail(f"there is no command {quoted(args[0])}. {suggestion(args[0], list(self.commands))}")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the groups, each with its commands in the order of their declaration."""
@@ -48,6 +67,21 @@ app = typer.Typer(
 )
 
 
+def _unusable(error: Any, as_json: bool) -> int:
+    """Tell what is wrong with the words of a command, below how it is called; the exit code."""
+    from wmrgen.spec.text import quoted, suggestion
+
+    text = str(error.format_message())
+    if hasattr(error, "option_name") and hasattr(error, "possibilities"):
+        wrong, params = error.option_name, error.ctx.command.get_params(error.ctx)
+        options = [name for p in params for name in p.opts if name[:2] == "--"]
+        hint = f" {suggestion(wrong, options)}" if wrong[:2] == "--" else ""
+        text = f"there is no option {quoted(wrong)}.{hint}"
+    if error.ctx is not None and not text.startswith("Usage:"):
+        console.note(f"{error.ctx.get_usage()}\nTry '{error.ctx.command_path} --help' for help.\n")
+    return console.failed(text, error.exit_code, as_json)
+
+
 def group(title: str) -> Callable[..., Callable[[Declared], Declared]]:
     """The decorator `_verb` of the commands that help lists under ``title``."""
     if title not in GROUPS:
@@ -68,7 +102,7 @@ def _verb(
             def work() -> int:
                 return int(getattr(import_module(f"wmrgen.cli.{module}"), declared.__name__)(**options))
 
-            raise typer.Exit(console.outcome(work))
+            raise typer.Exit(console.outcome(work, options.get("as_json", False)))
 
         app.command(name, short_help=short_help, rich_help_panel=title)(run)
         return declared

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 import wmrgen
 from wmrgen.artifacts import Difference, Written, differences, made_with, write_tree
 from wmrgen.cli import console
+from wmrgen.cli.failures import all_as_data
 from wmrgen.cli.loading import linted, noted, warn_of_gains
 from wmrgen.errors import EnvironmentFailure, NotDerivableError, StaleError, UsageError, WmrgenError
 
@@ -116,40 +117,51 @@ def _summary(derivation: Derivation, written: Written, out: Path) -> None:
         console.note(f"{name}: removed {file}, which is no longer produced")
 
 
-def check(robots: Sequence[Path] | None, out: Path) -> int:
+def check(robots: Sequence[Path] | None, out: Path, as_json: bool) -> int:
     """Compare byte for byte; without ``robots``, every robots/*.yaml, and nothing else may stand under ``out``."""
     paths = robots or sorted(Path("robots").glob("*.yaml"))
     if not paths:
         raise UsageError("no robot file is given, and there is no robots/*.yaml here. Name a robot file.")
     stale: list[Difference] = []
     names: set[str] = set()
-    code = 0
+    errors: list[WmrgenError] = []
     with console.progress() as step:
         for number, path in enumerate(paths, 1):
             step(f"checking {path} ({number} of {len(paths)})")
             try:
                 name, files = _differing_robot(path, out)
             except WmrgenError as error:
-                console.failure(str(error))
-                code = code or error.exit_code
+                errors.append(error)
                 continue
             names.add(name)
             stale += files
-    if not robots and not code:
+    if not robots and not errors:
         try:
             stale += _differing_library(out)
         except WmrgenError as error:  # the folder is here, the library is not
-            console.failure(str(error))
-            code = error.exit_code
+            errors.append(error)
         stale += [Difference(p, "not produced") for p in _strangers(out, names)]
-    for difference in stale:
-        console.result(f"{difference.path.as_posix()}: {_WHY[difference.why]}")
+    for failure in errors:
+        console.failure(str(failure))
+    _tell_stale(stale, errors, len(paths), out, as_json)
+    return errors[0].exit_code if errors else (StaleError.exit_code if stale else 0)
+
+
+def _tell_stale(
+    stale: Sequence[Difference], errors: Sequence[WmrgenError], robots: int, out: Path, as_json: bool
+) -> None:
+    files = [(difference.path.as_posix(), _WHY[difference.why]) for difference in stale]
+    if as_json:
+        found = {"robots": robots, "stale": [{"file": file, "why": why} for file, why in files]}
+        console.data({**found, **all_as_data(errors)})
+        return
+    for file, why in files:
+        console.result(f"{file}: {why}")
     if stale:
         console.note("Run `wmrgen derive` on the robot files (make generate), or remove what has none.")
-    elif not code:
-        count = f"{len(paths)} robot{'s' * (len(paths) != 1)}"
+    elif not errors:
+        count = f"{robots} robot{'s' * (robots != 1)}"
         console.result(f"{count}: everything under {out.as_posix()}/ is up to date")
-    return code or (StaleError.exit_code if stale else 0)
 
 
 def _differing_robot(path: Path, out: Path) -> tuple[str, list[Difference]]:
@@ -196,8 +208,8 @@ class Library(Protocol):
     def library(self, name: str) -> Any:
         """One function, with modules as a Derivation has them. UsageError for a name that there is not."""
 
-    def run(self, out: Path) -> int:
-        """Write the library and the errata into ``out``."""
+    def run(self, out: Path, as_json: bool) -> int:
+        """Write the library and the errata into ``out``, and say so."""
 
     def differing(self, out: Path) -> list[Difference]:
         """What is not as `run` would leave it."""
@@ -216,9 +228,9 @@ def installed() -> Library:
         ) from error
 
 
-def textbook(out: Path) -> int:
+def textbook(out: Path, as_json: bool) -> int:
     """Write the library and the errata."""
-    return installed().run(out)
+    return installed().run(out, as_json)
 
 
 def _differing_library(out: Path) -> list[Difference]:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import wmrgen
 from wmrgen.cli import console
+from wmrgen.cli.failures import all_as_data, place
 from wmrgen.cli.loading import linted
 from wmrgen.errors import StaleError, WmrgenError
 
 if TYPE_CHECKING:
-    from wmrgen.errors import Mark
     from wmrgen.lint import Finding, Rule
 
 
@@ -27,7 +27,7 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
         except WmrgenError as error:
             errors.append(error)
     if as_json:
-        console.data({"findings": [_as_data(f) for f in findings], "errors": [_error(e) for e in errors]})
+        console.data({"findings": [_as_data(f) for f in findings], **all_as_data(errors)})
     else:
         for finding in findings:
             console.result(str(finding))
@@ -73,13 +73,4 @@ def _told(rule: Rule) -> dict[str, str]:
 
 
 def _as_data(finding: Finding) -> dict[str, Any]:
-    return {"code": finding.code, **_at(finding.mark), "what": finding.what, "instead": finding.instead}
-
-
-def _error(error: WmrgenError) -> dict[str, Any]:
-    parts = {key: getattr(error, key, "") for key in ("what", "why", "instead")}
-    return {**_at(getattr(error, "mark", None)), **parts, "exit_code": error.exit_code}
-
-
-def _at(mark: Mark | None) -> dict[str, Any]:
-    return {key: getattr(mark, key, None) for key in ("file", "line", "column")}
+    return {"code": finding.code, **place(finding.mark), "what": finding.what, "instead": finding.instead}

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wmrgen.cli.declare import Math, Out, Robots, Scalar, Target, argument, group, option
+from wmrgen.cli.declare import Json, Math, Out, Robots, Scalar, Target, argument, group, option
 
 verb = group("Generate")
 
@@ -41,6 +41,7 @@ def derive(
 def check(
     robots: Annotated[list[Path] | None, argument("ROBOT.yaml...", "Default: robots/*.yaml.")] = None,
     out: Out = Path("generated"),
+    as_json: Json = False,
 ) -> None:
     """Example:  wmrgen check
 
@@ -49,7 +50,7 @@ def check(
 
 
 @verb("generate", "Write the library of textbook formulas and the errata of the texts.")
-def textbook(out: Out = Path("generated")) -> None:
+def textbook(out: Out = Path("generated"), as_json: Json = False) -> None:
     """Example:  wmrgen textbook -o generated
 
     Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (misprints of

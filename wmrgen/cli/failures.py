@@ -1,0 +1,37 @@
+"""Failures as JSON: what `--json` prints on stdout in the place of a result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wmrgen.errors import Mark, WmrgenError
+
+
+def place(mark: Mark | None) -> dict[str, Any]:
+    """``file``, ``line`` and ``column``, 1-based; null where there is no place."""
+    return {key: getattr(mark, key, None) for key in ("file", "line", "column")}
+
+
+def entry(error: WmrgenError) -> dict[str, Any]:
+    """One error: its place, what is wrong, why, what to write instead, and the exit code."""
+    what = getattr(error, "what", None) or str(error)
+    why, instead = (getattr(error, key, "") for key in ("why", "instead"))
+    return {
+        **place(getattr(error, "mark", None)), "what": what, "why": why, "instead": instead,
+        "exit_code": error.exit_code,
+    }  # fmt: skip
+
+
+def all_as_data(errors: Sequence[WmrgenError]) -> dict[str, Any]:
+    """What a command that goes on after an error adds to its result: ``errors`` alone where there are none."""
+    return as_data(str(errors[0]), errors[0].exit_code, errors) if errors else {"errors": []}
+
+
+def as_data(text: str, exit_code: int, errors: Sequence[WmrgenError] = ()) -> dict[str, Any]:
+    """``error``: what stderr says. ``errors``: each with its place."""
+    entries = [entry(error) for error in errors] or [
+        {**place(None), "what": text, "why": "", "instead": "", "exit_code": exit_code}
+    ]
+    return {"error": text, "exit_code": exit_code, "errors": entries}

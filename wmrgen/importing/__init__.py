@@ -1,6 +1,7 @@
-"""Robot descriptions of others to robot files: URDF, and xacro by the package of that name.
+"""Robot descriptions of others to robot files: URDF, SDF, and xacro by the package of that name.
 
-``source`` opens the file and ``xacro`` resolves it where it is one, ``read`` takes untrusted XML to records, ``frames``
-composes its joints, ``candidates`` and ``wheels`` tell by geometry which are wheels and of what kind, ``questions``
+``source`` opens the file and ``xacro`` resolves it where it is one; ``read`` takes untrusted XML to elements and
+numbers, ``urdf`` and ``sdf`` take these to records, with ``poses`` and ``gazebo``; ``frames`` composes joints,
+``candidates`` and ``wheels`` tell by geometry which are wheels and of what kind, ``questions``
 asks what the file does not say, ``robot_file`` writes it all down.
 """

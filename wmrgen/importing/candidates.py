@@ -24,7 +24,7 @@ from wmrgen.importing.frames import (
     unit,
 )
 from wmrgen.importing.read import refuse
-from wmrgen.importing.records import KINDS, Description, Frame, Joint, Vector
+from wmrgen.importing.records import KINDS, MODEL, Description, Frame, Joint, Vector
 from wmrgen.spec.text import quoted
 
 LEVEL, UPRIGHT = math.sin(math.radians(12)), math.cos(math.radians(15))
@@ -51,7 +51,7 @@ class Candidate:
     why that may be wrong, ``unsure`` that the axis of the wheel itself is."""
 
     joint: Joint
-    frame: Frame
+    origin: Vector
     axis: Vector
     shape: Round | None
     steer: Joint | None
@@ -62,7 +62,7 @@ class Candidate:
 
     @property
     def centre(self) -> Vector:
-        return self.shape.centre if self.shape else self.frame.origin
+        return self.shape.centre if self.shape else self.origin
 
     @property
     def radius(self) -> Fraction:
@@ -114,6 +114,11 @@ class Robot:
                     reached.append(joint)
                     waiting.append(joint.child)
         return reached
+
+    def origin(self, joint: Joint) -> Vector:
+        """A point of the joint's axis."""
+        frame = self.frame(joint.child)
+        return plus(turned(frame.rotation, joint.pivot), frame.origin)
 
     def axis(self, joint: Joint) -> Vector:
         return unit(turned(self.frame(joint.child).rotation, joint.axis or X))
@@ -179,7 +184,7 @@ def _without_axis(robot: Robot, candidate: Candidate) -> Candidate:
     joint = candidate.joint
     others = [turned(w.rotation, Z) for kind, _, _, w in robot.shapes(joint.child) if kind == "cylinder"]
     if joint.axis is None and candidate.shape is None and others:
-        shape = robot.round_shape(joint.child, candidate.frame.origin, unit(others[0]))
+        shape = robot.round_shape(joint.child, candidate.origin, unit(others[0]))
         why = "it has no <axis>, so 1 0 0, which is not that of its cylinder"
         return replace(candidate, shape=shape, doubt=why, unsure=True)
     if candidate.steer is None:
@@ -237,9 +242,9 @@ def _candidate(
     above: Sequence[Joint],
     rollers: tuple[Joint, ...],
 ) -> Candidate:
-    frame = robot.frame(joint.child)
-    shape = robot.round_shape(joint.child, frame.origin, axis)
-    return Candidate(joint, frame, axis, shape, steer, tuple(j for j in above if j != steer), rollers)
+    origin = robot.origin(joint)
+    shape = robot.round_shape(joint.child, origin, axis)
+    return Candidate(joint, origin, axis, shape, steer, tuple(j for j in above if j != steer), rollers)
 
 
 def _on_ground(wheels: list[Candidate]) -> list[Candidate]:
@@ -267,6 +272,8 @@ def base_link(description: Description, wanted: str | None) -> str:
                 f"Links: {quoted(' '.join(description.links), 300)}.",
             )
         return wanted
+    if MODEL in description.links:
+        return MODEL
     above = parents(description.joints)
     named = [link for link in description.links if link.endswith("base_link")]
     if named:

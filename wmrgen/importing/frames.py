@@ -7,12 +7,15 @@ a car would put its rear wheels on two axles.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 
+from wmrgen.errors import RobotFileError
 from wmrgen.importing.records import Frame, Joint, Matrix, Vector
 from wmrgen.layout.expressions import TOLERANCE
+from wmrgen.spec.text import quoted
 
+MAX_JOINTS = 2_000
 _QUARTERS = {0: (0, 1), 1: (1, 0), 2: (0, -1), 3: (-1, 0)}  # sine, cosine
 _DIGITS = 10**30
 _ZERO, _ONE = Fraction(0), Fraction(1)
@@ -93,6 +96,30 @@ def unit(vector: Vector) -> Vector:
         return x, y, z
     root = Fraction(math.sqrt(length))
     return _tamed((x / root, y / root, z / root))
+
+
+def tree(joints: Sequence[Joint], links: Collection[str], notes: list[str]) -> tuple[Joint, ...]:
+    """The joints, without a link's second parent, which is noted. RobotFileError for links that are not there, and
+    for joints in a circle."""
+    if len(joints) > MAX_JOINTS:
+        raise RobotFileError(f"more than {MAX_JOINTS} joints")
+    above: dict[str, Joint] = {}
+    for joint in joints:
+        what = f"joint {quoted(joint.name)}"
+        if unknown := [link for link in (joint.parent, joint.child) if link not in links]:
+            raise RobotFileError(f"{what}: there is no link {quoted(unknown[0])}")
+        if joint.child in above:
+            notes.append(f"{what}: {quoted(joint.child)} has a parent already; this one is not read")
+        else:
+            above[joint.child] = joint
+    for link in above:
+        seen = {link}
+        while link in above:
+            link = above[link].parent
+            if link in seen:
+                raise RobotFileError(f"the joints go in a circle through the link {quoted(link)}")
+            seen.add(link)
+    return tuple(above.values())
 
 
 def parents(joints: tuple[Joint, ...]) -> Mapping[str, Joint]:

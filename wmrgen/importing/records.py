@@ -1,4 +1,4 @@
-"""What a URDF and the parameters of its controllers say of wheels. In metres, frames exact where the file is."""
+"""What a URDF or SDF and the parameters of its controllers say of wheels. In metres, frames exact where the file is."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from fractions import Fraction
 from wmrgen.errors import Mark
 
 KINDS = "continuous revolute prismatic floating planar fixed".split()  # of joints; the last is rigid
+MODEL = "__model__"  # the frame of an SDF model, as if it were a link
 Vector = tuple[Fraction, Fraction, Fraction]
 Matrix = tuple[Vector, Vector, Vector]  # by rows
 
@@ -23,17 +24,21 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A cylinder along its frame's z, a sphere, or (``radius`` None) a mesh or box; ``role``: collision or visual."""
+    """A cylinder along its frame's z, a sphere, or (``radius`` None) a mesh or box; ``role``: collision or visual.
+    ``uri`` and ``scale`` are those of a mesh."""
 
     kind: str
     role: str
     frame: Frame
     radius: Fraction | None
+    uri: str = ""
+    scale: Vector = (Fraction(1), Fraction(1), Fraction(1))
 
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """``axis`` in the child's frame, None where the file has none; ``limits`` [rad] where it has any."""
+    """``frame``: the child's in the parent's. ``axis`` through ``pivot``, both in the child's frame; the axis is None
+    where the file has none. ``limits`` [rad] where it has any."""
 
     name: str
     kind: str
@@ -43,6 +48,7 @@ class Joint:
     axis: Vector | None
     limits: tuple[Fraction, Fraction] | None
     mimic: tuple[str, Fraction, Fraction] | None
+    pivot: Vector = (Fraction(0), Fraction(0), Fraction(0))
 
     @property
     def turns(self) -> bool:

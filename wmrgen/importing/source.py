@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError, UsageError
-from wmrgen.importing.read import MAX_BYTES, children, describe, parse, refuse
+from wmrgen.importing import sdf, urdf
+from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, refuse
 from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
 from wmrgen.spec.text import printable, quoted, read_at_most
@@ -16,27 +17,57 @@ from wmrgen.spec.text import printable, quoted, read_at_most
 def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]) -> Description:
     """What the file says. RobotFileError for what cannot be read, UsageError for words of a wrong form."""
     values = _pairs(arguments, ":=")
-    folders = {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
+    folders = _own_package(file) | {name: Path(folder) for name, folder in _pairs(packages, "=").items()}
     name = printable(file.name)
     root = parse(_bytes(file), name)
-    if not _is_xacro(root):
-        if values:
-            raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")
-        return describe(root, name)
-    resolved = parse(resolve(file, values, _own_package(file) | folders), name)
-    if not children(resolved, "link") and (defined := macros(file)):
+    substituted = _is_xacro(root)
+    if values and not substituted:
+        raise UsageError(f"{name} is no xacro, and takes no {quoted(next(iter(values)))}")
+    if substituted:
+        root = parse(resolve(file, values, folders), name)
+    if local(root) == "sdf":
+        return sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))
+    if substituted and not children(root, "link") and (defined := macros(file)):
         raise refuse(
             f"{name}: only defines macros ({printable(', '.join(defined))[:200]}) and uses none",
             "A macro is no robot.",
             "Give the file that includes it, or write one that calls the macro.",
         )
-    return describe(resolved, name)
+    return urdf.describe(root, name)
+
+
+def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:
+    """The file or folder that a URI of ``file`` names, of the folders given: None for what lies outside of them, or is
+    not there."""
+    scheme, separator, rest = uri.strip().rpartition("://")
+    if scheme in ("package", "model"):
+        package, _, rest = rest.partition("/")
+        if package not in packages:
+            return None
+        path = packages[package] / rest
+    elif separator and scheme != "file":
+        return None
+    else:
+        path = file.parent / rest
+    path = path.resolve()
+    roots = [file.resolve().parent, *(folder.resolve() for folder in packages.values())]
+    return path if path.exists() and any(path.is_relative_to(root) for root in roots) else None
+
+
+def _model(path: Path | None) -> Element | None:
+    """The SDF of a model: of a file, or of a folder by its model.config, whose last version counts."""
+    if path is not None and path.is_dir():
+        config = path / "model.config"
+        versions = list(below(parse(_bytes(config), config.name), "sdf")) if config.is_file() else []
+        inside = (path / (versions[-1].text or "" if versions else "model.sdf").strip()).resolve()
+        path = inside if inside.is_relative_to(path) else None
+    return None if path is None else parse(_bytes(path), printable(path.name))
 
 
 def _own_package(file: Path) -> dict[str, Path]:
-    """The package in which a file stands: the nearest folder above with a package.xml, by the folder's name."""
+    """The package or model in which a file stands: the nearest folder above that is one, by its name."""
     for folder in file.resolve().parents:
-        if (folder / "package.xml").is_file():
+        if (folder / "package.xml").is_file() or (folder / "model.config").is_file():
             return {folder.name: folder}
     return {}
 

@@ -105,7 +105,7 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
     )
     remarks = {"x": place, "heading": f"axis of {where}"}
     if steer is not None:
-        foot, tilt = _pivot(robot, steer.child, robot.axis(steer), c.centre)
+        foot, tilt = _pivot(robot.origin(steer), robot.axis(steer), c.centre)
         lever = plus(c.centre, foot, -1)
         d, offset = dot(lever, e), dot(lever, (-e[1], e[0], Fraction(0)))
         x, y, _ = foot
@@ -151,9 +151,8 @@ def _wheel(robot: Robot, c: Candidate, name: str, rolling: str) -> tuple[Wheel, 
     return wheel, questions
 
 
-def _pivot(robot: Robot, link: str, axis: Vector, centre: Vector) -> tuple[Vector, float]:
+def _pivot(point: Vector, axis: Vector, centre: Vector) -> tuple[Vector, float]:
     """Where a steering axis passes the height of the wheel's centre, and its inclination [deg]."""
-    point = robot.frame(link).origin
     foot = plus(point, axis, (centre[2] - point[2]) / axis[2])
     return foot, math.degrees(math.acos(min(1.0, abs(float(axis[2])))))
 
@@ -192,7 +191,7 @@ def _type(
 def _gamma(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str]:
     """The direction of the roller at the ground from the heading, modulo pi in (-pi/2, pi/2], and its source."""
     if c.rollers:
-        lowest = min(c.rollers, key=lambda j: robot.frame(j.child).origin[2])
+        lowest = min(c.rollers, key=lambda j: robot.origin(j)[2])
         return _modulo(
             _angle(robot.axis(lowest)) - _angle(e)
         ), f"axis of the lowest roller {quoted(lowest.name)}"

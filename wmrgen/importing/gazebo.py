@@ -1,0 +1,77 @@
+"""What is written for simulators and controllers, in URDF and SDF alike: which joints are driven, and friction."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from xml.etree.ElementTree import Element
+
+from wmrgen.importing.read import below, children, number, refuse, vector
+from wmrgen.importing.records import Friction
+from wmrgen.spec.text import quoted
+
+_WATCHES = re.compile("state[-_]?publisher|sensor|torque|mimic|odometry[-_]?publisher", re.IGNORECASE)
+_MOVES_THE_BODY = re.compile("planar[-_]?move|object_controller|velocity-?control-?system", re.IGNORECASE)
+
+
+def driven_by_plugins(plugins: Iterable[Element], joints: set[str]) -> frozenset[str] | None:
+    """The joints that plugins drive; none where one moves the body as a whole, None where no plugin drives any.
+
+    A plugin names a joint as the text of an element, alone or in a list, with or without the model before it.
+    """
+    driven: set[str] = set()
+    as_a_whole = False
+    for plugin in plugins:
+        title = plugin.get("filename", "") + " " + plugin.get("name", "")
+        if not _WATCHES.search(title):
+            driven |= {
+                name for element in plugin.iter() for name in _names(element.text or "") if name in joints
+            }
+        as_a_whole = as_a_whole or bool(_MOVES_THE_BODY.search(title))
+    return frozenset(driven) if driven or as_a_whole else None
+
+
+def _names(text: str) -> Iterator[str]:
+    yield text.strip()
+    for word in re.split(r"[\s,]+", text.strip()[:10_000]):
+        yield word
+        yield word.rsplit("::", 1)[-1]
+
+
+def driven_by_control(root: Element) -> set[str]:
+    """The joints to which ros2_control or a transmission gives commands."""
+    named = {j.get("name", "") for each in children(root, "transmission") for j in children(each, "joint")}
+    for control in children(root, "ros2_control"):
+        named |= {j.get("name", "") for j in children(control, "joint") if children(j, "command_interface")}
+    return named
+
+
+def friction(element: Element, link: str) -> Friction | None:
+    """The friction that an element below ``element`` gives a direction, in the frame of ``link`` unless it says
+    another. RobotFileError for what is no direction."""
+    direction = next(below(element, "fdir1"), None)
+    if direction is None:
+        return None
+    sizes = [
+        next((e.text or "1" for tag in tags for e in below(element, tag)), "1")
+        for tags in (("mu1", "mu", "friction_coefficient"), ("mu2", "friction2"))
+    ]
+    frame_of = [
+        v for k, v in direction.attrib.items() if k.rsplit("}", 1)[-1].rsplit(":", 1)[-1] == "expressed_in"
+    ]
+    along = vector(direction.text, f"fdir1 of {quoted(link)}")
+    if not any(along):
+        raise refuse(f"fdir1 of {quoted(link)} is no direction")
+    mu1, mu2 = (
+        number(size, f"{key} of {quoted(link)}") for key, size in zip(("mu1", "mu2"), sizes, strict=True)
+    )
+    return Friction(along, frame_of[0] if frame_of else link, mu1, mu2)
+
+
+def words(root: Element) -> Iterator[str]:
+    """Names of the robot, its plugins and meshes."""
+    yield root.get("name", "")
+    meshes = [mesh.get("filename", "") for mesh in below(root, "mesh")]
+    meshes += [uri.text or "" for mesh in below(root, "mesh") for uri in children(mesh, "uri")]
+    plugins = [plugin.get(key, "") for key in ("filename", "name") for plugin in below(root, "plugin")]
+    yield from (name.strip().rsplit("/", 1)[-1] for name in (*plugins, *meshes))

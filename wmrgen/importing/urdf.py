@@ -1,0 +1,136 @@
+"""URDF to a `Description`. Elements and attributes that wheels do not need are passed over."""
+
+from __future__ import annotations
+
+from collections import Counter
+from xml.etree.ElementTree import Element
+
+from wmrgen.errors import RobotFileError
+from wmrgen.importing.frames import MAX_JOINTS, frame, tree
+from wmrgen.importing.gazebo import driven_by_control, driven_by_plugins, friction, words
+from wmrgen.importing.read import (
+    ZERO,
+    bound,
+    child,
+    children,
+    direction,
+    local,
+    name_of,
+    number,
+    refuse,
+    vector,
+)
+from wmrgen.importing.records import KINDS, Description, Frame, Friction, Joint, Shape
+from wmrgen.spec.text import quoted
+
+
+def _origin(element: Element, what: str, notes: list[str]) -> Frame:
+    origin = child(element, "origin")
+    if origin is None:
+        return frame(ZERO, ZERO)
+    if unknown := sorted(set(origin.attrib) - {"xyz", "rpy"}):
+        notes.append(
+            f"{what}: <origin> has the attribute {quoted(unknown[0])}, which URDF has not; it is not read"
+        )
+    if "xyz" in origin.attrib and not origin.attrib["xyz"].strip():
+        notes.append(f"{what}: xyz is empty, taken as 0 0 0")
+    return frame(vector(origin.get("xyz"), f"{what}: xyz"), vector(origin.get("rpy"), f"{what}: rpy"))
+
+
+def describe(root: Element, file: str) -> Description:
+    """What a URDF says. RobotFileError for what is none."""
+    if local(root) != "robot":
+        raise refuse(
+            f"{file}: the root element is <{quoted(local(root))[1:-1]}>, not <robot> or <sdf>",
+            "URDF, xacro and SDF are read.",
+        )
+    notes: list[str] = []
+    links = tuple(dict.fromkeys(name_of(link, "link") for link in children(root, "link")))
+    if not links:
+        raise refuse(f"{file}: has no link", "", "Give a file that describes a robot, not only parts of one.")
+    joints = _joints(root, set(links), notes)
+    return Description(
+        name=root.get("name", ""),
+        links=links,
+        joints=joints,
+        shapes={name_of(link, "link"): _shapes(link, notes) for link in children(root, "link")},
+        frictions=_frictions(root, notes),
+        driven=_driven(root, {joint.name for joint in joints}),
+        words=tuple(words(root)),
+        notes=tuple(notes),
+    )
+
+
+def _joints(root: Element, links: set[str], notes: list[str]) -> tuple[Joint, ...]:
+    elements = [each for each in children(root, "joint") if child(each, "parent") is not None]
+    joints = [_joint(element, notes) for element in elements[: MAX_JOINTS + 1]]
+    for name, count in Counter(joint.name for joint in joints).items():
+        if count > 1:
+            notes.append(f"joint {quoted(name)}: several joints have this name")
+    return tree(joints, links, notes)
+
+
+def _joint(element: Element, notes: list[str]) -> Joint:
+    name = name_of(element, "joint")
+    what = f"joint {quoted(name)}"
+    kind = element.get("type", "")
+    if kind not in KINDS:
+        notes.append(f"{what}: URDF has no type {quoted(kind)}; taken for one that is no wheel")
+        kind = KINDS[-2]
+    ends = (child(element, "parent"), child(element, "child"))
+    parent, below_it = ("" if end is None else end.get("link", "") for end in ends)
+    axis, limit, mimic = child(element, "axis"), child(element, "limit"), child(element, "mimic")
+    limits = None
+    if limit is not None and ("lower" in limit.attrib or "upper" in limit.attrib):
+        low, high = (bound(limit.get(k, "0"), f"{what}: {k}") for k in ("lower", "upper"))
+        limits = (low, high)
+    return Joint(
+        name,
+        kind,
+        parent,
+        below_it,
+        _origin(element, what, notes),
+        direction(None if axis is None else axis.get("xyz"), f"{what}: axis"),
+        limits,
+        None
+        if mimic is None
+        else (
+            mimic.get("joint", ""),
+            number(mimic.get("multiplier", "1"), f"{what}: multiplier"),
+            number(mimic.get("offset", "0"), f"{what}: offset"),
+        ),
+    )
+
+
+def _shapes(link: Element, notes: list[str]) -> tuple[Shape, ...]:
+    shapes = []
+    for role in ("collision", "visual"):
+        for part in children(link, role):
+            geometry = child(part, "geometry")
+            what = f"link {quoted(link.get('name', ''))}: {role}"
+            for form in [] if geometry is None else list(geometry):
+                radius = form.get("radius") if local(form) in ("cylinder", "sphere") else None
+                value = number(radius, f"{what} radius") if radius else None
+                shapes.append(Shape(local(form), role, _origin(part, what, notes), value))
+    return tuple(shapes)
+
+
+def _frictions(root: Element, notes: list[str]) -> dict[str, Friction]:
+    """What <gazebo reference="link"> says of friction, where it has a direction; what cannot be read is noted."""
+    frictions = {}
+    for gazebo in children(root, "gazebo"):
+        link = gazebo.get("reference", "")
+        try:
+            if says := friction(gazebo, link):
+                frictions[link] = says
+        except RobotFileError as error:
+            notes.append(f"{error.what}; this fdir1 is not read")
+    return frictions
+
+
+def _driven(root: Element, joints: set[str]) -> frozenset[str] | None:
+    """The joints that something of the file drives; None where nothing drives any."""
+    plugins = (plugin for gazebo in children(root, "gazebo") for plugin in children(gazebo, "plugin"))
+    by_plugins = driven_by_plugins(plugins, joints)
+    by_control = frozenset(driven_by_control(root) & joints)
+    return by_control | (by_plugins or frozenset()) if by_control else by_plugins

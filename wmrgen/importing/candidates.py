@@ -24,7 +24,7 @@ from wmrgen.importing.frames import (
     unit,
 )
 from wmrgen.importing.read import refuse
-from wmrgen.importing.records import KINDS, MODEL, Description, Frame, Joint, Vector
+from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Joint, Vector
 from wmrgen.spec.text import quoted
 
 LEVEL, UPRIGHT = math.sin(math.radians(12)), math.cos(math.radians(15))
@@ -202,7 +202,7 @@ def _steer_only(robot: Robot, joint: Joint) -> Candidate | None:
     axis = _level_cylinder(robot, joint.child)
     if axis is None:
         return None
-    body = replace(joint, name=joint.child, kind=KINDS[-1])
+    body = replace(joint, name=joint.child, kind=RIGID)
     above = robot.moving_above(joint)
     candidate = _candidate(robot, body, axis, joint, above, ())
     return replace(candidate, doubt="it steers, and the file has no joint about which the wheel turns")

@@ -8,7 +8,8 @@ from fractions import Fraction
 
 from wmrgen.errors import Mark
 
-KINDS = "continuous revolute prismatic floating planar fixed".split()  # of joints; the last is rigid
+KINDS = "continuous revolute prismatic floating planar fixed".split()  # of joints
+RIGID = KINDS[-1]
 MODEL = "__model__"  # the frame of an SDF model, as if it were a link
 Vector = tuple[Fraction, Fraction, Fraction]
 Matrix = tuple[Vector, Vector, Vector]  # by rows
@@ -56,7 +57,7 @@ class Joint:
 
     @property
     def moves(self) -> bool:
-        return self.kind != KINDS[-1]
+        return self.kind != RIGID
 
     @property
     def spins(self) -> bool:

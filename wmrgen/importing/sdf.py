@@ -16,7 +16,7 @@ from wmrgen.importing.frames import IDENTITY, composed, inverse, plus, transpose
 from wmrgen.importing.gazebo import driven_by_plugins, friction, words
 from wmrgen.importing.poses import FrameGraph, placement, reference
 from wmrgen.importing.read import below, bound, child, children, direction, name_of, number, refuse, vector
-from wmrgen.importing.records import MODEL, Description, Frame, Friction, Joint, Shape, Vector
+from wmrgen.importing.records import MODEL, RIGID, Description, Frame, Friction, Joint, Shape, Vector
 from wmrgen.spec.text import quoted
 
 Include = Callable[[str], Element | None]  # the root of the file that a URI names; None where nobody gave it
@@ -146,7 +146,7 @@ class _Reader:
         carried = tree(joints, links, self.notes)
         free = set(self.links) - {joint.child for joint in carried}
         held = [
-            Joint(link, "fixed", MODEL, link, self.frames.pose(link), None, None, None)
+            Joint(link, RIGID, MODEL, link, self.frames.pose(link), None, None, None)
             for link in self.links
             if link in free
         ]
@@ -277,8 +277,8 @@ def _kind(kind: str, limits: tuple[Fraction, Fraction] | None) -> str:
     if kind in ("revolute", "continuous"):
         if limits is None:
             return "continuous"
-        return "fixed" if limits[0] == limits[1] else "revolute"
-    return kind if kind in ("prismatic", "fixed") else "floating"
+        return RIGID if limits[0] == limits[1] else "revolute"
+    return kind if kind in ("prismatic", RIGID) else "floating"
 
 
 def _mimic(axis: Element, scope: _Scope, what: str) -> _Mimic | None:

@@ -19,8 +19,35 @@ PIONEER = ROOT / "robots" / "pioneer3dx.yaml"
 def test_eval_prints_aligned_lines(wmrgen_cli: Cli, robot_file: Path) -> None:
     done = wmrgen_cli("eval", robot_file, "inverse", "vx=0.0975")
     assert done.code == 0
-    assert done.out == "left.spin  = 1.0\nright.spin = 1.0\nslip       = 0.0\n"
+    assert done.out == "left.spin  = 1.0 rad/s\nright.spin = 1.0 rad/s\nslip       = 0.0 m/s\n"
     assert done.err == "not given, taken as 0: vy omega\n"
+
+
+@pytest.mark.parametrize(
+    ("vx", "beyond"), [("1.2", False), ("-1.2", False), ("1.2000001", True), ("-6/5 - 1e-9", True)]
+)
+def test_eval_tells_inputs_beyond_the_limits(wmrgen_cli: Cli, vx: str, beyond: bool) -> None:
+    """The Pioneer's are vx: 1.2, spin: 12.3; what it computes is the same."""
+    words = ("eval", PIONEER, "inverse", f"vx={vx}", "vy=0", "omega=0", "tail.steer=0")
+    done = wmrgen_cli(*words)
+    assert done.err == ("vx is beyond the robot's limits, -1.2 to 1.2 m/s\n" if beyond else "")
+    found = json.loads(wmrgen_cli(*words, "--json").out)
+    assert found.pop("beyond_limits", None) == ({"vx": [-1.2, 1.2]} if beyond else None)
+    assert [f"{name} = {value!r}" for name, value in found.items()] == [
+        " ".join(line.split()[:3]) for line in done.out.splitlines()
+    ]
+
+
+def test_eval_knows_the_limits_of_joints_and_what_keeps_limits(wmrgen_cli: Cli) -> None:
+    forward = wmrgen_cli("eval", PIONEER, "forward", "left.spin=12.3", "right.spin=12.4")
+    assert forward.err == "right.spin is beyond the robot's limits, -12.3 to 12.3 rad/s\n"
+    cases = (
+        '[{"vx": 0, "vy": 0, "omega": 9, "tail.steer": 0}, {"vx": 2, "vy": 0, "omega": 0, "tail.steer": 0}]'
+    )
+    several = wmrgen_cli("eval", PIONEER, "inverse", "--cases", "-", stdin=cases)
+    assert [line.split()[0] for line in several.err.splitlines()] == ["vx", "omega"]
+    assert all("beyond_limits" not in result for result in json.loads(several.out))
+    assert wmrgen_cli("eval", PIONEER, "limit_twist", "vx=9", "vy=0", "omega=0").err == ""
 
 
 def test_eval_json_has_every_digit(wmrgen_cli: Cli, robot_file: Path) -> None:

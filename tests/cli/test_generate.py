@@ -37,6 +37,19 @@ def test_derive_writes_and_summarises(wmrgen_cli: Cli, robot_file: Path, tmp_pat
     assert "pair.c" in done.out
 
 
+@pytest.mark.parametrize(
+    ("robot", "why"),
+    [
+        ("clearpath_a200", "it turns only by skidding"),
+        ("locked_bicycle", "its fixed axles are not one line"),
+        ("unicycle", "The fixed wheel wheel forbids motion along the axle"),
+    ],
+)
+def test_derive_says_what_decides(wmrgen_cli: Cli, tmp_path: Path, robot: str, why: str) -> None:
+    lines = wmrgen_cli("derive", ROOT / "robots" / f"{robot}.yaml", "-o", tmp_path).out.splitlines()
+    assert why in lines[1] and ("degenerate" in lines[0]) == lines[1].startswith("  Degenerate: ")
+
+
 def test_derive_json_is_the_model(wmrgen_cli: Cli, robot_file: Path, tmp_path: Path) -> None:
     done = wmrgen_cli("derive", robot_file, "-o", tmp_path / "out", "--json")
     assert done.out.encode() == (tmp_path / "out" / "pair" / "model.json").read_bytes()

@@ -15,9 +15,13 @@ from wmrgen.cli.values import Case, from_file, from_words, note_zeros
 from wmrgen.errors import UsageError
 from wmrgen.exact.number import ZERO, Exact
 from wmrgen.ir.kernels.choice import DEFAULT, Choice, choice
+from wmrgen.ports import Limits, timeless
 
 if TYPE_CHECKING:
     from wmrgen.ir.nodes import Function, Module
+    from wmrgen.layout.records import Robot
+
+_JOINTS = ("spin", "steer", "steer_rate")  # which have limits of their own at each wheel
 
 
 class Modules(Protocol):
@@ -60,14 +64,39 @@ def evaluate(
         inputs = [from_words(values or (), ports)] if cases is None else from_file(cases, ports)
         step(f"computing {function} with {backend}")
         results = computed(modules, written, [_completed(written, case) for case in inputs], backend, chosen)
+    units = {port.name: port.unit for port in (*ports, *written.outputs)}
     note_zeros([port for port in ports if port.default is None], inputs)
+    beyond = _beyond(modules, written, inputs)
+    for name, (low, high) in beyond.items():
+        console.note(f"{name} is beyond the robot's limits, {float(low):g} to {float(high):g} {units[name]}")
     if cases is not None:
         console.data(results)
     elif as_json:
-        console.data(results[0])
+        limits = {name: [float(low), float(high)] for name, (low, high) in beyond.items()}
+        console.data({**results[0], **({"beyond_limits": limits} if limits else {})})
     else:
-        console.values(results[0])
+        console.values(results[0], units)
     return 0
+
+
+def _beyond(modules: Modules, function: Function, cases: Sequence[Case]) -> dict[str, tuple[Exact, Exact]]:
+    """The inputs that a case has outside the limits of the robot file, with their limits; none of a function whose
+    work is to keep limits."""
+    robot: Robot | None = getattr(modules, "robot", None)  # the textbook library has none
+    if robot is None or function.limits is Limits.ASKED:
+        return {}
+    limits = {name: limit for name, limit in robot.limits.items() if name not in _JOINTS}
+    for wheel in robot.wheels:
+        for joint in _JOINTS:
+            limit = robot.limit(wheel, joint)
+            if limit is not None:
+                limits[f"{wheel.name}.{joint}"] = limit
+    beyond = {}
+    for port in function.inputs:
+        limit = limits.get(timeless(port.name))
+        if limit and any(port.name in c and not limit.low <= c[port.name] <= limit.high for c in cases):
+            beyond[port.name] = (limit.low, limit.high)
+    return beyond
 
 
 def _modules(path: Path, name: str) -> Modules:

@@ -108,8 +108,8 @@ def _summary(derivation: Derivation, written: Written, out: Path) -> None:
         f"steerability {m.degree_of_steerability}, maneuverability {m.degree_of_maneuverability}",
         "bold",
     )
-    if m.reasons:
-        console.result(f"  {m.reasons[0].splitlines()[0]}")
+    if m.deciding:
+        console.result(f"  {m.deciding.splitlines()[0]}")
     files = written.changed + written.unchanged
     state = f"{len(written.changed)} new or changed" if written.changed else "all up to date"
     console.result(f"  {(out / name).as_posix()}/ ({state}): {' '.join(sorted(files))}")

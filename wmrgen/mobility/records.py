@@ -104,6 +104,12 @@ class Mobility:
         return self.degree_of_mobility + self.degree_of_steerability
 
     @property
+    def deciding(self) -> str:
+        """The reason to tell where only one is told: why the robot is degenerate, else the first; "" without any."""
+        first = self.reasons[0] if self.reasons else ""
+        return next((reason for reason in self.reasons if reason.startswith("Degenerate: ")), first)
+
+    @property
     def ddof(self) -> int:
         """Differentiable degrees of freedom, Siegwart 3.4.1."""
         return self.degree_of_mobility

@@ -10,7 +10,7 @@ import numpy as np
 
 from wmrgen.kinematics.sensing import generic_rank, measurements
 from wmrgen.layout.records import Robot, Wheel
-from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.lint.record import PAIR, Finding, Subject, rule
 from wmrgen.mobility.admissible import zero_heading
 from wmrgen.mobility.configure import pivot_velocity
 from wmrgen.mobility.reasons import listed
@@ -35,11 +35,7 @@ wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
   - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1, actuated: [], sensed: [spin]}
 """,
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-""",
+    PAIR,
 )
 def short(subject: Subject) -> Iterator[Finding]:
     lost = any(s.everywhere for s in subject.mobility.singularities)  # another rule speaks of it
@@ -105,11 +101,7 @@ wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
   - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1, sensed: []}
 """,
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-""",
+    PAIR,
 )
 def unsensed(subject: Subject) -> Iterator[Finding]:
     robot = subject.robot

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import combinations
-from math import dist, tau
+from math import tau
 
 from wmrgen.layout.records import Wheel
-from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.lint.record import PAIR, Finding, Subject, pivot, rule
+from wmrgen.mobility.admissible import zero_heading
 from wmrgen.spec.records import Limit, Quantity
 
 LARGEST, APART = 20.0, 100.0  # of a robot [m]; the largest of its sizes over the smallest
@@ -89,18 +90,10 @@ def limits(subject: Subject) -> Iterator[Finding]:
             )
 
 
-def _place(w: Wheel) -> tuple[float, float]:
-    return float(w.nominal.x), float(w.nominal.y)
-
-
 def _extent(subject: Subject) -> tuple[float, Wheel]:
     """The largest distance of two pivots [m], and the second wheel of them; 0 for a single wheel."""
-    pairs = combinations(subject.robot.wheels, 2)
-    return max(
-        ((dist(_place(a), _place(b)), b) for a, b in pairs),
-        key=lambda p: p[0],
-        default=(0.0, subject.robot.wheels[0]),
-    )
+    distances = ((abs(pivot(b) - pivot(a)), b) for a, b in combinations(subject.robot.wheels, 2))
+    return max(distances, key=lambda p: p[0], default=(0.0, subject.robot.wheels[0]))
 
 
 @rule(
@@ -145,11 +138,7 @@ wheels:
   - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
   - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1 mm}
 """,
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-""",
+    PAIR,
 )
 def sizes(subject: Subject) -> Iterator[Finding]:
     wheels = [w for w in subject.robot.wheels if float(w.nominal.r) > 0]
@@ -186,13 +175,14 @@ wheels:
 """,
 )
 def full(subject: Subject) -> Iterator[Finding]:
-    places = [_place(w) for w in subject.robot.wheels]
+    places = [*map(pivot, subject.robot.wheels)]
+    along = {"x": [p.real for p in places], "y": [p.imag for p in places]}
     for p in subject.spec.parameters:
         size, name = subject.value(p.value), p.name.lower()
         if "half" in name:
             continue
         for axis, pattern in _SPANS.items():
-            at = [place["xy".index(axis)] for place in places]
+            at = along[axis]
             if pattern.search(name) and abs(max(at) - min(at) - 2 * size) < _CLOSE * abs(size):
                 yield Finding(
                     p.value.mark,
@@ -224,10 +214,10 @@ wheels:
 )
 def overlapping(subject: Subject) -> Iterator[Finding]:
     for a, b in combinations([w for w in subject.robot.wheels if w.kind.directed and not w.kind.swivels], 2):
-        dx, dy = (p - q for p, q in zip(_place(b), _place(a), strict=True))
-        ch, sh = float(a.nominal.ch), float(a.nominal.sh)
-        turned = abs(ch * float(b.nominal.sh) - sh * float(b.nominal.ch))
-        ahead, aside = abs(dx * ch + dy * sh), abs(dy * ch - dx * sh) + abs(float(a.nominal.o - b.nominal.o))
+        back = zero_heading(a).conjugate()
+        apart = back * (pivot(b) - pivot(a))
+        turned = abs((back * zero_heading(b)).imag)
+        ahead, aside = abs(apart.real), abs(apart.imag) + abs(float(a.nominal.o - b.nominal.o))
         room = float(a.nominal.r + b.nominal.r)
         if turned < 1e-3 and aside < 0.05 * room and 0.05 * room < ahead < room:
             yield Finding(

@@ -8,7 +8,7 @@ from itertools import combinations
 from math import hypot
 
 from wmrgen.layout.records import Wheel
-from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.lint.record import PAIR, Finding, Subject, pivot, rule
 from wmrgen.mobility.admissible import zero_heading
 
 _WORDS = {
@@ -21,19 +21,15 @@ _SAME = 1e-6
 _NEAR = 0.05  # of the radii
 
 
-def _pivot(w: Wheel) -> complex:
-    return complex(float(w.nominal.x), float(w.nominal.y))
-
-
 def _contact(w: Wheel) -> complex:
     """The contact at zero steering."""
     arm = complex(float(w.nominal.d), float(w.nominal.o))
-    return _pivot(w) + zero_heading(w) * arm
+    return pivot(w) + zero_heading(w) * arm
 
 
 def _middle(wheels: tuple[Wheel, ...]) -> complex:
     """The middle of the rectangle that the pivots fill."""
-    at = [_pivot(w) for w in wheels]
+    at = [pivot(w) for w in wheels]
     xs, ys = [p.real for p in at], [p.imag for p in at]
     return complex(max(xs) + min(xs), max(ys) + min(ys)) / 2
 
@@ -89,21 +85,17 @@ wheels:
   - {name: left,  type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
   - {name: right, type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
 """,
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-""",
+    PAIR,
 )
 def labels(subject: Subject) -> Iterator[Finding]:
     middle = _middle(subject.robot.wheels)
     words = {"x": ("behind", "in front of"), "y": ("right of", "left of")}
     for w in subject.robot.wheels:
-        off = _pivot(w) - middle
+        off = pivot(w) - middle
         for axis, sign, word in _claims(w.name):
             side = off.real if axis == "x" else off.imag
             if side * sign < -_SAME:
-                at = _pivot(w)
+                at = pivot(w)
                 where = f"({at.real:.4g}, {at.imag:.4g}), {words[axis][side > 0]} the middle of the wheels"
                 yield Finding(
                     subject.mark(w),
@@ -149,7 +141,7 @@ def against(subject: Subject) -> Iterator[Finding]:
 
 def _tangential(w: Wheel, middle: complex) -> bool:
     """A wheel with rollers that rolls around the middle."""
-    arm = _pivot(w) - middle
+    arm = pivot(w) - middle
     return w.kind.rollers and abs((zero_heading(w).conjugate() * arm).real) < _SAME + 0.01 * abs(arm)
 
 
@@ -193,19 +185,15 @@ wheels:
   - {name: left,  type: fixed, x: 0.1, y: 0.2,  heading: 0, r: 0.1}
   - {name: right, type: fixed, x: 0.1, y: -0.2, heading: 0, r: 0.1}
 """,
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-""",
+    PAIR,
 )
 def origin(subject: Subject) -> Iterator[Finding]:
     fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]
     if subject.mobility.rank_C1f.value != 1:
         return
     w = fixed[0]
-    off = (zero_heading(w).conjugate() * _pivot(w)).real
-    if abs(off) > _SAME * hypot(*(abs(_pivot(v)) for v in fixed)):
+    off = (zero_heading(w).conjugate() * pivot(w)).real
+    if abs(off) > _SAME * hypot(*(abs(pivot(v)) for v in fixed)):
         yield Finding(
             subject.mark(w),
             f"the axle of {w.name} is {abs(off):.4g} m {'in front of' if off > 0 else 'behind'} the origin P",

@@ -8,16 +8,14 @@ import numpy as np
 
 from wmrgen.constraints import nominal_view, rolling_row
 from wmrgen.exact.number import ZERO
-from wmrgen.lint.record import Finding, Subject, rule
+from wmrgen.lint.record import PAIR, Finding, Subject, pivot, rule
 from wmrgen.mobility.admissible import zero_heading
 from wmrgen.mobility.ranks import to_array
 from wmrgen.mobility.reasons import listed
 from wmrgen.mobility.records import Singularity
 
-NARROW, FLAT = (
-    1e-2,
-    10.0,
-)  # relative singular values: the smallest that is no accident; the ratio of good ones
+NARROW = 1e-2  # the smallest relative singular value that is no accident
+FLAT = 10.0  # the ratio of good ones
 _MECANUM = (
     "Rollers at the ground must form an O: gamma -45 deg at the front left and rear right, 45 deg at the others. "
     "The rollers on top, which one sees, then form an X."
@@ -111,10 +109,10 @@ def crossed(subject: Subject) -> Iterator[Finding]:
     rollers = [w for w in subject.robot.wheels if w.kind.rollers and float(w.nominal.sg)]
     if len(rollers) < 3 or _lost(subject):
         return
-    middle = sum(complex(float(w.nominal.x), float(w.nominal.y)) for w in rollers) / len(rollers)
+    middle = sum(map(pivot, rollers)) / len(rollers)
     ways = []
     for w in rollers:
-        arm = complex(float(w.nominal.x), float(w.nominal.y)) - middle
+        arm = pivot(w) - middle
         gamma = complex(float(w.nominal.cg), float(w.nominal.sg))
         lever, other = (abs((arm.conjugate() * zero_heading(w) * g).imag) for g in (gamma, gamma.conjugate()))
         ways.append(lever < other - 1e-9)
@@ -152,12 +150,11 @@ def conditioned(subject: Subject) -> Iterator[Finding]:
         yield Finding(subject.mark(wheels[0]), lost.meaning)
     elif len(wheels) > 2 and subject.mobility.degree_of_mobility == 3:
         rows = to_array([[p.constant or ZERO for p in rolling_row(w, nominal_view(w)).row] for w in wheels])
-        places = np.array([(float(w.nominal.x), float(w.nominal.y)) for w in wheels])
-        x, y = places.mean(axis=0)
-        reach = float(np.hypot(*(places - (x, y)).T).max()) or 1.0
-        about = np.column_stack(
-            [rows[:, 0], rows[:, 1], (rows[:, 2] + y * rows[:, 0] - x * rows[:, 1]) / reach]
-        )
+        places = np.array([*map(pivot, wheels)])
+        middle = places.mean()
+        reach = float(np.abs(places - middle).max()) or 1.0
+        turning = rows[:, 2] + middle.imag * rows[:, 0] - middle.real * rows[:, 1]
+        about = np.column_stack([rows[:, :2], turning / reach])
         values = np.linalg.svd(about, compute_uv=False)
         if values[2] * FLAT < values[0]:
             worse = values[0] / values[2]
@@ -175,11 +172,7 @@ wheels:
   - {name: left,  type: fixed, x: 0.0005, y: 0.2,  heading: 0, r: 0.1}
   - {name: right, type: fixed, x: 0,      y: -0.2, heading: 0, r: 0.1}
 """,
-    """
-wheels:
-  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
-  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
-""",
+    PAIR,
 )
 def narrow(subject: Subject) -> Iterator[Finding]:
     fixed = [w for w in subject.robot.wheels if w.kind.fixed_axle]

@@ -19,6 +19,19 @@ from wmrgen.spec.text import quoted
 _IGNORED = re.compile(r"#\s*wmrgen:\s*ignore\s+(WMR\d+(?:[,\s]+WMR\d+)*)")
 
 
+# A robot with which nothing is wrong.
+PAIR = """
+wheels:
+  - {name: left,  type: fixed, x: 0, y: 0.2,  heading: 0, r: 0.1}
+  - {name: right, type: fixed, x: 0, y: -0.2, heading: 0, r: 0.1}
+"""
+
+
+def pivot(w: Wheel) -> complex:
+    """Where a wheel stands: x + iy [m]."""
+    return complex(float(w.nominal.x), float(w.nominal.y))
+
+
 @dataclass(frozen=True, slots=True)
 class Subject:
     """A robot: what its file says, its layout, and what that can do."""

@@ -9,14 +9,14 @@ import ctypes
 import ctypes.util
 import math
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 
 from tests.backends.samples import samples
 from wmrgen.backends.c99 import sources
-from wmrgen.backends.c99.driver import Call, answer, calls, driver, evaluate_c, request
+from wmrgen.backends.c99.driver import Call, answer, calls, driver, request
 from wmrgen.backends.c99.emit import unit
 from wmrgen.compiler import compile_program, run_program
 from wmrgen.ir.interpret import FLOAT32, FLOAT64, Arithmetic, evaluate_module
@@ -160,14 +160,3 @@ def gallery() -> tuple[Module, ...]:
     from tests.conftest import GALLERY
 
     return tuple(robot_module(path.stem) for path in GALLERY)
-
-
-def of_all_parts(
-    module: Module, function: str, cases: Sequence[Mapping[str, float]], choice: Choice
-) -> list[dict[str, float]]:
-    """Outputs of compiled C for each case: of ``function`` and of those that give the rest of its outputs."""
-    results: list[dict[str, float]] = [{} for _ in cases]
-    for part in [f.name for f in module.functions if (f.variant_of or f.name) == function]:
-        for result, more in zip(results, evaluate_c(module, part, cases, choice), strict=True):
-            result.update(more)
-    return results

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import wmrgen
-from tests.c.harness import of_all_parts
+from wmrgen.backends import registry
 from wmrgen.exact.number import Exact
-from wmrgen.ir.kernels.choice import Choice
 from wmrgen.robot import Derivation
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -69,7 +68,9 @@ def call(path: Path, name: str, values: Mapping[str, float], backend: str = "cas
         ports = d.formula(name).inputs
         full = {p.name: float(p.default) if p.default is not None else 0.0 for p in ports}
         assert values.keys() <= full.keys()
-        return of_all_parts(d.c_module, name, [full | dict(values)], Choice("double"))[0]
+        return registry.BACKENDS["c99"].evaluate(
+            d.c_module, name, [full | dict(values)], {"scalar": "double"}
+        )[0]
     f = _casadi(path, name)
     nominal = {p.name: float(p.nominal) for p in d.robot.tunable}
     result = f.call([values.get(n, nominal.get(n, 0.0)) for n in f.name_in()])

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
+from wmrgen.errors import UsageError
 from wmrgen.ports import NO_SITE, Site
 
 if TYPE_CHECKING:
@@ -165,9 +166,21 @@ class Entry:
         cases: Sequence[Mapping[str, float]],
         options: Mapping[str, str],
     ) -> list[dict[str, float]]:
-        """`Backend.evaluate` with those of the options that it takes."""
+        """`Backend.evaluate` with those of the options that it takes, of ``function`` and its variants: a backend may
+        give the residual in a function of its own, so that who does not need it does not pay. UsageError where
+        it has none of them."""
+        parts = [f.name for f in module.functions if (f.variant_of or f.name) == function]
+        if not parts:
+            has = " ".join(f.name for f in module.functions)
+            raise UsageError(f"{self.word} has no function {function!r} of {module.name}. It has: {has}.")
         chosen = {name: options[name] for name in self.options if name in options}
-        return self.load().evaluate(module, function, cases, **chosen)
+        results: list[dict[str, float]] = [{} for _ in cases]
+        for part in parts:
+            for result, more in zip(
+                results, self.load().evaluate(module, part, cases, **chosen), strict=True
+            ):
+                result.update(more)
+        return results
 
 
 BACKENDS: dict[str, Entry] = {}

@@ -136,16 +136,7 @@ def computed(
         module = modules.raw_module
         return [_doubles(evaluate_module(module, function.name, case, EXACT)) for case in cases]
     module = getattr(modules, entry.source)
-    # A backend may give the residual in a function of its own, so that who does not need it does not pay.
-    parts = [f.name for f in module.functions if (f.variant_of or f.name) == function.name]
-    if not parts:
-        has = " ".join(f.name for f in module.functions)
-        raise UsageError(f"{backend} has no function {function.name!r} of {module.name}. It has: {has}.")
-    doubles = [_doubles(case) for case in cases]
-    results: list[dict[str, float]] = [{} for _ in cases]
-    for part in parts:
-        for result, more in zip(results, entry.evaluate(module, part, doubles, choice.words()), strict=True):
-            result.update(more)
+    results = entry.evaluate(module, function.name, [_doubles(case) for case in cases], choice.words())
     _note_overflow(results, entry, choice)
     order = [port.name for port in function.outputs]
     return [{name: result[name] for name in order if name in result} for result in results]

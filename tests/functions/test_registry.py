@@ -99,8 +99,8 @@ def test_the_schema_lists_what_a_file_may_ask_for() -> None:
 OUTSIDE = '''
 """A function from outside the package: half the twist."""
 from wmrgen.functions.registry import function
-from wmrgen.kinematics.records import Formula, twist_ports
-from wmrgen.ports import Port, Role
+from wmrgen.kinematics.records import Formula
+from wmrgen.ports import TWIST, Port, Role
 from wmrgen.symbolic import number, signal, times
 from wmrgen.exact.number import Exact
 from fractions import Fraction

@@ -312,7 +312,7 @@ def test_plugins() -> None:
         <wheelSeparation>0.158</wheelSeparation><wheelDiameter>0.12</wheelDiameter></plugin></gazebo>
       <gazebo><plugin filename="gz-sim-mecanum-drive-system" name="gz::sim::systems::MecanumDrive">
         <front_left_joint>fl</front_left_joint><back_right_joint>br</back_right_joint>
-        <wheel_separation>1.25</wheel_separation><wheelbase>1.511</wheelbase><wheel_radius>0.3</wheel_radius>
+        <wheel_separation>1.25</wheel_separation><wheelbase>1.511</wheelbase><wheel_radius>0.3</wheel_radius><track>wide</track>
       </plugin></gazebo>
       <gazebo><plugin filename="libgazebo_ros_imu.so" name="imu"><frame_name>imu</frame_name></plugin></gazebo>
     </robot>"""

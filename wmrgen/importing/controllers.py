@@ -206,13 +206,16 @@ def _length(leaf: _Leaf) -> tuple[str, str, Fraction, bool] | None:
 
 
 def _number(leaf: _Leaf, index: int = 0, factor: Fraction = Fraction(1)) -> Setting | None:
-    """A value; None of an argument that nobody gave, and of 0, which stands for what is read elsewhere."""
+    """A value; None of an argument that nobody gave, and of 0, which stands for what is read elsewhere; in XML, where
+    others read it otherwise, of what is no number."""
     text = leaf.texts[index]
     if "$" in text:
         return None
     size = abs(float(text)) if len(text) <= 40 and re.fullmatch(f"[+-]?{NUMBER}", text) else -1.0
     key, mark = ".".join(leaf.path), leaf.marks[index]
     if size != 0 and not 1e-9 < size < 1e9:
+        if not mark:
+            return None
         raise RobotFileError(f"{quoted(key)} is {quoted(text)}, which is no number", mark)
     return Setting(Fraction(text) * factor, key, mark) if size else None
 

@@ -81,7 +81,8 @@ class Friction:
 @dataclass(frozen=True, slots=True)
 class Description:
     """``driven``: joints that ros2_control, a transmission or a plugin names, None where the file has none of these.
-    ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers."""
+    ``words``: names of plugins, meshes and the robot, which may say that wheels have rollers. ``controllers``: what
+    drive plugins are told."""
 
     name: str
     links: tuple[str, ...]
@@ -91,6 +92,7 @@ class Description:
     driven: frozenset[str] | None
     words: tuple[str, ...]
     notes: tuple[str, ...]
+    controllers: tuple[Controller, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

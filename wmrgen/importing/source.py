@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from wmrgen.errors import RobotFileError, UsageError
 from wmrgen.importing import sdf, urdf
+from wmrgen.importing.controllers import plugin_controllers
 from wmrgen.importing.read import MAX_BYTES, below, children, local, parse, refuse
 from wmrgen.importing.records import Description
 from wmrgen.importing.xacro import macros, resolve
@@ -26,14 +28,15 @@ def description_of(file: Path, arguments: Sequence[str], packages: Sequence[str]
     if substituted:
         root = parse(resolve(file, values, folders), name)
     if local(root) == "sdf":
-        return sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))
+        description = sdf.describe(root, name, lambda uri: _model(located(uri, file, folders)))
+        return replace(description, controllers=plugin_controllers(root))
     if substituted and not children(root, "link") and (defined := macros(file)):
         raise refuse(
             f"{name}: only defines macros ({printable(', '.join(defined))[:200]}) and uses none",
             "A macro is no robot.",
             "Give the file that includes it, or write one that calls the macro.",
         )
-    return urdf.describe(root, name)
+    return replace(urdf.describe(root, name), controllers=plugin_controllers(root))
 
 
 def located(uri: str, file: Path, packages: Mapping[str, Path]) -> Path | None:

@@ -109,7 +109,7 @@ def _named_adjugate(page: Page, a: sympy.Matrix) -> sympy.Matrix:
 def _of_size(m: int, n: int) -> None:
     """J+ of an m x n matrix, row by row; all 0 where the determinant vanishes."""
     kind, number, what = (
-        ("inverse", "(2.6)", "J") if m == n
+        ("inverse", "(2.7)", "J") if m == n
         else ("left inverse", "(2.8a)", "J^T J") if m > n
         else ("right inverse", "(2.8b)", "J J^T")
     )  # fmt: skip

@@ -1,5 +1,5 @@
 """Frames: planar rotations (Siegwart (3.2)-(3.5), Tzafestas (2.16), (2.17)), SE(2), and homogeneous transforms
-of space (Tzafestas (2.9)-(2.15), (2.15b) with the corrected sign).
+of space (Tzafestas (2.9)-(2.18), (2.15b) with the corrected sign).
 
 Siegwart's R(theta) takes world to robot coordinates, Tzafestas's R(phi) is its transpose.
 """
@@ -71,7 +71,7 @@ def rotate(page: Page) -> None:
     page.write("x [m] after; y [m] after", *turned)
 
 
-@PLANE("pose b, given in the frame of pose a, in the frame of a itself, Tzafestas (2.12)")
+@PLANE("pose b, given in the frame of pose a, in the frame of a itself, Tzafestas (2.18)")
 def pose_compose(page: Page) -> None:
     """a b in SE(2): pose b, given in the frame of pose a, in the frame in which a is given."""
     ax, ay, at = page.read("a.x [m] first pose; a.y [m] first pose; a.theta [rad] first pose")
@@ -100,16 +100,16 @@ _rotation("y", "(2.15b), corrected")
 _rotation("z", "(2.15c)")
 
 
-@SPACE("a point of a frame in the outer frame, Tzafestas (2.11)")
+@SPACE("a point of a frame in the outer frame, Tzafestas (2.13a)")
 def transform_apply(page: Page) -> None:
-    """x = p + R x_b (Tzafestas (2.9)-(2.11))."""
+    """x = p + R x_b."""
     r = page.matrix("r", 3, 3, "rotation of the frame")
     p, b = (sympy.Matrix(v) for v in page.vectors("p [m] origin of the frame; b [m] point in the frame"))
     text = "point in the outer frame"
     page.write(f"x [m] {text}; y [m] {text}; z [m] {text}", *(p + r * b))
 
 
-@SPACE("transform a followed by b in the frame of a, Tzafestas (2.12)")
+@SPACE("transform a followed by b in the frame of a, Tzafestas (2.18)")
 def transform_compose(page: Page) -> None:
     """The product of two homogeneous transforms."""
     ra, pa = page.matrix("a", 3, 3, "rotation of a"), sympy.Matrix(*page.vectors("pa [m] origin of a"))

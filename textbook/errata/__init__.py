@@ -1,1 +1,1 @@
-"""Errata of the source texts: what is printed, what holds, and the check that decides it."""
+"""Corrections to our copies of the texts: what a copy has, what holds, and the check that decides it."""

@@ -1,4 +1,4 @@
-"""AA274, lecture 1: what holds only under a condition, and what holds as printed."""
+"""AA274, lecture 1: what is to be read with care, and what holds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from textbook.errata import engine
 from textbook.errata.checks import each, number, rights
 from textbook.errata.claims import book, claim
 from textbook.errata.forms import EQ, Form, form, forms, symbol
-from textbook.errata.records import Check, Finding, Record
+from textbook.errata.records import Check, Class, Finding, Record
 from textbook.transforms import world_to_robot_rows
 
 # Pages of formulas, laid out by hand.
@@ -30,7 +30,8 @@ def _front(turn: sympy.Expr) -> list[sympy.Expr]:
 _SAYS = "wmrgen's rolling and sliding row of the front wheel"
 TRICYCLE = Record(TEXT, "tricycle", rights(_front, _SAYS),
     form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1), form(symbol(r"\dot{\theta}"), EQ, sin(xi) * u1 / L),
-    part=rights(_front, f"{_SAYS}, with L = 1", {L: sympy.S.One}), condition="wheelbase L = 1")
+    part=rights(_front, f"{_SAYS}, with L = 1", {L: sympy.S.One}), condition="wheelbase L = 1",
+    kind=Class.CARE, line="thetadot = sin(xi) u1")
 
 V, W, TOP, ZMAX = symbol("v"), symbol(r"\omega"), symbol(r"u_1^{max}"), symbol(r"\zeta_{max}")
 _TOP, _ZETA = sympy.S.One, sympy.pi / 6
@@ -66,7 +67,8 @@ SLOPE = sympy.LessThan(sympy.Abs(W), sympy.Abs(V) * tan(ZMAX), evaluate=False)
 BOUNDS = Record(TEXT, "bounds", _set(False),
     forms((sympy.LessThan(sympy.Abs(V), TOP * cos(ZMAX), evaluate=False),), (SLOPE,)),
     forms((sympy.LessThan(V**2 + W**2, TOP**2, evaluate=False),), (SLOPE,)),
-    part=_set(True), condition="as an inner approximation (ζ = ξ, L = 1)")
+    part=_set(True), condition="as an inner approximation (ζ = ξ, L = 1)", kind=Class.CARE,
+    line="|v|<=u1max cos(zmax), |w|<=|v|tan(zmax) (car-like); |v|=.. (RS); v=.. (Dubins)")
 
 CONCURRENT = "fixed 0.15 0.15*sqrt(3) -pi/6; fixed -0.3 0 pi/2; fixed 0.15 -0.15*sqrt(3) -5*pi/6"
 APART = "fixed 0.3 0 pi/6; fixed -0.2 0.3 pi/3; fixed -0.2 -0.3 -pi/4"
@@ -89,12 +91,12 @@ def _mobility(robots: tuple[str, ...]) -> Check:
 
 THREE_FIXED = Record(TEXT, "degree of mobility, three fixed wheels", _mobility((CONCURRENT, APART)),
     form(DELTA, EQ, sympy.S.Zero), form(DELTA, EQ, 3 - RANK),
-    part=_mobility((APART,)), condition="the axles do not meet in one point")
+    part=_mobility((APART,)), condition="the axles do not meet in one point", kind=Class.CARE,
+    words="three fixed wheels at different angles")
 
-ERRATA: tuple[Record, ...] = ()
-CONVENTIONS = (TRICYCLE, BOUNDS, THREE_FIXED)
+ENTRIES = (TRICYCLE, BOUNDS, THREE_FIXED)
 
-# ---- what holds as printed
+# ---- what holds
 
 ZERO, ONE = sympy.S.Zero, sympy.S.One
 theta, xd, yd, thd, v, omega = (

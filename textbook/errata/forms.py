@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
@@ -50,28 +49,9 @@ class Form:
         """Every symbol of the display."""
         return frozenset(s for v in self.values for s in v.free_symbols)
 
-    def read(self, reading: Mapping[Expr, Expr]) -> Form:
-        """The form with symbols taken for others."""
-        return Form(
-            tuple(
-                tuple(v if isinstance(v, Sign) else _replaced(v, reading) for v in line)
-                for line in self.lines
-            )
-        )
-
-    def same(self, other: Form) -> bool:
-        """True where both are the same display."""
-        return self.lines == other.lines
-
     def latex(self) -> list[str]:
         """One LaTeX line per line."""
         return [" ".join(v.value if isinstance(v, Sign) else latex(v) for v in line) for line in self.lines]
-
-
-def _replaced(value: Value, reading: Mapping[Expr, Expr]) -> Value:
-    if isinstance(value, sympy.MatrixBase):
-        return value.applyfunc(lambda e: e.xreplace(dict(reading)))
-    return value.xreplace(dict(reading))
 
 
 def form(*pieces: Value) -> Form:

@@ -1,14 +1,14 @@
-"""What Kelly, chapter 4 (slides), misprints, and what holds only under a condition."""
+"""Kelly, chapter 4 (slides): damage of the copy, and what is to be read with care."""
 
 from __future__ import annotations
 
 import sympy
 
 from textbook.errata import engine
-from textbook.errata.checks import at_points, identity, rights, undefined, units, vanishes
+from textbook.errata.checks import identity, undefined, units, vanishes
 from textbook.errata.forms import EQ, PLUS, Form, form, symbol
 from textbook.errata.motion import Turning
-from textbook.errata.records import Check, Finding, Record
+from textbook.errata.records import Check, Class, Finding, Record
 from textbook.frames import skew
 
 # Pages of formulas, laid out by hand.
@@ -36,6 +36,7 @@ VELOCITY = Record(TEXT, "4.1.2.4", _velocity,
     form(DOT_VO, EQ, DOT_VM + CROSS + DOT_VR), form(VO, EQ, VM + CROSS + VR),
     slip=units({CROSS: SPEED_UNIT, **dict.fromkeys((VO, VM, VR), SPEED_UNIT),
                 **dict.fromkeys((DOT_VO, DOT_VM, DOT_VR), (1, -2))}),
+    kind=Class.DAMAGE, line="vdot_o^f = vdot_m^f + omega x r + vdot_o^m",
     remark="The arrows over the vectors came out as dots.")
 
 AO, WXX = symbol("a_o^k"), symbol(r"[\omega]_{\times\times}")
@@ -66,6 +67,7 @@ ACCELERATION = Record(TEXT, "4.1.4.1, acceleration", _blocks,
     form(AO, EQ, M([[I3, R_X]]), M([A_K, ALPHA_K]), PLUS, M([[WXX, TWO_W, I3]]), M([R_K, V_K, W_K, A_N])),
     form(AO, EQ, M([[I3, R_X]]), M([A_K, ALPHA_K]), PLUS, M([[WW, TWO_W, I3]]), M([R_K, V_K, A_N])),
     slip=undefined(*DEFINED),
+    kind=Class.LIKELY, line="a_o^k=[I|-[r]x][a;alpha]+[[w]xx|2[w]x|I][r;v;omega;a]",
     remark="The stack of four does not fit the three blocks either.")
 
 def _omega(f: Form) -> Finding:
@@ -77,7 +79,8 @@ def _omega(f: Form) -> Finding:
 OMEGA = Record(TEXT, "(4.25)", _omega,
     form(symbol(r"\Omega\rho"), EQ, M([[W_X, TWO_W]]), M([R_K, V_K])),
     form(symbol(r"\Omega\rho"), EQ, M([[WW, TWO_W]]), M([R_K, V_K])),
-    remark="Printed correctly in (4.31).")
+    kind=Class.LIKELY, line="[[omega]x | 2[omega]x][r;v]",
+    remark="(4.31) of the slides has the double cross: one of two equal glyphs side by side will have been lost.")
 
 xd, yd, psi, DASH = symbol(r"\dot{x}"), symbol(r"\dot{y}"), symbol(r"\psi"), symbol("-")
 
@@ -89,8 +92,7 @@ def _rolls(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
 DISK = Record(TEXT, "4.2.1.4", identity(_rolls, "a disk that rolls, (ẋ, ẏ) = v (cos ψ, sin ψ), satisfies it"),
     form(DASH * xd * sin(psi) - yd * cos(psi), EQ, sympy.S.Zero),
     form(xd * sin(psi) - yd * cos(psi), EQ, sympy.S.Zero),
-    reading=((DASH, sympy.S.One),),
-    remark="The first dash is the bullet of the slide.")
+    kind=Class.DAMAGE, line="- xd s psi - yd c psi = 0", remark="The first dash is the bullet of the slide.")
 
 W, vx, omega, L = symbol("W"), symbol("v_x"), symbol(r"\omega"), symbol("L")
 RL, VL = symbol("r_l^v"), symbol("v_l^v")
@@ -103,7 +105,8 @@ POSITION = Record(TEXT, "differential steer, positions",
     lambda f: vanishes(_left_wheel(*f.values[1]), "speed v_x − y ω of the left wheel against row [1, −W]"),
     form(VL, EQ, M([[0, W]])), form(RL, EQ, M([[0, W]])),
     slip=units({VL: SPEED_UNIT, RL: LENGTH, W: LENGTH}),
-    remark="The same for the right wheel; W is half the track.")
+    kind=Class.LIKELY, line="v_l^v=[0 W]^T, v_r^v=[0 -W]^T",
+    remark="A position, so r was read as v. The same for the right wheel; W is half the track.")
 
 VF, VV, RC, RF, OM = (symbol(n) for n in ("v_f^w", "v_v^w", r"[r_c^v]_\times", r"[r_f^v]_\times", r"\omega_v^w"))
 
@@ -117,7 +120,8 @@ def _front_wheel(f: Form) -> Finding:
 
 ACKERMANN = Record(TEXT, "Ackermann, wheel equation", _front_wheel,
     form(VF, EQ, VV - RC * VV), form(VF, EQ, VV - RF * OM),
-    slip=units({VF: SPEED_UNIT, VV: SPEED_UNIT, RC: LENGTH, RF: LENGTH, OM: RATE_UNIT}))
+    slip=units({VF: SPEED_UNIT, VV: SPEED_UNIT, RC: LENGTH, RF: LENGTH, OM: RATE_UNIT}), kind=Class.LIKELY,
+    line="v_f^w = v_v^w - [r_c^v]x v_v^w", remark="ω was read as v; the slide's result holds.")
 
 VI, RI, OWN = symbol("v_i^w"), symbol(r"[r_i^v]_\times"), symbol(r"\omega_v^v")
 xi, yi, vy = symbol("x_i"), symbol("y_i"), symbol("v_y")
@@ -132,9 +136,8 @@ def _bicycle(f: Form) -> Finding:
     return vanishes(total, "the slide's own result v_i = [V_x − ω y_i, V_y + ω x_i], with ω_v^v = 0")
 
 BICYCLE = Record(TEXT, "generalized bicycle", _bicycle,
-    form(VI, EQ, VV - RI * OWN), form(VI, EQ, VV - RI * OM), reading=((OWN, OM),))
-
-ERRATA = (VELOCITY, ACCELERATION, OMEGA, DISK, POSITION, ACKERMANN, BICYCLE)
+    form(VI, EQ, VV - RI * OWN), form(VI, EQ, VV - RI * OM), kind=Class.LIKELY,
+    line="v_i^w = v_v^w - [r_i^v]x omega_v^v", remark="An upper index w was read as v; the slide's result holds.")
 
 S, X, Y, Z = symbol("s"), symbol("x"), symbol("y"), symbol("z")
 EXAMPLES = {
@@ -173,19 +176,9 @@ def _criterion(names: tuple[str, ...]) -> Check:
 FRESNEL = Record(TEXT, "Fresnel argument", _criterion(tuple(EXAMPLES)),
     form(sympy.Integral(cos(S**2 / 2), S), symbol(r"\text{has no closed form}\;\Rightarrow\;\text{nonholonomic}")),
     form(symbol(r"c\cdot\nabla\times c \ne 0 \;\Leftrightarrow\; \text{nonholonomic}")),
-    part=_criterion(tuple(EXAMPLES)[:1]), condition="the rolling disk, which is non-holonomic for another reason")
-
-VS, VC, RCS, WS = symbol("v_s^v"), symbol("v_c^s"), symbol(r"[r_c^s]_\times"), symbol(r"\omega_s^v")
-
-def _offset(e: sympy.Expr) -> sympy.Expr:
-    """Against (4.30), term by term."""
-    return e - (VV - RC * OM + VS - RCS * WS + VC)
-
-OFFSET = Record(TEXT, "(4.39)", rights(_offset, "the articulated wheel (4.30)"),
-    form(symbol("v_c^w"), EQ, VV - RC * OM - RCS * WS),
-    form(symbol("v_c^w"), EQ, VV - RC * OM - RCS * WS + VS + VC),
-    part=rights(_offset, "the articulated wheel (4.30)", {VS: sympy.S.Zero, VC: sympy.S.Zero}),
-    condition="v_s^v = v_c^s = 0, and r_c^s in vehicle coordinates")
+    part=_criterion(tuple(EXAMPLES)[:1]), condition="the rolling disk, which is non-holonomic for another reason",
+    kind=Class.CARE, line="integral has no closed form, hence not reducible to c(x)=0",
+    remark="The conclusion is right, the argument is no proof: the test is Frobenius's, c · curl c = −1 ≠ 0.")
 
 GAMMA, VSX, VSY, GD, DD = (symbol(n) for n in (r"\gamma", "v_{sx}", "v_{sy}", r"\dot{\gamma}", "d"))
 
@@ -199,24 +192,8 @@ STEERING = Record(
     form(VSY * cos(GAMMA) - VSX * sin(GAMMA), EQ, sympy.S.Zero),
     form(VSY * cos(GAMMA) - VSX * sin(GAMMA) + DD * (omega + GD), EQ, sympy.S.Zero),
     part=identity(_steer, "the same with d = 0", {DD: sympy.S.Zero}),
-    condition="the contact is offset along the axle only (d = 0)",
+    condition="the contact is offset along the axle only (d = 0)", kind=Class.CARE,
+    line="gamma = atan2(v_sy, v_sx) at the steer pivot",
     remark="γ = atan2(v_sy, v_sx), written as the equation that it solves.")
 
-VCX, VCY, RW = symbol("v_{cx}"), symbol("v_{cy}"), symbol("r")
-_WAYS = [(1, 0), (sympy.Rational(3, 5), sympy.Rational(4, 5)), (-1, 0), (-3, -4)]
-
-def _rim(e: sympy.Expr) -> sympy.Expr:
-    """Wheel along x: its speed is the forward component, with GAMMA its heading modulo a half turn."""
-    forward = sympy.sign(VCX) * sympy.sqrt(VCX**2 + VCY**2)
-    return (e - forward / RW).xreplace({RW: sympy.S.One})
-
-def _speeds(forward_only: bool) -> Check:
-    points = [tuple(map(sympy.S, p)) for p in _WAYS if p[0] > 0 or not forward_only]
-    return at_points(_rim, (VCX, VCY), points, "component of the contact velocity along the wheel, r = 1")
-
-SIZE = sympy.sqrt(VCX**2 + VCY**2) / RW
-RIM = Record(TEXT, "4.2.2.1.2, wheel speed", _speeds(False),
-    form(symbol(r"\omega_{wheel}"), EQ, SIZE), form(symbol(r"\omega_{wheel}"), EQ, sympy.sign(VCX) * SIZE),
-    part=_speeds(True), condition="the wheel rolls forwards, e · v_c > 0")
-
-CONVENTIONS = (FRESNEL, OFFSET, STEERING, RIM)
+ENTRIES = (VELOCITY, ACCELERATION, OMEGA, DISK, POSITION, ACKERMANN, BICYCLE, FRESNEL, STEERING)

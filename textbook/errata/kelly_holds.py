@@ -1,4 +1,4 @@
-"""Equations of Kelly, chapter 4, that hold as printed."""
+"""Equations of Kelly, chapter 4, that hold."""
 
 from __future__ import annotations
 
@@ -89,7 +89,15 @@ A_ARM, B_ARM = -engine.O * sin(engine.H), engine.O * cos(engine.H)
 BACKED = M([[cos(engine.H), -sin(engine.H)], [sin(engine.H), cos(engine.H)]]) * M.vstack(*FOUR_ROWS)
 HQ = M([[1, 0, -(engine.Y + B_ARM), -B_ARM], [0, 1, engine.X + A_ARM, A_ARM]])
 
+OFFSET_V = _swap(CHAIN_V, (VS, sympy.zeros(3, 1)), (V2, sympy.zeros(3, 1)))
+SPEED = symbol(r"\vert v_c\vert")
+
 VEHICLES = (
+    holds("(4.39)", "a frame in a frame, differentiated, with v_s^v = v_c^s = 0 as the slide assumes",
+          ("v_c", MOTION.vm - skew(R_) * W_ - skew(R2) * W2, OFFSET_V), remark="r_c^s in vehicle coordinates."),
+    holds("4.2.2.1.2, wheel speed", "wmrgen's rolling row of a wheel steered along v_c, as the slide assumes",
+          (r"r\,\omega_{wheel}", SPEED,
+           (engine.wheel(ZERO, ZERO, gamma)[0] * M([SPEED * cos(gamma), SPEED * sin(gamma), 0]))[0])),
     holds("Box 4.2", "determinant of the normal matrix: rank 3 for contacts apart",
           (r"\det H^TH", 2 * ((P1[0] - P2[0]) ** 2 + (P1[1] - P2[1]) ** 2), (HH.T * HH).det()),
           remark="Needs at least two wheels at different contact points."),

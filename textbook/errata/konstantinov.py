@@ -1,4 +1,4 @@
-"""Konstantinov: misprints, what holds under a condition, and what holds as printed.
+"""Konstantinov: errors of the text, damage of the copy, and what holds.
 
 Three omni wheels stand at distance a, wheel i at angle phi_i = phi + 2 pi (i-1)/3.
 """
@@ -10,10 +10,10 @@ from functools import partial
 import sympy
 
 from textbook.errata import engine
-from textbook.errata.checks import at_points, identity, rights, undefined, units, vanishes
-from textbook.errata.claims import claim
+from textbook.errata.checks import identity, rights, undefined, units, vanishes
+from textbook.errata.claims import claim, residual
 from textbook.errata.forms import EQ, Form, form, forms, symbol
-from textbook.errata.records import Check, Finding, Record
+from textbook.errata.records import Class, Finding, Record
 from textbook.transforms import world_to_robot_rows
 from wmrgen.symbolic import Expr
 
@@ -54,7 +54,9 @@ def _derivative(*right: sympy.Expr) -> list[sympy.Expr]:
 XI, YI = symbol(r"\dot{x}_i"), symbol(r"\dot{y}_i")
 HUB = Record(TEXT, "(2)", rights(_derivative, "(1), x_i = x + a cos φᵢ and y_i = y + a sin φᵢ, differentiated"),
     forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd - a * phid * cos(phi_i))),
-    forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd + a * phid * cos(phi_i))))
+    forms((XI, EQ, xd - a * phid * sin(phi_i)), (YI, EQ, yd + a * phid * cos(phi_i))), kind=Class.ERROR,
+    line="xi_dot = xd - a pd sin phi_i ; yi_dot = yd - a pd cos phi_i",
+    remark="It contradicts (1), and the paper's own vᵢ², which follows from the corrected form.")
 
 U, OMEGA_I, W_I = symbol("u_i"), symbol(r"\omega_i"), symbol("w_i")
 
@@ -67,7 +69,7 @@ ABSOLUTE = Record(
     TEXT, "|u_i|", identity(_drive_speed, "squares, with uᵢ = λᵢ [sin φᵢ, −cos φᵢ] and λᵢ = r ωᵢ of (4)"),
     form(sympy.Abs(U), EQ, r * sympy.Abs(W_I)), form(sympy.Abs(U), EQ, r * sympy.Abs(OMEGA_I)),
     slip=units({U: (1, -1), W_I: (1, -1), r: (1, 0), OMEGA_I: (0, -1)}),
-    remark="wᵢ is the velocity along the roller; ω was read as w.")
+    kind=Class.DAMAGE, line="|u_i| = r|w_i|", remark="wᵢ is the velocity along the roller; ω was read as w.")
 
 def _components(f: Form) -> Finding:
     """u_i + w_i is the velocity of the hub (2)."""
@@ -80,53 +82,42 @@ def _components(f: Form) -> Finding:
 
 COMPONENTS = Record(TEXT, "u_i, w_i before (3)", _components,
     forms((U, EQ, lam * (sin(phi_i) - cos(phi_i))), (W_I, EQ, mu * (cos(phi_i) - sin(phi_i)))),
-    forms((U, EQ, lam * E_I), (W_I, EQ, mu * N_I)))
+    forms((U, EQ, lam * E_I), (W_I, EQ, mu * N_I)), kind=Class.LIKELY,
+    line="u_i = lam_i(sin phi_i - cos phi_i); w_i = mu_i(cos phi_i - sin phi_i)", words="vectors u_i and v_i",
+    remark="The text calls them vectors: the commas between two components will have become signs.")
 
 DETAIL = Record(TEXT, "(4) in detail, ω₁",
     rights(lambda e: e - (wheel_row(1) * RATES)[0] / r, "wmrgen's rolling row of wheel 1"),
     form(w[0], EQ, (xd * sin(phi_i) - yd * cos(phi_i) - a * phid) / r),
     form(w[0], EQ, (xd * sin(phi) - yd * cos(phi) - a * phid) / r),
     slip=undefined(*w, xd, yd, phi, phid, a, r),
-    remark="The index i has no value here; wheel 1 stands at φ₁ = φ. ω₂ and ω₃ are printed correctly.")
+    kind=Class.LIKELY, line="omega_1 printed with phi_i",
+    remark="The index i has no value here; wheel 1 stands at φ₁ = φ. ω₂ and ω₃ hold.")
 
 V = symbol("v")
 SPEED = Record(TEXT, "v²",
     rights(lambda e: e.xreplace(dict(zip(MU, mus(), strict=True))) - xd**2 - yd**2, "v² = ẋ² + ẏ²"),
     form(V**2, EQ, sympy.Rational(2, 3) * sum(MU)),
     form(V**2, EQ, sympy.Rational(2, 3) * sum(m**2 for m in MU)),
-    remark="μ₁ + μ₂ + μ₃ is 0 for every motion.")
+    kind=Class.LIKELY, line="v^2=(2/3)(mu1+mu2+mu3)",
+    remark="μ₁ + μ₂ + μ₃ is 0 for every motion, so nobody means it. Each missing exponent stands above an index, where "
+           "extractions lose them.")
 
 OMEGA = sympy.Symbol(r"\left|\Omega\right|", positive=True)
 OMEGA1 = symbol(r"\Omega_1")
 
 CIRCLE = Record(TEXT, "R",
     rights(lambda e: e - 2 * r * OMEGA1 / 3 / (r * OMEGA / (3 * a)), "R = v/ω₀ with v = 2 r Ω₁/3 and ω₀ = r |Ω|/(3a)"),
-    form(symbol("R"), EQ, a * OMEGA1 / OMEGA), form(symbol("R"), EQ, 2 * a * OMEGA1 / OMEGA))
+    form(symbol("R"), EQ, a * OMEGA1 / OMEGA), form(symbol("R"), EQ, 2 * a * OMEGA1 / OMEGA), kind=Class.ERROR,
+    line="R = 3av/(r|Omega|) = a Omega1/|Omega|",
+    remark="The second equality contradicts the first: v = 2 r Ω₁/3 of the same page gives the factor 2.")
 
 theta = symbol(r"\theta")
 ABOVE, RIGHT = w[1] + w[2] - 2 * w[0], sqrt(3) * (w[1] - w[2])
 
-def _direction(e: sympy.Expr) -> list[sympy.Expr]:
-    """Body velocity from wmrgen's rows at phi = 0, a = r = 1: v (cos theta, sin theta)."""
-    rows = M.vstack(*(wheel_row(i) for i in (1, 2, 3))).xreplace({phi: sympy.S.Zero, a: sympy.S.One})
-    body = engine.inverse(rows) * M(w)
-    speed = sqrt(body[0] ** 2 + body[1] ** 2)
-    return [speed * cos(e) - body[0], speed * sin(e) - body[1]]
+ENTRIES = (HUB, ABSOLUTE, COMPONENTS, DETAIL, SPEED, CIRCLE)
 
-def _quadrants(right_only: bool) -> Check:
-    points = [(1, 4, 2), (3, 2, 1), (1, 2, 4), (3, 1, 2)]
-    kept = [tuple(map(sympy.S, p)) for p in points if p[1] > p[2] or not right_only]
-    says = "direction of the velocity from wmrgen's rolling rows at φ = 0"
-    return at_points(_direction, w, kept, says)
-
-DIRECTION = Record(TEXT, "case Ω ≠ 0, θ", _quadrants(False),
-    form(theta, EQ, sympy.atan(ABOVE / RIGHT)), form(theta, EQ, sympy.atan2(ABOVE, RIGHT)),
-    part=_quadrants(True), condition="ω₂ > ω₃")
-
-ERRATA = (HUB, ABSOLUTE, COMPONENTS, DETAIL, SPEED, CIRCLE)
-CONVENTIONS = (DIRECTION,)
-
-# ---- what holds as printed
+# ---- what holds
 
 BODY = M.vstack(*(wheel_row(i) for i in (1, 2, 3))).xreplace({phi: sympy.S.Zero})
 TWIST = world_to_robot_rows(phi).T * engine.inverse(BODY) * (r * M(w))  # world velocity from wheel speeds
@@ -185,6 +176,9 @@ HOLDS: tuple[Record, ...] = (
     holds("case Ω = 0", "v² at ω₁ + ω₂ + ω₃ = 0 from wmrgen's rows",
           ("v^2", 4 * r**2 * (w[0] ** 2 + w[0] * w[1] + w[1] ** 2) / 3,
            (TWIST[0] ** 2 + TWIST[1] ** 2).xreplace(STRAIGHT))),
+    residual(TEXT, "case Ω ≠ 0, θ", "direction of the velocity from wmrgen's rolling rows at φ = 0", r"\tan\theta",
+             ABOVE / RIGHT, lambda e: e - (TWIST[1] / TWIST[0]).xreplace({phi: sympy.S.Zero}),
+             remark="The tangent leaves a half turn open: θ = atan2(ω₂ + ω₃ − 2ω₁, √3 (ω₂ − ω₃))."),
     holds("x_C, y_C", "centre of the circle: the start, v/ω₀ to the right of the velocity at φ₀ + θ (turning at −ω₀)",
           ("x_C", CENTRE[0], X0 + RADIUS * cos(PHI0 + theta - sympy.pi / 2)),
           ("y_C", CENTRE[1], Y0 + RADIUS * sin(PHI0 + theta - sympy.pi / 2))))

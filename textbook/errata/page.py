@@ -1,100 +1,98 @@
-"""errata.md: every record with its verdict, in Markdown that GitHub renders."""
+"""errata.md: every record with what its check finds, in Markdown that GitHub renders."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterable
-
 from textbook.errata.forms import Form
-from textbook.errata.records import Finding, Judgement, Record, judge
-from textbook.errata.texts import CONVENTIONS, ERRATA, HOLDS, WORKED
-from wmrgen.backends.report.markdown import escape, items, math
+from textbook.errata.records import Class, Finding, Record, judge
+from textbook.errata.texts import BIBLIOGRAPHY, ENTRIES, HOLDS
+from wmrgen.backends.report.markdown import code, items, math, table
 
-Judged = tuple[Record, Judgement]
-
-TITLES = {
-    "Tzafestas": "Tzafestas, chapter 2",
-    "Konstantinov": "Konstantinov",
-    "Kelly": "Kelly, chapter 4 (slides)",
-    "Siegwart": "Siegwart, Nourbakhsh and Scaramuzza, chapters 2.3 and 3",
-    "AA274": "AA274, lecture 1",
-}
-_MEANING = {
-    "wrong": "the printed equation fails, the corrected one passes",
-    "garbled": "the printed line is no statement (an undefined name, units that do not agree, a missing part), or "
-    "glyphs read for others, one for one, give the corrected line",
-    "incomplete": "the printed equation passes on a part of what the text claims and fails on the rest",
-    "convention": "the printed equation passes under a condition that the text leaves open and fails without it",
-    "holds": "the printed equation passes",
-    "undecided": "no form passes: an error of this page",
-}
-
-
+WIDEST = 700  # characters of LaTeX in a cell
+_PARTS = (
+    ("## 1 Errors of the text", (Class.ERROR,),
+     "A reader of the printed page would have these, as far as a copy can tell: the line is well formed, contradicts "
+     "mechanics or the text itself, and none of the usual losses explains it (dots, arrows, signs beside a matrix, "
+     "exponents above an index, letters that look alike)."),
+    ("## 2 Damage of the copy", (Class.DAMAGE, Class.LIKELY),
+     "What the extraction did to the line, or likely did: nothing here is held against the texts. The lines stand "
+     "here so that nobody computes with them."),
+    ("## 3 Read with care", (Class.CARE,),
+     "These lines are right as their authors mean them: under a condition or in a convention that is easily missed."),
+)  # fmt: skip
 _MARKS = {
     ord(c): text for c, text in (("|", "\\|"), ("_", "\\_"), ("*", "\\*"), ("<", "&lt;"), (">", "&gt;"))
 }
 
 
 def blocks() -> list[str]:
-    """The blocks of errata.md, from running every check."""
-    judged = [(r, judge(r)) for r in (*ERRATA, *CONVENTIONS, *HOLDS)]
-    counts = Counter(j.verdict for _, j in judged)
-    not_right = [(r, j) for r, j in judged if j.verdict in ("wrong", "garbled", "incomplete", "undecided")]
-    conditional = [(r, j) for r, j in judged if j.verdict == "convention"]
-    right = [(r, j) for r, j in judged if j.verdict == "holds"]
+    """The blocks of errata.md, from running every check. ValueError where a class is not borne out."""
     return [
-        *_opening(counts, len(judged)),
-        "## 1 Misprints",
-        *_sections(not_right, _entry),
-        "## 2 What holds under a condition",
-        *_sections(conditional, _entry),
-        "## 3 What holds as printed",
-        *_sections(right, _folded),
-        "## 4 Worked numbers that are right",
-        *(line for r, j in right if r in WORKED for line in _worked(r, j)),
+        *_opening(),
+        *(block for title, kinds, text in _PARTS for block in _part(title, kinds, text)),
+        "## 4 What holds",
+        "Each line of our copy, in one notation (of a rule for matrices an instance), agrees identically with what the "
+        "last column names.",
+        *table(("text", "equation", "as checked", "held against"), map(_row, HOLDS), "l"),
     ]
 
 
-def _opening(counts: Counter[str], total: int) -> list[str]:
+def _opening() -> list[str]:
+    sizes = [sum(r.kind in kinds for r in ENTRIES) for _, kinds, _ in _PARTS]
     return [
-        "# Errata of the source texts",
-        "Written by `wmrgen textbook`. Each verdict follows from running the check that stands beside it, on the "
-        "printed and on the corrected form; no verdict is typed in. Figures at a point are rounded to six digits.",
-        f"{total} equations and statements:",
-        *items(f"**{name}** ({counts[name]}): {_MEANING[name]}" for name in _MEANING if counts[name]),
+        "# Corrections to our copies of five texts",
+        "Our sources are text extractions of the works below; **the printed pages were not seen**, nor the figures. "
+        "What is wrong in a copy may be right in print. The copies themselves are not part of this project: of most "
+        "lines we have only what was noted when they were read, shown as `code`; what stands in “quotation marks” is "
+        "the copy's wording, verbatim. Page numbers are lost in the extractions. Whose mistake a line is was judged by "
+        "people; that it fails, and that the corrected line holds, is computed by the check beside it whenever this "
+        "page is written (by `wmrgen textbook`). Figures at a point are rounded to six digits.",
+        f"{sizes[0]} errors of the texts, {sizes[1]} places where the copy is damaged, {sizes[2]} lines to be read "
+        f"with care, {len(HOLDS)} equations and statements that hold.",
+        *items(f"**{name}**: {entry}" for name, entry in BIBLIOGRAPHY.items()),
     ]
 
 
-def _by_text(judged: Iterable[Judged]) -> list[tuple[str, list[Judged]]]:
-    every = list(judged)
+def _part(title: str, kinds: tuple[Class, ...], text: str) -> list[str]:
+    blocks, last = [title, text], ""
+    for r in ENTRIES:
+        if r.kind in kinds:
+            blocks += [f"### {r.text}"] if r.text != last else []
+            blocks += _entry(r)
+            last = r.text
+    return blocks
+
+
+def _entry(r: Record) -> list[str]:
+    """The copy's line beside its normalised form, and the corrected form, each with what its check found."""
+    j = judge(r)
+    if not j.borne_out:
+        raise ValueError(f"{r.text} {r.equation}: the checks do not bear out '{r.kind}'")
+    general = "In general" if r.kind is Class.CARE else "Corrected"
     return [
-        (title, kept) for text, title in TITLES.items() if (kept := [p for p in every if p[0].text == text])
+        f"#### {r.text} {_words(r.equation)}",
+        *(["Class: likely damage."] if r.kind is Class.LIKELY else []),
+        _line(r),
+        *(["Normalised:", *_display(r.printed)] if r.printed is not None else []),
+        _finding("This", j.printed),
+        *([_finding(f"Where {_words(r.condition)}, it", j.part)] if j.part is not None else []),
+        *([f"{general}:", *_display(r.corrected)] if r.corrected is not None else []),
+        *([_finding("This", j.corrected)] if j.corrected is not None else []),
+        *([_words(r.remark)] if r.remark else []),
     ]
 
 
-def _sections(judged: Iterable[Judged], entry: Callable[[Record, Judgement], list[str]]) -> list[str]:
-    parts = []
-    for title, pairs in _by_text(judged):
-        parts += [f"### {escape(title)}", *(line for r, j in pairs for line in entry(r, j))]
-    return parts
+def _line(r: Record) -> str:
+    """What the copy has, as far as it is at hand."""
+    shown = []
+    if r.words:
+        shown.append(f"The copy, verbatim: “{_words(r.words)}”.")
+    if r.line:
+        shown.append(f"As we noted it (the line itself is not at hand): {code(r.line)}.")
+    return " ".join(shown) or "The copy lacks the line."
 
 
-def _entry(r: Record, j: Judgement) -> list[str]:
-    """Printed and corrected form, each with what its check found."""
-    shown = [f"#### {r.text} {_words(r.equation)}: {j.verdict}", "Printed:"]
-    shown += _display(r.printed) if r.printed is not None else ["(nothing)"]
-    shown += [f"Check: {_finding(j.printed)}"]
-    if j.part is not None:
-        shown += [f"Where {_words(r.condition)}: {_finding(j.part)}"]
-    if r.corrected is not None:
-        shown += ["Corrected:", *_display(r.corrected)]
-    if j.corrected is not None:
-        shown += [f"Check: {_finding(j.corrected)}"]
-    return [*shown, *([f"{_words(r.remark)}"] if r.remark else [])]
-
-
-def _finding(f: Finding) -> str:
-    return f"{'passes' if f.holds else 'fails'}: {f.text}."
+def _finding(what: str, f: Finding) -> str:
+    return f"{what} {'passes' if f.holds else 'fails'}: {f.text}."
 
 
 def _words(text: str) -> str:
@@ -106,14 +104,17 @@ def _display(form: Form) -> list[str]:
     return math("\\begin{gathered}", " \\\\\n".join(form.latex()), "\\end{gathered}")
 
 
-def _folded(r: Record, j: Judgement) -> list[str]:
-    """The printed form behind a line that says what it is held against."""
-    summary = f"{escape(r.text)} {escape(r.equation)}: {escape(j.printed.text.replace('$', ''))}"
-    shown = _display(r.printed) if r.printed is not None else []
-    remark = [_words(r.remark)] if r.remark else []
-    return [f"<details><summary>{summary}</summary>", *shown, *remark, "</details>"]
+def _row(r: Record) -> tuple[str, str, str, str]:
+    """A line of the table; in a cell no bar may stand, and components of long vectors have no room."""
+    j = judge(r)
+    if not j.borne_out:
+        raise ValueError(f"{r.text} {r.equation}: {j.printed.text}")
+    lines = r.printed.latex() if r.printed is not None else []
+    shown = "<br>".join(f"$`{_one_line(line)}`$" for line in lines)
+    shown = shown if len(shown) <= WIDEST else "(in components, too wide for a cell)"
+    against = j.printed.text.removesuffix(": the difference is 0 identically")
+    return r.text, _words(r.equation), shown, _words(". ".join([against, *([r.remark] if r.remark else [])]))
 
 
-def _worked(r: Record, j: Judgement) -> list[str]:
-    shown = _display(r.printed) if r.printed is not None else []
-    return [f"{r.text} {_words(r.equation)}. {_words(j.printed.text)}:", *shown]
+def _one_line(latex: str) -> str:
+    return " ".join(latex.replace("|", r"\vert ").split())

@@ -1,21 +1,27 @@
-"""A record of the errata and its verdict, which follows from running its checks.
+"""An entry of the corrections: what our copy has, how it is classed, and the check that bears the class out.
 
-holds       the printed formula passes the check
-garbled     the printed line is no statement (a name that nothing defines, units that do not agree, a missing part),
-            or reading some of its glyphs for others, one for one, turns it into the corrected line
-incomplete  it passes on a part of what the text claims, and fails on the rest
-convention  it passes under a condition that the text leaves open, and fails without
-wrong       it fails otherwise
-In the last four cases the corrected formula passes the check.
+Error, damage: the form in which our copy has the line fails its check (or is no statement: a name that nothing
+defines, units that do not agree, a missing part); the corrected form passes. Care: the form passes under a condition,
+and fails without; the general form passes. Holds: the form passes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import StrEnum
 
 from textbook.errata.forms import Form
-from wmrgen.symbolic import Expr
+
+
+class Class(StrEnum):
+    """What is the matter with a line; whose mistake it is was judged by people, not computed."""
+
+    ERROR = "error of the text"
+    DAMAGE = "damage of the copy"
+    LIKELY = "likely damage of the copy"
+    CARE = "read with care"
+    HOLDS = "holds"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,10 +40,10 @@ Slip = Callable[[Form], str]
 class Record:
     """One equation of one text.
 
-    ``printed`` is None where the line is missing from the text; ``corrected`` is None where the printed line is
-    what wmrgen uses. ``part`` is the check on the part where a condition (``condition``, in words) holds;
-    ``claimed``: the text claims more than that part. ``slip`` says why a form is no statement, "" if it is one.
-    ``reading``: glyphs that may have been taken for others.
+    ``line``: our transcription of the copy's line; ``words``: words of the copy, verbatim. ``printed`` is the line
+    normalised, None where the copy lacks it; ``corrected`` is None where the line holds. ``part`` is the check on
+    the part where a condition (``condition``, in words) holds. ``slip`` says why a form is no statement, "" if it is
+    one.
     """
 
     text: str
@@ -47,45 +53,37 @@ class Record:
     corrected: Form | None = None
     part: Check | None = None
     condition: str = ""
-    claimed: bool = False
     slip: Slip | None = None
-    reading: tuple[tuple[Expr, Expr], ...] = ()
+    kind: Class = Class.HOLDS
+    line: str = ""
+    words: str = ""
     remark: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """The verdict and the findings on the printed and the corrected form."""
+    """The findings on the copy's form, on its part, and on the corrected form; ``borne_out``: they agree with the
+    class of the record."""
 
-    verdict: str
+    borne_out: bool
     printed: Finding
-    corrected: Finding | None
+    corrected: Finding | None = None
     part: Finding | None = None
 
 
 def judge(r: Record) -> Judgement:
     """Run the checks of a record."""
-    slip = _slip(r, r.printed)
-    printed = Finding(False, slip) if slip or r.printed is None else r.check(r.printed)
-    if printed.holds:
-        return Judgement("holds", printed, None)
-    if r.corrected is None:
-        return Judgement("undecided", printed, None)
-    other = _slip(r, r.corrected)
-    corrected = Finding(False, other) if other else r.check(r.corrected)
-    if not corrected.holds:
-        return Judgement("undecided", printed, corrected)
-    if slip or r.printed is None:
-        return Judgement("garbled", printed, corrected)
-    part = r.part(r.printed) if r.part is not None else None
-    if part is not None and part.holds:
-        return Judgement("incomplete" if r.claimed else "convention", printed, corrected, part)
-    if r.reading and r.printed.read(dict(r.reading)).same(r.corrected):
-        return Judgement("garbled", printed, corrected)
-    return Judgement("wrong", printed, corrected)
+    printed = _checked(r, r.printed)
+    if r.corrected is None or r.kind is Class.HOLDS:
+        return Judgement(printed.holds and r.kind is Class.HOLDS, printed)
+    corrected = _checked(r, r.corrected)
+    part = r.part(r.printed) if r.part is not None and r.printed is not None else None
+    passes_in_part = part.holds if part is not None else r.kind is not Class.CARE
+    return Judgement(not printed.holds and corrected.holds and passes_in_part, printed, corrected, part)
 
 
-def _slip(r: Record, form: Form | None) -> str:
+def _checked(r: Record, form: Form | None) -> Finding:
     if form is None:
-        return "the line is missing from the text"
-    return r.slip(form) if r.slip is not None else ""
+        return Finding(False, "the line is missing from our copy")
+    slip = r.slip(form) if r.slip is not None else ""
+    return Finding(False, slip) if slip else r.check(form)

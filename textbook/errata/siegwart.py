@@ -1,4 +1,4 @@
-"""Misprints of Siegwart, Nourbakhsh and Scaramuzza, chapters 2.3 and 3."""
+"""Siegwart, Nourbakhsh and Scaramuzza, 2.3 and 3: errors of the text, and damage of the copy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from textbook.errata import engine
 from textbook.errata.checks import identity, number, rights, shape_of, units, vanishes
 from textbook.errata.engine import ALPHA, BETA, GAMMA, L, R
 from textbook.errata.forms import AND, EQ, TIMES, Form, form, forms, symbol
-from textbook.errata.records import Check, Finding, Record
+from textbook.errata.records import Check, Class, Finding, Record
 from textbook.library import formula
 from textbook.transforms import world_to_robot_rows
 
@@ -28,7 +28,8 @@ XI = M([vx, vy, omega])
 
 RIM = Record(TEXT, "3.2.2, “diameter r”",
     rights(lambda v: v - engine.radius("fixed") * phid, "rim speed, the coefficient of the wheel speed in (3.12)"),
-    form(symbol("v"), EQ, R * phid / 2), form(symbol("v"), EQ, R * phid),
+    form(symbol("v"), EQ, R * phid / 2), form(symbol("v"), EQ, R * phid), kind=Class.ERROR,
+    words="each with diameter r",
     remark="With r the diameter the rim would move at r φ̇/2; (3.7)–(3.9), (3.12) and (3.29) take r for the radius.")
 
 ROW = M([[1, 0, 0]])
@@ -51,7 +52,8 @@ def _sides(f: Form) -> Finding:
 
 STANDARD = Record(TEXT, "(3.14)", _sides,
     form(sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD),
-    form(ROW, TIMES, sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD))
+    form(ROW, TIMES, sympy.eye(3), TIMES, WORLD, EQ, ROW, TIMES, WORLD), kind=Class.LIKELY,
+    line="eye(3)[xd;yd;thd] = [1 0 0][xd;yd;thd] = 0", remark="The row before the unit matrix will have been lost.")
 
 RSW, PSW = symbol(r"r_{sw}"), symbol(r"\dot{\varphi}_{sw}")
 _TURNED = BETA + GAMMA
@@ -66,7 +68,10 @@ def _locked(left: sympy.Expr, _: sympy.Expr) -> sympy.Expr:
 ROLLERS = Record(
     TEXT, "(3.20)", identity(_locked, "with locked rollers the wheel is a fixed wheel, v = r φ̇ e of wmrgen's row"),
     form(LEAD - R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero),
-    form(LEAD + R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero))
+    form(LEAD + R * phid * sin(GAMMA) - RSW * PSW, EQ, sympy.S.Zero), kind=Class.ERROR,
+    line="[cos(a+b+g),sin(a+b+g),l sin(b+g)]xi - r f sin g - r_sw f_sw = 0",
+    remark="(3.19) and (3.20) project one velocity on two directions at right angles; with the minus sign a wheel "
+           "whose rollers are locked would roll 2γ off its own plane.")
 
 ZERO_GLYPH = symbol("0")
 
@@ -84,8 +89,8 @@ def _sphere(angle: sympy.Expr) -> Form:
     return forms((R * phid, EQ, values[0]), (sympy.S.Zero, EQ, values[1]))
 
 SPHERE = Record(TEXT, "(3.21), (3.22)", rights(_any_heading, "ξ_R = R(θ) ξ_I for every heading θ"),
-    _sphere(ZERO_GLYPH), _sphere(theta), reading=((ZERO_GLYPH, theta),),
-    remark="Printed R(0) for R(θ); shown with the product multiplied out.")
+    _sphere(ZERO_GLYPH), _sphere(theta), kind=Class.DAMAGE, line="spherical wheel, printed R(0)",
+    remark="θ was read as 0. Shown with the product multiplied out.")
 
 PHI1, PHI2, DOT1, DOT2 = (symbol(n) for n in (r"\varphi_1", r"\varphi_2", r"\dot{\varphi}_1", r"\dot{\varphi}_2"))
 
@@ -99,6 +104,7 @@ STACKED = M([vx + L * omega, vx - L * omega, vy])
 STACK = Record(TEXT, "(3.29), (3.30)", _stack,
     form(STACKED, EQ, M([R * PHI1, R * PHI2, 0])), form(STACKED, EQ, M([R * DOT1, R * DOT2, 0])),
     slip=units({vx: (1, -1), vy: (1, -1), omega: (0, -1), L: (1, 0), R: (1, 0), DOT1: (0, -1), DOT2: (0, -1)}),
+    kind=Class.DAMAGE, line="[[1,0,l],[1,0,-l],[0,1,0]]R xi=[J2 phi;0]",
     remark="The dots over φ are lost; right α = −π/2, β = π, left α = π/2, β = 0.")
 
 rho, alpha, beta, v = symbol(r"\rho"), symbol(r"\alpha"), symbol(r"\beta"), symbol("v")
@@ -119,7 +125,9 @@ def _polar(sign: int) -> Form:
 REVERSE = Record(TEXT, "(3.55)",
     lambda f: vanishes(polar_motion(tuple(f.values[1] * M([v, omega])), -v),
                        "the pose, differentiated, drives backwards at v and turns at ω"),
-    _polar(1), _polar(-1), remark="The printed sign holds if ω is reversed as well: then (3.55) is −(3.53).")
+    _polar(1), _polar(-1), kind=Class.ERROR, words="v=-v",
+    line="alpha in I2, v=-v: [[cos a,0],[-sin a/rho, 1],[sin a/rho,0]]",
+    remark="With v alone reversed ω keeps its sign. As it stands it is −(3.53), which reverses ω as well.")
 
 K_RHO, K_ALPHA, K_BETA = symbol(r"k_\rho"), symbol(r"k_\alpha"), symbol(r"k_\beta")
 GAINS = (sympy.Rational(1, 2), sympy.Rational(21, 2), sympy.Integer(-6))
@@ -174,7 +182,8 @@ def _strong(factor: sympy.Expr) -> Form:
 
 STRONG = Record(TEXT, "(3.65)", _stays(pi, "α stays in I₁ for every β(0) in (−π, π)"),
     _strong(sympy.Rational(5, 3)), _strong(sympy.Integer(2)),
-    part=_stays(5 * pi / 6, "the same for |β| ≤ 5π/6"), condition="|β| ≤ 5π/6", claimed=True,
+    part=_stays(5 * pi / 6, "the same for |β| ≤ 5π/6"), condition="|β| ≤ 5π/6", kind=Class.ERROR,
+    line="k_rho>0, k_beta<0, k_alpha+(5/3)k_beta-(2/pi)k_rho>0 implies alpha(t) in I1 for all t",
     remark="The gains (3, 8, −1.5) of (3.59) satisfy the corrected condition.")
 
-ERRATA = (RIM, STANDARD, ROLLERS, SPHERE, STACK, REVERSE, STRONG)
+ENTRIES = (RIM, STANDARD, ROLLERS, SPHERE, STACK, REVERSE, STRONG)

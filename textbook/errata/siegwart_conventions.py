@@ -1,17 +1,16 @@
-"""What Siegwart, Nourbakhsh and Scaramuzza print and what holds only under a condition."""
+"""Siegwart, Nourbakhsh and Scaramuzza, 2.3 and 3: what is to be read with care."""
 
 from __future__ import annotations
 
 import sympy
 
 from textbook.errata import engine
-from textbook.errata.checks import each, identity, number, rights, vanishes
+from textbook.errata.checks import each, identity, rights
 from textbook.errata.engine import ALPHA, BETA, D, L, R
 from textbook.errata.forms import EQ, Form, form, forms, symbol
-from textbook.errata.records import Check, Finding, Record
-from textbook.errata.siegwart import TEXT, omega, thd, theta, vx, vy, xd, yd
+from textbook.errata.records import Check, Class, Finding, Record
+from textbook.errata.siegwart import TEXT, omega, vx, vy
 from textbook.inverses import generic_rank
-from textbook.transforms import world_to_robot_rows
 from wmrgen.robot import Derivation
 from wmrgen.symbolic import number as number_of
 from wmrgen.symbolic import signal
@@ -22,19 +21,6 @@ from wmrgen.symbolic import signal
 M = sympy.Matrix
 cos, sin, pi = sympy.cos, sympy.sin, sympy.pi
 SIGMA, BETAD = symbol(r"\sigma"), symbol(r"\dot{\beta}")
-
-XI_R = symbol(r"\dot{\xi}_R")
-
-def _turned(angle: sympy.Expr) -> sympy.Matrix:
-    return world_to_robot_rows(angle) * M([xd, yd, thd])
-
-def _frames(right: sympy.Matrix) -> sympy.Matrix:
-    return right - _turned(theta)
-
-FRAME = Record(TEXT, "(3.3)", rights(_frames, "rotation into the robot frame at heading θ"),
-    form(XI_R, EQ, _turned(pi / 2)), form(XI_R, EQ, _turned(theta)),
-    part=rights(_frames, "the same at θ = π/2", {theta: pi / 2}), condition="θ = π/2",
-    remark="R(π/2) ξ_I and R(θ) ξ_I, multiplied out.")
 
 _N = M([[cos(ALPHA + BETA), sin(ALPHA + BETA)]])
 _E = M([[sin(ALPHA + BETA), -cos(ALPHA + BETA)]])
@@ -55,34 +41,8 @@ def _castor(side: sympy.Expr) -> Form:
 CASTOR = Record(TEXT, "(3.17), (3.18)", identity(_contact, "sideways velocity of the contact B = A + σ d e"),
     _castor(sympy.S.One), _castor(SIGMA),
     part=identity(_contact, "the same with B = A + d e", {SIGMA: sympy.S.One}), condition="σ = 1: B = A + d e",
+    kind=Class.CARE, line="castor: [.. d+l sin b] xi + d bdot = 0; rolling row unchanged",
     remark="A castor that trails then has φ̇ < 0; for d > 0 with φ̇ > 0 read −d for d.")
-
-SPEED = sympy.Symbol("V", positive=True)
-ALONG = symbol(r"e\cdot V/|V|")
-
-def _alignment(signs: tuple[int, ...]) -> Check:
-    """e at the stable equilibrium of (3.18): the sliding row of wmrgen's castor for a pivot pulled along x."""
-
-    def check(f: Form) -> Finding:
-        row = engine.sliding("castor", alpha=0, l=0)
-        swing = -(row[0] * SPEED) / engine.castor_rate()  # beta'
-        cases = []
-        for sign in signs:
-            for angle in (pi / 2, -pi / 2):
-                slope = sympy.diff(swing, BETA).xreplace({BETA: angle, D: sympy.S(sign)})
-                if swing.xreplace({BETA: angle}) == 0 and slope < 0:
-                    along = sin(angle)  # e_x at alpha = 0
-                    said = f.rights[0].xreplace({D: sympy.S(sign)})
-                    cases.append((said == along, f"d {'>' if sign > 0 else '<'} 0: stable at e = {along} V/|V|, "
-                                                 f"β̇ falls by {-slope}/|d| per radian"))
-        return each("linearised (3.18): ", cases)
-
-    return check
-
-ALIGN = Record(TEXT, "castor, self-alignment", _alignment((1, -1)),
-    form(ALONG, EQ, sympy.S.One), form(ALONG, EQ, -sympy.sign(D)),
-    part=_alignment((-1,)), condition="d < 0",
-    remark="Not printed: what a reader expects of a trailing castor, that it rolls forwards when towed.")
 
 BICYCLE, OMNI_STEER = "fixed 0 0 0; steered 1.1 0 0", "steered 0.3 0 0; spherical -0.2 0.2; spherical -0.2 -0.2"
 ROBOTS = {
@@ -121,8 +81,12 @@ def _steerability(names: tuple[str, ...]) -> Check:
 STEERABILITY = Record(TEXT, "(3.41)", _steerability(tuple(ROBOTS)),
     form(symbol(r"\delta_s"), EQ, RANK_S), form(symbol(r"\delta_s"), EQ, RANK - RANK_F),
     part=_steerability(("bicycle", "two-steer", "omni-steer")),
-    condition="no steered wheel is tied to the ICR that others fix",
-    remark="All ranks with the wheels steered to one ICR; couplings (synchro drive) reduce δ_s further.")
+    condition="no steered wheel is tied to the ICR that others fix", kind=Class.CARE,
+    line="delta_s = rank[C1s(beta_s)]; automobile: rank[C1s]=1",
+    remark="The text means it so: a sentence on the automobile's second steerable wheel says that the wheel adds no "
+           "constraint, and the text counts rank[C1s]=1. (Of that sentence we have the figure at hand, not the "
+           "wording.) The matrix itself has rank 2. All ranks with the wheels steered to one ICR; couplings (synchro "
+           "drive) reduce δ_s further.")
 
 PHI1, PHI2, X = symbol(r"\dot{\varphi}_1"), symbol(r"\dot{\varphi}_2"), symbol(r"\dot{x}")
 
@@ -138,48 +102,8 @@ def _bicycle(beta2: sympy.Expr) -> Check:
 
 LOCKED = Record(TEXT, "3.4.2, locked bicycle", _bicycle(pi / 2),
     forms((PHI1, EQ, X / R), (PHI2, EQ, X / R)), forms((PHI1, EQ, X / R), (PHI2, EQ, -X / R)),
-    part=_bicycle(-pi / 2), condition="β₂ = −π/2",
+    part=_bicycle(-pi / 2), condition="β₂ = −π/2", kind=Class.CARE,
+    line="phi=(x/r)+phi_o for both wheels, beta=pi/2, alpha=(0,pi)",
     remark="φ = x/r + φ₀ differentiated. With α₂ = π and β₂ = π/2 the second wheel points backwards.")
 
-def _problem(left: sympy.Expr, right: sympy.Expr) -> Check:
-    """Twist in the world frame of a differential drive: l = 5, theta = pi/4, both wheels at 6 rad/s."""
-
-    def check(f: Form) -> Finding:
-        twist = engine.inverse(engine.differential(l=5)) * M([6 * right, 6 * left, 0])
-        truth = world_to_robot_rows(pi / 4).T * twist
-        verdict = vanishes(f.values[-1] - truth, f"wmrgen's rows with radii {number(left)} and {number(right)}")
-        return Finding(verdict.holds, f"{verdict.text}; twist ({', '.join(number(e) for e in truth)})")
-
-    return check
-
-def _twist(side: sympy.Expr, turn: sympy.Expr) -> Form:
-    return form(M([xd, yd, thd]), EQ, M([side / sympy.sqrt(2), side / sympy.sqrt(2), turn]))
-
-PROBLEM = Record(TEXT, "Problem 3.7.1", _problem(sympy.S.One, sympy.Rational(3, 2)),
-    _twist(sympy.Integer(15), sympy.Rational(3, 5)), _twist(sympy.Rational(15, 2), sympy.Rational(3, 10)),
-    part=_problem(sympy.Integer(2), sympy.Integer(3)), condition="the diameters 2 and 3 taken for r",
-    remark="The answer if the book's “diameter r” is put into its formulas, and the answer for diameters 2 and 3.")
-
-H1, H2, A1, A2 = symbol("h_1"), symbol("h_2"), symbol(r"\alpha_1"), symbol(r"\alpha_2")
-DEGREE = pi / 180
-
-def _spin(places: tuple[int, int]) -> Check:
-    """Turning about P: the sliding row's third entry is 0 with the wheel at alpha heading h = alpha + beta - pi/2."""
-
-    def check(f: Form) -> Finding:
-        entries = []
-        for heading, place in zip(f.rights, places, strict=True):
-            at = {A1: sympy.S(places[0]), A2: sympy.S(places[1])}
-            h = heading.xreplace(at) * DEGREE
-            entries.append(engine.sliding("fixed", alpha=place * DEGREE, beta=h + pi / 2 - place * DEGREE, l=1)[2])
-        angles = f"{places[0]}° and {places[1]}°".replace("-", "−")
-        return vanishes(entries, f"sideways velocity while spinning, wheels at polar angles {angles}")
-
-    return check
-
-FIGURE = Record(TEXT, "figure 3.16", _spin((90, -90)),
-    forms((H1, EQ, sympy.Integer(-50)), (H2, EQ, sympy.Integer(50))), forms((H1, EQ, A1 + 90), (H2, EQ, A2 - 90)),
-    part=_spin((-140, 140)), condition="the wheels stand at polar angles −140° and 140°",
-    remark="Headings in degrees. Printed for a two-steer robot whose wheels stand in line.")
-
-CONVENTIONS = (FRAME, CASTOR, ALIGN, STEERABILITY, LOCKED, PROBLEM, FIGURE)
+ENTRIES = (CASTOR, STEERABILITY, LOCKED)

@@ -1,4 +1,4 @@
-"""Equations of Siegwart, Nourbakhsh and Scaramuzza that hold as printed."""
+"""Equations of Siegwart, Nourbakhsh and Scaramuzza that hold."""
 
 from __future__ import annotations
 
@@ -50,6 +50,8 @@ WHEELS = (
           (r"R(\theta)^{-1}", TURN.T, engine.inverse(TURN)),
           (r"\dot{x}_R", cos(theta) * xd + sin(theta) * yd,
            book("world_to_robot", theta=theta, x_rate=xd, y_rate=yd, theta_rate=thd)["vx"])),
+    holds("(3.3)", "the rotation at heading π/2, which the text takes for its example",
+          (r"\dot{\xi}_R", M([yd, -xd, thd]), TURN.xreplace({theta: pi / 2}) * M([xd, yd, thd]))),
     holds("(3.7)–(3.9)", "wmrgen's rows of the differential drive, solved; wheel 1 is the right one",
           (r"\omega_1", R * F1 / (2 * L), CONTRIBUTION["right.omega"]),
           (r"\omega_2", -R * F2 / (2 * L), CONTRIBUTION["left.omega"]),

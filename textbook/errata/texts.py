@@ -1,4 +1,4 @@
-"""All records, text by text."""
+"""The five texts, and all records, text by text."""
 
 from __future__ import annotations
 
@@ -16,15 +16,23 @@ from textbook.errata import (
 )
 from textbook.errata.records import Record
 
-# What is not as printed, in the order of the texts; then what holds under a condition; then what holds.
-ERRATA: tuple[Record, ...] = (
-    *tzafestas.ERRATA, *konstantinov.ERRATA, *kelly.ERRATA, *siegwart.ERRATA, *aa274.ERRATA)  # fmt: skip
-CONVENTIONS: tuple[Record, ...] = (
-    *tzafestas_conventions.CONVENTIONS, *konstantinov.CONVENTIONS, *kelly.CONVENTIONS,
-    *siegwart_conventions.CONVENTIONS, *aa274.CONVENTIONS)  # fmt: skip
+# Edition, and what our copy is, by the name under which a text is cited.
+BIBLIOGRAPHY = {
+    "Tzafestas": "Spyros G. Tzafestas: *Introduction to Mobile Robot Control*. 1st edition, Elsevier, 2014. Chapter 2.",
+    "Konstantinov": "Konstantinov: a paper on the kinematics of a robot with three omni wheels. Title and year are not "
+    "recorded with our copy.",
+    "Kelly": "Alonzo Kelly: *Mobile Robotics: Mathematics, Models, and Methods*. 1st edition, Cambridge University "
+    "Press, 2013. Our copy is of the slides to chapter 4, not of the book; their date is not recorded.",
+    "Siegwart": "Roland Siegwart, Illah R. Nourbakhsh, Davide Scaramuzza: *Introduction to Autonomous Mobile Robots*. "
+    "2nd edition, MIT Press, 2011. Section 2.3 and chapter 3.",
+    "AA274": "Stanford University, course AA274: lecture 1, on the kinematics of wheeled robots. The year is not "
+    "recorded with our copy.",
+}
+
+# What is not as it should be, then what holds, each in the order of the texts.
+ENTRIES: tuple[Record, ...] = (
+    *tzafestas.ENTRIES, *tzafestas_conventions.ENTRIES, *konstantinov.ENTRIES, *kelly.ENTRIES, *siegwart.ENTRIES,
+    *siegwart_conventions.ENTRIES, *aa274.ENTRIES)  # fmt: skip
 HOLDS: tuple[Record, ...] = (
     *tzafestas_holds.HOLDS, *konstantinov.HOLDS, *kelly_holds.HOLDS, *siegwart_holds.HOLDS,
     *aa274.HOLDS)  # fmt: skip
-# Numbers that the texts work out, and that are right.
-WORKED: tuple[Record, ...] = (*siegwart_holds.NUMBERS, tzafestas_holds.AUGMENTATION)
-RECORDS: tuple[Record, ...] = (*ERRATA, *CONVENTIONS, *HOLDS)

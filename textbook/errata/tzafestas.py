@@ -1,4 +1,4 @@
-"""Misprints of Tzafestas, chapter 2."""
+"""Tzafestas, chapter 2: errors of the text, and damage of the copy."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from textbook.errata import engine
 from textbook.errata.checks import identity, rights, shape_of, undefined, vanishes
 from textbook.errata.claims import along, book
 from textbook.errata.forms import BAR, EQ, PLUS, TIMES, Form, form, forms, symbol
-from textbook.errata.records import Finding, Record
+from textbook.errata.records import Class, Finding, Record
 from textbook.frames import skew
 from textbook.transforms import rotation_rows, world_to_robot_rows
 
@@ -33,8 +33,9 @@ def _right_handed(matrix: sympy.Matrix) -> sympy.Matrix:
 
 ROTATION = Record(TEXT, "(2.15b)",
     rights(_right_handed, "dR/dφ = [e_y]× R, as for a right-handed rotation"),
-    form(RY_DOT, EQ, RY.T), form(RY_DOT, EQ, RY),
-    remark="The printed matrix is R_y(−φ); R_x and R_z of (2.15a, c) are right-handed.")
+    form(RY_DOT, EQ, RY.T), form(RY_DOT, EQ, RY), kind=Class.ERROR, line="R_y = [[c,0,-s],[0,1,0],[s,0,c]]",
+    remark="The matrix is R_y(−φ), while R_x and R_z of (2.15a, c) are right-handed. Two signs are exchanged, which "
+           "an extraction does not do.")
 
 Q = [symbol(f"q_{k}") for k in (1, 2, 3)]
 QD = [symbol(rf"\dot{{q}}_{k}") for k in (1, 2, 3)]
@@ -51,8 +52,9 @@ SPHERE = Record(TEXT, "(2.23)",
                          for q, qd in zip(Q, QD, strict=True)],
         "the coefficients are the gradient of (q₁² + q₂² + q₃²)/2, so the constraint is integrable",
     ),
-    form(MU, EQ, SUM), form(SUM, EQ, sympy.S.Zero), slip=_equation_to_zero,
-    remark="Shown for three coordinates.")
+    form(MU, EQ, SUM), form(SUM, EQ, sympy.S.Zero), slip=_equation_to_zero, kind=Class.LIKELY,
+    line="mu(q)qdot = q1 q1dot+...+qn qndot",
+    remark="“= 0” is missing. Shown for three coordinates.")
 
 XR, YR, VQ, V0 = symbol(r"\dot{x}_r"), symbol(r"\dot{y}_r"), symbol("v_Q"), symbol("v_0")
 
@@ -64,7 +66,8 @@ EXAMPLE_21 = Record(TEXT, "Example 2.1, (2.44)",
     rights(_robot_to_world, "turned into the world frame the velocity is (2.35), v_Q (cos φ, sin φ)"),
     forms((XR, EQ, V0), (YR, EQ, symbol(r"0\,\cos/\sin{}-\sin/\cos"))),
     forms((XR, EQ, VQ), (YR, EQ, sympy.S.Zero)),
-    slip=undefined(XR, YR, VQ, phi))
+    slip=undefined(XR, YR, VQ, phi), kind=Class.DAMAGE, line="ydot_r = 0 cos/sin -sin/cos, xdot_r = v_0",
+    remark="Pieces of a matrix have run into the line.")
 
 def _slipping(x: sympy.Expr, y: sympy.Expr) -> list[sympy.Expr]:
     """(r theta' - w) e + z n: velocity of a slipping contact of a wheel turned by zeta."""
@@ -77,7 +80,10 @@ SLIP_ZETA = Record(TEXT, "Example 2.2, slip with ζ ≠ 0", rights(_slipping, _S
     forms((symbol("v_x"), EQ, (r * theta_d - w) * cos(zeta)), (symbol("v_y"), EQ, z * cos(zeta))),
     forms((symbol("v_x"), EQ, (r * theta_d - w) * cos(zeta) - z * sin(zeta)),
           (symbol("v_y"), EQ, (r * theta_d - w) * sin(zeta) + z * cos(zeta))),
-    part=rights(_slipping, _SAYS, {zeta: sympy.S.Zero}), condition="ζ = 0", claimed=True)
+    part=rights(_slipping, _SAYS, {zeta: sympy.S.Zero}), condition="ζ = 0", kind=Class.ERROR,
+    line="v_r=(r th_r - w_r)cos zeta_r ; -xG sin+yG cos+b pd - z_r cos zeta_r = 0 (zeta != 0)",
+    remark="w is the slip along the wheel and z the slip across it, as at ζ = 0; then the pair lacks both sine terms. "
+           "Shown for one wheel: forward and lateral velocity v_x, v_y of its contact in the robot frame.")
 
 T = sympy.Symbol("t")
 X1, X2, X3 = (sympy.Function(f"x_{k}")(T) for k in (1, 2, 3))
@@ -104,7 +110,9 @@ def _brockett(order: int) -> Form:
         (sympy.diff(X3, T), EQ, X1 * sympy.diff(X2, T) - X2 * sympy.diff(X1, T)),
     )
 
-DOUBLE = Record(TEXT, "(2.60)", _double_integrator, _brockett(1), _brockett(2))
+DOUBLE = Record(TEXT, "(2.60)", _double_integrator, _brockett(1), _brockett(2), kind=Class.LIKELY,
+    line="x1dot=u1, x2dot=u2, x3dot=x1 x2dot - x2 x1dot",
+    remark="The text calls it a double integrator: of two dots over a letter the extraction will have lost one.")
 
 Z = [symbol(rf"\dot{{z}}_{k}") for k in (1, 2, 3)]
 
@@ -120,7 +128,7 @@ CHAIN_MISSING = Record(TEXT, "(2.63)",
     rights(_chain_rates, "rates of z of (2.62) along the unicycle (2.26)"),
     None,
     forms((Z[0], EQ, u1), (Z[1], EQ, u2), (Z[2], EQ, symbol("z_2") * u1)),
-    remark="The display is missing; u₁ = v_φ, u₂ = v_Q − z₃ u₁.")
+    kind=Class.DAMAGE, remark="u₁ = v_φ, u₂ = v_Q − z₃ u₁.")
 
 PHI = [symbol(rf"\phi_{k}") for k in range(4)]
 PHID = [symbol(rf"\dot{{\phi}}_{k}") for k in range(4)]
@@ -143,8 +151,10 @@ def _constraint(rates: list[sympy.Expr]) -> Form:
 
 TRAILER_CONSTRAINT = Record(TEXT, "2.3.6, constraint of trailer i",
     identity(lambda left, _: left - sideways(SECOND), "sideways velocity of the trailer, by differentiation"),
-    _constraint([PHID[SECOND]] * 4), _constraint(PHID),
-    remark="Shown for i = 2. Printed with the rate of trailer i in every term (and i for the bound index).")
+    _constraint([PHID[SECOND]] * 4), _constraint(PHID), kind=Class.LIKELY,
+    line="xQ sin phi_i - yQ cos phi_i + sum_{i=1}^{i} phidot_i L_j cos(phi_i-phi_j)=0",
+    remark="The bound index reads i, as does the index of the rate; L_j and φ_j show that it was j, which looks like "
+           "i. xQ and yQ are rates. Shown for i = 2.")
 
 def _rates(speed: sympy.Expr) -> list[sympy.Expr]:
     rates = []
@@ -161,7 +171,10 @@ TRAILER_RATES = Record(TEXT, "(2.70)",
     rights(_trailers_roll, "the three trailers roll without slipping while Q drives at v₁ along φ₀"),
     forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(sympy.S.One), 1))),
     forms(*((PHID[i], EQ, e) for i, e in enumerate(_rates(v1), 1))),
-    remark="Printed without v₁, which leaves a drift at standstill.")
+    kind=Class.ERROR,
+    line="phidot_i = (1/L_i) prod_{j=1}^{i-1} cos(phi_{j-1}-phi_j) sin(phi_{i-1}-phi_i)",
+    remark="Without v₁ the trailers turn while the robot stands still. (The index of the last product reads "
+           "prod_{i=1}^{N-1}, for j: likely damage.)")
 
 VH, VI, VR, VB = (symbol(n) for n in ("v_h", "v_i", r"v_{\mathrm{roller}}", "v_b"))
 
@@ -172,12 +185,12 @@ def _pythagoras(left: sympy.Expr, right: sympy.Expr) -> sympy.Expr:
 OMNI_PAIR = Record(TEXT, "(2.71a)",
     identity(_pythagoras, "with v_i = v_h cos(γ − β) and the rest taken up by the roller"),
     form(VB**2, EQ, VI**2 + VR**2), form(VH**2, EQ, VI**2 + VR**2),
-    slip=undefined(VH, VI, VR, beta, gamma))
+    slip=undefined(VH, VI, VR, beta, gamma), kind=Class.DAMAGE, line="v_b^2 = v_i^2 + v_roller^2")
 
 BETAS = [symbol(rf"\beta_{k}") for k in (1, 2, 3, 4)]
 UT = M([[-sin(e), cos(e)] for e in BETAS])
 BACK = M([[cos(phi), sin(phi)], [-sin(phi), cos(phi)]])
-DD3, DD4 = M([D, D, D]), M([D, D, D, D])
+DD4 = M([D, D, D, D])
 
 def _omni4(f: Form) -> Finding:
     """(1/r) [U^T R^-1 | D] against wmrgen's rolling rows of four omni wheels at position angles beta_i."""
@@ -194,8 +207,10 @@ def _omni4(f: Form) -> Finding:
 
 JINV, ONE_R = symbol("J^{-1}"), 1 / r
 OMNI4 = Record(TEXT, "(2.75c, d)", _omni4,
-    form(JINV, EQ, ONE_R, TIMES, UT * BACK, PLUS, DD3), form(JINV, EQ, ONE_R, TIMES, UT * BACK, BAR, DD4),
-    remark="βᵢ is the angle of the wheel's position here, unlike in (2.72); shown with UᵀR⁻¹(φ) multiplied out.")
+    form(JINV, EQ, ONE_R, TIMES, UT * BACK, PLUS, DD4), form(JINV, EQ, ONE_R, TIMES, UT * BACK, BAR, DD4),
+    kind=Class.ERROR, line="J^-1 = (1/r)(U^T R^-1(phi) + Dbar), Dbar=[D,D,D,]^T",
+    remark="The column stands beside the matrix. Its fourth D will have been lost after the last comma: damage of the "
+           "copy, and put back above. βᵢ is the angle of the wheel's position here, unlike in (2.72).")
 
 RR, RS, D1, D2 = (symbol(n) for n in ("R", "r", "d_1", "d_2"))
 S = D1 + D2
@@ -218,8 +233,10 @@ def _mecanum(f: Form) -> Finding:
 PRINTED_THIRD = [(D2, D1), (D2, -D1), (-D2, -D1), (-D2, D1)]
 THIRD = [(D2, -D1), (D2, D1), (-D2, D1), (-D2, -D1)]
 MECANUM = Record(TEXT, "(2.81)", _mecanum, _mecanum_form(PRINTED_THIRD), _mecanum_form(THIRD),
-    remark="y forward; wheels 1 to 4 are front right, front left, rear left, rear right.")
+    kind=Class.ERROR, line="J1..J4 with third columns (d2, +d1), (d2,-d1), (-d2,-d1), (-d2,+d1)",
+    remark="(2.82) and (2.84) of the same text are each other's inverse and contradict (2.81): all four signs of d₁ "
+           "are reversed. y forward; wheels 1 to 4 are front right, front left, rear left, rear right.")
 
-ERRATA = (
+ENTRIES = (
     ROTATION, SPHERE, EXAMPLE_21, SLIP_ZETA, DOUBLE, CHAIN_MISSING, TRAILER_CONSTRAINT, TRAILER_RATES, OMNI_PAIR,
     OMNI4, MECANUM)

@@ -1,4 +1,4 @@
-"""What Tzafestas prints and what holds only under a condition."""
+"""Tzafestas, chapter 2: what is to be read with care."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import sympy
 
 from textbook.errata.checks import at_points, rights, vanishes
 from textbook.errata.forms import AND, EQ, Form, form, forms, symbol
-from textbook.errata.records import Check, Finding, Record
-from textbook.errata.tzafestas import TEXT, XQ, YQ, D, b, cos, phi, phid, psi, r, sin, sqrt, v
+from textbook.errata.records import Class, Finding, Record
+from textbook.errata.tzafestas import TEXT, XQ, YQ, D, b, cos, phi, phid, psi, sin, sqrt, v
 
 # Pages of formulas, laid out by hand.
 # fmt: off
@@ -30,7 +30,8 @@ def _open_domain(f: Form) -> Finding:
 TURNING = Record(TEXT, "(2.43a)", _radius,
     form(symbol("R"), EQ, RADIUS, AND, sympy.GreaterThan(VRT, VL)),
     form(symbol("R"), EQ, RADIUS, AND, sympy.StrictGreaterThan(VRT, VL)),
-    part=_open_domain, condition="v_r ≠ v_l (R is signed: positive turns left)")
+    part=_open_domain, condition="v_r ≠ v_l (R is signed: positive turns left)", kind=Class.CARE,
+    line="R = vQ/pd = a(vr+vl)/(vr-vl), vr >= vl", remark="At v_r = v_l the robot drives straight, R is infinite.")
 
 SIDE = symbol(r"\sigma")
 XG, YG = symbol(r"\dot{x}_G"), symbol(r"\dot{y}_G")
@@ -43,12 +44,10 @@ CENTRE = Record(TEXT, "Example 2.2, G", rights(_offset, "G = Q + σ b (cos φ, s
     forms((XG, EQ, XQ + b * phid * sin(phi)), (YG, EQ, YQ - b * phid * cos(phi))),
     forms((XG, EQ, XQ - SIDE * b * phid * sin(phi)), (YG, EQ, YQ + SIDE * b * phid * cos(phi))),
     part=rights(_offset, "G = Q − b (cos φ, sin φ), differentiated", {SIDE: sympy.S.NegativeOne}),
-    condition="σ = −1: G lies behind the axle")
+    condition="σ = −1: G lies behind the axle", kind=Class.CARE,
+    line="xG_dot = xQ_dot + b pd sin, yG_dot = yQ_dot - b pd cos", remark="For G ahead of the axle read −b for b.")
 
-_QUADRANTS = [(sympy.S(a), sympy.Rational(c, 2)) for a in (1, -1) for c in (1, -1)]
-
-def _points(forward_only: bool) -> list[tuple[sympy.Expr, sympy.Expr]]:
-    return [p for p in _QUADRANTS if p[0] > 0 or not forward_only]
+_POINTS = [(sympy.S(a), sympy.Rational(c, 2)) for a in (1, -1) for c in (1, -1)]  # v and phi', forwards first
 
 def _front_heading(angle: sympy.Expr) -> list[sympy.Expr]:
     """The front wheel, turning forwards, rolls along (v, D phi'): its velocity in the robot frame."""
@@ -56,27 +55,12 @@ def _front_heading(angle: sympy.Expr) -> list[sympy.Expr]:
     at = {D: sympy.S.One}
     return [(speed * cos(angle) - v).xreplace(at), (speed * sin(angle) - D * phid).xreplace(at)]
 
-def _steer_check(forward_only: bool) -> Check:
-    says = "velocity of the front wheel, (v, D φ′) with D = 1, along the wheel turning forwards"
-    return at_points(_front_heading, (v, phid), _points(forward_only), says)
-
-STEER = Record(TEXT, "(2.47a)", _steer_check(False),
+_SAYS = "velocity of the front wheel, (v, D φ′) with D = 1, along the wheel turning forwards as (2.47b) has it"
+STEER = Record(TEXT, "(2.47a)", at_points(_front_heading, (v, phid), _POINTS, _SAYS),
     form(psi, EQ, sympy.atan(D * phid / v)), form(psi, EQ, sympy.atan2(D * phid, v)),
-    part=_steer_check(True), condition="v > 0")
+    part=at_points(_front_heading, (v, phid), _POINTS[:2], _SAYS), condition="v > 0", kind=Class.CARE,
+    line="psi = arctg(D pd/v)",
+    remark="(2.47b), θ′_w = √(v² + (D φ′)²)/r, then holds as it stands, forwards and backwards. Who keeps |ψ| < π/2 "
+           "instead must give θ′_w the sign of v: one of the two, never both.")
 
-def _front_rate(rate: sympy.Expr) -> sympy.Expr:
-    """r theta_w is the component of (v, D phi') along the wheel at |psi| < pi/2."""
-    angle = sympy.atan(D * phid / v)
-    at = {D: sympy.S.One, r: sympy.S.One}
-    return (r * rate - v * cos(angle) - D * phid * sin(angle)).xreplace(at)
-
-def _rate_check(forward_only: bool) -> Check:
-    says = "component of (v, D φ′) along the wheel at |ψ| < π/2, with D = r = 1"
-    return at_points(_front_rate, (v, phid), _points(forward_only), says)
-
-SPEED = sqrt(v**2 + (D * phid) ** 2) / r
-FRONT_RATE = Record(TEXT, "(2.47b)", _rate_check(False),
-    form(symbol(r"\dot{\theta}_w"), EQ, SPEED), form(symbol(r"\dot{\theta}_w"), EQ, sympy.sign(v) * SPEED),
-    part=_rate_check(True), condition="v > 0, the wheel turning forwards")
-
-CONVENTIONS = (TURNING, CENTRE, STEER, FRONT_RATE)
+ENTRIES = (TURNING, CENTRE, STEER)

@@ -1,4 +1,4 @@
-"""Equations of Tzafestas, chapter 2, that hold as printed."""
+"""Equations of Tzafestas, chapter 2, that hold."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from textbook.transforms import rotation_rows, world_to_robot_rows
 # fmt: off
 # isort: off
 from textbook.errata.tzafestas import (
-    D1, D2, IK4, LEN, PHI, RR, RS, TEXT, D, M, b, cos, phi, phid, psi, r, sin, sqrt, u1, u2)
+    D1, D2, IK4, LEN, PHI, RR, RS, TEXT, D, M, b, cos, phi, phid, psi, r, sin, sqrt, u1, u2, v, zeta)
 
 ZERO, ONE, HALF, PI = sympy.S.Zero, sympy.S.One, sympy.S.Half, sympy.pi
-x, y, zeta, xd, yd = symbol("x"), symbol("y"), symbol(r"\zeta"), symbol(r"\dot{x}"), symbol(r"\dot{y}")
+x, y, xd, yd = symbol("x"), symbol("y"), symbol(r"\dot{x}"), symbol(r"\dot{y}")
 p, q, s, a = symbol("p"), symbol("q"), symbol("s"), symbol("a")
 vq = symbol("v_Q")
 BACK = world_to_robot_rows(phi)  # world to robot
@@ -107,6 +107,7 @@ DRIVES = (
 # ---- tricycle and car: q = (x, y, phi, psi)
 
 FRONT = engine.wheel(D, ZERO, psi)
+FRONT_XY = M.vstack(*engine.wheel(D, ZERO, ZERO))  # velocity of the front wheel along and across the robot
 
 def _car_rolls(field: sympy.Matrix, front_speed: sympy.Expr | None) -> list[sympy.Expr]:
     """Both axles do not slide along the field, and the front wheel rolls at ``front_speed``."""
@@ -121,10 +122,16 @@ TRI = _field(r * cos(psi), r * sin(psi) / D)
 RWD = _field(ONE, sympy.tan(psi) / D)
 FWD = _field(cos(psi), sin(psi) / D)
 CAR_M = M([[-sin(phi), cos(phi), 0, 0], [-sin(phi + psi), cos(phi + psi), D * cos(psi), 0]])
-XP = x + D * cos(phi)
+ZETA_STATE = (x + D * cos(phi), y + D * sin(phi), phi, phi + psi)
 ZFLOW = {x: cos(phi) * cos(psi) * u1, y: sin(phi) * cos(psi) * u1, phi: sin(psi) / D * u1, psi: u2}
 EPS, DIST = symbol(r"\epsilon"), symbol("L")
-ZETA_RATE = sin(psi) / D * u1 + u2  # u2' of (2.56b): sin(zeta - phi) v1/D + v2
+
+def _zeta_rates(right: sympy.Matrix) -> list[sympy.Expr]:
+    """Against the rates along the flow, whose inputs are v1 = u1 and v2."""
+    at = {u2: sin(zeta - phi) / D * u1 + u2}
+    return [(e.xreplace(at) - along(s, ZFLOW)).xreplace({zeta: phi + psi})
+            for e, s in zip(right, ZETA_STATE, strict=True)]
+
 CHAIN = (x, sympy.tan(psi) / (D * cos(phi) ** 3), sympy.tan(phi), y)
 W1 = u1 / cos(phi)
 W2 = -3 * sin(psi) ** 2 * sin(phi) / (D * cos(phi) ** 2) * u1 + D * cos(psi) ** 2 * cos(phi) ** 3 * u2
@@ -134,6 +141,10 @@ CARS = (
     residual(TEXT, "(2.45), (2.46)",
              "wmrgen's rows: rear axle and front wheel do not slide, front wheel rolls at r", "J", TRI,
              lambda e: _car_rolls(e, r)),
+    residual(TEXT, "(2.47b)", "square of the front wheel's velocity (v, D φ′): its rim turns as fast",
+             r"\dot{\theta}_w", sqrt(v**2 + (D * phid) ** 2) / r,
+             lambda e: (r * e) ** 2 - (FRONT_XY * M([v, ZERO, phid])).dot(FRONT_XY * M([v, ZERO, phid])),
+             remark="With ψ of (2.47a) as atan2."),
     holds("(2.48)", "v/ω along (2.46)",
           ("R", D * sympy.tan(PI / 2 - psi), sympy.simplify(TRI[0, 0] / cos(phi) / TRI[2, 0]))),
     holds("(2.50), (2.51)", "wmrgen's sliding rows at Q and at P = Q + D (cos φ, sin φ)",
@@ -143,10 +154,9 @@ CARS = (
              remark="Singular at ψ = ±π/2; v₁ = v_w cos ψ."),
     residual(TEXT, "(2.56a)", "M J = 0, and v₁ is the speed of the front wheel", "J", FWD,
              lambda e: [*_car_rolls(e, ONE), CAR_M * e]),
-    holds("(2.56b)", "rates of P and of ζ = φ + ψ along (2.56a)",
-          (r"\dot{x}_p", u1 * cos(phi + psi), along(XP, ZFLOW)),
-          (r"\dot{y}_p", u1 * sin(phi + psi), along(y + D * sin(phi), ZFLOW)),
-          (r"\dot{\zeta}", ZETA_RATE, along(phi + psi, ZFLOW))),
+    residual(TEXT, "(2.56b)", "rates of x_p, y_p, φ and ζ = φ + ψ along (2.56a), u₁ = v₁, u₂ = sin(ζ − φ) v₁/D + v₂",
+             r"\begin{bmatrix}\dot{x}_p\\ \dot{y}_p\\ \dot{\phi}\\ \dot{\zeta}\end{bmatrix}",
+             M([cos(zeta) * u1, sin(zeta) * u1, sin(zeta - phi) / D * u1, u2]), _zeta_rates),
     holds("(2.57a–c)", "the circle through Q, tangent to the heading, through the goal at distance L in direction ε",
           ("L", 2 * (DIST / (2 * sin(EPS))) * sin(EPS), DIST),
           (r"\tan\psi", 2 * D * sin(EPS) / DIST, D / (DIST / (2 * sin(EPS)))),

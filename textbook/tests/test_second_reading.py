@@ -1,0 +1,338 @@
+"""A second reading of the errors of the texts: the forms that the page shows are put into small simulations and
+finite differences written here, which share nothing with the checks of the page but the forms.
+
+Each form of a copy must fail, each corrected form hold, and corrections must agree with one another and with what the
+page says holds.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, isclose, pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+
+from textbook.errata.forms import Form
+from textbook.errata.records import Class, Record
+from textbook.errata.texts import ENTRIES, HOLDS
+
+EVERY = {(r.text, r.equation): r for r in (*ENTRIES, *HOLDS)}
+ERRORS = [r for r in ENTRIES if r.kind is Class.ERROR]
+SMALL = 1e-6
+
+
+def forms(text: str, equation: str) -> tuple[Form, Form]:
+    """What the copy has and what the page puts in its place."""
+    r: Record = EVERY[text, equation]
+    assert r.printed is not None and r.corrected is not None
+    return r.printed, r.corrected
+
+
+def value(expr: Any, **at: float) -> Any:
+    """The number, or array of numbers, of a form's part; symbols by the LaTeX of their names, backslashes left out."""
+    names = {s: at[s.name.translate({92: None, 123: None, 125: None})] for s in expr.free_symbols}
+    number = expr.subs(names)
+    if isinstance(number, sympy.MatrixBase):
+        return np.array(number.evalf().tolist(), dtype=float)
+    return float(number)
+
+
+def slope(path: Any, h: float = 1e-5) -> Any:
+    """The derivative of a function of time at 0."""
+    return (np.asarray(path(h)) - np.asarray(path(-h))) / (2 * h)
+
+
+def test_every_error_is_read_again() -> None:
+    here = {
+        ("Tzafestas", "(2.15b)"), ("Tzafestas", "Example 2.2, slip with ζ ≠ 0"), ("Tzafestas", "(2.70)"),
+        ("Tzafestas", "(2.75c, d)"), ("Tzafestas", "(2.81)"), ("Konstantinov", "(2)"), ("Konstantinov", "R"),
+        ("Siegwart", "3.2.2, “diameter r”"), ("Siegwart", "(3.20)"), ("Siegwart", "(3.55)"), ("Siegwart", "(3.65)"),
+    }  # fmt: skip
+    assert {(r.text, r.equation) for r in ERRORS} == here
+
+
+def test_rotation_about_y_takes_z_to_x() -> None:
+    """As R_x takes y to z and R_z takes x to y: a quarter turn, right-handed."""
+    copy, corrected = forms("Tzafestas", "(2.15b)")
+    z, x = np.array([0, 0, 1]), np.array([1, 0, 0])
+    assert np.allclose(value(corrected.rights[0], phi=pi / 2) @ z, x)
+    assert np.allclose(value(copy.rights[0], phi=pi / 2) @ z, -x)
+    third = EVERY["Tzafestas", "(2.15c)"].printed
+    first = EVERY["Tzafestas", "(2.15a)"].printed
+    assert third is not None and first is not None
+    turns = [value(f.rights[0], phi=0.4) for f in (first, corrected, third)]
+    cyclic = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])  # x to y, y to z, z to x
+    assert np.allclose(cyclic @ turns[0] @ cyclic.T, turns[1])
+    assert np.allclose(cyclic @ turns[1] @ cyclic.T, turns[2])
+
+
+@pytest.mark.parametrize("zeta", [-1.1, 0.0, 0.4, 2.0])
+def test_slip_of_a_turned_wheel(zeta: float) -> None:
+    copy, corrected = forms("Tzafestas", "Example 2.2, slip with ζ ≠ 0")
+    r, spin, w, z = 0.3, 4.0, 0.25, -0.6
+    velocity = (r * spin - w + 1j * z) * complex(cos(zeta), sin(zeta))  # along the wheel + i across, turned
+    at = {"r": r, "dottheta": spin, "w": w, "z": z, "zeta": zeta}
+    assert np.allclose([value(e, **at) for e in corrected.rights], [velocity.real, velocity.imag])
+    same = np.allclose([value(e, **at) for e in copy.rights], [velocity.real, velocity.imag])
+    assert same == (zeta == 0)
+
+
+def trailer_angles(v1: float, h: float) -> list[float]:
+    """Three trailers after the tractor has gone h v1 along its heading: each axle is drawn straight to its hitch."""
+    heading, lengths = [0.2, 0.5, -0.3, 0.9], [0.8, 1.3, 0.6]
+    axles = [0j]
+    for angle, length in zip(heading[1:], lengths, strict=True):
+        axles.append(axles[-1] - length * complex(cos(angle), sin(angle)))
+    axles[0] += h * v1 * complex(cos(heading[0]), sin(heading[0]))
+    angles = []
+    for i, length in enumerate(lengths, 1):
+        rod = axles[i - 1] - axles[i]
+        ahead = complex(cos(heading[i]), sin(heading[i]))
+        # the axle moves along its own heading until the rod has its length again
+        along = (rod * ahead.conjugate()).real
+        side = (rod * ahead.conjugate()).imag
+        axles[i] += (along - sqrt(length**2 - side**2)) * ahead
+        rod = axles[i - 1] - axles[i]
+        angles.append(atan2(rod.imag, rod.real))
+    return angles
+
+
+@pytest.mark.parametrize("v1", [1.7, -0.4, 0.0, 1.0])
+def test_trailers_are_drawn(v1: float) -> None:
+    copy, corrected = forms("Tzafestas", "(2.70)")
+    rates = slope(lambda h: trailer_angles(v1, h))
+    at = {
+        "v_1": v1,
+        "phi_0": 0.2,
+        "phi_1": 0.5,
+        "phi_2": -0.3,
+        "phi_3": 0.9,
+        "L_1": 0.8,
+        "L_2": 1.3,
+        "L_3": 0.6,
+    }
+    assert np.allclose([value(e, **at) for e in corrected.rights], rates, atol=SMALL)
+    assert np.allclose([value(e, **at) for e in copy.rights], rates, atol=SMALL) == (v1 == 1)
+
+
+def test_trailers_keep_the_constraint_that_was_mended() -> None:
+    """(2.70) and the constraint of 2.3.6, both corrected, agree; the constraint of the copy contradicts (2.70)."""
+    copy, corrected = forms("Tzafestas", "2.3.6, constraint of trailer i")
+    _, rates = forms("Tzafestas", "(2.70)")
+    at = {
+        "v_1": 1.7,
+        "phi_0": 0.2,
+        "phi_1": 0.5,
+        "phi_2": -0.3,
+        "phi_3": 0.9,
+        "L_1": 0.8,
+        "L_2": 1.3,
+        "L_3": 0.6,
+    }
+    at |= {f"dotphi_{i}": value(e, **at) for i, e in enumerate(rates.rights, 1)}
+    at |= {"dotx_Q": 1.7 * cos(0.2), "doty_Q": 1.7 * sin(0.2)}
+    assert abs(value(corrected.values[0], **at)) < SMALL < 0.01 < abs(value(copy.values[0], **at))
+
+
+def test_four_omni_wheels_in_the_world() -> None:
+    """The rim speed is that of the hub along the tangent, by finite differences of the hub's place."""
+    copy, corrected = forms("Tzafestas", "(2.75c, d)")
+    phi, far, r, rates = 0.7, 0.35, 0.05, (0.4, -0.9, 1.3)
+    places = [0.3, 1.9, -2.2, 0.0]
+
+    def hubs(t: float) -> list[complex]:
+        heading = phi + rates[2] * t
+        start = complex(rates[0], rates[1]) * t
+        return [start + far * complex(cos(heading + b), sin(heading + b)) for b in places]
+
+    tangents = [1j * complex(cos(phi + b), sin(phi + b)) for b in places]
+    truth = [(v * t.conjugate()).real / r for v, t in zip(slope(hubs), tangents, strict=True)]
+    at = {"phi": phi, "r": r, "D": far} | {f"beta_{k}": b for k, b in enumerate(places, 1)}
+    _, scale, left, right = corrected.values
+    made = value(scale, **at) * np.hstack([value(left, **at), value(right, **at)])
+    assert np.allclose(made @ rates, truth, atol=SMALL)
+    assert copy.values[2].shape != copy.values[3].shape  # no sum
+
+
+def test_mecanum_jacobians_agree_with_the_forward_solution() -> None:
+    """Drive by (2.82): the corrected J_i give back every wheel's rate, those of the copy do not."""
+    copy, corrected = forms("Tzafestas", "(2.81)")
+    forward = EVERY["Tzafestas", "(2.82)"].printed
+    assert forward is not None
+    at = {"R": 0.1, "r": 0.02, "d_1": 0.3, "d_2": 0.5}
+    spins = np.array([3.0, 1.0, 2.5, 1.5])  # compatible: 1 + 2 = 3 + 4
+    twist = value(forward.rights[0], **at) @ spins
+    back = [np.linalg.solve(value(j, **at), twist)[0] for j in corrected.rights]
+    wrong = [np.linalg.solve(value(j, **at), twist)[0] for j in copy.rights]
+    assert np.allclose(back, spins) and not np.allclose(wrong, spins, atol=0.1)
+
+
+def test_mecanum_wheels_stand_where_the_correction_puts_them() -> None:
+    """A wheel on the ground: its hub moves at R spin along y and r times the roller's rate along the roller."""
+    _, corrected = forms("Tzafestas", "(2.81)")
+    at = {"R": 0.1, "r": 0.02, "d_1": 0.3, "d_2": 0.5}
+    places = [(0.3, 0.5), (-0.3, 0.5), (-0.3, -0.5), (0.3, -0.5)]
+    for jacobian, (x, y) in zip(corrected.rights, places, strict=True):
+        spin_only = np.linalg.solve(value(jacobian, **at), [0.0, 0.0, 1.0])  # turning in place at 1 rad/s
+        hub = np.array([-y, x])
+        moved = value(jacobian, **at)[:2, :2] @ spin_only[:2]
+        assert np.allclose(moved, hub)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.9, -2.5])
+def test_hub_of_the_three_wheeled_robot(angle: float) -> None:
+    copy, corrected = forms("Konstantinov", "(2)")
+    a, rates = 0.3, (0.5, -0.2, 1.6)
+    hub = slope(
+        lambda t: [rates[0] * t + a * cos(angle + rates[2] * t), rates[1] * t + a * sin(angle + rates[2] * t)]
+    )
+    at = {"a": a, "dotx": rates[0], "doty": rates[1], "dotphi": rates[2], "phi_i": angle}
+    assert np.allclose([value(e, **at) for e in corrected.rights], hub, atol=SMALL)
+    assert not np.allclose([value(e, **at) for e in copy.rights], hub, atol=0.05)
+    speed = EVERY["Konstantinov", "vᵢ²"].printed  # the paper's own line agrees with the correction
+    assert speed is not None and isclose(value(speed.rights[0], **at), hub @ hub, rel_tol=1e-6)
+
+
+@pytest.mark.parametrize("spins", [(2.0, -1.0, 4.0), (-3.0, 1.0, 0.5), (1.0, 0.2, 0.1)])
+def test_circle_of_the_three_wheeled_robot(spins: tuple[float, float, float]) -> None:
+    """Drive by (5) in small steps: the distance to the centre of the circle through three points is R."""
+    copy, corrected = forms("Konstantinov", "R")
+    a, r = 0.3, 0.05
+    total = sum(spins)
+    x = y = phi = 0.0
+    path, steps, dt = [], 4000, 1e-3
+    for k in range(steps):
+        middle = phi - r / (3 * a) * total * dt / 2
+        turns = [middle + 2 * pi * i / 3 for i in range(3)]
+        x += dt * 2 * r / 3 * sum(s * sin(t) for s, t in zip(spins, turns, strict=True))
+        y -= dt * 2 * r / 3 * sum(s * cos(t) for s, t in zip(spins, turns, strict=True))
+        phi -= r / (3 * a) * total * dt
+        if k in (0, steps // 2, steps - 1):
+            path.append(complex(x, y))
+    p, q, s = path
+    radius = abs(p - q) * abs(q - s) * abs(s - p) / (2 * abs(((q - p) * (s - p).conjugate()).imag))
+    # Omega_1: of the speeds w1 + w2 + w3 = Omega and v = 2 r Omega_1 / 3, from the speed that was driven
+    speed = abs(q - p) / (dt * (steps // 2)) * _chord(r / (3 * a) * total * dt * (steps // 2))
+    at = {"a": a, "left|Omegaright|": abs(total), "Omega_1": 3 * speed / (2 * r)}
+    assert isclose(value(corrected.rights[0], **at), radius, rel_tol=1e-4)
+    assert isclose(value(copy.rights[0], **at), radius / 2, rel_tol=1e-4)
+
+
+def _chord(angle: float) -> float:
+    """Arc by chord."""
+    return (angle / 2) / sin(angle / 2)
+
+
+def test_rim_of_a_wheel() -> None:
+    """One turn rolls off the circumference, pi times the diameter; (3.7) of the text agrees with the radius."""
+    copy, corrected = forms("Siegwart", "3.2.2, “diameter r”")
+    diameter, per_second = 0.2, 3.0
+    rolled = per_second * pi * diameter
+    at = {"dotvarphi": per_second * 2 * pi}
+    assert isclose(value(corrected.rights[0], r=diameter / 2, **at), rolled)
+    assert isclose(value(copy.rights[0], r=diameter, **at), rolled)  # only as a formula in the diameter
+    turn = EVERY["Siegwart", "(3.7)–(3.9)"].printed
+    assert turn is not None
+    rate = value(turn.rights[0], r=diameter / 2, l=0.25, dotvarphi_1=per_second * 2 * pi)
+    assert isclose(rate, rolled / 0.5)  # about the other wheel, which stands still at distance 2 l
+
+
+@pytest.mark.parametrize(("spin", "roller"), [(2.0, 0.0), (0.0, 5.0), (2.0, -3.0)])
+def test_swedish_wheel(spin: float, roller: float) -> None:
+    """The hub moves at r spin along the wheel and r_sw times the roller's rate across the roller's axis; (3.19) and
+    (3.20) are the two parts of it."""
+    copy, corrected = forms("Siegwart", "(3.20)")
+    alpha, beta, gamma, far, r, small, omega = 0.8, 0.3, 0.7, 0.4, 0.1, 0.02, 0.9
+    wheel = complex(cos(alpha + beta - pi / 2), sin(alpha + beta - pi / 2))
+    axis = wheel * complex(cos(gamma), sin(gamma))
+    hub = r * spin * wheel + small * roller * 1j * axis
+    pivot = far * complex(cos(alpha), sin(alpha))
+    body = hub - 1j * omega * pivot
+    at = {"alpha": alpha, "beta": beta, "gamma": gamma, "l": far, "r": r, "r_sw": small, "dotvarphi": spin,
+          "dotvarphi_sw": roller, "v_x": body.real, "v_y": body.imag, "omega": omega}  # fmt: skip
+    assert abs(value(corrected.values[0], **at)) < 1e-12
+    assert (abs(value(copy.values[0], **at)) < 1e-12) == (spin == 0)
+    rolling = EVERY["Siegwart", "(3.19)"].printed
+    assert rolling is not None
+    row, scale = rolling.rights
+    rolled = (value(row, **at) @ [body.real, body.imag, omega])[0]
+    assert isclose(rolled, value(scale, **at) * spin, abs_tol=1e-12)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_polar_rates(reverse: bool) -> None:
+    """rho, alpha, beta measured on a robot that drives a little: forwards by (3.53), backwards by (3.55)."""
+    v, omega = 0.7, -1.1
+    x, y, theta = -1.2, 0.6, 0.4
+    if reverse:
+        x = 1.2  # the goal lies behind
+    speed = -v if reverse else v
+
+    def polar(t: float) -> list[float]:
+        heading = theta + omega * t
+        px, py = x + speed * cos(theta) * t, y + speed * sin(theta) * t
+        angle = atan2(-py, -px)
+        return [hypot(px, py), (angle - heading + pi) % (2 * pi) - pi, -angle]
+
+    rates, (rho, alpha, _) = slope(polar), polar(0.0)
+    assert (abs(alpha) > pi / 2) == reverse
+    at = {"rho": rho, "alpha": alpha, "v": v, "omega": omega}
+    if reverse:
+        copy, corrected = forms("Siegwart", "(3.55)")
+        products = [value(f.values[1], **at) @ value(f.values[2], **at) for f in (copy, corrected)]
+        assert np.allclose(products[1].ravel(), rates, atol=SMALL)
+        assert abs(products[0].ravel() - rates)[1] == pytest.approx(2 * abs(omega))
+    else:
+        forward = EVERY["Siegwart", "(3.50)–(3.53)"].printed
+        assert forward is not None
+        assert np.allclose(value(forward.rights[0], **at).ravel(), rates, atol=SMALL)
+
+
+def leaves(gains: tuple[float, float, float], alpha: float, beta: float) -> bool:
+    """Does alpha leave (-pi/2, pi/2) along rho' = ..., alpha' = k_rho sin alpha - k_alpha alpha - k_beta beta?"""
+    k_rho, k_alpha, k_beta = gains
+    for _ in range(4000):  # Heun
+        a = k_rho * sin(alpha) - k_alpha * alpha - k_beta * beta, -k_rho * sin(alpha)
+        p, q = alpha + 1e-3 * a[0], beta + 1e-3 * a[1]
+        b = k_rho * sin(p) - k_alpha * p - k_beta * q, -k_rho * sin(p)
+        alpha, beta = alpha + 5e-4 * (a[0] + b[0]), beta + 5e-4 * (a[1] + b[1])
+        if abs(alpha) > pi / 2:
+            return True
+    return False
+
+
+def test_strong_stability() -> None:
+    """Gains just inside the condition of the copy let alpha leave; just inside the corrected one it stays."""
+    copy, corrected = forms("Siegwart", "(3.65)")
+    k_rho, k_beta = 0.5, -6.0
+    names = {s.name: s for s in copy.values[0].free_symbols}
+
+    def edge(f: Form) -> float:
+        at = {names[r"k_\rho"]: k_rho, names[r"k_\beta"]: k_beta}
+        return float(sympy.solve(f.values[0].subs(at), names[r"k_\alpha"])[0])
+
+    starts = [(a, b) for a in (-1.57, -0.8, 0.0, 0.8, 1.57) for b in (-3.14, -1.5, 0.0, 1.5, 3.14)]
+    assert any(leaves((k_rho, edge(copy) + 0.1, k_beta), *s) for s in starts)
+    assert not any(leaves((k_rho, edge(corrected) + 0.1, k_beta), *s) for s in starts)
+    assert not any(leaves((3.0, 8.0, -1.5), *s) for s in starts)  # (3.59)
+
+
+@pytest.mark.parametrize("v", [1.0, -1.0, 0.3, -2.5])
+@pytest.mark.parametrize("turn", [0.4, -0.7])
+def test_the_tricycle_goes_where_it_is_sent(v: float, turn: float) -> None:
+    """(2.47a) as the page has it and (2.47b) together: the front wheel draws the robot at v and turns it at phi'."""
+    copy, general = forms("Tzafestas", "(2.47a)")
+    rate = EVERY["Tzafestas", "(2.47b)"].printed
+    assert rate is not None
+    wheelbase, r = 1.4, 0.2
+    at = {"D": wheelbase, "r": r, "v": v, "dotphi": turn}
+    rim = r * value(rate.rights[0], **at)
+
+    def driven(f: Form) -> tuple[float, float]:
+        psi = value(f.rights[0], **at)
+        return rim * cos(psi), rim * sin(psi) / wheelbase
+
+    assert np.allclose(driven(general), (v, turn))
+    assert np.allclose(driven(copy), (v, turn)) == (v > 0)

@@ -54,5 +54,5 @@ def textbook(out: Out = Path("generated"), as_json: Json = False) -> None:
     """Example:  wmrgen textbook -o generated
 
     Write DIR/textbook/ (formulas that need no robot: report, C, CasADi, NumPy) and DIR/errata.md (corrections to
-    our copies of the texts, each with the check that decides it). `wmrgen eval textbook FUNCTION` computes one of the formulas.
+    our copies of the texts, each with the check that decides it). `wmrgen eval textbook FUNCTION` computes a formula.
     """

@@ -30,13 +30,19 @@ def load(path: str | PathLike[str]) -> Robot:
 
 def read(path: str | PathLike[str]) -> tuple[RobotSpec, Robot]:
     """What a file says, each value with its place, and the robot that it describes. RobotFileError as `load`."""
-    from wmrgen.functions.registry import check
-    from wmrgen.layout import build
     from wmrgen.spec.load import read_robot
 
     spec = read_robot(os.fspath(path))
+    return spec, robot_of(spec)
+
+
+def robot_of(spec: RobotSpec) -> Robot:
+    """The robot that a file's content describes. RobotFileError as `load`."""
+    from wmrgen.functions.registry import check
+    from wmrgen.layout import build
+
     check(spec.functions)
-    return spec, build(spec)
+    return build(spec)
 
 
 def derive(robot: Robot, functions: Sequence[str] | None = None) -> Derivation:

@@ -6,28 +6,16 @@ Templates only loop over lines that are ready to print; they neither compute nor
 from __future__ import annotations
 
 from functools import lru_cache
-from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from wmrgen.errors import EnvironmentFailure
-
-_PACKAGE = Path(__file__).resolve().parent
-
-
-def template_folder() -> Path:
-    """``wmrgen/templates`` in an installed wheel, ``templates`` beside the package in a checkout."""
-    for folder in (_PACKAGE / "templates", _PACKAGE.parent / "templates"):
-        if folder.is_dir():
-            return folder
-    raise EnvironmentFailure(f"the templates of wmrgen are missing: neither {_PACKAGE / 'templates'} nor "
-                             f"{_PACKAGE.parent / 'templates'} exists. Install wmrgen again.")  # fmt: skip
+from wmrgen.shipped import shipped
 
 
 @lru_cache(maxsize=1)
 def _environment() -> Environment:
     return Environment(
-        loader=FileSystemLoader(template_folder(), encoding="utf-8"),
+        loader=FileSystemLoader(shipped("templates"), encoding="utf-8"),
         undefined=StrictUndefined,
         autoescape=False,  # the targets are C, Python and Markdown: each backend escapes for its own
         trim_blocks=True,

@@ -47,6 +47,8 @@ def test_the_wheel_holds_the_package_and_the_templates_and_nothing_else(wheel: P
     assert shipped == {
         p.relative_to(ROOT / "templates").as_posix() for p in (ROOT / "templates").rglob("*.j2")
     }
+    robots = {p.name for p in (ROOT / "robots").iterdir()}
+    assert {n.removeprefix("wmrgen/robots/") for n in names if n.startswith("wmrgen/robots/")} == robots
     assert "wmrgen/py.typed" in names
 
 
@@ -61,6 +63,14 @@ def test_it_derives_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     here = process("derive", "pair.yaml", "-o", "here", cwd=tmp_path)
     assert here.code == 0, here.err
     assert tree(tmp_path / "generated") == tree(tmp_path / "here"), "same bytes as from the checkout"
+
+
+def test_it_begins_a_robot_as_one_of_the_gallery(installed: Path, tmp_path: Path) -> None:
+    python = (str(installed), "-E", "-m", "wmrgen")
+    assert "kuka_youbot" in process("list", cwd=tmp_path, python=python).out
+    assert process("new", "mine", "--from", "kuka_youbot", cwd=tmp_path, python=python).code == 0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.yaml", "robot.schema.json"]
+    assert process("derive", "mine.yaml", cwd=tmp_path, python=python).code == 0
 
 
 def test_without_the_textbook_library_it_says_so(installed: Path, tmp_path: Path) -> None:

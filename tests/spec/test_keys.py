@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from wmrgen.functions.registry import check, optional_names
 from wmrgen.layout import build
 from wmrgen.spec.fields import Amount
 from wmrgen.spec.keys import GAINS, SECTIONS, WHEEL
-from wmrgen.spec.schema import json_schema, reference
+from wmrgen.spec.schema import MODELINE, SCHEMA_FILE, json_schema, reference
 from wmrgen.wheels import WHEEL_TYPES
 
 SCHEMA = json_schema(optional_names())
@@ -112,6 +113,12 @@ def test_reader_and_schema_refuse_what_is_wrong(name: str) -> None:
 def test_the_page_is_fresh() -> None:
     page = (ROOT / "docs" / "robot_file.md").read_text(encoding="utf-8")
     assert page == reference(), "run: wmrgen schema --markdown > docs/robot_file.md"
+
+
+def test_the_schema_beside_the_gallery_is_fresh_and_every_robot_names_it() -> None:
+    text = (ROOT / "robots" / SCHEMA_FILE).read_text(encoding="utf-8")
+    assert json.loads(text) == SCHEMA, f"run: wmrgen schema > robots/{SCHEMA_FILE}"
+    assert not [p.name for p in GALLERY if not p.read_text(encoding="utf-8").startswith(f"{MODELINE}\n")]
 
 
 def test_the_command_prints_both() -> None:

@@ -21,7 +21,7 @@ from wmrgen.backends.registry import BACKENDS
 # Code is made from the IR alone, so that the IR and the backends of code stand left of every stage; what shows the
 # stages to readers stands right of the facade.
 ROOMS = (
-    "errors exact ports notation artifacts compiler render"
+    "errors shipped exact ports notation artifacts compiler render"
     " ir selftest interface loop backends backends/registry backends/c99 backends/casadi backends/numpy"
     " backends/rust backends/packages wheels spec layout importing constraints symbolic printing mobility kinematics"
     " functions functions/models functions/trailers functions/motion"

@@ -121,6 +121,25 @@ def note(text: str) -> None:
     _line(sys.stderr, text, "dim")
 
 
+def can_ask() -> bool:
+    """Whether somebody sits there to answer questions."""
+    return bool(sys.stdin and sys.stdin.isatty() and sys.stderr.isatty())
+
+
+def ask(question: str, default: str, read: Callable[[str], str]) -> str:
+    """What ``read`` makes of the answer, asked until it takes one; ``default`` is for an empty line."""
+    while True:
+        sys.stderr.write(_clean(f"{question} [{default}] "))
+        sys.stderr.flush()
+        line = sys.stdin.readline()
+        if not line:
+            raise UsageError("the question has no answer: the input has ended")
+        try:
+            return read(line.strip() or default)
+        except WmrgenError as error:
+            failure(str(error))
+
+
 def failure(text: str) -> None:
     """What went wrong, to stderr."""
     _line(sys.stderr, text, "red")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from wmrgen.artifacts import write_file
 from wmrgen.cli import console
-from wmrgen.errors import UsageError
+from wmrgen.cli.writing import write_robot_file
 from wmrgen.importing.robot_file import as_json as imported_json
 from wmrgen.importing.robot_file import text
 from wmrgen.importing.source import description_of
 from wmrgen.importing.wheels import import_wheels
+from wmrgen.spec.schema import MODELINE
 
 
 def import_robot(
@@ -26,12 +26,9 @@ def import_robot(
     robot = import_wheels(description_of(file, arguments or (), package or ()), base)
     for note in robot.notes:
         console.note(f"{file.name}: note: {note}")
-    written = text(robot, file.name)
+    written = f"{MODELINE}\n{text(robot, file.name)}"
     if out is not None:
-        try:
-            write_file(out, written.encode())
-        except ValueError as error:
-            raise UsageError(str(error)) from None
+        write_robot_file(out, written)
     if as_json:
         console.data(imported_json(robot))
     elif out is None:

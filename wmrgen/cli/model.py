@@ -51,6 +51,44 @@ def structure(robot: Path, as_json: bool) -> int:
     return 0
 
 
+def functions(robot: Path, as_json: bool) -> int:
+    """Print the functions that a robot has, in a sentence each, and why it does not have the others."""
+    from wmrgen.functions.registry import names, standard
+
+    with derived(robot) as derivation:
+        generated = {d.name for d in standard()} | set(derivation.robot.functions)
+        formulas, absent = [], {}
+        for name in names():
+            try:
+                formulas.append(derivation.formula(name))
+            except NotDerivableError as error:
+                absent[name] = str(error)
+    if as_json:
+        console.data(
+            {
+                "robot": derivation.robot.name,
+                "functions": [
+                    {
+                        "name": f.name, "text": f.text, "source": f.source, "generated": f.name in generated,
+                        "inputs": [p.name for p in f.inputs], "outputs": [p.name for p, _ in f.outputs],
+                    }
+                    for f in formulas
+                ],
+                "absent": [{"name": name, "why": why} for name, why in absent.items()],
+            }
+        )  # fmt: skip
+        return 0
+    width = max(map(len, names()))
+    for f in formulas:
+        console.result(f"{'*' if f.name in generated else ' '} {f.name:<{width}}  {f.text}")
+    if absent:
+        console.result("\nIt does not have:")
+    for name, why in absent.items():
+        reason = why.splitlines()[0].split(": ", 1)[-1]
+        console.result(f"  {name:<{width}}  {reason}")
+    return 0
+
+
 def schema(as_markdown: bool, as_json: bool) -> int:
     """Print the JSON Schema of robot files, or their reference in Markdown."""
     from wmrgen.functions.registry import optional_names

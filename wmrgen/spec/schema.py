@@ -29,6 +29,8 @@ from wmrgen.spec.wheels import keys_of_type, takes
 from wmrgen.wheels import WHEEL_TYPES, WheelType
 
 Schema = dict[str, Any]
+SCHEMA_FILE = "robot.schema.json"  # beside robot files
+MODELINE = f"# yaml-language-server: $schema={SCHEMA_FILE}"  # the first line of robot files: editors check and complete
 SI = {
     Kind.LENGTH: "m", Kind.ANGLE: "rad", Kind.SPEED: "m/s", Kind.RATE: "rad/s",
     Kind.ACCELERATION: "m/s^2", Kind.ANGULAR_ACCELERATION: "rad/s^2", Kind.ANY: "SI",

@@ -36,6 +36,15 @@ def structure(robot: Robot, as_json: Json = False) -> None:
     """
 
 
+@verb("model", "Say which functions a robot has.")
+def functions(robot: Robot, as_json: Json = False) -> None:
+    """Example:  wmrgen functions robots/pioneer3dx.yaml
+
+    Say which functions a robot has, in a sentence each, and why it does not have the others. Those marked * are
+    generated; a robot file asks for more under `functions`, and `wmrgen eval` computes every one.
+    """
+
+
 @verb("lint", "Say what is likely wrong with a robot.")
 def lint(robots: Robots, as_json: Json = False) -> None:
     """Example:  wmrgen lint robots/pioneer3dx.yaml

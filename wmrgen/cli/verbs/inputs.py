@@ -12,6 +12,36 @@ from wmrgen.cli.declare import Json, Words, argument, group, option
 verb = group("Robot files")
 
 
+@verb("gallery", "List the robots that come with wmrgen.", "list")
+def list_robots(as_json: Json = False) -> None:
+    """Example:  wmrgen list
+
+    List the gallery: name, type (mobility, steerability) and description of every robot that comes with wmrgen.
+    """
+
+
+@verb("new", "Begin a robot file as one of the gallery.")
+def new(
+    name: Annotated[str | None, argument("[NAME]", "What the robot is called, and its file.")] = None,
+    values: Annotated[
+        Words, argument("[PARAMETER=VALUE]...", "Values of its parameters: radius='50 mm'.")
+    ] = None,
+    start: Annotated[
+        str | None, typer.Option("--from", metavar="ROBOT", help="A robot that `wmrgen list` tells.")
+    ] = None,
+    description: Annotated[str | None, option("What robot it is.", "TEXT")] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", metavar="ROBOT.yaml", help="The file, NAME.yaml otherwise.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen new my_robot --from pioneer3dx radius="50 mm"
+
+    Write a robot file that begins as one of the gallery, with a comment on every key. It can be derived as it is; on
+    a terminal, what is not given is asked. Beside it stands robot.schema.json, by which editors check and complete.
+    """
+
+
 @verb("importing", "Make a robot file of a URDF or xacro.", "import")
 def import_robot(
     file: Annotated[Path, argument("FILE", "A robot description: URDF or xacro.")],

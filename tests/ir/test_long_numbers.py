@@ -17,6 +17,7 @@ from wmrgen.lower import lower
 SECONDS = 10
 
 
+@pytest.mark.slow
 def test_axles_of_sixteen_wheels(tmp_path: Path) -> None:
     """Within ten seconds, and what float64 gives."""
     random = np.random.default_rng(5)

@@ -23,7 +23,7 @@ from wmrgen.ir.nodes import Function, Module, Op, Role
 from wmrgen.ir.rounding import nearest_float32, to_float32, to_float64
 
 Number = Exact | Fraction | int | float
-_LONGEST = 30_000  # bits
+_LONGEST, _DIGITS = 30_000, 9_000  # bits and decimals of a number
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +41,11 @@ def _exact(value: Number) -> Exact:
 
 def _short(a: Exact) -> Exact:
     """``a``, or 9,000 digits of it where it has twice as many: sines have 60, and what is made of them grows."""
-    if a.den.bit_length() < 2 * _LONGEST or not a.is_rational:
+    if a.den.bit_length() < 2 * _LONGEST:
         return a
-    places = _LONGEST - a.num[0].bit_length() + a.den.bit_length()
-    return Exact(Fraction((a.num[0] << places) // a.den, 1 << places)) if places > 0 else a
+    value = a.rational(_DIGITS)
+    places = _LONGEST - value.numerator.bit_length() + value.denominator.bit_length()
+    return Exact(Fraction((value.numerator << places) // value.denominator, 1 << places)) if places > 0 else a
 
 
 @cache

@@ -123,7 +123,7 @@ def random_layouts(tmp_path_factory: pytest.TempPathFactory) -> tuple[Module, ..
     return tuple(found)
 
 
-@pytest.mark.parametrize("scalar", ["float", "double"])
+@pytest.mark.parametrize("scalar", everyday(["float", "double"], ["float"]))
 def test_random_layouts(random_layouts: tuple[Module, ...], scalar: str, tmp_path: Path) -> None:
     """tests/laws/test_backends.py shows on random layouts that the interpreter agrees with the exact model."""
     program = Program(random_layouts, scalar, 6)

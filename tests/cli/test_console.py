@@ -228,4 +228,4 @@ def test_no_progress_for_quick_work(robot_file: object, tmp_path: object) -> Non
 
 @TERMINALS
 def test_no_progress_when_piped(robot_file: object, tmp_path: object) -> None:
-    assert stderr_of(robot_file, f"{tmp_path}/out", 2.0, terminal=False)[0] == b""
+    assert stderr_of(robot_file, f"{tmp_path}/out", 0.5, terminal=False, patience=0.1)[0] == b""

@@ -13,6 +13,7 @@ import pytest
 
 import wmrgen
 from tests.conftest import Outcome
+from tests.depth import everyday
 from wmrgen.exact.number import Exact
 from wmrgen.ir.interpret import EXACT, evaluate_module
 from wmrgen.robot import Derivation
@@ -52,7 +53,7 @@ def written(folder: Path, wheels: list[str], values: dict[str, float], tunable: 
     return path
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", everyday(ROBOTS, ["mecanum"]))
 def test_every_angle_and_length_tunable(
     name: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 import wmrgen
 from tests.conftest import Outcome
+from tests.depth import everyday
 from tests.oracle.harness import Model
 from wmrgen.layout import build
 from wmrgen.spec.load import read_text
@@ -42,6 +43,7 @@ TUNABLE: dict[str, Callable[[float, float], float]] = {
     "atan2(sqrt(b), sin(a/3))": lambda a, b: math.atan2(math.sqrt(b), math.sin(a / 3)),
     "tan(a*b)**2": lambda a, b: math.tan(a * b) ** 2,
 }
+EVERY_DAY = ("a/2", "1/a", "5*a - pi/4 + sqrt(2)*b", "atan2(sqrt(b), sin(a/3))")
 
 
 def written(folder: Path, a: str, b: str, heading: str, r: str = "0.1") -> Path:
@@ -68,7 +70,7 @@ def test_an_angle_divided_by_a_parameter_that_holds_pi(a: str, tmp_path: Path) -
     assert float(wheel.nominal.sh) == pytest.approx(math.sin(2 / (1 - math.pi)), rel=1e-15)
 
 
-@pytest.mark.parametrize("text", TUNABLE)
+@pytest.mark.parametrize("text", everyday(TUNABLE, EVERY_DAY))
 def test_an_angle_of_tunable_parameters(
     text: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:
@@ -115,7 +117,7 @@ ROOTS = {
 }
 
 
-@pytest.mark.parametrize("name", ROOTS)
+@pytest.mark.parametrize("name", everyday(ROOTS, ["polar"]))
 def test_the_root_of_a_tunable_parameter_that_is_zero(
     name: str, tmp_path: Path, wmrgen_cli: Callable[..., Outcome]
 ) -> None:

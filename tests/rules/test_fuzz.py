@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import GALLERY, put
+from tests.depth import everyday
 from tests.rules.test_joints import CAR
 from tests.selftest.every import FEW
 from tests.tools import missing
@@ -21,6 +22,7 @@ from wmrgen.emit import site
 
 SANITIZERS = "fuzzer,address,undefined,float-divide-by-zero,float-cast-overflow"
 FLAGS = ("-std=c99", "-g", "-O1", f"-fsanitize={SANITIZERS}", "-fno-sanitize-recover=all")
+ACKERMANN, TUNABLE = "ackermann_car", "pioneer3dx"
 SECONDS = 60  # of all robots together, in CI
 
 
@@ -77,7 +79,7 @@ def run(program: Path, seconds: float) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("robot", ["ackermann_car", "pioneer3dx"])
+@pytest.mark.parametrize("robot", everyday([ACKERMANN, TUNABLE], [TUNABLE]))
 def test_a_second_of_fuzzing(robot: str, tmp_path: Path) -> None:
     done = run(compiled(tmp_path, robot), 1)
     assert done.returncode == 0, done.stderr[-3000:]
@@ -98,7 +100,6 @@ def test_a_minute_of_fuzzing(robot: str, tmp_path: Path) -> None:
 
 
 HELD = "ackermann_car_held(now->front_left.steer)"
-ACKERMANN, TUNABLE = "ackermann_car", "pioneer3dx"
 PLANTED = {
     "a range left out": (
         ACKERMANN,
@@ -115,7 +116,7 @@ PLANTED = {
 }
 
 
-@pytest.mark.parametrize("fault", PLANTED)
+@pytest.mark.parametrize("fault", everyday(PLANTED, ["a range left out", "a limit left out"]))
 def test_finds_what_is_planted(fault: str, tmp_path: Path) -> None:
     robot, *change = PLANTED[fault]
     done = run(compiled(tmp_path, robot, (change[0], change[1])), 20)

@@ -98,13 +98,14 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
     )),
     "steered to no end": ([AHEAD, BEHIND, wheel("f", "steered", 0.1, 0.5)], [], (
         PARALLEL.format("p", "q"),
-        "f can be steered, but one direction alone lets every wheel roll: no freedom of steering is left.",
+        "f can be steered, but one direction alone lets every wheel roll: no degree of freedom of steering is left.",
         degrees(1, 0), degenerate(1, 0, SINGLE),
     )),
     "synchro drive": (STEERED, [STEER, SPIN], (
         STEERS, "a, b and c are coupled: they turn at one speed.",
         "With equal steering the axles stay parallel: only translation remains, omega = 0.",
-        "Steering b chooses the ICR (delta_s = 1); a and c must point the same way round.", degrees(1, 1),
+        "Steering b chooses the direction of motion (delta_s = 1); a and c must point the same way round.",
+        degrees(1, 1),
     )),
     "two of three steer alike": (STEERED, [("steer", ["b", "c"])], (
         "b and c are coupled: their steer angles are equal.", "The coupled steering admits a plane of twists only.",
@@ -113,7 +114,7 @@ CASES: dict[str, tuple[list[dict[str, Any]], list[tuple[str, list[str]]], tuple[
     "locked axle": ([A, B], [("spin", ["a", "b"])], (
         SHARED, PAIR, "a and b are coupled: they turn at one speed.",
         "Eliminating the coupled joint rates leaves a further constraint on the body.", degrees(1, 0),
-        degenerate(1, 0, "couplings or parallel steering leave fewer freedoms than any useful robot has"),
+        degenerate(1, 0, "couplings or parallel steering leave fewer degrees of freedom than any useful robot has"),
     )),
     "omni": (OMNI, [], (
         "w0, w1 and w2 impose no sliding constraint: the rollers of a Swedish wheel give way across the wheel.",
@@ -162,47 +163,50 @@ ONE, TWO, THREE = (
 @pytest.mark.parametrize(
     ("wheels", "couplings", "sentences"),
     [
-        ([A, B], [], [f"driving: 2 actuated joints for 2 freedoms, {EXACT}"]),
-        ([A, B, C], [], [f"driving: 3 actuated joints for 2 freedoms, {ONE}"]),
-        ([A | {"actuated": []}], [], ["driving: 0 actuated joints for 2 freedoms, short by 2"]),
-        ([A], [], ["driving: 1 actuated joint for 2 freedoms, short by 1"]),
-        (FOUR, [], [f"driving: 4 actuated joints for 1 freedom, {THREE}"]),
-        ([A, B], [("spin", ["a", "b"])], [f"driving: 1 actuated joint for 1 freedom, {EXACT}"]),
-        (OMNI, [], [f"driving: 3 actuated joints for 3 freedoms, {EXACT}"]),
-        (OMNI[:2], [], ["driving: 2 actuated joints for 3 freedoms, short by 1"]),
+        ([A, B], [], [f"driving: 2 actuated joints for 2 degrees of freedom, {EXACT}"]),
+        ([A, B, C], [], [f"driving: 3 actuated joints for 2 degrees of freedom, {ONE}"]),
+        ([A | {"actuated": []}], [], ["driving: 0 actuated joints for 2 degrees of freedom, short by 2"]),
+        ([A], [], ["driving: 1 actuated joint for 2 degrees of freedom, short by 1"]),
+        (FOUR, [], [f"driving: 4 actuated joints for 1 degree of freedom, {THREE}"]),
+        ([A, B], [("spin", ["a", "b"])], [f"driving: 1 actuated joint for 1 degree of freedom, {EXACT}"]),
+        (OMNI, [], [f"driving: 3 actuated joints for 3 degrees of freedom, {EXACT}"]),
+        (OMNI[:2], [], ["driving: 2 actuated joints for 3 degrees of freedom, short by 1"]),
         (
             [CASTOR | {"actuated": ["spin", "steer"]}], [],
-            ["driving: 2 actuated joints for 3 freedoms, short by 1"],
+            ["driving: 2 actuated joints for 3 degrees of freedom, short by 1"],
         ),
         (
             [CASTOR | {"actuated": ["steer"]}, CASTOR | {"name": "m", "x": 0.3, "actuated": ["spin", "steer"]}], [],
-            [f"driving: 3 actuated joints for 3 freedoms, {EXACT}"],
+            [f"driving: 3 actuated joints for 3 degrees of freedom, {EXACT}"],
         ),
         (
             [A, B, FRONT], [],
-            [f"driving: 3 actuated joints for 1 freedom, {TWO}", f"steering: 1 actuated joint for 1 freedom, {EXACT}"],
+            [f"driving: 3 actuated joints for 1 degree of freedom, {TWO}",
+             f"steering: 1 actuated joint for 1 degree of freedom, {EXACT}"],
         ),
         (
             [A, B, FRONT | {"actuated": ["spin"]}], [],
             [
-                f"driving: 3 actuated joints for 1 freedom, {TWO}",
-                "steering: 0 actuated joints for 1 freedom, short by 1",
+                f"driving: 3 actuated joints for 1 degree of freedom, {TWO}",
+                "steering: 0 actuated joints for 1 degree of freedom, short by 1",
             ],
         ),
         (
             STEERED, [],
             [
-                f"driving: 3 actuated joints for 1 freedom, {TWO}",
-                f"steering: 3 actuated joints for 2 freedoms, {ONE}",
+                f"driving: 3 actuated joints for 1 degree of freedom, {TWO}",
+                f"steering: 3 actuated joints for 2 degrees of freedom, {ONE}",
             ],
         ),
         (
             STEERED, [STEER, SPIN],
-            [f"driving: 1 actuated joint for 1 freedom, {EXACT}", f"steering: 1 actuated joint for 1 freedom, {EXACT}"],
+            [f"driving: 1 actuated joint for 1 degree of freedom, {EXACT}",
+             f"steering: 1 actuated joint for 1 degree of freedom, {EXACT}"],
         ),
         (
             [AHEAD, BEHIND, wheel("f", "steered", 0.1, 0.5)], [],
-            [f"driving: 3 actuated joints for 1 freedom, {TWO}", f"steering: 1 actuated joint for 0 freedoms, {ONE}"],
+            [f"driving: 3 actuated joints for 1 degree of freedom, {TWO}",
+             f"steering: 1 actuated joint for 0 degrees of freedom, {ONE}"],
         ),
     ],
 )  # fmt: skip

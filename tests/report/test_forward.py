@@ -14,7 +14,7 @@ UNSEEN, ENOUGH, MORE = (
     "As many rows as unknowns",
     "More rows than unknowns",
 )
-PSEUDO = "as a pseudo-inverse, because it is singular"
+PSEUDO = "(H^T H)^{+}"
 
 
 def section(folder: Path, wheels: list[str]) -> str:
@@ -46,9 +46,9 @@ def omni(count: int, sensed: int, reach: str = "0.2") -> list[str]:
 def test_how_many_rows_there_are(count: int, sensed: int, words: str, tmp_path: Path) -> None:
     text = section(tmp_path, omni(count, sensed))
     assert [w for w in (UNSEEN, ENOUGH, MORE) if w in text] == [words]
-    assert (PSEUDO in text) == (words is UNSEEN)
+    assert (PSEUDO in text) == (words is UNSEEN) != ("(H^T H)^{-1}" in text)  # no inverse of what has none
     assert ("full column rank 3" in text) == (words is not UNSEEN)
-    assert "Only the rolling row is known of " in text and "Both rows" not in text
+    assert "the rolling row alone" in text and "both rows" not in text
 
 
 @pytest.mark.parametrize("reach", ["1e-6", "1e-3", "0.2", "1e3", "2e4"])
@@ -76,6 +76,6 @@ def test_which_rows_are_known(sensed: str, words: str, tmp_path: Path) -> None:
         for k in range(2)
     ]
     text = section(tmp_path, wheels)
-    assert ("Both rows are known of `w0` and `w1`" in text) == (words == "both")
-    assert ("Only the sliding row is known of `w0` and `w1`" in text) == (words == "one")
+    assert ("`w0` and `w1` give both rows" in text) == (words == "both")
+    assert ("`w0` and `w1` give the sliding row alone" in text) == (words == "one")
     assert r"v + ω ẑ × B = r φ̇ e, with" in text or words == "one"

@@ -274,14 +274,14 @@ def bound(o: OutputBound) -> str:
     return f"in [{o.low:.6g}, {o.high:.6g}] {o.unit or '1'}, off by {error(o)}"
 
 
-def error(o: OutputBound) -> str:
-    """The bound of the error, rounded up to two digits."""
+def error(o: OutputBound, length: str = "h") -> str:
+    """The bound of the error, rounded up to two digits; ``length``: what the length on which it depends is called."""
     if not o.from_length:
         return rounded_up(o.error)
-    where = f"h >= {rounded_up(o.from_length)}"
+    where = f"{length} >= {rounded_up(o.from_length)}"
     if not o.per_length:
         return f"{rounded_up(o.error)} where {where}"
-    return f"{rounded_up(o.error)} + {rounded_up(o.per_length)}/h where {where}"
+    return f"{rounded_up(o.error)} + {rounded_up(o.per_length)}/{length} where {where}"
 
 
 def rounded_up(value: float) -> str:

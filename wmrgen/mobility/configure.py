@@ -88,7 +88,7 @@ def configuration(robot: Robot) -> Configuration:
     constant = constant_rows(c)
     rows = [row for row, _ in constant]
     picked, numbers = _admissible(own, rows)
-    rank, at = _rank_C1(own, numbers, picked)
+    rank, at = _rank_C1(own, numbers, _numbers(own, rows), picked)
     twists = picked.basis
     if any(has_angles(row) for row in rows):
         twists = np.vstack([_admissible(own, rows, seed)[0].basis for seed in range(_SEEDS)])
@@ -215,10 +215,13 @@ def _spin_row(robot: Robot, i: int, headings: dict[int, complex]) -> Array:
     return along(w, direction) / float(g.rolling_radius)
 
 
-def _rank_C1(robot: Robot, numbers: list[ExactRow], picked: Admissible) -> tuple[Rank, Array]:
-    """Rank of C1 on the admissible set, with the float rows it was decided on."""
+def _rank_C1(
+    robot: Robot, numbers: list[ExactRow], every: list[ExactRow], picked: Admissible
+) -> tuple[Rank, Array]:
+    """Rank of C1 on the admissible set, with the float rows it was decided on; singular values of ``every`` row."""
     at = _rows_at(robot, picked.sample, to_array(numbers))
-    value, singular = numeric_rank(unit_rows(at))
+    value, _ = numeric_rank(unit_rows(at))
+    _, singular = numeric_rank(unit_rows(_rows_at(robot, picked.sample, to_array(every))))
     exact = None if coupled_steering(robot) else _exact_rank(robot, numbers)
     return Rank(value if picked.dimension else 3, exact, singular), at
 

@@ -14,7 +14,7 @@ from wmrgen.layout.records import Geometry, Wheel
 from wmrgen.mobility.admissible import along, coupled_sets, zero_heading
 from wmrgen.mobility.configure import Configuration, steering_for
 from wmrgen.mobility.ranks import null_basis, numeric_rank, to_array, unit_rows
-from wmrgen.mobility.records import Array
+from wmrgen.mobility.records import TOLERANCE, Array
 
 SAME = 1e-9
 
@@ -120,11 +120,12 @@ def _steered(at: Configuration, deciding: tuple[Wheel, ...]) -> list[str]:
     if not at.steerability:
         return [
             f"{listed(steered)} can be steered, but one direction alone lets every wheel roll: "
-            "no freedom of steering is left."
+            "no degree of freedom of steering is left."
         ]
     lead = [w.name for w in deciding][: at.steerability]
     rest = [name for name in steered if name not in lead]
-    sentence = f"Steering {listed(lead)} chooses the ICR (delta_s = {at.steerability})"
+    chosen = "ICR" if np.abs(at.admissible.basis[:, 2]).max() > TOLERANCE else "direction of motion"
+    sentence = f"Steering {listed(lead)} chooses the {chosen} (delta_s = {at.steerability})"
     if rest and at.admissible.normal is not None:
         sentence += f"; {listed(rest)} must point the same way round"
     elif rest:
@@ -163,7 +164,7 @@ def _verdict(at: Configuration) -> list[str]:
     elif len(lines) > 1:
         why = "its fixed axles are not one line, which leaves a single motion"
     else:
-        why = "couplings or parallel steering leave fewer freedoms than any useful robot has"
+        why = "couplings or parallel steering leave fewer degrees of freedom than any useful robot has"
     return [f"Degenerate: ({at.mobility}, {at.steerability}) is none of Campion's five types, because {why}."]
 
 
@@ -248,8 +249,9 @@ def actuation(at: Configuration) -> tuple[str, ...]:
 
 
 def _balance(what: str, motors: int, independent: int, need: int) -> str:
-    """``independent``: how many of the freedoms the motors command."""
-    head = f"{what}: {motors} actuated joint{'s' if motors != 1 else ''} for {need} freedom{'s' if need != 1 else ''}"
+    """``independent``: how many of the degrees of freedom the motors command."""
+    joints, degrees = ("s" if n != 1 else "" for n in (motors, need))
+    head = f"{what}: {motors} actuated joint{joints} for {need} degree{degrees} of freedom"
     if independent < need:
         return f"{head}, short by {need - independent}"
     if motors > independent:

@@ -34,7 +34,7 @@ _SECTIONS = (
 )  # fmt: skip
 _LONG = 600  # operations and symbols of formulas that are still written out
 _GIVES = {
-    "inverse": "twist to joints", "inverse_slip": "the sliding left, of the same twist",
+    "inverse": "twist to joints", "inverse_slip": "slip of the same twist",
     "forward": "joints to twist", "forward_slip": "the same with the residual",
     "odometry": "pose after a step", "dynamics": "rates of the posture model", "prepare": "once per calibration",
 }  # fmt: skip
@@ -103,7 +103,7 @@ def _bounds(bounds: Bounds) -> list[str]:
             f"{' and '.join(code(name) for name in bounds.missing)} (`wmrgen prove` says what to write)."
         ]
     rows = [
-        [code(f.name), code(o.name), f"{o.low:.6g}", f"{o.high:.6g}", o.unit or "1", error(o)]
+        [code(f.name), code(o.name), f"{o.low:.6g}", f"{o.high:.6g}", o.unit or "1", error(o, "speed")]
         for f in bounds.functions
         if f.proved
         for o in f.outputs
@@ -115,7 +115,7 @@ def _bounds(bounds: Bounds) -> list[str]:
         *table(head, rows, "llrrlr"),
         f"The limits are {listed(bounds.declared)}. Inputs that have none: {listed(bounds.assumed)}. The error is "
         "that against the exact formula, comparisons decided as the code decides them "
-        f"({described(bounds.library)}). h is the speed [m/s] of the pivot of the steered wheel, where it is "
+        f"({described(bounds.library)}). There, speed is that of the steered wheel's pivot [m/s], where it is "
         "defined at all." + (f" {TIES}" if bounds.steers else ""),
     ]
     for f in bounds.functions:

@@ -61,7 +61,7 @@ def _sources(measured: Measurements) -> list[str]:
         wheels = [c.wheel for c in measured.contacts]
         moving = any(w.nominal.d or w.nominal.o for w in wheels)
         sources.append(
-            f"Both rows are known of {some(wheels)}. Turned into the robot's axes they say "
+            f"{some(wheels)} give{'' if len(wheels) > 1 else 's'} both rows. Turned into the robot's axes they say "
             "how fast the contact point B moves: v + ω ẑ × B = "
             + ("(r φ̇ + o ψ̇) e − d ψ̇ n" if moving else "r φ̇ e")
             + ", with e the rolling direction"
@@ -70,11 +70,10 @@ def _sources(measured: Measurements) -> list[str]:
     for kind in ("rolling", "sliding"):
         alone = [c.wheel for c in measured.components if c.wheel.kind.sliding_row == (kind == "sliding")]
         if alone:
-            sources.append(f"Only the {kind} row is known of {some(alone)}.")
+            sources.append(f"{some(alone)} give{'' if len(alone) > 1 else 's'} the {kind} row alone.")
     return [
-        "What do the sensed joints say about ξ? Every row of section 2 whose joint rates are all known is one "
-        f"measurement, in m/s, with {'the weight of its wheel' if measured.weighted else 'equal weight'}. Passive "
-        "castors and balls say nothing.",
+        "Every row of section 2 whose joint rates are all sensed is one measurement of ξ, in m/s, with "
+        f"{'the weight of its wheel' if measured.weighted else 'equal weight'}. Passive castors and balls give none.",
         *items(sources),
         *([_WEIGHTS] if measured.weighted else []),
     ]
@@ -102,12 +101,18 @@ def _constant(d: Derivation, rows: list[Measured]) -> list[str]:
             "The two rows of a wheel are a rotation of [1 0 −y; 0 1 x], and a rotation drops out of HᵀH: the "
             "matrix is constant whatever the steering does."
         )
-    pseudo = " (as a pseudo-inverse, because it is singular: the smallest twist that explains the rates)"
+    if singular:
+        return [
+            "The rows leave a direction unseen, so that HᵀH is singular. Of all twists that explain the rates best the "
+            "smallest is, with the Moore-Penrose inverse of HᵀH,",
+            *math(r"\xi = (H^T H)^{+} H^T z, \qquad H^T H =", matrix(normal)),
+            f"{why} Its Moore-Penrose inverse was computed once, for this page. The result, as the code computes it:",
+        ]
     return [
-        f"{'The rows leave a direction unseen' if singular else count}: the least-squares solution is",
+        f"{count}: the least-squares solution is",
         *math(r"\xi = (H^T H)^{-1} H^T z, \qquad H^T H =", matrix(normal)),
-        f"{why} It is inverted once, here{pseudo if singular else ''}.",
-        *([] if singular else _condition(rows)),
+        f"{why} It was inverted once, for this page.",
+        *_condition(rows),
         "The result, as the code computes it:",
     ]
 
@@ -229,20 +234,21 @@ def motion(d: Derivation) -> list[str]:
     return [
         "## 8 Odometry and the posture model",
         "A constant twist moves P along an arc. Its chord points along the heading half-way through, and is "
-        "shorter than the arc by sin h / h. With h = ω Δt / 2 the pose after Δt is exactly",
+        "shorter than the arc by the factor sin σ / σ. With σ = ω Δt / 2 the pose after Δt is exactly",
         *aligned([
-            r"x' &= x + \Delta t\,\mathrm{sinc}(h)\left(v_x\cos(\theta+h) - v_y\sin(\theta+h)\right)",
-            r"y' &= y + \Delta t\,\mathrm{sinc}(h)\left(v_x\sin(\theta+h) + v_y\cos(\theta+h)\right)",
+            r"x' &= x + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\cos(\theta+\sigma) - v_y\sin(\theta+\sigma)\right)",
+            r"y' &= y + \Delta t\,\mathrm{sinc}(\sigma)\left(v_x\sin(\theta+\sigma) + v_y\cos(\theta+\sigma)\right)",
             r"\theta' &= \theta + \omega\,\Delta t",
         ]),
-        "Near h = 0 the quotient is replaced by its series, which makes the step smooth through ω = 0:",
+        "Near σ = 0 its series takes the place of the quotient, which makes the step smooth through ω = 0:",
         *math(
-            r"\mathrm{sinc}(h) = \begin{cases} 1 - \frac{h^2}{6} + \frac{h^4}{120} - \frac{h^6}{5040}",
-            rf"& |h| < {switch} \\[4pt] \frac{{\sin h}}{{h}} & \mathrm{{else}} \end{{cases}}",
+            r"\mathrm{sinc}(\sigma) = \begin{cases} 1 - \frac{\sigma^2}{6} + \frac{\sigma^4}{120}",
+            rf"- \frac{{\sigma^6}}{{5040}} & |\sigma| < {switch} \\[4pt]",
+            r"\frac{\sin\sigma}{\sigma} & \mathrm{else} \end{cases}",
         ),
-        "The first term left out is h⁸/9!, so the worst error is",
+        "The first term left out is σ⁸/9!, so the worst error is",
         *math(rf"\frac{{1}}{{9!}}\left({switch}\right)^8 = {notation.decimal(float(f'{WORST_ERROR:.2e}'))},"),
-        "half a unit in the last place of a double.",
+        "less than one unit in the last place of a double just below 1, 2⁻⁵³.",
         *_posture(d),
     ]  # fmt: skip
 

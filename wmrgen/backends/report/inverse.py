@@ -222,19 +222,16 @@ def _may_be_cut(robot: Robot, w: Wheel) -> bool:
 
 def _slip(robot: Robot, projection: Projection, twist: Row) -> list[str]:
     unlike = _unlike(robot, twist)
-    blocks = _forbidden(projection, bool(unlike))
+    steered = [w for w in robot.wheels if w.kind.steers]
+    # Wheels whose command may differ from the heading that rolls.
+    held = [w.name for w in steered if _may_be_cut(robot, w) or not _alike(_partners(robot, w), twist)]
+    blocks = _forbidden(projection, bool(unlike), bool(steered), bool(held))
     if unlike:
         blocks += [
             f"A common rate need not suit all wheels of a coupling. Of {'; of '.join(map(listed, unlike))} the mean "
             "square of what it leaves over, r φ̇ against the rim speed of each wheel, or d β̇ against its sideways "
             "speed, is added under the root."
         ]
-    # Wheels whose command may differ from the heading that rolls.
-    held = [
-        w.name
-        for w in robot.wheels
-        if w.kind.steers and (_may_be_cut(robot, w) or not _alike(_partners(robot, w), twist))
-    ]
     if held:
         blocks += [
             "A steered wheel that a limit or a coupling keeps from its heading slides as well, at w cos Δ − u sin Δ. "
@@ -255,13 +252,26 @@ def _unlike(robot: Robot, twist: Row) -> list[list[str]]:
     return [[w.name for w in wheels] for wheels in (*castors, *spun) if len(wheels) > 1]
 
 
-def _forbidden(projection: Projection, coupled: bool) -> list[str]:
+def _admissible(steered: bool, held: bool) -> str:
+    """No fixed axle forbids a twist."""
+    if not steered:
+        return "Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0."
+    unless = ", unless a limit or a coupling keeps a wheel from its angle" if held else ""
+    return (
+        "At given steering angles few twists are admissible, but for every twist there are angles at which it is. "
+        "`inverse` asks for these, so `slip`, the distance to the nearest admissible twist, is 0"
+        + unless
+        + "."
+    )
+
+
+def _forbidden(projection: Projection, coupled: bool, steered: bool, held: bool) -> list[str]:
     """What the admissible twist leaves of the commanded one."""
     forms = [p for p in projection.residuals if p]
     if not forms and coupled:
         return []
     if not forms:
-        return ["Every twist is admissible, so `slip`, the distance to the nearest admissible twist, is 0."]
+        return [_admissible(steered, held)]
     words = "`slip` is the sideways speed [m/s] that the commanded twist would force on the contact points"
     if projection.twist == TWIST:
         words += "; nothing is projected away here, the wheels follow as well as they can"

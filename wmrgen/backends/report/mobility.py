@@ -146,7 +146,7 @@ def _verdicts(m: Mobility) -> list[str]:
 def integrability(d: Derivation) -> list[str]:
     """c . curl c of the sliding rows in world coordinates, and what all rows do together.
 
-    c = R(theta)^T (-sin h, cos h) and its third entry is constant, so that the product is -sin^2 h - cos^2 h.
+    c = (-sin chi, cos chi, k), chi being theta plus a constant heading, so the product is -sin^2 chi - cos^2 chi.
     """
     wheels = [w for w in d.robot.wheels if w.kind.constrains]
     if not wheels:
@@ -157,14 +157,16 @@ def integrability(d: Derivation) -> list[str]:
     return [
         "Integrability:",
         f"The sliding row of {some(wheels)} is c(q) q̇ = 0 in the coordinates q = (x, y, θ) of the world{held}, "
-        "with h the wheel's heading and k the third entry of its row. Frobenius asks for c · curl c:",
+        "with χ the direction in which the wheel rolls, seen from the world, and k the third entry of its row. "
+        "Frobenius asks for c · curl c:",
         *aligned([
-            r"c &= \begin{bmatrix} -\sin(\theta+h) & \cos(\theta+h) & k \end{bmatrix}",
-            r"\mathrm{curl}\,c &= \begin{bmatrix} \sin(\theta+h) & -\cos(\theta+h) & 0 \end{bmatrix}",
-            rf"c\cdot\mathrm{{curl}}\,c &= -\sin^2(\theta+h) - \cos^2(\theta+h) = {value}",
+            r"c &= \begin{bmatrix} -\sin\chi & \cos\chi & k \end{bmatrix}",
+            r"\mathrm{curl}\,c &= \begin{bmatrix} \sin\chi & -\cos\chi & 0 \end{bmatrix}",
+            rf"c\cdot\mathrm{{curl}}\,c &= -\sin^2\chi - \cos^2\chi = {value}",
         ]),
-        "It is not zero, so none of these equations alone is the derivative of a condition on the pose (Tzafestas "
-        "(2.25)). " + _together(d.mobility),
+        f"It is not zero, so {'none of these equations alone' if len(wheels) > 1 else 'this equation by itself'} is "
+        f"{'' if len(wheels) > 1 else 'not '}the derivative of a condition on the pose (Tzafestas (2.25)). "
+        + _together(d.mobility),
     ]  # fmt: skip
 
 
@@ -176,7 +178,15 @@ def _together(m: Mobility) -> str:
             "Together they can be integrated all the same: the brackets of the motions left over give nothing "
             f"new, DOF = DDOF = {m.dof}."
         )
-    return f"Nor can they together: brackets of the motions left over reach {m.dof} dimensions, DDOF is {m.ddof}."
+    if m.dof < 3:  # two dimensions that brackets reach are the translations
+        return (
+            "Together they can in part: no admissible twist turns the robot, ω = 0, which integrates to θ = const. The "
+            f"rest cannot: brackets of the motions left over reach {m.dof} dimensions, x and y, while DDOF is {m.ddof}."
+        )
+    return (
+        "Nor can all constraints together be integrated: brackets of the motions left over reach all "
+        f"{m.dof} dimensions, while DDOF is {m.ddof}."
+    )
 
 
 def singular(d: Derivation) -> list[str]:

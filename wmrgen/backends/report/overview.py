@@ -36,15 +36,15 @@ def opening(d: Derivation) -> list[str]:
     if robot.description:
         blocks += [escape(robot.description)]
     if robot.source:
-        blocks += [f"Source of the geometry: {escape(robot.source)}"]
+        blocks += [f"Source: {escape(robot.source)}"]
     kind = "Campion's type" if m.robot_type else "a degenerate layout,"
     wheels = Counter(w.kind.noun for w in robot.wheels)
     return [
         *blocks,
         f"This robot has {conjoined([_count(n, noun) for noun, n in wheels.items()])}. It is {kind} "
-        f"({m.degree_of_mobility}, {m.degree_of_steerability}): at any instant it has "
-        f"{_count(m.degree_of_mobility, 'freedom')} of motion, and steering opens "
-        f"{_word(m.degree_of_steerability)} more. This page derives that, and every formula of the generated code, "
+        f"({m.degree_of_mobility}, {m.degree_of_steerability}): at any instant it moves with "
+        f"{_count(m.degree_of_mobility, 'degree')} of freedom, and steering adds "
+        f"{_word(m.degree_of_steerability)}. This page derives that, and every formula of the generated code, "
         "from the layout alone.",
         "Notation and equation numbers are those of Siegwart, Nourbakhsh and Scaramuzza, *Introduction to "
         "Autonomous Mobile Robots*, section 3.2. The robot frame has its origin in P, x forward, y to the left, "
@@ -140,7 +140,7 @@ def _remarks(robot: Robot) -> list[str]:
             "apart (the track); their y is the half-track."
         )
     swedish = [w for w in robot.wheels if w.kind.rollers]
-    if swedish:
+    if any(w.nominal.sg for w in swedish):
         text = "Roller axes are given, and drawn, at the ground. Seen from above, the rollers on top lean the other way"
         patterns = {
             "O": ": this base shows an X from above and an O at the ground.",

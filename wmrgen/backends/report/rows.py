@@ -203,7 +203,7 @@ def null_space(d: Derivation) -> list[str]:
     if not columns:
         return [*blocks, "C₁ has rank 3: no twist but ξ = 0 keeps every wheel from sliding."]
     if len(columns) == 3:
-        blocks += ["No row constrains ξ, so the null space of C₁ is the whole plane of motions, N = I."]
+        blocks += ["No row constrains ξ: every twist lies in the null space of C₁, N = I."]
         return [*blocks, *_meaning(columns)]
     blocks += [
         "A motion is admissible when C₁ ξ = 0. The columns of N span these motions, cleared of common factors:",

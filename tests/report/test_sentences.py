@@ -1,0 +1,109 @@
+"""What the report says in words is so: each sentence against a computation, or against robots of which it is false."""
+
+from __future__ import annotations
+
+import math
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from tests.report.common import ROBOTS, derivation, page_of, page_written
+from wmrgen.kinematics.pose import WORST_ERROR
+
+EVERY_TWIST = "Every twist is admissible"
+SOME_ANGLES = "for every twist there are angles at which it is"
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_which_twists_are_admissible(name: str) -> None:
+    """Every twist, at any time: that is degree of mobility 3. At the right steering angles: maneuverability 3."""
+    page, m = page_of(name), derivation(name).mobility
+    assert EVERY_TWIST not in page or m.degree_of_mobility == 3
+    assert SOME_ANGLES not in page or m.degree_of_mobility < m.degree_of_maneuverability == 3
+
+
+def test_the_slip_of_a_swerve_drive() -> None:
+    assert SOME_ANGLES in page_of("wpilib_swervebot") and EVERY_TWIST in page_of("kuka_youbot")
+
+
+def test_slip_is_not_called_0_where_limits_make_some(tmp_path: Path) -> None:
+    wheels = "".join(
+        f"  - {{name: w{k}, type: steered, x: {x}, y: 0.2, heading: 0, r: 0.1, limits: {{steer: [-30 deg, 30 deg]}}}}\n"
+        for k, x in enumerate((0.3, -0.3))
+    )
+    page = page_written(tmp_path, f"wmrgen: 1\nname: sample\nwheels:\n{wheels}")
+    assert "is 0, unless a limit or a coupling keeps a wheel from its angle." in page
+    assert "keeps a wheel from" not in page_of("wpilib_swervebot")
+
+
+def test_the_error_of_the_series_in_units_in_the_last_place() -> None:
+    unit = math.ulp(math.nextafter(1.0, 0.0))
+    assert unit == 2**-53 and unit / 2 < WORST_ERROR < unit
+    assert "less than one unit in the last place of a double just below 1, 2⁻⁵³" in page_of("pioneer3dx")
+
+
+@pytest.mark.parametrize("name", ["pioneer3dx", "clearpath_a200", "unicycle", "andino"])
+def test_equal_matrices_have_equal_singular_values(name: str) -> None:
+    """No wheel steers: C1 is C1f, rows that say the same included."""
+    m = derivation(name).mobility
+    assert m.rank_C1f.singular_values == m.rank_C1.singular_values
+    fixed, every = re.findall(r"(?m)^\| C.*?\| (?:\d|no).*$", page_of(name))
+    assert fixed.split("|")[2:] == every.split("|")[2:]
+
+
+def test_singular_values_are_those_of_all_rows() -> None:
+    """Wheels ahead have sliding rows (0, 1, x): the squares of all entries add up to those of the values."""
+    d = derivation("clearpath_a200")
+    squares = sum(1 + float(w.nominal.x) ** 2 for w in d.robot.wheels)
+    assert sum(s * s for s in d.mobility.rank_C1.singular_values) == pytest.approx(squares)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_h_is_the_heading_and_nothing_else(name: str) -> None:
+    """Section 6 says what h is; no other section has a quantity of that name."""
+    sections = re.split(r"(?m)^## ", page_of(name))
+    others = "".join(s for s in sections if not s.startswith("6 "))
+    assert not re.search(r"(?<![\w\\{.])h(?!\w)", others)
+
+
+def test_a_text_without_dimensions_is_no_source_of_them() -> None:
+    for name in ROBOTS:
+        assert "Source of the geometry" not in page_of(name)
+    assert "\nSource: " in page_of("textbook_two_steer")
+
+
+LEAN = "the rollers on top lean the other way"
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_only_rollers_at_an_angle_lean(name: str) -> None:
+    assert (LEAN in page_of(name)) == any(w.kind.rollers and w.gamma for w in derivation(name).robot.wheels)
+
+
+def test_the_heading_of_a_synchro_drive_is_constant() -> None:
+    page = page_of("synchro_drive")
+    assert "ω = 0, which integrates to θ = const." in page and "Nor can" not in page
+    assert "chooses the direction of motion" in page and "chooses the ICR" not in page
+    null = derivation("synchro_drive").null_space
+    assert all(null[2, j] == 0 for j in range(null.cols))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_what_constraints_integrate_to(name: str) -> None:
+    page, m = page_of(name), derivation(name).mobility
+    assert ("θ = const." in page) == (m.ddof < m.dof == 2)
+    assert ("Nor can all constraints together" in page) == (m.ddof < m.dof == 3 and "Frobenius" in page)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_words(name: str) -> None:
+    """Castor, degree of freedom, slip, measurement: the field's terms."""
+    page = re.sub(r"`[^`]*`|```math.*?```", "", page_of(name), flags=re.DOTALL)
+    names = [w.name.replace("_", "\\_") for w in derivation(name).robot.wheels]
+    for own in sorted(names, key=len, reverse=True):
+        page = page.replace(own, "")
+    assert not re.search(r"\bcasters?\b", page.split("## 1 ")[1])
+    for before, word in pairwise(re.findall(r"\w+", page)):
+        assert word not in ("freedom", "freedoms") or before == "of"

@@ -208,12 +208,15 @@ def _gamma(robot: Robot, c: Candidate, e: Vector) -> tuple[float | None, str]:
 
 
 def _slanting_friction(robot: Robot, c: Candidate, e: Vector) -> tuple[float, str] | None:
-    """The angle from the heading in which the wheel grips, and whose frame says so; None unless that is aslant."""
+    """The angle from the heading in which the wheel grips, and whose frame says so; None unless that is aslant, or the
+    wheel slides freely across it in a frame that does not turn with the wheel, as on rollers alone."""
     friction = robot.description.frictions.get(c.joint.child)
     if not friction or friction.mu2 > friction.mu1 / 10 or friction.link not in robot.description.links:
         return None
     angle = _modulo(_angle(turned(robot.frame(friction.link).rotation, friction.direction)) - _angle(e))
-    return (angle, friction.link) if 20 <= abs(math.degrees(angle)) <= 70 else None
+    free = friction.mu2 == 0 and friction.link != c.joint.child
+    least, most = (0, 80) if free else (20, 70)
+    return (angle, friction.link) if least <= abs(math.degrees(angle)) <= most else None
 
 
 def _modulo(angle: float) -> float:

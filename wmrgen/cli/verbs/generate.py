@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from wmrgen.cli.declare import Json, Math, Out, Robots, Scalar, Target, argument, group, option
+from wmrgen.cli.declare import Json, Math, Out, Robot, Robots, Scalar, Target, argument, group, option
 
 verb = group("Generate")
 
@@ -46,6 +46,26 @@ def check(
     """Example:  wmrgen check
 
     Say which generated files are not what the robot files give today. Exit code 1 when there are any.
+    """
+
+
+@verb("exporting", "Describe a robot for another tool: URDF, SDF, ros2_control, WPILib.")
+def export(
+    robot: Robot,
+    to: Annotated[
+        Literal["urdf", "sdf", "ros2_control", "wpilib"],
+        typer.Option(help="What to write. ros2_control: a URDF and the controller's parameters."),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", metavar="DIR|FILE", help="Where; otherwise it is printed."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen export robots/pioneer3dx.yaml --to ros2_control -o build
+
+    Describe a robot for another tool. Masses and whatever else a robot file does not say are marked placeholders. A
+    drive that ros2_controllers or WPILib does not have is refused in words (exit code 3).
     """
 
 

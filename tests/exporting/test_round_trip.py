@@ -1,0 +1,122 @@
+"""Import after export is the same robot: wheels, places, headings, rollers, motors, couplings, degrees.
+
+Import knows wheels by their axles, so balls are not among what comes back, and it wants two wheels.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from random import Random
+
+import pytest
+
+import wmrgen
+from tests.conftest import GALLERY
+from tests.depth import DEEP
+from tests.exporting.common import drives, load, same_angle
+from wmrgen.exporting.ros2_control import ros2_control
+from wmrgen.exporting.sdf import sdf
+from wmrgen.exporting.urdf import urdf
+from wmrgen.importing.records import Imported
+from wmrgen.importing.robot_file import text
+from wmrgen.importing.source import description_of
+from wmrgen.importing.wheels import import_wheels
+from wmrgen.layout.records import Robot
+
+WRITERS = {"urdf": urdf, "sdf": sdf}
+ROBOTS = [p for p in GALLERY if sum(w.has_spin for w in wmrgen.load(p).wheels) > 1]
+
+
+def back(robot: Robot, folder: Path, kind: str, written: str = "") -> Imported:
+    path = folder / f"{robot.name}.{kind}"
+    path.write_text(written or WRITERS[kind](robot), encoding="utf-8")
+    return import_wheels(description_of(path, (), ()), None)
+
+
+def same(robot: Robot, imported: Imported) -> None:
+    assert imported.base in ("base_link", "__model__")  # of SDFormat the model, where base_link lies
+    assert imported.questions == ()
+    by_joint = {w.joint: w for w in imported.wheels}
+    rolling = [w for w in robot.wheels if w.has_spin]
+    assert list(by_joint) == [f"{w.name}_spin" for w in rolling]
+    for w in rolling:
+        got = by_joint[f"{w.name}_spin"]
+        assert got.steer_joint == (f"{w.name}_steer" if w.turns else None)
+        assert got.type == w.type
+        g = w.nominal
+        for value, wanted in ((got.x, g.x), (got.y, g.y), (got.r, g.r), (got.d, g.d), (got.offset_y, g.o)):
+            assert float(value or 0) == pytest.approx(float(wanted), abs=1e-9)
+        assert got.heading is not None and same_angle(got.heading, w.heading)
+        if w.kind.rollers:
+            assert got.gamma is not None and abs(math.remainder(got.gamma - w.gamma, math.pi)) < 1e-9
+        assert got.actuated == w.actuated
+    names = {w.name: w.joint.removesuffix("_spin") for w in imported.wheels if w.joint}
+    pairs = {
+        (a.rpartition(".")[2], *sorted(names[s.rpartition(".")[0]] for s in (a, b)))
+        for a, b in imported.couplings
+    }
+    wanted = {(j, *sorted((ws[0], w))) for j, ws in robot.couplings for w in ws[1:]}
+    assert pairs == wanted
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda p: p.stem)
+def test_the_gallery_comes_back(path: Path, kind: str, tmp_path: Path) -> None:
+    robot = wmrgen.load(path)
+    imported = back(robot, tmp_path, kind)
+    same(robot, imported)
+    (tmp_path / "again.yaml").write_text(text(imported, "again.urdf"), encoding="utf-8")
+    once, again = wmrgen.derive(robot).mobility, wmrgen.derive(wmrgen.load(tmp_path / "again.yaml")).mobility
+    assert (again.robot_type, again.degenerate) == (once.robot_type, once.degenerate)
+
+
+def drawn(draw: Random) -> tuple[list[str], str]:
+    """Any mix of wheels that import can tell: rollers that slant, or wheels that steer beside plain ones."""
+
+    def near(low: float, high: float) -> str:
+        return f"{draw.choice((-1, 1)) * draw.uniform(low, high):.5f}"
+
+    def wheel(k: int, kind: str) -> str:
+        r = f"{draw.uniform(0.02, 0.3):.4f}"
+        base = f"name: w{k}, type: {kind}, x: {near(0, 2)}, y: {near(0, 2)}"
+        if kind == "spherical":
+            return base + draw.choice(("", f", r: {r}"))
+        heading = parallel if kind == "fixed" else draw.choice((near(0, 3.1), "pi", "0", "-pi/2"))
+        base += f", heading: {heading}, r: {r}"
+        if kind == "castor":
+            base += f", d: {near(0.035, 0.2)}, offset_y: {near(0, 0.1)}"
+        if kind == "swedish":
+            base += f", gamma: {near(0, 79)} deg"
+        if kind == "steered":
+            base += f", offset_y: {near(0, 0.1)}"
+        joints = {"fixed": ["spin"], "swedish": ["spin"], "steered": ["steer"], "castor": []}[kind]
+        more = {"steered": ["spin"], "castor": ["spin", "steer"]}.get(kind, [])
+        return base + f", actuated: [{', '.join(joints + more * draw.randint(0, 1))}]"
+
+    parallel = near(0, 3.1)
+    some = draw.choice((["swedish"], ["fixed", "steered", "castor"], ["castor", "fixed"], ["steered"]))
+    count = draw.randint(2, 6)
+    wheels = [wheel(k, draw.choice(some)) for k in range(count)]
+    wheels += [wheel(k, "spherical") for k in range(count, count + draw.randint(0, 2))]
+    steered = [k for k, w in enumerate(wheels) if "steered" in w]
+    more = (
+        f"couplings:\n  - equal: [{', '.join(f'w{k}.steer' for k in steered)}]\n" if len(steered) > 1 else ""
+    )
+    return wheels, more * draw.randint(0, 1)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize("seed", range(100 if DEEP else 12))
+def test_drawn_robots_come_back(seed: int, kind: str, tmp_path: Path) -> None:
+    wheels, more = drawn(Random(seed))
+    robot = load(tmp_path, *wheels, more=more)
+    same(robot, back(robot, tmp_path, kind))
+
+
+@pytest.mark.parametrize("kind", list(drives(Random(0))))
+def test_what_ros2_control_gets_comes_back(kind: str, tmp_path: Path) -> None:
+    """Its <ros2_control> says what drives, in the place of <transmission>."""
+    wheels, more = drives(Random(kind))[kind]
+    robot = load(tmp_path, *wheels, more=more)
+    same(robot, back(robot, tmp_path, "urdf", ros2_control(robot)["drawn.urdf"]))

@@ -87,7 +87,7 @@ def test_macros_alone_are_no_robot(wmrgen_cli: Cli, package: Path) -> None:
         ("${[x.__class__ for x in [1]]}", "refused"),
         ("${(x for x in [1]).gi_frame}", "refused"),
         ("${'x'.format_map(1)}", "refused"),
-        ("${9**9**9}", "refused"),
+        ("${9**9**9}", "more than 4096 bits"),
         ("${__import__('os')}", "refused"),
         ("${open('PLACE/evil', 'w')}", "open"),
         ("$(env HOME)", "environment"),

@@ -7,11 +7,13 @@ from pathlib import Path
 
 from wmrgen.cli import console
 from wmrgen.cli.writing import write_robot_file
+from wmrgen.errors import RobotFileError
 from wmrgen.importing.robot_file import as_json as imported_json
 from wmrgen.importing.robot_file import text
 from wmrgen.importing.source import description_of
 from wmrgen.importing.wheels import import_wheels
 from wmrgen.spec.schema import MODELINE
+from wmrgen.spec.text import printable
 
 
 def import_robot(
@@ -23,7 +25,13 @@ def import_robot(
     as_json: bool,
 ) -> int:
     """Write or print the robot file; say what is open."""
-    robot = import_wheels(description_of(file, arguments or (), package or ()), base)
+    try:
+        robot = import_wheels(description_of(file, arguments or (), package or ()), base)
+    except RobotFileError as error:
+        name = printable(file.name)
+        if name in error.what:
+            raise
+        raise RobotFileError(f"{name}: {error.what}", error.mark, error.why, error.instead) from None
     for note in robot.notes:
         console.note(f"{file.name}: note: {note}")
     written = f"{MODELINE}\n{text(robot, file.name)}"

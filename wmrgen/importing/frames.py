@@ -15,7 +15,7 @@ from wmrgen.importing.records import Frame, Joint, Matrix, Vector
 from wmrgen.layout.expressions import TOLERANCE
 from wmrgen.spec.text import quoted
 
-MAX_JOINTS = 2_000
+MAX_JOINTS, MAX_CHAIN = 1_000, 64  # of a robot, of its longest chain
 _QUARTERS = {0: (0, 1), 1: (1, 0), 2: (0, -1), 3: (-1, 0)}  # sine, cosine
 _DIGITS = 10**30
 _ZERO, _ONE = Fraction(0), Fraction(1)
@@ -112,12 +112,16 @@ def tree(joints: Sequence[Joint], links: Collection[str], notes: list[str]) -> t
             notes.append(f"{what}: {quoted(joint.child)} has a parent already; this one is not read")
         else:
             above[joint.child] = joint
-    for link in above:
-        seen = {link}
+    for start in above:
+        link, seen = start, {start}
         while link in above:
             link = above[link].parent
             if link in seen:
                 raise RobotFileError(f"the joints go in a circle through the link {quoted(link)}")
+            if len(seen) > MAX_CHAIN:
+                raise RobotFileError(
+                    f"more than {MAX_CHAIN} joints one behind the other, down to {quoted(start)}"
+                )
             seen.add(link)
     return tuple(above.values())
 

@@ -1,29 +1,28 @@
 """Xacro to URDF by the package xacro, kept from what a file of strangers must not do.
 
-The package evaluates Python: `${…}` under a check that nested functions pass by, `$(eval …)` under none. Here the
-second is refused and the first is limited to expressions without functions, private names or the insides of frames;
-files are read only in the folders of the packages given and of the file itself, the environment is not read. How long a
-macro runs is not limited.
+The package evaluates Python: `${…}` under a check that nested functions and `vars` pass by, `$(eval …)` under none.
+Here the second is refused, and the first is what `importing/expressions.py` leaves of it; files are read only in the
+folders of the packages given and of the file itself, the environment is not read. Macros end after so many elements.
 """
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import errno
 import io
+import itertools
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from wmrgen.errors import EnvironmentFailure, RobotFileError
+from wmrgen.importing.expressions import checked, counted, offered, weighed
 from wmrgen.importing.read import MAX_BYTES, parse, refuse
 from wmrgen.spec.text import printable, quoted, read_at_most
 
-_INSIDES = re.compile("_|(gi|cr|ag|tb|co|f|func)_|(format|format_map|mro)$")
-_REFUSED = (ast.Lambda, ast.GeneratorExp, ast.Await, ast.NamedExpr, ast.JoinedStr, ast.Yield, ast.YieldFrom)
-_MOST_CHARACTERS, _MOST_POWER, _MOST_MISSING = 2_000, 64, 20
+_MOST_MISSING, _YAML_BYTES = 20, 1 << 16
 
 
 def resolve(file: Path, arguments: Mapping[str, str], packages: Mapping[str, Path]) -> bytes:
@@ -103,10 +102,14 @@ def _kept(xacro: Any, roots: list[Path], packages: Mapping[str, Path]) -> Iterat
     """The package with its doors shut; as it was, afterwards."""
     from xacro import substitution_args
 
-    evaluate = xacro.safe_eval
-    doors: list[tuple[Any, str, Callable[..., Any]]] = [
+    evaluate, count = xacro.safe_eval, itertools.count()
+    doors: list[tuple[Any, str, Any]] = [
         (xacro, "open", lambda path, *_: _opened(Path(path), roots)),
-        (xacro, "safe_eval", lambda text, *scopes: evaluate(_checked(text), *scopes)),
+        (xacro, "glob", SimpleNamespace(glob=lambda pattern: _globbed(pattern, roots))),
+        (xacro, "_global_symbols", offered(xacro.create_global_symbols())),
+        (xacro, "safe_eval", lambda text, *scopes: weighed(evaluate(checked(text), *scopes))),
+        (xacro, "eval_text", counted(xacro.eval_text, count)),
+        (xacro, "handle_macro_call", counted(xacro.handle_macro_call, count)),
         (substitution_args, "_eval", _no_code),
         (substitution_args, "_eval_find", lambda name: _package(name, packages)),
         (substitution_args, "_eval_env", _no_environment),
@@ -135,40 +138,28 @@ def _no_environment(name: str) -> str:
 
 def _opened(path: Path, roots: list[Path]) -> io.StringIO:
     """The text of a file below one of ``roots``; XML without document type."""
-    where = path.resolve()
-    if not any(where.is_relative_to(root) for root in roots):
-        why = "outside the packages given (--package NAME=DIR)"
-        raise PermissionError(errno.EACCES, why, printable(str(path)))
+    where = _inside(path, roots)
     try:
         data = read_at_most(where, MAX_BYTES + 1)
     except ValueError as error:
         raise refuse(f"{printable(path.name)}: {error}") from None
     if where.suffix not in (".yaml", ".yml"):
         parse(data, printable(path.name))
-    elif len(data) > MAX_BYTES:
-        raise refuse(f"{printable(path.name)}: larger than {MAX_BYTES // 1024 // 1024} MiB")
+    elif len(data) > _YAML_BYTES:
+        raise refuse(f"{printable(path.name)}: larger than {_YAML_BYTES // 1024} KiB")
     return io.StringIO(data.decode("utf-8-sig"))
 
 
-def _checked(text: str) -> str:
-    """An expression of xacro, when it is plain. RobotFileError otherwise."""
-    if len(text) > _MOST_CHARACTERS:
-        raise refuse(f"an expression of {len(text)} characters")
-    try:
-        nodes = list(ast.walk(ast.parse(text.strip(), mode="eval")))
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise refuse(f"{quoted(text)} is not an expression") from None
-    for node in nodes:
-        name = node.attr if isinstance(node, ast.Attribute) else ""
-        name = node.id if isinstance(node, ast.Name) and node.id.startswith("__") else name
-        power = isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and not _small(node.right)
-        if isinstance(node, _REFUSED) or _INSIDES.match(name) or power:
-            raise refuse(f"the expression {quoted(text)} is refused: it may do more than compute")
-    return text
+def _globbed(pattern: str, roots: list[Path]) -> list[str]:
+    """The files that match: the pattern is of the name, in a folder below one of ``roots``."""
+    _inside(Path(pattern).parent, roots)
+    return [str(path) for path in Path(pattern).parent.glob(Path(pattern).name)]
 
 
-def _small(exponent: ast.expr) -> bool:
-    if isinstance(exponent, ast.UnaryOp):
-        return _small(exponent.operand)
-    value = exponent.value if isinstance(exponent, ast.Constant) else None
-    return isinstance(value, int | float) and abs(value) <= _MOST_POWER
+def _inside(path: Path, roots: list[Path]) -> Path:
+    """A path resolved, below one of ``roots``."""
+    where = path.resolve()
+    if not any(where.is_relative_to(root) for root in roots):
+        why = "outside the packages given (--package NAME=DIR)"
+        raise PermissionError(errno.EACCES, why, printable(str(path)))
+    return where

@@ -44,20 +44,21 @@ class Exact:
         g = gcd(den, *num)
         if den < 0:
             g = -g
-        self = object.__new__(cls)
-        self.num = num if g == 1 else (num[0] // g, num[1] // g, num[2] // g, num[3] // g)
-        self.den = den // g
-        self._hash = None
-        return self
+        if g == 1:
+            return cls._reduced(num, den)
+        return cls._reduced((num[0] // g, num[1] // g, num[2] // g, num[3] // g), den // g)
 
     @classmethod
     def _rational(cls, num: int, den: int) -> Exact:
         """num / den, den > 0."""
         g = gcd(num, den)
+        return cls._reduced((num // g, 0, 0, 0), den // g)
+
+    @classmethod
+    def _reduced(cls, num: tuple[int, int, int, int], den: int) -> Exact:
+        """num / den in lowest terms, den > 0."""
         self = object.__new__(cls)
-        self.num = (num // g, 0, 0, 0)
-        self.den = den // g
-        self._hash = None
+        self.num, self.den, self._hash = num, den, None
         return self
 
     @staticmethod
@@ -70,6 +71,11 @@ class Exact:
         """Coefficients of 1, sqrt2, sqrt3, sqrt6."""
         a, b, c, d = self.num
         return Fraction(a, self.den), Fraction(b, self.den), Fraction(c, self.den), Fraction(d, self.den)
+
+    @property
+    def key(self) -> str:
+        """A canonical text. Hexadecimal: Python writes no number of more than 4300 decimals."""
+        return f"{','.join(map(hex, self.num))}/{self.den:x}"
 
     @property
     def is_rational(self) -> bool:
@@ -92,7 +98,7 @@ class Exact:
 
     def __neg__(self) -> Exact:
         a, b, c, d = self.num
-        return Exact._make((-a, -b, -c, -d), self.den)
+        return Exact._reduced((-a, -b, -c, -d), self.den)
 
     def __sub__(self, other: Exact | Rational) -> Exact:
         return self + (-Exact.of(other))
@@ -126,7 +132,7 @@ class Exact:
             raise ZeroDivisionError("1/0 in Q(sqrt2, sqrt3)")
         a, b, c, d = self.num
         if not (b or c or d):
-            return Exact._make((self.den, 0, 0, 0), a)
+            return Exact._reduced((self.den if a > 0 else -self.den, 0, 0, 0), abs(a))
         flip3 = Exact._make((a, b, -c, -d), self.den)  # sqrt3 -> -sqrt3
         norm3 = self * flip3  # in Q(sqrt2)
         p, q = norm3.num[0], norm3.num[1]

@@ -75,9 +75,7 @@ class Poly:
     def key(self) -> str:
         """A canonical text: equal polynomials have equal keys."""
         if self._key is None:
-            parts = sorted(
-                ("*".join(f"{g.key}^{e}" for g, e in m), f"{c.num}/{c.den}") for m, c in self.terms.items()
-            )
+            parts = sorted(("*".join(f"{g.key}^{e}" for g, e in m), c.key) for m, c in self.terms.items())
             self._key = "+".join(f"{c}*{m}" for m, c in parts)
         return self._key
 

@@ -30,6 +30,7 @@ PI = Poly.gen("pi")
 TOLERANCE = Fraction(1, 500)
 SUSPICIOUS = Fraction(1, 200)  # nearer than this and not snapped: a note says so
 _SAME = Fraction(1, 10**35)
+LARGEST = 10**36  # the largest number that can be written, in the largest unit, and some
 _ELSE = "Change the expression or the parameters that it takes."
 
 
@@ -62,7 +63,12 @@ class Scope:
 
 def to_poly(quantity: Quantity, values: Mapping[str, Poly]) -> Poly:
     """The quantity as a polynomial in its parameters. ``values`` decide signs and zeros."""
-    return _Conversion(values, quantity.mark).poly(quantity.expr)
+    poly = _Conversion(values, quantity.mark).poly(quantity.expr)
+    if abs(number(poly, values).rational()) > LARGEST:
+        raise RobotFileError(
+            "a value beyond 1e36", quantity.mark, "No quantity of a robot is so large.", _ELSE
+        )
+    return poly
 
 
 def evaluate(quantity: Quantity, values: Mapping[str, Poly]) -> Exact:

@@ -16,55 +16,11 @@ from tests.conftest import GALLERY, Outcome, process, tree
 from tests.depth import everyday
 
 LINUX = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="resolves open directories by /proc")
-WATCHED = """
-import json, os, sys
-
-out, log, words = os.path.realpath(sys.argv[1]), sys.argv[2], sys.argv[3:]
-handle = os.open(log, os.O_WRONLY | os.O_CREAT)
-WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_TRUNC
-ONE = {"os.mkdir", "os.remove", "os.rmdir", "os.truncate", "os.chmod", "os.chown", "os.utime", "shutil.rmtree",
-       "tempfile.mkdtemp", "tempfile.mkstemp", "os.setxattr", "os.removexattr"}
-TWO = {"os.rename", "os.link", "os.symlink", "shutil.move", "shutil.copyfile", "shutil.copytree"}
-NEVER = ("socket.", "subprocess.", "os.system", "os.exec", "os.fork", "os.posix_spawn", "os.spawn", "pty.",
-         "ftplib.", "urllib.", "http.", "smtplib.", "webbrowser.")
-
-
-def inside(path, folder):
-    if isinstance(path, int):  # an open handle, which an earlier event let through
-        return True
-    base = os.readlink(f"/proc/self/fd/{folder}") if isinstance(folder, int) and folder >= 0 else os.getcwd()
-    path = os.path.realpath(os.path.join(base, os.fsdecode(path)))
-    return path == out or path.startswith(out + os.sep) or "__pycache__" in path
-
-
-def watch(event, args):
-    bad = event.startswith(NEVER)
-    seen = None
-    if event == "open":
-        path, mode, flags = args
-        seen = bool(flags & WRITES) or (mode is not None and bool(set(mode) & set("wax+")))
-        bad = seen and path != os.devnull and not inside(path, -1)
-    elif event in ONE:
-        folder = args[-1] if event in ("os.mkdir", "os.remove", "os.rmdir", "os.chmod", "os.chown") else -1
-        seen, bad = True, not inside(args[0], folder)
-    elif event in TWO:
-        folders = args[2:4] if len(args) >= 4 else (-1, -1)
-        seen, bad = True, not all(map(inside, args[:2], folders))
-    if bad or seen:
-        os.write(handle, (json.dumps([bool(bad), event, repr(args)]) + "\\n").encode())
-
-
-sys.addaudithook(watch)
-sys.argv = ["wmrgen", *words]
-from wmrgen.__main__ import main
-
-main()
-"""
 
 
 def watched(out: Path, log: Path, *words: object) -> tuple[Outcome, list[tuple[bool, str, str]]]:
     """The command line as a process, and every change that it made: (outside?, audit event, arguments)."""
-    python = (sys.executable, "-c", WATCHED, str(out), str(log))
+    python = (sys.executable, "-m", "tests.watched", str(out), str(log))
     done = process(*words, python=python)
     return done, [tuple(json.loads(line)) for line in log.read_text().splitlines()]
 

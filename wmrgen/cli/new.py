@@ -21,6 +21,7 @@ from wmrgen.spec.reader import read_tree
 from wmrgen.spec.schema import MODELINE
 from wmrgen.spec.tables import robot_name
 from wmrgen.spec.text import MappingNode, Node, Scalar, SequenceNode, quoted, suggestion
+from wmrgen.spec.typesetting import formatted
 
 if TYPE_CHECKING:
     from wmrgen.spec.records import RobotSpec
@@ -60,6 +61,7 @@ def new(
             words[p.name] = console.ask(f"{p.name}?", p.value.text, str)
     text = _with_values(origin, spec, words)
     text = _commented(_renamed(text, name, description or f"after {spec.description}"), name, start)
+    text = formatted(text, str(path))
     mobility = wmrgen.derive(wmrgen.robot_of(read_text(text, str(path)))).mobility
     files = write_robot_file(path, text)
     if as_json:

@@ -45,10 +45,11 @@ _ROLE, _POINT = VIRTUAL.choices
 
 def read_robot(path: str | Path) -> RobotSpec:
     """The robot file at ``path``. RobotFileError for everything that can be wrong with it."""
-    return read_text(_text_of(path), str(path))
+    return read_text(text_of(path), str(path))
 
 
-def _text_of(path: str | Path) -> str:
+def text_of(path: str | Path) -> str:
+    """The text of a robot file. RobotFileError where it cannot be read."""
     name = printable(str(path))
     try:
         data = read_at_most(path, MAX_BYTES + 1)

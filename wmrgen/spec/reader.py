@@ -6,6 +6,8 @@ text that was written. Tags and directives, in robot files anchors and aliases t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import yaml
@@ -211,3 +213,26 @@ def read_tree(text: str, file: str, aliases: bool = False) -> tuple[Node | None,
             "",
             "Compare with a file under robots/.",
         ) from None
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A word of YAML as it stands, or the start or end of a block, which has no text. ``column`` counts from 0."""
+
+    kind: str
+    text: str
+    start: int
+    column: int
+
+    @property
+    def end(self) -> int:
+        return self.start + len(self.text)
+
+
+def tokens(text: str, file: str) -> Iterator[Token]:
+    """The words of a robot file that `read_tree` reads, in order; what stands between them is blank or comment."""
+    composer = _Composer(text, Source.of(text, file))
+    while composer.check_token():
+        token = composer.get_token()
+        start, end = token.start_mark, token.end_mark
+        yield Token(token.id, text[start.index : end.index].rstrip(" \n"), start.index, start.column)

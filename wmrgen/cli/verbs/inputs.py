@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wmrgen.cli.declare import Json, Words, argument, group, option
+from wmrgen.cli.declare import Json, Robots, Words, argument, group, option
 
 verb = group("Robot files")
 
@@ -62,6 +62,21 @@ def import_robot(
 
     Make a robot file of a robot description. Wheels are told by geometry; what the file does not say stands as TODO
     with its question, and derive refuses the file until it is answered.
+    """
+
+
+@verb("fmt", "Lay out robot files alike.")
+def fmt(
+    robots: Robots,
+    only_check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; exit code 1 where a file would change.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen fmt robots/*.yaml
+
+    Lay out robot files alike: indentation, columns of wheels one below the other, spaces at brackets and comments.
+    Words, comments and their lines stay, and so does the robot.
     """
 
 

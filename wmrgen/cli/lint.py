@@ -10,20 +10,33 @@ import wmrgen
 from wmrgen.cli import console
 from wmrgen.cli.failures import all_as_data, place
 from wmrgen.cli.loading import linted
+from wmrgen.comparing.differences import compare
+from wmrgen.comparing.differences import findings as between
+from wmrgen.comparing.record import ROBOT_FILE
+from wmrgen.comparing.sources import layouts
 from wmrgen.errors import StaleError, WmrgenError
 
 if TYPE_CHECKING:
+    from wmrgen.comparing.record import Layout
     from wmrgen.lint import Finding, Rule
 
 
 def lint(robots: Sequence[Path], as_json: bool) -> int:
-    """Print the findings of all robots. Exit code 1 where there are some, an error's where a file is bad."""
+    """Print the findings of all robots, and of what other files say of the robot before them. Exit code 1 where there
+    are some, an error's where a file is bad."""
     findings: list[Finding] = []
     errors: list[WmrgenError] = []
+    robot: Layout | None = None
     for path in robots:
         try:
-            spec, robot = wmrgen.read(path)
-            findings += linted(spec, wmrgen.derive(robot))
+            for layout in layouts(path):
+                if layout.form == ROBOT_FILE:
+                    spec, built = wmrgen.read(path)
+                    findings += linted(spec, wmrgen.derive(built))
+                if layout.form == ROBOT_FILE or robot is None:
+                    robot = layout
+                if layout.form != ROBOT_FILE and (layout.controller or robot is not layout):
+                    findings += between(compare(robot, layout))
         except WmrgenError as error:
             errors.append(error)
     if as_json:
@@ -44,9 +57,11 @@ def lint(robots: Sequence[Path], as_json: bool) -> int:
 
 def explain(code: str | None, as_json: bool) -> int:
     """Print a rule with its examples; without a code, all of them in a line each."""
+    from wmrgen.comparing.rules import BETWEEN
     from wmrgen.lint import RULES, rule_called
 
-    rules = [rule_called(code)] if code else list(RULES.values())
+    table = {**RULES, **BETWEEN}
+    rules = [rule_called(code, table)] if code else list(table.values())
     if as_json:
         data = [_told(rule) for rule in rules]
         console.data(data[0] if code else {"rules": data})

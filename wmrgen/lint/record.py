@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
@@ -116,7 +116,7 @@ def rule(
 def findings(subject: Subject) -> list[Finding]:
     """What all rules find, in order of place; without what the file says is to be ignored on its line."""
     every = [replace(f, code=rule.code) for rule in RULES.values() for f in _checked(rule, subject)]
-    told = [f for f in every if f.code not in _ignored(f.mark)]
+    told = [f for f in every if f.code not in ignored(f.mark)]
     return sorted(dict.fromkeys(told), key=lambda f: (f.mark.line, f.mark.column, f.code))
 
 
@@ -129,15 +129,15 @@ def _checked(rule: Rule, subject: Subject) -> list[Finding]:
         return []
 
 
-def _ignored(mark: Mark) -> list[str]:
+def ignored(mark: Mark) -> list[str]:
     """The codes of the comment ``# wmrgen: ignore WMR012`` on a line."""
     match = _IGNORED.search(mark.text)
     return re.findall(r"WMR\d+", match[1]) if match else []
 
 
-def rule_called(code: str) -> Rule:
+def rule_called(code: str, rules: Mapping[str, Rule]) -> Rule:
     """The rule of a code, in any case. UsageError where there is none."""
-    if code.upper() not in RULES:
-        near = "".join(f" Did you mean {c}?" for c in get_close_matches(code.upper()[:20], RULES, 1))
+    if code.upper() not in rules:
+        near = "".join(f" Did you mean {c}?" for c in get_close_matches(code.upper()[:20], rules, 1))
         raise UsageError(f"{quoted(code)} is not the code of a rule.{near} `wmrgen explain` lists them.")
-    return RULES[code.upper()]
+    return rules[code.upper()]

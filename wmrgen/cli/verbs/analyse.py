@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from wmrgen.cli.declare import Json, Robot, Robots, Words, argument, group, words
+from wmrgen.cli.declare import Json, Robot, Robots, Words, argument, group, option, words
 
 verb = group("Analyse")
 
@@ -61,6 +61,29 @@ def explain(
     """Example:  wmrgen explain WMR012
 
     Say what a rule of `wmrgen lint` looks for and why, with a wrong and a right robot file.
+    """
+
+
+@verb("compare", "Say what descriptions of one robot say differently, and what that does.")
+def compare(
+    files: Annotated[
+        list[str],
+        argument(
+            "FILE...",
+            "Robot files, URDF, xacro, SDF, controllers' YAML, generated headers; NAME:=VALUE for xacro.",
+        ),
+    ],
+    base: Annotated[str | None, option("The link that is the robot's frame.", "LINK")] = None,
+    package: Annotated[
+        list[str] | None, option("The folder of a package that a file finds.", "NAME=DIR")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Example:  wmrgen compare my_robot.urdf controllers.yaml
+
+    Say what differs from the first file that has wheels to each other: track, wheelbase, radius, signs, rollers, order;
+    and how that robot moves when the other's numbers command it. Lengths within 0.2 % and angles within 0.002 rad are
+    equal. Exit code 1 when something differs.
     """
 
 

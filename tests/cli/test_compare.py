@@ -1,0 +1,117 @@
+"""compare, and lint over several files: exit codes, table, JSON as one object, every form of file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT, Outcome
+from tests.importing.urdf import robot, wheel
+
+Cli = Callable[..., Outcome]
+PIONEER = ROOT / "robots" / "pioneer3dx.yaml"
+CONTROLLER = "drive:\n  type: diff_drive_controller/DiffDriveController\n  left_wheel: left_joint\n"
+
+
+@pytest.fixture
+def urdf(tmp_path: Path) -> Path:
+    path = tmp_path / "robot.urdf"
+    plugin = (
+        '<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="drive"><wheel_separation>0.5</wheel_separation>'
+        "<wheel_diameter>0.2</wheel_diameter></plugin></gazebo>"
+    )
+    path.write_text(robot(wheel("left", "0 0.24 0.1"), wheel("right", "0 -0.24 0.1"), plugin))
+    return path
+
+
+@pytest.fixture
+def parameters(tmp_path: Path) -> Path:
+    path = tmp_path / "control.yaml"
+    path.write_text(f"{CONTROLLER}  wheel_separation: 0.48\n  wheel_radius: 0.12\n")
+    return path
+
+
+def test_a_table_with_codes_places_and_motion(wmrgen_cli: Cli, urdf: Path, parameters: Path) -> None:
+    done = wmrgen_cli("compare", urdf, parameters)
+    assert (done.code, done.err) == (1, "")
+    title, track, turn, second, radius, *motion = done.out.splitlines()
+    assert title.startswith(f"{urdf} -> {urdf}: drive (libgazebo_ros_diff_drive.so drive):")
+    assert track.split()[:2] == ["WMR040", "track"] and "0.48 m -> 0.5 m (+4.2 %)" in track
+    assert turn.split(maxsplit=1) == ["turn:", "yaw rate 4.2 % high"]
+    assert second.startswith(f"{urdf} -> {parameters}: drive")
+    assert "WMR042  radius (wheel_radius) 0.1 m -> 0.12 m (+20.0 %)" in radius
+    assert radius.endswith(f"{parameters}:5:17")
+    assert motion == ["  straight: drives 16.7 % too slow", "  turn:     yaw rate 16.7 % low"]
+
+
+def test_json_is_one_object(wmrgen_cli: Cli, urdf: Path, parameters: Path) -> None:
+    done = wmrgen_cli("compare", parameters, urdf, "--json")  # the robot is the file that has wheels
+    told = json.loads(done.out)
+    assert (done.code, told["robot"]) == (1, str(urdf))
+    first, second = sorted(told["comparisons"], key=lambda c: c["file"].startswith(str(urdf)))
+    assert (
+        not first["equal"]
+        and first["file"] == f"{parameters}: drive (diff_drive_controller/DiffDriveController)"
+    )
+    (d,) = first["differences"]
+    assert (d["code"], d["quantity"], d["wheel"], d["a"], d["b"]) == ("WMR042", "radius", "", 0.1, 0.12)
+    assert d["marks"] == [{"file": str(parameters), "line": 5, "column": 17}]
+    assert first["motion"]["turn"] == {"ratio": pytest.approx(1 / 1.2), "words": "yaw rate 16.7 % low"}
+    assert [d["code"] for d in second["differences"]] == ["WMR040"]
+
+
+def test_equal_files(wmrgen_cli: Cli, tmp_path: Path) -> None:
+    header = ROOT / "generated" / "pioneer3dx" / "pioneer3dx.h"
+    done = wmrgen_cli("compare", PIONEER, header, PIONEER)
+    assert (done.code, done.out) == (0, f"{PIONEER} -> {header}: equal\n{PIONEER} -> {PIONEER}: equal\n")
+    edited = tmp_path / "edited.h"
+    edited.write_text(header.read_text().replace("LEFT_RADIUS 0.0975f", "LEFT_RADIUS 0.0925f"))
+    done = wmrgen_cli("compare", PIONEER, edited, "--json")
+    (d,) = json.loads(done.out)["comparisons"][0]["differences"]
+    assert done.code == 1 and (d["code"], d["wheel"], d["b"]) == ("WMR042", "left", 0.0925)
+    assert "LEFT_RADIUS" in edited.read_text().split("\n")[d["marks"][0]["line"] - 1]
+
+
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        (["none.yaml"], "no such file"),
+        (["control.yaml"], "no file has wheels"),
+        (["robot.yaml"], "give a second file"),
+        (["robot.yaml", "empty.yaml"], "empty"),
+        (["robot.yaml", "bad.yaml"], "no number"),
+        (["robot.yaml", "robot.xml"], "robot.xml"),
+        (["robot.yaml", "header.h"], "no header of wmrgen"),
+    ],
+)
+def test_bad_files(wmrgen_cli: Cli, tmp_path: Path, parameters: Path, files: list[str], said: str) -> None:
+    (tmp_path / "robot.yaml").write_text(PIONEER.read_text())
+    (tmp_path / "empty.yaml").write_text("")
+    (tmp_path / "bad.yaml").write_text("drive: {wheel_radius: ten}\n")
+    (tmp_path / "robot.xml").write_text("<robot><link/>")
+    (tmp_path / "header.h").write_text("#define MINE_WHEELS 2\n")
+    for options in ([], ["--json"]):
+        done = wmrgen_cli("compare", *(tmp_path / name for name in files), *options)
+        assert done.code == 2
+        assert said in done.err + done.out
+
+
+def test_lint_holds_other_files_against_the_robot_before_them(
+    wmrgen_cli: Cli, urdf: Path, parameters: Path, robot_file: Path
+) -> None:
+    done = wmrgen_cli("lint", urdf, parameters, "--json")
+    told = json.loads(done.out)["findings"]
+    assert done.code == 1 and [f["code"] for f in told] == ["WMR040", "WMR042"]
+    assert (told[1]["file"], told[1]["line"]) == (str(parameters), 5)
+    assert "the robot drives 16.7 % too slow; yaw rate 16.7 % low" in told[1]["instead"]
+    done = wmrgen_cli("lint", robot_file, PIONEER)  # two robots are not compared
+    assert done.code == 0
+    parameters.write_text(parameters.read_text().replace("0.12", "0.12   # wmrgen: ignore WMR042"))
+    done = wmrgen_cli("lint", urdf, parameters, "--json")
+    assert [f["code"] for f in json.loads(done.out)["findings"]] == ["WMR040"]
+    assert wmrgen_cli("lint", parameters).code == 2
+    done = wmrgen_cli("explain", "WMR042", "--json")
+    assert done.code == 0 and "---" in json.loads(done.out)["wrong"]

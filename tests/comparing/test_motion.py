@@ -1,0 +1,210 @@
+"""What differences do to a motion: formulas of the texts, and the derivation's own inverse and forward kinematics."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+import wmrgen
+from tests.comparing.test_corpus import bicycle, mecanum, ring, side
+from wmrgen.comparing.differences import compare
+from wmrgen.comparing.record import Comparison, Layout, Side
+from wmrgen.comparing.sources import layouts, of_robot
+from wmrgen.exact.number import Exact
+
+S = pytest.mark.parametrize("s", [0.8, 1.07])
+
+
+def differential(track: float, r: float = 0.1, x: float = 0, left: float = 0, right: float = 0) -> Layout:
+    wheels = (
+        side("left", "fixed", x, track / 2, left, r=r),
+        side("right", "fixed", x, -track / 2, right, r=r),
+    )
+    return Layout("differential", "description", wheels)
+
+
+def skid(track: float, wheelbase: float) -> Layout:
+    wheels = [
+        side(f"{end}_{name}", "fixed", a * wheelbase / 2, b * track / 2)
+        for end, a in (("front", 1), ("rear", -1))
+        for name, b in (("left", 1), ("right", -1))
+    ]
+    return Layout("skid", "description", tuple(wheels))
+
+
+def car(wheelbase: float, track: float, front_track: float, r: float = 0.3, x: float = 0) -> Layout:
+    wheels = [
+        side(f"rear_{name}", "fixed", x, b * track / 2, r=r) for name, b in (("left", 1), ("right", -1))
+    ]
+    wheels += [
+        Side((w.name,), w.type, w.values, {}, ("steer",))
+        for name, b in (("left", 1), ("right", -1))
+        for w in [side(f"front_{name}", "steered", x + wheelbase, b * front_track / 2)]
+    ]
+    return Layout("car", "description", tuple(wheels))
+
+
+def ratios(c: Comparison) -> dict[str, float]:
+    return {e.motion: e.ratio for e in c.effects}
+
+
+def near(**expected: float) -> object:
+    return pytest.approx(expected, abs=1e-9)
+
+
+@S
+def test_differential(s: float) -> None:
+    """Siegwart (3.9): the yaw rate is r (right - left)/track."""
+    for x in (0.0, -0.17):
+        a = differential(0.37, x=x)
+        assert ratios(compare(a, differential(0.37 * s, x=x))) == near(straight=1, turn=s)
+        assert ratios(compare(a, differential(0.37, r=0.1 * s, x=x))) == near(straight=1 / s, turn=1 / s)
+
+
+@S
+def test_skid(s: float) -> None:
+    """Turning is skidding: how much depends on the lengths, but the command's share is that of the track."""
+    assert ratios(compare(skid(0.5, 0.7), skid(0.5 * s, 0.7))) == near(straight=1, turn=s)
+    assert ratios(compare(skid(0.5, 0.7), skid(0.5, 0.7 * s))) == near(straight=1, turn=1)
+
+
+@S
+def test_mecanum(s: float) -> None:
+    """The rim speed for a turn is lx + ly."""
+    a, lx, ly = mecanum(0.5, 0.3, 0.1), 0.25, 0.15
+    assert ratios(compare(a, mecanum(0.5 * s, 0.3, 0.1))) == near(
+        straight=1, strafe=1, turn=(s * lx + ly) / (lx + ly)
+    )
+    assert ratios(compare(a, mecanum(0.5, 0.3 * s, 0.1))) == near(
+        straight=1, strafe=1, turn=(lx + s * ly) / (lx + ly)
+    )
+    assert ratios(compare(a, mecanum(0.5, 0.3, 0.1 * s))) == near(straight=1 / s, strafe=1 / s, turn=1 / s)
+
+
+@S
+def test_omni(s: float) -> None:
+    assert ratios(compare(ring((0.2,) * 3), ring((0.2 * s,) * 3))) == near(straight=1, strafe=1, turn=s)
+
+
+@S
+def test_car(s: float) -> None:
+    """Tzafestas (2.52): tan of the steering angle is wheelbase times curvature; small, the angles are in proportion."""
+    for x in (0.0, -0.9):
+        one, other = (bicycle(x + 1.5 * k, x) for k in (1, s))
+        assert ratios(compare(one, other)) == pytest.approx({"straight": 1, "turn": s}, abs=1e-6)
+        a = car(1.5, 1.1, 1.2, x=x)
+        assert ratios(compare(a, car(1.5 * s, 1.1, 1.2, x=x))) == pytest.approx(
+            {"straight": 1, "turn": s}, abs=1e-6
+        )
+        assert ratios(compare(a, car(1.5, 1.1, 1.2, r=0.3 * s, x=x))) == pytest.approx(
+            {"straight": 1 / s, "turn": 1 / s}
+        )
+        narrow = compare(a, car(1.5, 1.1 * s, 1.2, x=x))
+        assert ratios(narrow) == pytest.approx({"straight": 1, "turn": 1})
+        assert "work against each other" in said(narrow)["turn"]
+
+
+def said(c: Comparison) -> dict[str, str]:
+    return {e.motion: e.words for e in c.effects if e.words}
+
+
+def test_signs_and_rollers_in_words() -> None:
+    pi = math.pi
+    a = differential(0.4)
+    assert said(compare(a, a)) == {}
+    both = said(compare(a, differential(0.4, left=pi, right=pi)))
+    assert both == {"straight": "drives backwards", "turn": "turns the wrong way"}
+    assert said(compare(a, differential(-0.4))) == {"turn": "turns the wrong way"}
+    one = said(compare(a, differential(0.4, left=pi)))
+    assert one["straight"].startswith("does not drive straight, turns while driving straight")
+    assert one["turn"].startswith("does not turn")
+    m = mecanum(0.5, 0.3, 0.1)
+    mirrored = [Side(w.names, w.type, dict(w.values) | {"gamma": -w.of("gamma")}) for w in m.wheels]
+    words = said(compare(m, Layout("seen from above", "", tuple(mirrored))))
+    assert words["strafe"] == "strafes the wrong way"
+    assert said(compare(a, differential(0.4 * 0.958))) == {"turn": "yaw rate 4.2 % low"}
+    assert said(compare(a, differential(0.4, r=0.1 / 1.013)))["straight"] == "drives 1.3 % too fast"
+    assert said(compare(a, differential(0.8))) == {"turn": "yaw rate 100.0 % high"}
+
+
+def test_what_is_equal() -> None:
+    """0.2 % of a length, 2e-3 rad, on both sides of the threshold."""
+    a = differential(0.4)
+    assert not compare(a, differential(0.4 * 1.0019)).differences
+    assert [d.code for d in compare(a, differential(0.4 * 1.0021)).differences] == ["WMR040"]
+    assert not compare(a, differential(0.4, r=0.1 * 0.9981)).differences
+    assert [d.code for d in compare(a, differential(0.4, r=0.1 * 0.9979)).differences] == ["WMR042"]
+    assert not compare(a, differential(0.4, right=1.9e-3)).differences
+    assert [d.code for d in compare(a, differential(0.4, right=2.1e-3)).differences] == ["WMR045"]
+    assert not compare(a, differential(0.4, left=-0.0, right=2 * math.pi)).differences
+
+
+TEXTS = {
+    "differential": (
+        "  - {{name: left, type: fixed, x: {x}, y: 0.2, heading: 0, r: {r}}}\n"
+        "  - {{name: right, type: fixed, x: {x}, y: -{y}, heading: 0, r: 0.1}}\n"
+    ),
+    "skid": (
+        "  - {{name: fl, type: fixed, x: 0.31, y: 0.2, heading: 0, r: {r}}}\n"
+        "  - {{name: fr, type: fixed, x: 0.3, y: -{y}, heading: 0, r: 0.1}}\n"
+        "  - {{name: rl, type: fixed, x: -0.2, y: 0.25, heading: 0, r: 0.1}}\n"
+        "  - {{name: rr, type: fixed, x: {x}, y: -0.25, heading: 0, r: 0.1}}\n"
+    ),
+    "mecanum": (
+        "  - {{name: fl, type: swedish, x: 0.3, y: 0.2, heading: 0, r: {r}, gamma: -45 deg}}\n"
+        "  - {{name: fr, type: swedish, x: 0.3, y: -{y}, heading: 0, r: 0.1, gamma: 45 deg}}\n"
+        "  - {{name: rl, type: swedish, x: -0.2, y: 0.25, heading: pi, r: 0.1, gamma: 40 deg}}\n"
+        "  - {{name: rr, type: swedish, x: {x}, y: -0.25, heading: 0, r: 0.1, gamma: -45 deg}}\n"
+    ),
+    "modules": (
+        "  - {{name: fl, type: steered, x: 0.3, y: 0.2, heading: 0, r: {r}, offset_y: 0.03}}\n"
+        "  - {{name: fr, type: steered, x: 0.3, y: -{y}, heading: 0.3, r: 0.1}}\n"
+        "  - {{name: rear, type: steered, x: {x}, y: 0.05, heading: pi, r: 0.1, offset_y: -0.02}}\n"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", TEXTS)
+def test_the_derivation_says_the_same(kind: str, tmp_path: Path) -> None:
+    """Forward kinematics of the first robot, of inverse kinematics of the second, exactly evaluated."""
+    robots = []
+    for name, values in (
+        ("one", {"x": "-0.15", "y": "0.2", "r": "0.1"}),
+        ("two", {"x": "-0.16", "y": "0.23", "r": "0.12"}),
+    ):
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(f"wmrgen: 1\nname: {name}\nwheels:\n{TEXTS[kind].format(**values)}", encoding="utf-8")
+        robots.append(wmrgen.load(path))
+    first, second = (wmrgen.derive(robot, ["inverse", "forward"]) for robot in robots)
+    result = compare(*(layouts(tmp_path / f"{name}.yaml")[0] for name in ("one", "two")))
+    assert ratios(result)
+    for effect in result.effects:
+        twist = {"straight": "vx", "strafe": "vy", "turn": "omega"}[effect.motion]
+        moved = []
+        for driver in (first, second):
+            told = (
+                driver.evaluate("inverse", {twist: Exact.of(1)})
+                if kind != "differential" or twist != "turn"
+                else None
+            )
+            if told is None:  # P is beside the axle: the twist that it allows
+                x = Fraction(str({"one": -0.15, "two": -0.16}[driver.robot.name]))
+                told = driver.evaluate("inverse", {"omega": Exact.of(1), "vy": Exact.of(-x)})
+            rates = {name: value for name, value in told.items() if name != "slip"}
+            moved.append(float(first.evaluate("forward", rates)[twist]))
+        assert effect.ratio == pytest.approx(moved[1] / moved[0], rel=1e-9), effect
+
+
+def test_nothing_in_the_gallery_differs_from_itself_or_its_header() -> None:
+    from tests.conftest import GALLERY, ROOT
+
+    for path in GALLERY:
+        robot = wmrgen.read(path)
+        (header,) = layouts(ROOT / "generated" / path.stem / f"{path.stem}.h")
+        for other in (of_robot(*robot, "itself"), header):
+            result = compare(of_robot(*robot, "robot"), other)
+            assert not result.differences, path
+            assert not said(result), path

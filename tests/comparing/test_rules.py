@@ -1,0 +1,51 @@
+"""Codes of differences: each finds its mistake between the files of its example, none between those mended."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wmrgen.comparing.differences import CODES, compare
+from wmrgen.comparing.record import Comparison
+from wmrgen.comparing.rules import BETWEEN
+from wmrgen.comparing.sources import layouts
+from wmrgen.lint import RULES, Rule
+
+EACH = pytest.mark.parametrize("rule", BETWEEN.values(), ids=BETWEEN)
+
+
+def files(folder: Path, example: str, ignore: str = "") -> tuple[Path, Path]:
+    """The two files of an example; ``ignore``: a comment on every line of the second."""
+    paths = []
+    for name, text in zip(("first", "second"), example.split("---\n"), strict=True):
+        head = "wmrgen: 1\nname: tried\n" if text.startswith("wheels:") else ""
+        lines = (head + text).rstrip("\n").split("\n")
+        if ignore and name == "second":
+            lines = [f"{line}   {ignore}" for line in lines]
+        paths.append(folder / f"{name}.yaml")
+        paths[-1].write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return paths[0], paths[1]
+
+
+def compared(paths: tuple[Path, Path]) -> Comparison:
+    (a,), (b,) = map(layouts, paths)
+    return compare(a, b)
+
+
+@EACH
+def test_the_wrong_example_has_the_difference_and_the_right_one_none(rule: Rule, tmp_path: Path) -> None:
+    assert {d.code for d in compared(files(tmp_path, rule.wrong)).differences} == {rule.code}
+    assert compared(files(tmp_path, rule.right)).differences == ()
+
+
+@EACH
+def test_a_comment_beside_the_line_ignores_that_difference_alone(rule: Rule, tmp_path: Path) -> None:
+    if compared(files(tmp_path, rule.wrong)).differences[0].marks:
+        assert compared(files(tmp_path, rule.wrong, f"# wmrgen: ignore {rule.code}")).differences == ()
+    assert compared(files(tmp_path, rule.wrong, "# wmrgen: ignore WMR999")).differences != ()
+
+
+def test_every_code_has_a_rule_and_none_is_of_one_robot() -> None:
+    assert set(CODES.values()) <= set(BETWEEN)
+    assert not set(BETWEEN) & set(RULES)

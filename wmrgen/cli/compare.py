@@ -1,0 +1,65 @@
+"""``wmrgen compare``: what descriptions of one robot say differently, and what that does to its motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from wmrgen.cli import console
+from wmrgen.comparing.differences import compare as compared
+from wmrgen.comparing.record import Comparison
+from wmrgen.comparing.sources import layouts
+from wmrgen.errors import StaleError, UsageError
+
+
+def compare(
+    files: Sequence[str],
+    base: str | None,
+    package: Sequence[str] | None,
+    as_json: bool,
+) -> int:
+    """Print what differs from the first file that has wheels to each other. Exit code 1 where something does."""
+    arguments = [word for word in files if ":=" in word]
+    paths = [Path(word) for word in files if ":=" not in word]
+    every = [layout for path in paths for layout in layouts(path, arguments, package or (), base)]
+    robot = next((layout for layout in every if not layout.controller), None)
+    if robot is None:
+        raise UsageError("no file has wheels: give a robot file, a description or a header, too")
+    if len(every) < 2:
+        raise UsageError(f"{robot.source} has no parameters in it: give a second file")
+    results = [compared(robot, layout) for layout in every if layout is not robot]
+    if as_json:
+        console.data({"robot": robot.source, "comparisons": [_as_data(c) for c in results]})
+    else:
+        for result in results:
+            console.result("\n".join(_lines(result)))
+    return StaleError.exit_code if any(c.differences for c in results) else 0
+
+
+def _lines(c: Comparison) -> Iterable[str]:
+    yield f"{c.a} -> {c.b}: {'' if c.differences else 'equal'}".rstrip()
+    for d in c.differences:
+        where = f"   {d.marks[0]}" if d.marks else ""
+        yield f"  {d.code}  {d.words}{where}"
+    for effect in c.effects:
+        if effect.words:
+            yield f"  {effect.motion + ':':<9} {effect.words}"
+    for note in c.notes:
+        yield f"  note: {note}"
+
+
+def _as_data(c: Comparison) -> dict[str, Any]:
+    differences = [
+        {**asdict(d), "marks": [{"file": m.file, "line": m.line, "column": m.column} for m in d.marks]}
+        for d in c.differences
+    ]
+    motion = {e.motion: {"ratio": e.ratio, "words": e.words} for e in c.effects}
+    return {
+        "file": c.b,
+        "equal": not differences,
+        "differences": differences,
+        "motion": motion,
+        "notes": list(c.notes),
+    }

@@ -1,0 +1,122 @@
+"""Files of any form to layouts: robot files, URDF, xacro and SDF, parameters of controllers, generated headers."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import wmrgen
+from wmrgen.comparing.record import ROBOT_FILE, Layout, Side
+from wmrgen.errors import RobotFileError
+from wmrgen.importing.controllers import read_controllers
+from wmrgen.importing.records import Controller, Imported, Wheel
+from wmrgen.importing.source import description_of
+from wmrgen.importing.wheels import import_wheels
+from wmrgen.layout.records import Robot
+from wmrgen.spec.numbers import NUMBER
+from wmrgen.spec.records import RobotSpec
+from wmrgen.spec.text import Source, printable, read_at_most
+from wmrgen.wheels import WHEEL_TYPES
+
+_HEADER = re.compile(r"^#define (\w+)_WHEELS \d+", re.MULTILINE)
+_WHEEL = re.compile(
+    r"^ \*   (\w+): (\w+),((?:.|\n \*   (?!\w+: ))*)$", re.MULTILINE
+)  # on as many lines as it takes
+_VALUE = re.compile(rf" (x|y|heading|r|d|offset_y|gamma) (-?{NUMBER}) (m|deg)\b")
+_MACRO = re.compile(rf"^#define (\w+)_(X|Y|RADIUS) \(?(-?{NUMBER})f?\)?(?= |$)", re.MULTILINE)
+_KEYS = {"X": "x", "Y": "y", "RADIUS": "r"}
+_LARGEST = 8 * 1024 * 1024  # of a header
+
+
+def of_robot(spec: RobotSpec, robot: Robot, source: str) -> Layout:
+    """The layout of a robot file."""
+    sides = []
+    for written, w in zip(spec.wheels, robot.wheels, strict=True):
+        g = w.nominal
+        values = {
+            key: float(getattr(g, name))
+            for key, name in (("x", "x"), ("y", "y"), ("d", "d"), ("offset_y", "o"))
+        }
+        values["heading"] = math.atan2(float(g.sh), float(g.ch))
+        if w.has_spin:
+            values["r"] = float(g.r)
+        if w.kind.rollers:
+            values["gamma"] = math.atan2(float(g.sg), float(g.cg))
+        marks = {"": written.mark}
+        for key in ("x", "y", "r", "d", "offset_y", "heading", "gamma", "l", "alpha", "beta"):
+            quantity = getattr(written, key)
+            marks |= {key: quantity.mark} if quantity else {}
+        sides.append(Side((w.name,), w.type, values, marks, w.actuated))
+    return Layout(source, ROBOT_FILE, tuple(sides), True)
+
+
+def of_import(robot: Imported, joints: frozenset[str], source: str) -> Layout:
+    """The layout of a URDF or SDF, as far as it says."""
+    return Layout(source, "description", tuple(map(_imported, robot.wheels)), joints=joints)
+
+
+def _imported(wheel: Wheel) -> Side:
+    keys = ("x", "y", "heading", "r", "d", "offset_y", "gamma")
+    values = {key: float(value) for key in keys if (value := getattr(wheel, key)) is not None}
+    names = (wheel.name, *filter(None, (wheel.joint, wheel.steer_joint)))
+    return Side(names, wheel.type, values, {}, wheel.actuated)
+
+
+def of_header(text: str, source: str) -> Layout:
+    """The layout of a header that `derive` wrote: lengths are its macros', the rest is said in its first comment."""
+    prefix = _HEADER.search(text)
+    lines = Source.of(text, source)
+    macros = {m[1] + m[2]: m for m in _MACRO.finditer(text)}
+    sides = []
+    for match in _WHEEL.finditer(text[: prefix.start() if prefix else 0]):
+        name, kind, rest = match[1], match[2], match[3].replace("\n *  ", "")
+        mark = lines.mark_at(text, match.start(1))
+        told = {
+            k: math.radians(float(v)) if unit == "deg" else float(v) for k, v, unit in _VALUE.findall(rest)
+        }
+        values = {"d": 0.0, "offset_y": 0.0, **told}
+        marks = {"": mark}
+        for word, key in _KEYS.items():
+            macro = macros.get(f"{prefix[1] if prefix else ''}_{name.upper()}{word}")
+            if macro:
+                values[key], marks[key] = float(macro[3]), lines.mark_at(text, macro.start(3))
+        if kind in WHEEL_TYPES and {"x", "y"} <= values.keys():
+            sides.append(Side((name,), kind, values, marks))
+    if not sides:
+        raise RobotFileError(
+            f"{source}: no header of wmrgen", None, "", "Give the .h that `wmrgen derive` wrote."
+        )
+    return Layout(source, "header", tuple(sides), True)
+
+
+def of_controller(controller: Controller, source: str) -> Layout:
+    """The lengths that a controller has, without wheels yet."""
+    title = " ".join(filter(None, (controller.name, f"({controller.type})" if controller.type else "")))
+    return Layout(f"{source}: {title}" if title else source, "controller", controller=controller)
+
+
+def layouts(
+    path: Path, arguments: Sequence[str] = (), packages: Sequence[str] = (), base: str | None = None
+) -> list[Layout]:
+    """What a file describes: one layout of a robot file or header; that of a description and, after it, those of its
+    drive plugins; those of a parameter file. RobotFileError as `wmrgen.load` for a file that is none of these."""
+    name = printable(str(path))
+    try:
+        start = read_at_most(path, _LARGEST)
+    except (OSError, ValueError):
+        start = b""  # of which `read` says why
+    if start.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        description = description_of(path, arguments, packages)
+        names = frozenset(joint.name for joint in description.joints)
+        result = [of_import(import_wheels(description, base), names, name)]
+        return result + [of_controller(c, name) for c in description.controllers]
+    text = start.decode("utf-8", "replace")
+    if _HEADER.search(text):
+        return [of_header(text, name)]
+    if text and not re.search(r"^\s*['\"]?wmrgen['\"]?\s*:", text, re.MULTILINE):
+        given = dict(word.split(":=", 1) for word in arguments if ":=" in word)
+        if controllers := read_controllers(path, given):
+            return [of_controller(c, name) for c in controllers]
+    return [of_robot(*wmrgen.read(path), name)]
